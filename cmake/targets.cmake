@@ -1,0 +1,20 @@
+# The library does the mathematics; what calls it is built for a short build.
+function(paracal_target_is_not_hot target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
+endfunction()
+
+# What every target of this project is compiled with; nothing global, so that a parent project keeps its own flags.
+function(paracal_target_defaults target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # False alarms of GCC 12 inside std::string (gcc.gnu.org bugs 105329 and 105651).
+    target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-restrict)
+  endif()
+  if(PARACAL_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(PARACAL_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${PARACAL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${PARACAL_SANITIZE})
+  endif()
+endfunction()

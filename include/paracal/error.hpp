@@ -1,0 +1,33 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace paracal {
+
+/// Root of everything this library throws. It is thrown only for what the caller or a file got wrong, at construction
+/// or load; numerical outcomes (unreachable, singular, not converged) are statuses in results.
+class Error : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// An argument that cannot be meant: a negative length, a NaN, two limbs at one azimuth. The message names the
+/// quantity, the value that came and the limit that it breaks, with units.
+class InvalidArgument : public Error {
+  using Error::Error;
+};
+
+/// A commanded pose that the robot cannot reach. The message names pose and limb.
+class Unreachable : public Error {
+  using Error::Error;
+};
+
+/// A file that cannot be used. The message reads `file:line: expected ..., got ...`; the line is left out where the
+/// file as a whole is at fault.
+class InputFileError : public Error {
+ public:
+  /// @param line  from 1; 0 where the file as a whole is at fault.
+  InputFileError(const std::string& file, int line, const std::string& complaint);
+};
+
+}  // namespace paracal

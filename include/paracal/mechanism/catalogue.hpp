@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "paracal/mechanism/robot.hpp"
+
+/// Robots that the library knows by name.
+namespace paracal::catalogue {
+
+/// The 4-freedom pick-and-place robot with articulated plate of [huang2016, Table 1]. Tolerances: Table 2 for the tilt
+/// group; for the position group, where the paper gives none, generous values about twice the largest error of its
+/// Table 4.
+Robot huang2016();
+
+/// A rotary Delta: three limbs, rigid plate. Arms 400 mm and rods 950 mm as in the Delta of [tsinghua2025];
+/// the other dimensions are round numbers of the same class.
+Robot rotary_delta();
+
+/// Names that find() knows.
+std::vector<std::string_view> names();
+
+/// @throws InvalidArgument when no robot has that name; the message lists the names.
+Robot find(std::string_view name);
+
+}  // namespace paracal::catalogue

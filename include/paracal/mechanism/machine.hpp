@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "paracal/mechanism/limb.hpp"
+#include "paracal/mechanism/source_errors.hpp"
+
+namespace paracal {
+
+struct RobotDescription;
+class Robot;
+
+/// A robot as built: the constants of all loop closures with the source errors worked in. Fixed size, no heap.
+template <typename Scalar>
+struct BasicMachine {
+  std::size_t limb_count = 0;
+  std::array<BasicLimb<Scalar>, kMaxLimbs> limbs;
+  Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();  ///< shat in the plate frame; zero for a rigid plate
+  double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
+  bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
+
+  bool has_slide() const { return pinion_radius > 0.0; }
+  /// Slide distance s = r_g phi, mm.
+  double slide_of(double rotation) const { return pinion_radius * rotation; }
+  /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
+  double rotation_of(double slide) const { return has_slide() ? slide / pinion_radius : 0.0; }
+};
+using Machine = BasicMachine<double>;
+
+/// The machine that a robot becomes with these source errors. The reduced errors enter Eq. (1) as
+///   db = e, da = 0;  l_1,2 = l + rod_mean +- rod_difference / 2;  c_c = c + width_difference, c_a = c;
+///   alpha3 = alpha0 - alpha03, beta3 = beta0 - beta03;
+///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),
+///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
+/// Instantiated for double; include machine_impl.hpp for other scalars.
+template <typename Scalar>
+BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);
+
+Machine build(const Robot& robot, const SourceErrors& errors);
+
+}  // namespace paracal

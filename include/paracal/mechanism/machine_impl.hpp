@@ -1,0 +1,82 @@
+#pragma once
+
+// Definition of build() for scalars other than double, e.g. automatic derivatives.
+
+#include <cmath>
+
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+namespace detail {
+
+template <typename Scalar>
+Matrix3<Scalar> rotation_x(const Scalar& angle) {
+  using std::cos, std::sin;
+  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
+  Matrix3<Scalar> rotation;
+  rotation << one, zero, zero, zero, c, -s, zero, s, c;
+  return rotation;
+}
+
+template <typename Scalar>
+Matrix3<Scalar> rotation_y(const Scalar& angle) {
+  using std::cos, std::sin;
+  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
+  Matrix3<Scalar> rotation;
+  rotation << c, zero, s, zero, one, zero, -s, zero, c;
+  return rotation;
+}
+
+/// Rot(z, gamma) Rot(x, pi/2): columns radial, vertical, radial x vertical.
+inline Eigen::Matrix3d nominal_frame(double azimuth) {
+  const double c = std::cos(azimuth), s = std::sin(azimuth);
+  Eigen::Matrix3d frame;
+  frame << c, 0.0, s, s, 0.0, -c, 0.0, 1.0, 0.0;
+  return frame;
+}
+
+}  // namespace detail
+
+template <typename Scalar>
+BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors) {
+  using detail::rotation_x, detail::rotation_y;
+  const Geometry& nominal = robot.geometry;
+  BasicMachine<Scalar> machine;
+  machine.limb_count = nominal.limb_azimuth.size();
+  if (robot.slide) {
+    machine.slide_axis = robot.slide->axis;
+    machine.pinion_radius = robot.slide->pinion_radius;
+  }
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const auto error = [&](Source source) { return errors(i, source); };
+    const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);
+    // Rot(x, pi/2 + alpha) = Rot(x, pi/2) Rot(x, alpha), which keeps the zero entries of the nominal frame exact.
+    const auto tilted = [&](const Scalar& alpha, const Scalar& beta) -> Matrix3<Scalar> {
+      return frame.cast<Scalar>() * (rotation_x(alpha) * rotation_y(beta));
+    };
+    BasicLimb<Scalar>& limb = machine.limbs[i];
+    limb.radial = frame.col(0);
+    limb.base = (nominal.base_radius * limb.radial).template cast<Scalar>() +
+                Vector3<Scalar>(error(Source::e_x), error(Source::e_y), error(Source::e_z));
+    limb.frame = tilted(error(Source::alpha0), error(Source::beta0));
+    limb.arm = nominal.arm + error(Source::arm_length);
+    limb.joint_offset = error(Source::theta_offset);
+    limb.elbow_frame = rotation_x(error(Source::alpha2)) * rotation_y(error(Source::beta2));
+    limb.elbow_width = nominal.parallelogram_width + error(Source::width_difference);
+    limb.plate = (nominal.plate_radius * limb.radial).template cast<Scalar>();
+    limb.plate_frame =
+        tilted(error(Source::alpha0) - error(Source::alpha03), error(Source::beta0) - error(Source::beta03));
+    limb.plate_width = Scalar(nominal.parallelogram_width);
+    const Scalar mean = nominal.rod + error(Source::rod_mean);
+    const Scalar half_difference = Scalar(0.5) * error(Source::rod_difference);
+    limb.rod = {mean + half_difference, mean - half_difference};
+    limb.slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
+    for (const Source source : all_sources()) {
+      if (paracal::tilts_plate(source) && error(source) != Scalar(0)) machine.tilts_plate = true;
+    }
+  }
+  return machine;
+}
+
+}  // namespace paracal

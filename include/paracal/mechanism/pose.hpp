@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace paracal {
+
+/// At most this many limbs: fixed-capacity types keep pose evaluations free of heap allocation.
+inline constexpr int kMaxLimbs = 4;
+
+/// What a controller commands: where the plate centre O' goes and how far the end-effector turns.
+///
+///   position   r, mm, in the base frame {O}: origin at the base centre, z up, so the workspace has z < 0
+///   rotation   phi = s / r_g, rad, of the end-effector relative to the plate about z; 0 for a rigid plate
+struct Pose {
+  Eigen::Vector3d position;
+  double rotation = 0.0;
+};
+
+/// Actuated joint coordinates q, one a limb (rad for revolute actuators), without heap allocation.
+using Joints = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxLimbs, 1>;
+
+}  // namespace paracal

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/pose.hpp"
+#include "paracal/mechanism/tolerances.hpp"
+#include "paracal/mechanism/workspace.hpp"
+
+namespace paracal {
+
+/// Nominal dimensions, alike for all limbs; mm and rad [huang2016, Table 1, in brackets].
+struct Geometry {
+  double base_radius = 0.0;          ///< circle of the base joints [b]
+  double plate_radius = 0.0;         ///< circle of the plate joints [a]
+  double arm = 0.0;                  ///< arm (proximal link) [L]
+  double rod = 0.0;                  ///< rod of the parallelogram [l]
+  double parallelogram_width = 0.0;  ///< short side of the parallelogram [c]
+  std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
+};
+
+/// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
+/// into rotation, phi = s / r_g. With s > 0 the plate joints of limb i stand at a_i + mu_i s shat in the plate frame.
+struct Slide {
+  Eigen::Vector3d axis;        ///< unit vector shat in the plate frame
+  std::vector<double> sign;    ///< mu_i: +1 or -1 a limb
+  double pinion_radius = 0.0;  ///< r_g, mm
+};
+
+/// Everything a robot is before it is checked. `slide` empty means a rigid plate (Delta).
+struct RobotDescription {
+  std::string name;
+  Geometry geometry;
+  std::optional<Slide> slide;
+  Workspace workspace;
+  std::optional<Tolerances> tolerances;
+};
+
+/// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
+/// freedoms (3 for a rigid plate, 4 with a slide), and every limb reaches the whole workspace. Immutable.
+class Robot {
+ public:
+  /// @throws InvalidArgument naming the quantity and the limit that it breaks.
+  explicit Robot(RobotDescription description);
+
+  const RobotDescription& description() const { return description_; }
+  const std::string& name() const { return description_.name; }
+  const Geometry& geometry() const { return description_.geometry; }
+  const std::optional<Slide>& slide() const { return description_.slide; }
+  const Workspace& workspace() const { return description_.workspace; }
+  const std::optional<Tolerances>& tolerances() const { return description_.tolerances; }
+  std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
+
+  /// The machine without source errors: what the controller believes.
+  const Machine& nominal() const { return nominal_; }
+
+ private:
+  RobotDescription description_;
+  Machine nominal_;
+};
+
+}  // namespace paracal

@@ -1,0 +1,144 @@
+#include "paracal/mechanism/robot.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "paracal/error.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr double kSmallestAzimuthGap = std::numbers::pi / 180.0;
+constexpr int kRimPoints = 72;
+
+void require_positive_mm(std::string_view quantity, double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) {
+    throw InvalidArgument(fmt::format("{}: expected a length above 0 mm, got {} mm", quantity, value));
+  }
+}
+
+void check_lengths(const Geometry& geometry) {
+  require_positive_mm("geometry.base_radius_mm", geometry.base_radius);
+  require_positive_mm("geometry.plate_radius_mm", geometry.plate_radius);
+  require_positive_mm("geometry.arm_mm", geometry.arm);
+  require_positive_mm("geometry.rod_mm", geometry.rod);
+  require_positive_mm("geometry.parallelogram_width_mm", geometry.parallelogram_width);
+}
+
+void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
+  const std::size_t freedoms = has_slide ? 4 : 3;
+  if (azimuth.size() != freedoms) {
+    throw InvalidArgument(fmt::format("geometry.limb_azimuth_deg: expected {} limbs for a {}, got {}", freedoms,
+                                      has_slide ? "plate with a slide" : "rigid plate", azimuth.size()));
+  }
+  for (std::size_t i = 0; i < azimuth.size(); ++i) {
+    if (!std::isfinite(azimuth[i])) {
+      throw InvalidArgument(fmt::format("geometry.limb_azimuth_deg: expected a number for limb {}, got {}", i + 1,
+                                        to_degrees(azimuth[i])));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const double gap = std::abs(std::remainder(azimuth[i] - azimuth[j], 2.0 * std::numbers::pi));
+      if (gap < kSmallestAzimuthGap) {
+        throw InvalidArgument(fmt::format(
+            "geometry.limb_azimuth_deg: limbs {} and {} stand at one azimuth ({:g} and {:g} deg), expected at least "
+            "{:g} deg between them",
+            j + 1, i + 1, to_degrees(azimuth[j]), to_degrees(azimuth[i]), to_degrees(kSmallestAzimuthGap)));
+      }
+    }
+  }
+}
+
+void check_slide(Slide& slide, std::size_t limbs) {
+  require_positive_mm("plate.pinion_radius_mm", slide.pinion_radius);
+  if (!slide.axis.allFinite() || slide.axis.norm() < 1e-9) {
+    throw InvalidArgument(fmt::format("plate.slide_axis: expected a direction, got [{}, {}, {}]", slide.axis.x(),
+                                      slide.axis.y(), slide.axis.z()));
+  }
+  slide.axis.normalize();
+  if (slide.sign.size() != limbs) {
+    throw InvalidArgument(
+        fmt::format("plate.slide_sign: expected one sign a limb ({}), got {}", limbs, slide.sign.size()));
+  }
+  double sum = 0.0;
+  for (const double sign : slide.sign) {
+    if (std::abs(sign) != 1.0) {
+      throw InvalidArgument(fmt::format("plate.slide_sign: expected +1 or -1, got {}", sign));
+    }
+    sum += sign;
+  }
+  if (std::abs(sum) == static_cast<double>(limbs)) {
+    throw InvalidArgument("plate.slide_sign: expected both signs, got one: such a slide only shifts the plate");
+  }
+}
+
+void check_workspace(const Workspace& workspace, bool has_slide) {
+  require_positive_mm("workspace.radius_mm", workspace.radius);
+  require_positive_mm("workspace.height_mm", workspace.height);
+  if (!(workspace.top_z < 0.0) || !std::isfinite(workspace.top_z)) {
+    throw InvalidArgument(
+        fmt::format("workspace.top_z_mm: expected a depth below the base (< 0 mm), got {} mm", workspace.top_z));
+  }
+  const double low = to_degrees(workspace.min_rotation), high = to_degrees(workspace.max_rotation);
+  if (!(low <= high) || !std::isfinite(low) || !std::isfinite(high)) {
+    throw InvalidArgument(
+        fmt::format("workspace.rotation_deg: expected [smallest, largest], got [{:g}, {:g}] deg", low, high));
+  }
+  if (!has_slide && (low != 0.0 || high != 0.0)) {
+    throw InvalidArgument(fmt::format(
+        "workspace.rotation_deg: expected [0, 0] or nothing for a rigid plate, got [{:g}, {:g}] deg", low, high));
+  }
+}
+
+/// Names the first limb that cannot close its triangle of arm and rod somewhere on the rims of the workspace.
+void check_reach(const Machine& machine, const Workspace& workspace) {
+  for (const Pose& pose : workspace.rim(kRimPoints)) {
+    const double slide = machine.slide_of(pose.rotation);
+    for (std::size_t i = 0; i < machine.limb_count; ++i) {
+      const Limb& limb = machine.limbs[i];
+      const Eigen::Vector3d joint = pose.position + limb.plate + limb.slide_sign * slide * machine.slide_axis;
+      if (solve_arm(limb, joint).reached) continue;
+      const Eigen::Vector3d d = joint - limb.base;
+      const double in_plane = std::hypot(d.dot(limb.frame.col(0)), d.dot(limb.frame.col(1)));
+      const double across = d.dot(limb.frame.col(2));
+      throw InvalidArgument(fmt::format(
+          "workspace: limb {} cannot reach ({:.1f}, {:.1f}, {:.1f}) mm at {:.0f} deg: with an arm of {:g} mm it needs "
+          "a rod "
+          "of {:.1f} to {:.1f} mm there, geometry.rod_mm is {:g}",
+          i + 1, pose.position.x(), pose.position.y(), pose.position.z(), to_degrees(pose.rotation), limb.arm,
+          std::hypot(in_plane - limb.arm, across), std::hypot(in_plane + limb.arm, across), limb.mean_rod()));
+    }
+  }
+}
+
+void check_tolerances(const Tolerances& tolerances) {
+  for (const Source source : all_sources()) {
+    const double half_width = tolerances[source];
+    if (!(half_width >= 0.0) || !std::isfinite(half_width)) {
+      throw InvalidArgument(
+          fmt::format("tolerances.{}: expected a half-width of at least 0, got {}", name(source), half_width));
+    }
+  }
+}
+
+Machine checked_nominal(RobotDescription& description) {
+  if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
+  const bool has_slide = description.slide.has_value();
+  check_lengths(description.geometry);
+  check_limbs(description.geometry.limb_azimuth, has_slide);
+  if (has_slide) check_slide(*description.slide, description.geometry.limb_azimuth.size());
+  check_workspace(description.workspace, has_slide);
+  if (description.tolerances) check_tolerances(*description.tolerances);
+  const Machine nominal = build(description, SourceErrors{});
+  check_reach(nominal, description.workspace);
+  return nominal;
+}
+
+}  // namespace
+
+Robot::Robot(RobotDescription description)
+    : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
+
+}  // namespace paracal

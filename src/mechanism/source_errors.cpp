@@ -1,0 +1,42 @@
+#include "paracal/mechanism/source_errors.hpp"
+
+#include <algorithm>
+
+namespace paracal {
+namespace {
+
+struct SourceEntry {
+  std::string_view name;
+  Unit unit;
+};
+
+constexpr std::array<SourceEntry, kSourceCount> kSources{{
+    {"theta_offset", Unit::rad},
+    {"e_x", Unit::mm},
+    {"e_y", Unit::mm},
+    {"e_z", Unit::mm},
+    {"arm_length", Unit::mm},
+    {"alpha0", Unit::rad},
+    {"beta0", Unit::rad},
+    {"rod_mean", Unit::mm},
+    {"rod_difference", Unit::mm},
+    {"width_difference", Unit::mm},
+    {"alpha03", Unit::rad},
+    {"beta03", Unit::rad},
+    {"alpha2", Unit::rad},
+    {"beta2", Unit::rad},
+}};
+
+}  // namespace
+
+Unit unit(Source source) { return kSources[index(source)].unit; }
+
+std::string_view name(Source source) { return kSources[index(source)].name; }
+
+std::optional<Source> source_named(std::string_view name) {
+  const auto* found = std::ranges::find(kSources, name, &SourceEntry::name);
+  if (found == kSources.end()) return std::nullopt;
+  return static_cast<Source>(found - kSources.begin());
+}
+
+}  // namespace paracal

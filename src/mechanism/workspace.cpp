@@ -1,0 +1,25 @@
+#include "paracal/mechanism/workspace.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace paracal {
+
+Eigen::Vector3d Workspace::on_circle(double circle_radius, double azimuth, double z) {
+  return {circle_radius * std::cos(azimuth), circle_radius * std::sin(azimuth), z};
+}
+
+std::vector<Pose> Workspace::rim(int points_per_circle) const {
+  std::vector<Pose> poses;
+  for (const double z : {top_z, top_z - height}) {
+    for (const double rotation : {min_rotation, 0.5 * (min_rotation + max_rotation), max_rotation}) {
+      for (int k = 0; k < points_per_circle; ++k) {
+        const double azimuth = 2.0 * std::numbers::pi * k / points_per_circle;
+        poses.push_back({on_circle(radius, azimuth, z), rotation});
+      }
+    }
+  }
+  return poses;
+}
+
+}  // namespace paracal

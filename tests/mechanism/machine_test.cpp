@@ -1,0 +1,67 @@
+#include "paracal/mechanism/machine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "paracal/mechanism/catalogue.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+using Eigen::Matrix3d, Eigen::Vector3d;
+
+Matrix3d turn(const Vector3d& axis, double angle) { return Eigen::AngleAxisd(angle, axis).matrix(); }
+
+TEST(Machine, NominalFramesAreRadialVerticalAndAcross) {
+  const Robot robot = catalogue::huang2016();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double g = robot.geometry().limb_azimuth[i];
+    const Limb& limb = robot.nominal().limbs[i];
+    EXPECT_TRUE(limb.frame.col(0).isApprox(Vector3d(std::cos(g), std::sin(g), 0)));
+    EXPECT_TRUE(limb.frame.col(1).isApprox(Vector3d(0, 0, 1)));
+    EXPECT_TRUE(limb.frame.col(2).isApprox(Vector3d(std::sin(g), -std::cos(g), 0)));
+    EXPECT_TRUE(limb.base.isApprox(200.0 * limb.frame.col(0)));
+    EXPECT_TRUE(limb.plate.isApprox(75.0 * limb.frame.col(0)));
+  }
+}
+
+/// The rotations of [huang2016, Eq. (1)], written down once more with Eigen's axis-angle type.
+TEST(Machine, ErrorsEnterAsInEquation1) {
+  const Robot robot = catalogue::huang2016();
+  test::Random random;
+  const SourceErrors errors = random.errors(robot, 2.0, 0.1);
+  const Machine machine = build(robot, errors);
+  const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto e = [&](Source source) { return errors(i, source); };
+    const double g = robot.geometry().limb_azimuth[i], quarter = std::numbers::pi / 2;
+    const Limb& limb = machine.limbs[i];
+    const Matrix3d base = turn(z, g) * turn(x, quarter + e(Source::alpha0)) * turn(y, e(Source::beta0));
+    const Matrix3d elbow = turn(x, e(Source::alpha2)) * turn(y, e(Source::beta2));
+    const Matrix3d plate = turn(z, g) * turn(x, quarter + e(Source::alpha0) - e(Source::alpha03)) *
+                           turn(y, e(Source::beta0) - e(Source::beta03));
+    EXPECT_TRUE(limb.frame.isApprox(base, 1e-14));
+    EXPECT_TRUE(limb.elbow_frame.isApprox(elbow, 1e-14));
+    EXPECT_TRUE(limb.plate_frame.isApprox(plate, 1e-14));
+    EXPECT_NEAR(limb.rod[0] - limb.rod[1], e(Source::rod_difference), 1e-12);
+    EXPECT_NEAR(limb.mean_rod(), 950.0 + e(Source::rod_mean), 1e-12);
+    EXPECT_NEAR(limb.elbow_width - limb.plate_width, e(Source::width_difference), 1e-12);
+    EXPECT_EQ(limb.joint_offset, e(Source::theta_offset));
+    EXPECT_EQ(limb.arm, 375.0 + e(Source::arm_length));
+  }
+}
+
+TEST(Machine, KnowsWhetherSomethingTiltsThePlate) {
+  const Robot robot = catalogue::huang2016();
+  SourceErrors errors;
+  errors(2, Source::alpha0) = 1e-3;
+  EXPECT_FALSE(build(robot, errors).tilts_plate);
+  errors(2, Source::beta03) = 1e-9;
+  EXPECT_TRUE(build(robot, errors).tilts_plate);
+}
+
+}  // namespace
+}  // namespace paracal

@@ -1,0 +1,97 @@
+#include "paracal/mechanism/robot.hpp"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <limits>
+
+#include "paracal/error.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Nonsense {
+  const char* name;
+  std::function<void(RobotDescription&)> spoil;
+  const char* quantity;
+  const char* limit;
+};
+
+class RefusedRobot : public ::testing::TestWithParam<Nonsense> {};
+
+TEST_P(RefusedRobot, NamesQuantityAndLimit) {
+  RobotDescription description = catalogue::huang2016().description();
+  GetParam().spoil(description);
+  try {
+    const Robot robot(description);
+    FAIL() << "was accepted";
+  } catch (const InvalidArgument& refusal) {
+    EXPECT_THAT(refusal.what(), testing::StartsWith(GetParam().quantity));
+    EXPECT_THAT(refusal.what(), testing::HasSubstr(GetParam().limit));
+  }
+}
+
+const Nonsense kNonsense[] = {
+    {"NoName", [](auto& r) { r.name = ""; }, "name", "expected a name"},
+    {"NegativeArm", [](auto& r) { r.geometry.arm = -375; }, "geometry.arm_mm", "above 0 mm, got -375 mm"},
+    {"ZeroRod", [](auto& r) { r.geometry.rod = 0; }, "geometry.rod_mm", "above 0 mm, got 0 mm"},
+    {"NanWidth", [](auto& r) { r.geometry.parallelogram_width = kNan; }, "geometry.parallelogram_width_mm", "nan"},
+    {"InfiniteBase", [](auto& r) { r.geometry.base_radius = 1 / 0.0; }, "geometry.base_radius_mm", "inf"},
+    {"NegativePlate", [](auto& r) { r.geometry.plate_radius = -1; }, "geometry.plate_radius_mm", "above 0 mm"},
+    {"TwoLimbsAtOneAzimuth", [](auto& r) { r.geometry.limb_azimuth[2] = r.geometry.limb_azimuth[0] + to_radians(360); },
+     "geometry.limb_azimuth_deg", "limbs 1 and 3"},
+    {"NanAzimuth", [](auto& r) { r.geometry.limb_azimuth[1] = kNan; }, "geometry.limb_azimuth_deg", "limb 2"},
+    {"FiveLimbs", [](auto& r) { r.geometry.limb_azimuth.push_back(1.0); }, "geometry.limb_azimuth_deg",
+     "expected 4 limbs"},
+    {"FourLimbsOnARigidPlate", [](auto& r) { r.slide.reset(); }, "geometry.limb_azimuth_deg", "expected 3 limbs"},
+    {"NoSlideDirection", [](auto& r) { r.slide->axis.setZero(); }, "plate.slide_axis", "direction"},
+    {"SlideSignOfTwo", [](auto& r) { r.slide->sign[0] = 2; }, "plate.slide_sign", "+1 or -1, got 2"},
+    {"ThreeSlideSigns", [](auto& r) { r.slide->sign.pop_back(); }, "plate.slide_sign", "(4), got 3"},
+    {"OneSlideSignForAll",
+     [](auto& r) {
+       r.slide->sign = {1, 1, 1, 1};
+     },
+     "plate.slide_sign", "both signs"},
+    {"NegativePinion", [](auto& r) { r.slide->pinion_radius = -12; }, "plate.pinion_radius_mm", "above 0 mm"},
+    {"WorkspaceAboveTheBase", [](auto& r) { r.workspace.top_z = 763; }, "workspace.top_z_mm", "< 0 mm"},
+    {"FlatWorkspace", [](auto& r) { r.workspace.height = 0; }, "workspace.height_mm", "above 0 mm"},
+    {"RotationTheWrongWayRound", [](auto& r) { r.workspace.min_rotation = 4; }, "workspace.rotation_deg",
+     "[smallest, largest]"},
+    {"WorkspaceTooDeep", [](auto& r) { r.workspace.top_z = -1200; }, "workspace: limb", "geometry.rod_mm is 950"},
+    {"WorkspaceTooWide", [](auto& r) { r.workspace.radius = 900; }, "workspace: limb", "cannot reach"},
+    {"NegativeTolerance", [](auto& r) { (*r.tolerances)[Source::alpha2] = -1; }, "tolerances.alpha2", "at least 0"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Geometry, RefusedRobot, ::testing::ValuesIn(kNonsense),
+                         [](const auto& nonsense) { return nonsense.param.name; });
+
+TEST(Robot, RigidPlateDoesNotTurn) {
+  RobotDescription description = catalogue::rotary_delta().description();
+  description.workspace.max_rotation = 1.0;
+  EXPECT_THROW(Robot{description}, InvalidArgument);
+}
+
+TEST(Robot, HuangsDimensionsAreTable1) {
+  const Robot robot = catalogue::huang2016();
+  const Geometry& g = robot.geometry();
+  EXPECT_EQ(g.base_radius, 200.0);
+  EXPECT_EQ(g.plate_radius, 75.0);
+  EXPECT_EQ(g.arm, 375.0);
+  EXPECT_EQ(g.rod, 950.0);
+  EXPECT_EQ(g.parallelogram_width, 100.0);
+  EXPECT_EQ(robot.slide()->pinion_radius, 12.0);
+  EXPECT_EQ(robot.workspace().radius, 500.0);
+  EXPECT_EQ(robot.workspace().centre(), Eigen::Vector3d(0, 0, -888));
+}
+
+TEST(Catalogue, UnknownNameListsTheKnownOnes) {
+  EXPECT_THAT([] { return catalogue::find("stewart"); },
+              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("huang2016, rotary_delta")));
+}
+
+}  // namespace
+}  // namespace paracal

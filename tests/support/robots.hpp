@@ -1,0 +1,50 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "paracal/mechanism/catalogue.hpp"
+
+namespace paracal::test {
+
+/// Laws that hold for every robot are tested on every robot of the catalogue.
+class EveryRobot : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  Robot robot = catalogue::find(GetParam());
+};
+
+inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& info) {
+  return std::string(info.param);
+}
+
+/// Instantiates a suite derived from EveryRobot.
+#define PARACAL_ON_EVERY_ROBOT(suite)                                                          \
+  INSTANTIATE_TEST_SUITE_P(Catalogue, suite, ::testing::ValuesIn(paracal::catalogue::names()), \
+                           paracal::test::robot_name)
+
+/// Reproducible random numbers: the same sequence in every run.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed = 1) : engine_(seed) {}
+
+  double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(engine_); }
+  double normal(double sigma) { return std::normal_distribution<>(0.0, sigma)(engine_); }
+
+  /// Anywhere in the workspace, any rotation.
+  Pose pose(const Robot& robot);
+  /// Every source error uniform within +-mm or +-rad, by unit.
+  SourceErrors errors(const Robot& robot, double mm, double rad);
+  /// Position group as large as in [huang2016, Table 4], tilt group within the robot's tolerances.
+  SourceErrors realistic_errors(const Robot& robot);
+  /// A point of the ball of that radius.
+  Eigen::Vector3d within(double radius);
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace paracal::test
