@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+#include "paracal/mechanism/machine.hpp"
+
+namespace paracal {
+
+/// Where the plate really is: the seven unknowns of the loop closure (six for a rigid plate, whose slide stays 0).
+///
+///   position  r, mm, of O' in the base frame {O}
+///   tilt      (tilt_x, tilt_y, tilt_z), rad: R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)   [huang2016, Eq. (1)]
+///   slide     s, mm
+template <typename Scalar>
+struct BasicPlateState {
+  Vector3<Scalar> position = Vector3<Scalar>::Zero();
+  Vector3<Scalar> tilt = Vector3<Scalar>::Zero();
+  Scalar slide = Scalar(0);
+};
+using PlateState = BasicPlateState<double>;
+
+/// R of the plate, and the axes about which its three angles turn, as columns, both in {O}:
+/// dR p = (axes.col(k) x R p) d(tilt_k).
+template <typename Scalar>
+struct PlateRotation {
+  Matrix3<Scalar> matrix;
+  Matrix3<Scalar> axes;
+};
+
+template <typename Scalar>
+PlateRotation<Scalar> plate_rotation(const Vector3<Scalar>& tilt) {
+  using std::cos, std::sin;
+  const Scalar ca = cos(tilt.x()), sa = sin(tilt.x());
+  const Scalar cb = cos(tilt.y()), sb = sin(tilt.y());
+  const Scalar cg = cos(tilt.z()), sg = sin(tilt.z());
+  PlateRotation<Scalar> rotation;
+  rotation.matrix << cb * cg, -cb * sg, sb,                      //
+      ca * sg + sa * sb * cg, ca * cg - sa * sb * sg, -sa * cb,  //
+      sa * sg - ca * sb * cg, sa * cg + ca * sb * sg, ca * cb;
+  rotation.axes << Scalar(1), Scalar(0), sb,  //
+      Scalar(0), ca, -sa * cb,                //
+      Scalar(0), sa, ca * cb;
+  return rotation;
+}
+
+/// The elbow of one limb at a joint coordinate, relative to its base joint, in {O}, mm.
+///
+///   arm, arm_normal  u_1, v_1
+///   half             half the short side of the parallelogram there, (c_c / 2) R_0 R_1 R_2 e_3
+///   joint[j]         where rod j is hinged: b + L u_1 + sgn(j) half, from O
+template <typename Scalar>
+struct Elbow {
+  Vector3<Scalar> arm;
+  Vector3<Scalar> arm_normal;
+  Vector3<Scalar> half;
+  std::array<Vector3<Scalar>, 2> joint;
+};
+
+template <typename Scalar>
+Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
+  const ArmDirections<Scalar> direction = arm_directions(limb, joint);
+  const Vector3<Scalar> half = (Scalar(0.5) * limb.elbow_width) * limb.elbow_frame.col(2);
+  Elbow<Scalar> elbow;
+  elbow.arm = direction.u1;
+  elbow.arm_normal = direction.v1;
+  elbow.half = half.x() * direction.u1 + half.y() * direction.v1 + half.z() * limb.frame.col(2);
+  const Vector3<Scalar> centre = limb.base + limb.arm * direction.u1;
+  elbow.joint = {centre + elbow.half, centre - elbow.half};
+  return elbow;
+}
+
+/// Where the rods of one limb are hinged on the plate, from O', in the plate frame, mm:
+/// a_i + mu_i s shat + sgn(j) (c_a / 2) R_3 e_3.
+template <typename Scalar>
+std::array<Vector3<Scalar>, 2> plate_joints(const BasicMachine<Scalar>& machine, const BasicLimb<Scalar>& limb,
+                                            const Scalar& slide) {
+  const Vector3<Scalar> centre = limb.plate + (limb.slide_sign * slide) * machine.slide_axis.template cast<Scalar>();
+  const Vector3<Scalar> half = (Scalar(0.5) * limb.plate_width) * limb.plate_frame.col(2);
+  return {centre + half, centre - half};
+}
+
+/// Residuals of all rods, |r + R plate_joint - elbow_joint| - l_j in mm [huang2016, Eq. (1)], in the order limb 1 rod
+/// 1, limb 1 rod 2, limb 2 rod 1, ...; entries beyond 2 x limb_count are zero. A closed machine has them all zero, up
+/// to what one over-constraint leaves.
+template <typename Scalar>
+Eigen::Matrix<Scalar, 2 * kMaxLimbs, 1> rod_residuals(const BasicMachine<Scalar>& machine,
+                                                      const BasicPlateState<Scalar>& plate,
+                                                      const std::array<Scalar, kMaxLimbs>& joints) {
+  using Residuals = Eigen::Matrix<Scalar, 2 * kMaxLimbs, 1>;
+  Residuals residuals = Residuals::Constant(Scalar(0));
+  const Matrix3<Scalar> rotation = plate_rotation(plate.tilt).matrix;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const BasicLimb<Scalar>& limb = machine.limbs[i];
+    const Elbow<Scalar> elbow = elbow_of(limb, joints[i]);
+    const std::array<Vector3<Scalar>, 2> hinges = plate_joints(machine, limb, plate.slide);
+    for (std::size_t j = 0; j < 2; ++j) {
+      const Vector3<Scalar> rod = plate.position + rotation * hinges[j] - elbow.joint[j];
+      residuals(static_cast<Eigen::Index>(2 * i + j)) = rod.norm() - limb.rod[j];
+    }
+  }
+  return residuals;
+}
+
+}  // namespace paracal

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "paracal/kinematics/closure.hpp"
+
+namespace paracal {
+
+/// Derivative of the exact plate state with respect to the source errors of all limbs, at a machine that already has
+/// errors. It is what identification needs where the linear model at zero error no longer holds; at zero error it
+/// holds the columns of G (error_model) divided by paper_scale, in the order of the sources.
+struct [[nodiscard]] ExactJacobian {
+  static constexpr int kStates = kMaxLimbs + 3;
+  static constexpr int kColumns = static_cast<int>(kSourceCount) * kMaxLimbs;
+  /// Rows: position (mm), slide (mm; absent for a rigid plate), tilt_x, tilt_y, tilt_z (rad).
+  /// Columns: limb by limb, the sources in their order, per mm or per rad.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kStates, kColumns> plate;
+  bool ok = false;  ///< false at a singular closure; `plate` then holds nothing
+
+  static Eigen::Index column(std::size_t limb, Source source) {
+    return static_cast<Eigen::Index>(limb * kSourceCount + index(source));
+  }
+};
+
+/// From stationarity of the least-squares closure, J^T f = 0, with J = df/dplate and J_p = df/dp:
+///
+///   dplate/dp = -(J^T J)^-1 J^T J_p
+///
+/// Exact for 3 limbs. For 4 the one over-constraint leaves residuals f, whose curvature f d2f is neglected: with tilt
+/// errors as large as the tolerances of huang2016 that is below 1e-3 of a row's largest entry (measured: 6.5e-4).
+///
+/// @param plate   the answer of forward(machine, joints).
+/// @param joints  believed joint coordinates, rad. Real-time: yes.
+ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept;
+
+}  // namespace paracal

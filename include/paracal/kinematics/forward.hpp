@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "paracal/kinematics/closure.hpp"
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/pose.hpp"
+
+namespace paracal {
+
+enum class ForwardStatus : std::uint8_t {
+  converged,  ///< the plate stands here
+  strained,   ///< converged, but some rod would have to stretch by more than max_residual: the machine does not close
+  singular,   ///< the joints do not hold the plate; the plate state is where the iteration stopped
+  not_converged,  ///< max_iterations spent or left the real numbers; the plate state is where the iteration stopped
+};
+
+struct ForwardOptions {
+  std::optional<PlateState> start =
+      {};  ///< first guess; default: below the base at the closed-form depth of the joints
+  int max_iterations = 50;
+  double step_tolerance = 1e-9;  ///< mm (rotations count with half the parallelogram's width): stop below this step
+  double max_residual = 1.0;     ///< mm: above it a converged answer is called strained
+};
+
+/// Exact pose of a machine with its evidence.
+struct [[nodiscard]] ForwardResult {
+  ForwardStatus status = ForwardStatus::not_converged;
+  PlateState plate;
+  double residual = 0.0;  ///< largest rod-length residual, mm: what elastic parts have to take up
+  double gradient = 0.0;  ///< norm of J^T f at the answer, mm; zero but for rounding
+  int iterations = 0;
+
+  bool ok() const { return status == ForwardStatus::converged; }
+  /// The plate state is the minimiser, even if the rods are strained.
+  bool usable() const { return ok() || status == ForwardStatus::strained; }
+};
+
+/// Exact pose of a machine from its joint coordinates.
+///
+///   plate = arg min sum_ij (|rod_ij(plate, joints)| - l_ij)^2      over position, slide, tilt
+///
+/// 8 rods hold 7 unknowns (6 hold 6 for a rigid plate): equal elastic rods share the one over-constraint, which to
+/// first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with analytic Jacobian, steps halved
+/// while they do not descend.
+///
+/// @param joints  as the controller believes them, rad, one a limb.
+/// Real-time: yes (no allocation, no exception, bounded loop).
+ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options = {}) noexcept;
+
+}  // namespace paracal

@@ -1,0 +1,105 @@
+#include "paracal/kinematics/error_model.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "linear_closure.hpp"
+#include "paracal/kinematics/inverse.hpp"
+
+namespace paracal {
+namespace {
+
+/// Fills A and B, limb by limb, in the letters of [huang2016, Eq. (4)].
+template <int N>
+void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
+  model.A_dd.resize(N, N);
+  model.A_de.resize(N, 3);
+  model.A_ee.resize(N, 3);
+  model.B_d.resize(N, ErrorModel::kPosition);
+  model.B_e.resize(N, ErrorModel::kTilt);
+  const Eigen::Vector3d& shat = machine.slide_axis;
+  const double s = machine.slide_of(pose.rotation);
+  for (int i = 0; i < N; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const double mu = limb.slide_sign, theta = model.joints(i);
+    const auto u0 = limb.frame.col(0), v0 = limb.frame.col(1), w0 = limb.frame.col(2);
+    const auto [u1, v1] = arm_directions(limb, theta);
+    const Eigen::Vector3d a_s = limb.plate + mu * s * shat;
+    const Eigen::Vector3d l = (pose.position + a_s - limb.base - limb.arm * u1).normalized();
+    model.A_dd.row(i).template head<3>() = l;
+    if constexpr (N == 4) model.A_dd(i, 3) = mu * l.dot(shat);
+    model.A_de.row(i) = a_s.cross(l);
+    model.A_ee.row(i) = w0.cross(l);
+    model.B_d.row(i) << l.dot(v1), l.transpose(), l.dot(u1), std::sin(theta) * l.dot(w0), -std::cos(theta) * l.dot(w0),
+        1.0;
+    model.B_e.row(i) << 1.0, l.dot(w0), -l.dot(v0), l.dot(u0), -l.dot(v1), l.dot(u1);
+  }
+}
+
+/// 1 / (|A| |A^-1|) in the Frobenius norm; 0 when A is singular, whatever its "inverse" then holds.
+template <typename Matrix>
+double reciprocal_condition(const Matrix& matrix, const Matrix& inverse) {
+  const double condition = matrix.norm() * inverse.norm();
+  return std::isfinite(condition) ? 1.0 / condition : 0.0;
+}
+
+/// G = A^-1 B with block-diagonal B: limb i fills its columns with column i of A^-1 times row i of B.
+template <int N>
+void solve(ErrorModel& model) {
+  const Eigen::Matrix<double, N, N> A_dd = model.A_dd;
+  const Eigen::Matrix<double, N, 3> A_de = model.A_de, A_ee = model.A_ee;
+  const Eigen::Matrix3d normal = A_ee.transpose() * A_ee;
+  const Eigen::Matrix<double, N, N> A_dd_inverse = A_dd.inverse();
+  const Eigen::Matrix3d normal_inverse = normal.inverse();
+  model.condition_dd = reciprocal_condition(A_dd, A_dd_inverse);
+  model.condition_ee = reciprocal_condition(normal, normal_inverse);
+  const bool regular =
+      model.condition_dd >= ErrorModel::kSmallestCondition && model.condition_ee >= ErrorModel::kSmallestCondition;
+  if (!regular) {
+    model.status = ErrorModelStatus::singular;
+    return;
+  }
+  const Eigen::Matrix<double, 3, N> A_ee_pseudo_inverse = normal_inverse * A_ee.transpose();
+  const Eigen::Matrix<double, N, N> tilt_to_delta = -A_dd_inverse * A_de * A_ee_pseudo_inverse;
+  model.G_dd.resize(N, N * ErrorModel::kPosition);
+  model.G_de.resize(N, N * ErrorModel::kTilt);
+  model.G_ee.resize(3, N * ErrorModel::kTilt);
+  for (int i = 0; i < N; ++i) {
+    model.G_dd.template middleCols<ErrorModel::kPosition>(i * ErrorModel::kPosition) =
+        A_dd_inverse.col(i) * model.B_d.row(i);
+    model.G_de.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) = tilt_to_delta.col(i) * model.B_e.row(i);
+    model.G_ee.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) =
+        A_ee_pseudo_inverse.col(i) * model.B_e.row(i);
+  }
+  model.status = ErrorModelStatus::ok;
+}
+
+}  // namespace
+
+ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
+  ErrorModel model;
+  const InverseResult nominal = inverse(robot.nominal(), pose);
+  if (!nominal.ok()) return model;
+  model.joints = nominal.joints;
+  detail::with_limb_count(robot.limb_count(), [&]<int N>() {
+    assemble<N>(robot.nominal(), pose, model);
+    solve<N>(model);
+  });
+  return model;
+}
+
+double paper_scale(const Robot& robot, Source source) {
+  switch (source) {
+    case Source::theta_offset:
+    case Source::alpha0:
+    case Source::beta0:
+      return robot.geometry().arm;
+    case Source::rod_difference:
+    case Source::width_difference:
+      return 1.0 / robot.geometry().parallelogram_width;
+    default:
+      return 1.0;
+  }
+}
+
+}  // namespace paracal

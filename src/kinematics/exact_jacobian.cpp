@@ -1,0 +1,77 @@
+#include "paracal/kinematics/exact_jacobian.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "linear_closure.hpp"
+
+namespace paracal {
+namespace {
+
+/// df_ij / dp for the sources of limb i; `sign` is +1 for rod 1 and -1 for rod 2. A point that a source error turns
+/// about an axis moves by axis x lever; the rod shortens by n.(motion at the elbow) and lengthens by n.(motion at the
+/// plate).
+Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const Elbow<double>& elbow,
+                                                      const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n,
+                                                      double sign) {
+  const Eigen::Vector3d elbow_half = sign * elbow.half;
+  const Eigen::Vector3d elbow_lever = limb.arm * elbow.arm + elbow_half;
+  const Eigen::Vector3d plate_half = rotation * (0.5 * sign * limb.plate_width * limb.plate_frame.col(2));
+  const Eigen::Vector3d vertical = limb.frame.col(1), actuator_axis = limb.frame.col(2);
+  const Eigen::Vector3d plate_radial = rotation * limb.radial, plate_vertical = rotation * limb.plate_frame.col(1);
+  const Eigen::Vector3d elbow_normal =  // R_0 R_1 R_2 e_2, about which beta2 turns
+      limb.elbow_frame(0, 1) * elbow.arm + limb.elbow_frame(1, 1) * elbow.arm_normal +
+      limb.elbow_frame(2, 1) * actuator_axis;
+  const auto elbow_turn = [&](const Eigen::Vector3d& axis, const Eigen::Vector3d& lever) {
+    return -n.dot(axis.cross(lever));
+  };
+  const auto plate_turn = [&](const Eigen::Vector3d& axis) { return n.dot(axis.cross(plate_half)); };
+
+  Eigen::Matrix<double, 1, kSourceCount> derivative;
+  const auto at = [&](Source source) -> double& { return derivative(static_cast<Eigen::Index>(index(source))); };
+  at(Source::theta_offset) = elbow_turn(actuator_axis, elbow_lever);
+  at(Source::e_x) = -n.x();
+  at(Source::e_y) = -n.y();
+  at(Source::e_z) = -n.z();
+  at(Source::arm_length) = -n.dot(elbow.arm);
+  // alpha0 and beta0 turn both short sides: alpha3 = alpha0 - alpha03.
+  at(Source::alpha0) = elbow_turn(limb.radial, elbow_lever) + plate_turn(plate_radial);
+  at(Source::beta0) = elbow_turn(vertical, elbow_lever) + plate_turn(plate_vertical);
+  at(Source::rod_mean) = -1.0;
+  at(Source::rod_difference) = -0.5 * sign;
+  at(Source::width_difference) = -n.dot(elbow_half) / limb.elbow_width;
+  at(Source::alpha03) = -plate_turn(plate_radial);
+  at(Source::beta03) = -plate_turn(plate_vertical);
+  at(Source::alpha2) = elbow_turn(elbow.arm, elbow_half);
+  at(Source::beta2) = elbow_turn(elbow_normal, elbow_half);
+  return derivative;
+}
+
+template <int N>
+ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
+  constexpr int kPerLimb = static_cast<int>(kSourceCount);
+  ExactJacobian jacobian;
+  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
+  const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
+  const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
+  if (normal.info() != Eigen::Success) return jacobian;
+  const Eigen::Matrix<double, N + 3, 2 * N> residual_to_plate = -normal.solve(linear.jacobian.transpose());
+  const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
+  jacobian.plate.setZero(N + 3, N * kPerLimb);
+  for (int i = 0; i < N; ++i) {
+    for (int row = 2 * i; row < 2 * i + 2; ++row) {
+      jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb) +=
+          residual_to_plate.col(row) *
+          rod_derivative(machine.limbs[i], elbows[i], rotation, linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
+    }
+  }
+  jacobian.ok = true;
+  return jacobian;
+}
+
+}  // namespace
+
+ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept {
+  return detail::with_limb_count(machine.limb_count, [&]<int N>() { return differentiate<N>(machine, plate, joints); });
+}
+
+}  // namespace paracal

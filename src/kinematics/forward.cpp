@@ -1,0 +1,88 @@
+#include "paracal/kinematics/forward.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "linear_closure.hpp"
+
+namespace paracal {
+namespace {
+
+using detail::advance;
+using detail::LinearClosure;
+using detail::linearize;
+using detail::Unknowns;
+
+/// First guess: the plate level below the mean of the elbows (drawn in by the plate radius), one rod away from them.
+template <int N>
+PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double spread = 0.0, rod = 0.0;
+  for (int i = 0; i < N; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Vector3d wrist = limb.base + limb.arm * elbows[i].arm - limb.plate;
+    centre += wrist / N;
+    spread += wrist.head<2>().squaredNorm() / N;
+    rod += limb.mean_rod() / N;
+  }
+  PlateState start;
+  start.position = centre;
+  start.position.z() -= std::sqrt(std::max(rod * rod - spread, 0.25 * rod * rod));
+  return start;
+}
+
+/// Step in mm, rotations counted at the half width of the parallelogram, where the rods feel them.
+template <int N>
+double step_length(const Unknowns<N>& step, double lever) {
+  return std::max(step.template head<N>().norm(), lever * step.template tail<3>().norm());
+}
+
+template <int N>
+ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardOptions& options) {
+  constexpr int kMaxHalvings = 8;
+  const double lever = 0.5 * machine.limbs[0].plate_width;
+  ForwardResult result;
+  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
+  result.plate = options.start ? *options.start : default_start<N>(machine, elbows);
+  LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
+  double last_step = 0.0;
+  while (result.iterations < options.max_iterations) {
+    const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
+    if (normal.info() != Eigen::Success) {
+      result.status = ForwardStatus::singular;
+      break;
+    }
+    Unknowns<N> step = -normal.solve(linear.gradient());
+    last_step = step_length<N>(step, lever);
+    const double cost = linear.residual.squaredNorm();
+    PlateState trial = result.plate;
+    advance<N>(trial, step);
+    linear = linearize<N>(machine, trial, elbows);
+    // Near the answer rounding alone makes the cost rise, so tiny steps are not judged.
+    for (int k = 0; k < kMaxHalvings && last_step > 1e-3 && linear.residual.squaredNorm() > cost; ++k) {
+      step *= 0.5;
+      trial = result.plate;
+      advance<N>(trial, step);
+      linear = linearize<N>(machine, trial, elbows);
+    }
+    result.plate = trial;
+    ++result.iterations;
+    if (last_step < options.step_tolerance) {
+      result.status = ForwardStatus::converged;
+      break;
+    }
+    if (!std::isfinite(last_step)) break;
+  }
+  result.residual = linear.residual.cwiseAbs().maxCoeff();
+  result.gradient = linear.gradient().norm();
+  if (result.ok() && !(result.residual <= options.max_residual)) result.status = ForwardStatus::strained;
+  return result;
+}
+
+}  // namespace
+
+ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options) noexcept {
+  return detail::with_limb_count(machine.limb_count, [&]<int N>() { return solve<N>(machine, joints, options); });
+}
+
+}  // namespace paracal

@@ -1,0 +1,90 @@
+#pragma once
+
+// Private to kinematics: the closure of all rods and its analytic derivatives, at sizes known when compiling.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "paracal/kinematics/closure.hpp"
+
+namespace paracal::detail {
+
+/// A machine of N limbs has N compensable freedoms delta = (position, slide; no slide when N = 3), three tilts, and 2 N
+/// rods.
+template <int N>
+inline constexpr int kUnknowns = N + 3;
+template <int N>
+inline constexpr int kRods = 2 * N;
+
+template <int N>
+using Unknowns = Eigen::Matrix<double, kUnknowns<N>, 1>;
+template <int N>
+using Rods = Eigen::Matrix<double, kRods<N>, 1>;
+
+template <int N>
+using NormalMatrix = Eigen::Matrix<double, kUnknowns<N>, kUnknowns<N>>;
+
+/// Residuals f and Jacobian J = df / d(delta, tilt) of the closure, mm and rad.
+template <int N>
+struct LinearClosure {
+  Rods<N> residual;
+  Eigen::Matrix<double, kRods<N>, kUnknowns<N>> jacobian;
+  std::array<Eigen::Vector3d, kRods<N>> direction;  ///< unit vectors of the rods, elbow to plate
+  std::array<Eigen::Vector3d, kRods<N>> lever;      ///< from O' to the rods' joints on the plate, in {O}
+
+  // Eigen sends products of this size to its blocked kernel, which costs more than the product itself.
+  Unknowns<N> gradient() const { return jacobian.transpose().lazyProduct(residual); }
+  NormalMatrix<N> normal() const { return jacobian.transpose().lazyProduct(jacobian); }
+};
+
+/// The elbows of all limbs: fixed while the plate is sought.
+template <int N>
+using Elbows = std::array<Elbow<double>, N>;
+
+template <int N>
+Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
+  Elbows<N> elbows;
+  for (int i = 0; i < N; ++i) elbows[i] = elbow_of(machine.limbs[i], joints(i));
+  return elbows;
+}
+
+/// Order of unknowns: x, y, z, [slide], tilt_x, tilt_y, tilt_z.
+template <int N>
+void advance(PlateState& plate, const Unknowns<N>& step) {
+  plate.position += step.template head<3>();
+  if constexpr (N == 4) plate.slide += step(3);
+  plate.tilt += step.template tail<3>();
+}
+
+template <int N>
+LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, const Elbows<N>& elbows) {
+  LinearClosure<N> linear;
+  const PlateRotation<double> rotation = plate_rotation(plate.tilt);
+  const Eigen::Vector3d slide_direction = rotation.matrix * machine.slide_axis;
+  for (int i = 0; i < N; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const std::array<Eigen::Vector3d, 2> hinges = plate_joints(machine, limb, plate.slide);
+    for (int j = 0; j < 2; ++j) {
+      const int row = 2 * i + j;
+      const Eigen::Vector3d lever = rotation.matrix * hinges[j];
+      const Eigen::Vector3d rod = plate.position + lever - elbows[i].joint[j];
+      const double length = rod.norm();
+      const Eigen::Vector3d n = rod / length;
+      linear.residual(row) = length - limb.rod[j];
+      linear.jacobian.row(row).template head<3>() = n;
+      if constexpr (N == 4) linear.jacobian(row, 3) = limb.slide_sign * n.dot(slide_direction);
+      linear.jacobian.row(row).template tail<3>() = rotation.axes.transpose() * lever.cross(n);
+      linear.direction[row] = n;
+      linear.lever[row] = lever;
+    }
+  }
+  return linear;
+}
+
+/// Calls task.operator()<N>() for the number of limbs; a Robot has 3 or 4.
+template <typename Task>
+auto with_limb_count(std::size_t limbs, Task&& task) {
+  return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
+}
+
+}  // namespace paracal::detail

@@ -1,0 +1,62 @@
+// The functions that promise to be real-time safe must not touch the heap. Eigen, operator new and the standard library
+// all end in malloc, so malloc is what gets counted: glibc lets a program put its own in front.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstddef>
+
+#include "paracal/kinematics/error_model.hpp"
+#include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "support/robots.hpp"
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+}
+
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+}
+
+namespace paracal {
+namespace {
+
+class AllocationLaw : public test::EveryRobot {
+ protected:
+  test::Random random;
+  Pose pose = random.pose(robot);
+  Machine machine = build(robot, random.realistic_errors(robot));
+  Joints joints = inverse(robot.nominal(), pose).joints;
+
+  template <typename Task>
+  static std::size_t count(Task&& task) {
+    const std::size_t before = allocations;
+    task();
+    return allocations - before;
+  }
+};
+
+TEST_P(AllocationLaw, TheCounterCounts) {
+  EXPECT_GE(count([] { std::vector<double>(1000).at(3) = 1.0; }), 1u);
+}
+
+TEST_P(AllocationLaw, PoseEvaluationsDoNotAllocate) {
+  bool good = true;
+  EXPECT_EQ(count([&] { good = good && inverse(robot.nominal(), pose).ok(); }), 0u);
+  EXPECT_EQ(count([&] { good = good && inverse(machine, pose).ok(); }), 0u);
+  EXPECT_EQ(count([&] { good = good && forward(machine, joints).ok(); }), 0u);
+  EXPECT_EQ(count([&] { good = good && error_model(robot, pose).ok(); }), 0u);
+  EXPECT_EQ(count([&] { good = good && exact_jacobian(machine, forward(machine, joints).plate, joints).ok; }), 0u);
+  EXPECT_TRUE(good);
+}
+
+PARACAL_ON_EVERY_ROBOT(AllocationLaw);
+
+}  // namespace
+}  // namespace paracal

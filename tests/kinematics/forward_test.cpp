@@ -1,0 +1,195 @@
+#include "paracal/kinematics/forward.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kinematics/linear_closure.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+using test::Random;
+
+class ForwardLaw : public test::EveryRobot {
+ protected:
+  /// Norm of J^T f at a plate state, from the kernels, not from what the solver says of itself.
+  double gradient_norm(const Machine& machine, const Joints& joints, const PlateState& plate) const {
+    return detail::with_limb_count(machine.limb_count, [&]<int N>() {
+      return detail::linearize<N>(machine, plate, detail::elbows_of<N>(machine, joints)).gradient().norm();
+    });
+  }
+
+  static double distance(const PlateState& a, const PlateState& b) {
+    return (a.position - b.position).norm() + std::abs(a.slide - b.slide) + 50.0 * (a.tilt - b.tilt).norm();
+  }
+};
+
+TEST_P(ForwardLaw, UndoesTheInverseTo1e9mmOver100000Poses) {
+  Random random;
+  double worst = 0.0;
+  for (int k = 0; k < 100'000; ++k) {
+    const Pose pose = random.pose(robot);
+    const InverseResult joints = inverse(robot.nominal(), pose);
+    ASSERT_TRUE(joints.ok());
+    const ForwardResult result = forward(robot.nominal(), joints.joints);
+    ASSERT_TRUE(result.ok());
+    const double slide_error = result.plate.slide - robot.nominal().slide_of(pose.rotation);
+    worst = std::max({worst, (result.plate.position - pose.position).norm(), std::abs(slide_error),
+                      50.0 * result.plate.tilt.norm()});
+  }
+  EXPECT_LT(worst, 1e-9);
+}
+
+TEST_P(ForwardLaw, GradientVanishesToMachinePrecision) {
+  Random random;
+  for (int k = 0; k < 1000; ++k) {
+    const Machine machine = build(robot, random.realistic_errors(robot));
+    const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
+    const ForwardResult result = forward(machine, joints);
+    ASSERT_TRUE(result.ok());
+    // Residuals are rounded at 1e-13 mm (rods of 1 m), levers are up to 150 mm: 8 x 1e-13 x 150.
+    EXPECT_LT(gradient_norm(machine, joints, result.plate), 1.2e-10);
+    EXPECT_NEAR(result.gradient, gradient_norm(machine, joints, result.plate), 1e-10);
+  }
+}
+
+TEST_P(ForwardLaw, SameAnswerFromAnyStartWithin50mm) {
+  Random random;
+  for (int k = 0; k < 300; ++k) {
+    const Machine machine = build(robot, random.realistic_errors(robot));
+    const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
+    const ForwardResult reference = forward(machine, joints);
+    for (int start = 0; start < 10; ++start) {
+      ForwardOptions options{.start = reference.plate};
+      options.start->position += random.within(50.0);
+      options.start->tilt += random.within(0.2);
+      if (machine.has_slide()) options.start->slide += random.uniform(-50.0, 50.0);
+      const ForwardResult again = forward(machine, joints, options);
+      ASSERT_TRUE(again.ok());
+      EXPECT_LT(distance(again.plate, reference.plate), 1e-9);
+    }
+  }
+}
+
+TEST_P(ForwardLaw, ClosesExactlyWhenNothingTiltsThePlate) {
+  Random random;
+  for (int k = 0; k < 200; ++k) {
+    SourceErrors errors = random.realistic_errors(robot);
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (const Source source : all_sources()) errors(limb, source) *= tilts_plate(source) ? 0.0 : 1.0;
+    }
+    const ForwardResult result = forward(build(robot, errors), inverse(robot.nominal(), random.pose(robot)).joints);
+    ASSERT_TRUE(result.ok());
+    EXPECT_LT(result.residual, 1e-11);
+    EXPECT_LT(result.plate.tilt.norm(), 1e-13);
+  }
+}
+
+TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
+  Random random;
+  const Eigen::Vector3d shift(0.7, -0.4, 1.1);
+  for (int k = 0; k < 100; ++k) {
+    SourceErrors errors = random.realistic_errors(robot);
+    const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
+    const ForwardResult before = forward(build(robot, errors), joints);
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        errors(limb, static_cast<Source>(index(Source::e_x) + axis)) += shift(static_cast<Eigen::Index>(axis));
+      }
+    }
+    const ForwardResult after = forward(build(robot, errors), joints);
+    ASSERT_TRUE(before.ok() && after.ok());
+    EXPECT_LT((after.plate.position - before.plate.position - shift).norm(), 1e-9);
+    EXPECT_NEAR(after.plate.slide, before.plate.slide, 1e-9);
+  }
+}
+
+TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheJoints) {
+  constexpr double kScale = 2.5;
+  RobotDescription description = robot.description();
+  for (double* length :
+       {&description.geometry.base_radius, &description.geometry.plate_radius, &description.geometry.arm,
+        &description.geometry.rod, &description.geometry.parallelogram_width, &description.workspace.radius,
+        &description.workspace.height, &description.workspace.top_z}) {
+    *length *= kScale;
+  }
+  if (description.slide) description.slide->pinion_radius *= kScale;
+  const Robot larger(description);
+  Random random;
+  for (int k = 0; k < 100; ++k) {
+    const Pose pose = random.pose(robot);
+    const InverseResult small = inverse(robot.nominal(), pose);
+    const InverseResult large = inverse(larger.nominal(), {kScale * pose.position, pose.rotation});
+    EXPECT_LT((small.joints - large.joints).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST(Forward, RodsThatDoNotMeetAreNotAPose) {
+  RobotDescription description = catalogue::rotary_delta().description();
+  description.geometry.base_radius = 400.0;
+  description.geometry.rod = 600.0;
+  description.workspace = {.radius = 50.0, .height = 20.0, .top_z = -500.0};
+  const Robot robot(description);
+  // Level arms put the elbows 740 mm from where the rods, 600 mm long, would have to meet.
+  const ForwardResult result = forward(robot.nominal(), Joints::Zero(3));
+  EXPECT_FALSE(result.ok());
+  EXPECT_GT(result.residual, 100.0);
+}
+
+TEST_P(ForwardLaw, NanIsAStatusNotAPose) {
+  Joints joints = inverse(robot.nominal(), {robot.workspace().centre(), 0.0}).joints;
+  joints(1) = std::numeric_limits<double>::quiet_NaN();
+  const ForwardResult result = forward(robot.nominal(), joints);
+  EXPECT_FALSE(result.ok());
+  EXPECT_LE(result.iterations, ForwardOptions{}.max_iterations);
+}
+
+PARACAL_ON_EVERY_ROBOT(ForwardLaw);
+
+/// Independent oracle for a Delta without tilt errors: the wrist is the lower intersection of three spheres about the
+/// elbows drawn in by the plate joints, found by trilateration in the plane of their centres.
+Eigen::Vector3d trilaterate(const Machine& machine, const Joints& joints) {
+  std::array<Eigen::Vector3d, 3> centre;
+  std::array<double, 3> radius{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const double angle = joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;
+    centre[i] =
+        limb.base + limb.arm * (std::cos(angle) * limb.frame.col(0) + std::sin(angle) * limb.frame.col(1)) - limb.plate;
+    radius[i] = limb.rod[0];
+  }
+  const Eigen::Vector3d ex = (centre[1] - centre[0]).normalized();
+  const double d = (centre[1] - centre[0]).norm(), i = ex.dot(centre[2] - centre[0]);
+  const Eigen::Vector3d ey = (centre[2] - centre[0] - i * ex).normalized();
+  const double j = ey.dot(centre[2] - centre[0]);
+  const Eigen::Vector3d ez = ex.cross(ey);
+  const double x = (radius[0] * radius[0] - radius[1] * radius[1] + d * d) / (2 * d);
+  const double y = (radius[0] * radius[0] - radius[2] * radius[2] + i * i + j * j - 2 * i * x) / (2 * j);
+  const double z = std::sqrt(radius[0] * radius[0] - x * x - y * y);
+  return centre[0] + x * ex + y * ey + (ez.z() > 0 ? -z : z) * ez;
+}
+
+TEST(ForwardOracle, TrilaterationOfADelta) {
+  const Robot robot = catalogue::rotary_delta();
+  Random random;
+  for (int k = 0; k < 1000; ++k) {
+    SourceErrors errors;
+    for (std::size_t limb = 0; limb < 3; ++limb) {
+      errors(limb, Source::theta_offset) = random.uniform(-0.02, 0.02);
+      errors(limb, Source::arm_length) = random.uniform(-1.0, 1.0);
+      errors(limb, Source::rod_mean) = random.uniform(-1.0, 1.0);
+      errors(limb, Source::e_z) = random.uniform(-1.0, 1.0);
+      errors(limb, Source::alpha0) = random.uniform(-0.01, 0.01);
+    }
+    const Machine machine = build(robot, errors);
+    const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
+    EXPECT_LT((forward(machine, joints).plate.position - trilaterate(machine, joints)).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace paracal

@@ -1,0 +1,71 @@
+#include "paracal/kinematics/inverse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "paracal/kinematics/forward.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+using test::Random;
+
+class InverseLaw : public test::EveryRobot {};
+
+TEST_P(InverseLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
+  Random random;
+  for (int k = 0; k < 2000; ++k) {
+    const Machine machine = build(robot, random.realistic_errors(robot));
+    const Pose pose = random.pose(robot);
+    const InverseResult result = inverse(machine, pose);
+    ASSERT_TRUE(result.ok());
+    const ForwardResult reached = forward(machine, result.joints);
+    ASSERT_TRUE(reached.ok());
+    EXPECT_LT((reached.plate.position - pose.position).norm(), 1e-9);
+    EXPECT_NEAR(reached.plate.slide, machine.slide_of(pose.rotation), 1e-9);
+  }
+}
+
+TEST_P(InverseLaw, IsClosedFormUnlessSomethingTiltsThePlate) {
+  Random random;
+  SourceErrors errors;
+  errors(0, Source::beta0) = 1e-3;
+  errors(1, Source::e_y) = 0.5;
+  const Pose pose = random.pose(robot);
+  const Machine level = build(robot, errors);
+  const InverseResult closed_form = inverse(level, pose);
+  EXPECT_EQ(closed_form.iterations, 0);
+  EXPECT_LT((forward(level, closed_form.joints).plate.position - pose.position).norm(), 1e-9);
+  errors(2, Source::alpha2) = 1e-4;
+  EXPECT_GT(inverse(build(robot, errors), pose).iterations, 0);
+}
+
+TEST_P(InverseLaw, NamesTheLimbThatDoesNotReach) {
+  // Far out on the side of limb 1, the opposite limb is too short first.
+  const Eigen::Vector3d far = 1000.0 * robot.nominal().limbs[0].radial + robot.workspace().centre();
+  const InverseResult result = inverse(robot.nominal(), {far, 0.0});
+  EXPECT_EQ(result.status, InverseStatus::unreachable);
+  ASSERT_GE(result.unreachable_limb, 0);
+  EXPECT_TRUE(std::isnan(result.joints(result.unreachable_limb)));
+}
+
+TEST_P(InverseLaw, NanIsUnreachable) {
+  Pose pose{robot.workspace().centre(), 0.0};
+  pose.position.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(inverse(robot.nominal(), pose).status, InverseStatus::unreachable);
+}
+
+PARACAL_ON_EVERY_ROBOT(InverseLaw);
+
+TEST(Inverse, RigidPlateDoesNotTurn) {
+  const Robot robot = catalogue::rotary_delta();
+  const InverseResult result = inverse(robot.nominal(), {robot.workspace().centre(), 0.1});
+  EXPECT_EQ(result.status, InverseStatus::unreachable);
+  EXPECT_EQ(result.unreachable_limb, -1);
+}
+
+}  // namespace
+}  // namespace paracal
