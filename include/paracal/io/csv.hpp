@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "paracal/io/file.hpp"
+
+namespace paracal::io {
+
+/// A comma-separated table with a header line; lines that begin with # and empty lines are skipped. Every complaint
+/// names file and line.
+class CsvTable {
+ public:
+  /// @throws InputFileError for no header, no row, a column twice, or a row with more or fewer fields than the header.
+  explicit CsvTable(const TextFile& file);
+
+  /// @throws InputFileError when a column is not one of `known`: a misspelt one would otherwise be ignored in silence.
+  void allow_only(const std::vector<std::string_view>& known) const;
+
+  std::size_t row_count() const { return rows_.size(); }
+  int line(std::size_t row) const { return rows_[row].line; }
+  bool has(std::string_view column) const { return find(column).has_value(); }
+
+  /// @throws InputFileError when the column is missing.
+  const std::string& text(std::size_t row, std::string_view column) const;
+
+  /// @throws InputFileError when the column is missing or the field is not a finite number.
+  double number(std::size_t row, std::string_view column) const;
+
+  /// Empty when the column is absent or the field is blank.
+  std::optional<double> optional_number(std::size_t row, std::string_view column) const;
+
+  [[noreturn]] void fail(std::size_t row, const std::string& complaint) const;
+
+ private:
+  struct Row {
+    int line;
+    std::vector<std::string> fields;
+  };
+
+  std::optional<std::size_t> find(std::string_view column) const;
+
+  std::string name_;
+  Row header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace paracal::io

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/io/file.hpp"
+#include "paracal/kinematics/error_model.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/mechanism/source_errors.hpp"
+
+namespace paracal::io {
+
+/// Objects that keep the order in which keys were added.
+using Json = nlohmann::ordered_json;
+
+/// The robot under the keys of its TOML file.
+Json to_json(const Robot& robot);
+
+/// A calibration file: everything needed to use the result and to repeat the fit; keys in docs/files.md. Angles in deg,
+/// the covariance in the units of the parameters. `time`: seconds since 1970, written as UTC date.
+Json to_json(const Calibration& calibration, std::int64_t time);
+
+/// The identified source errors of a calibration file.
+/// @throws InputFileError when the file is no calibration of `robot`.
+SourceErrors read_calibrated_errors(const TextFile& file, const Robot& robot);
+
+/// Rows of a matrix; numbers that are not finite become null.
+Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
+
+}  // namespace paracal::io

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace paracal::detail {
+
+/// A data file compiled into the program (cmake/embed.cmake).
+struct EmbeddedFile {
+  std::string_view name;
+  std::string_view text;
+};
+
+/// The files of data/huang2016.
+std::span<const EmbeddedFile> published_data();
+
+}  // namespace paracal::detail

@@ -1,0 +1,136 @@
+#include "paracal/io/csv.hpp"
+
+#include <csv.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// The text cut into physical lines, without line ends and a leading byte-order mark.
+std::vector<std::string_view> lines_of(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    lines.push_back(line);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+/// Names go into JSON later, which takes nothing but UTF-8; its writer is also the one who can tell.
+bool is_utf8(std::string_view text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+/// Splits one line with libcsv: quotes, doubled quotes, blanks around fields.
+std::vector<std::string> split(const std::string& file, int line_number, std::string_view line) {
+  csv_parser parser;
+  csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI);
+  std::vector<std::string> fields;
+  const auto add = [](void* text, std::size_t size, void* into) {
+    static_cast<std::vector<std::string>*>(into)->emplace_back(static_cast<const char*>(text), size);
+  };
+  const bool good = csv_parse(&parser, line.data(), line.size(), add, nullptr, &fields) == line.size() &&
+                    csv_fini(&parser, add, nullptr, &fields) == 0;
+  csv_free(&parser);
+  if (!good) throw InputFileError(file, line_number, "expected closed quotation marks around a field, got an open one");
+  return fields;
+}
+
+std::string joined(const auto& names) {
+  std::string text;
+  for (const auto& name : names) text.append(text.empty() ? "" : ", ").append(name);
+  return text;
+}
+
+}  // namespace
+
+CsvTable::CsvTable(const TextFile& file) : name_(file.name) {
+  int number = 0;
+  bool has_header = false;
+  for (const std::string_view line : lines_of(file.text)) {
+    ++number;
+    if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) continue;
+    if (!is_utf8(line)) throw InputFileError(name_, number, "expected UTF-8 text, got other bytes");
+    Row row{number, split(name_, number, line)};
+    if (!has_header) {
+      header_ = std::move(row);
+      has_header = true;
+      continue;
+    }
+    if (row.fields.size() != header_.fields.size()) {
+      throw InputFileError(
+          name_, number,
+          fmt::format("expected {} fields as in the header, got {}", header_.fields.size(), row.fields.size()));
+    }
+    rows_.push_back(std::move(row));
+  }
+  if (!has_header) throw InputFileError(name_, 0, "expected a header line, got no line");
+  for (const std::string& column : header_.fields) {
+    if (std::ranges::count(header_.fields, column) > 1) {
+      throw InputFileError(name_, header_.line,
+                           fmt::format("expected a header line with every column once, got \"{}\" twice", column));
+    }
+  }
+  if (rows_.empty()) throw InputFileError(name_, 0, "expected at least one row below the header, got none");
+}
+
+void CsvTable::allow_only(const std::vector<std::string_view>& known) const {
+  for (const std::string& column : header_.fields) {
+    if (std::ranges::find(known, column) != known.end()) continue;
+    throw InputFileError(name_, header_.line,
+                         fmt::format("expected only the columns {}; got \"{}\"", joined(known), column));
+  }
+}
+
+std::optional<std::size_t> CsvTable::find(std::string_view column) const {
+  const auto found = std::ranges::find(header_.fields, column);
+  if (found == header_.fields.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - header_.fields.begin());
+}
+
+const std::string& CsvTable::text(std::size_t row, std::string_view column) const {
+  const std::optional<std::size_t> position = find(column);
+  if (!position) {
+    throw InputFileError(name_, header_.line,
+                         fmt::format("expected a column \"{}\", got {}", column, joined(header_.fields)));
+  }
+  return rows_[row].fields[*position];
+}
+
+double CsvTable::number(std::size_t row, std::string_view column) const {
+  const std::string& field = text(row, column);
+  std::string_view digits = field;
+  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+    fail(row, fmt::format("expected a finite number in column {}, got \"{}\"", column, field));
+  }
+  return value;
+}
+
+std::optional<double> CsvTable::optional_number(std::size_t row, std::string_view column) const {
+  if (!has(column) || text(row, column).empty()) return std::nullopt;
+  return number(row, column);
+}
+
+void CsvTable::fail(std::size_t row, const std::string& complaint) const {
+  throw InputFileError(name_, rows_[row].line, complaint);
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,52 @@
+#include "names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "truncated_normal"};
+
+}  // namespace
+
+std::string_view file_unit(Source source) { return unit(source) == Unit::rad ? "deg" : "mm"; }
+
+std::string file_key(Source source) { return fmt::format("{}_{}", name(source), file_unit(source)); }
+
+double to_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_degrees(value) : value; }
+
+double from_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_radians(value) : value; }
+
+std::string_view distribution_name(Distribution distribution) {
+  return kDistributions[static_cast<std::size_t>(distribution)];
+}
+
+std::optional<Distribution> distribution_named(std::string_view name) {
+  const auto* found = std::ranges::find(kDistributions, name);
+  if (found == kDistributions.end()) return std::nullopt;
+  return static_cast<Distribution>(found - kDistributions.begin());
+}
+
+std::string distribution_names() {
+  std::string names;
+  for (const std::string_view name : kDistributions)
+    fmt::format_to(std::back_inserter(names), "{}\"{}\"", names.empty() ? "" : " or ", name);
+  return names;
+}
+
+double tidy(double value) {
+  const std::string digits = fmt::format("{:.15g}", value);
+  double rounded = 0.0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), rounded);
+  return rounded;
+}
+
+double tidy_degrees(double radians) { return tidy(to_degrees(radians)); }
+
+}  // namespace paracal::io

@@ -1,0 +1,35 @@
+#pragma once
+
+// Private to io: names and units as they stand in files.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "paracal/mechanism/source_errors.hpp"
+#include "paracal/mechanism/tolerances.hpp"
+
+namespace paracal::io {
+
+/// e_x, e_y, e_z share one key, e_mm.
+constexpr bool is_e(Source source) { return source == Source::e_x || source == Source::e_y || source == Source::e_z; }
+
+/// "deg" or "mm".
+std::string_view file_unit(Source source);
+
+/// Name with unit, e.g. "theta_offset_deg".
+std::string file_key(Source source);
+
+double to_file_unit(Source source, double value);
+double from_file_unit(Source source, double value);
+
+std::string_view distribution_name(Distribution distribution);
+std::optional<Distribution> distribution_named(std::string_view name);
+/// All names, for messages.
+std::string distribution_names();
+
+/// The shortest decimal that is the same to 15 digits: 0.1 + 0.2 becomes 0.3, so that files read as they were typed.
+double tidy(double value);
+double tidy_degrees(double radians);
+
+}  // namespace paracal::io

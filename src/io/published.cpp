@@ -1,0 +1,41 @@
+#include "paracal/io/published.hpp"
+
+#include "embedded.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/csv.hpp"
+#include "paracal/io/tables.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+TextFile embedded(std::string_view name) {
+  for (const detail::EmbeddedFile& file : detail::published_data()) {
+    if (file.name == name) return {"huang2016/" + std::string(name), std::string(file.text)};
+  }
+  throw Error("no published data named " + std::string(name));
+}
+
+std::vector<PublishedHuang2016::Table3Row> table3(std::string_view state) {
+  const CsvTable table(embedded("table3.csv"));
+  std::vector<PublishedHuang2016::Table3Row> rows;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    if (table.text(row, "state") != state) continue;
+    rows.push_back(
+        {table.text(row, "point"),
+         {table.number(row, "d_rho_mm"), table.number(row, "d_v_mm"), to_radians(table.number(row, "d_phi_deg"))}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+PublishedHuang2016 published_huang2016() {
+  return {.rough = read_distances(embedded("distances.csv"), embedded("poses.csv")),
+          .offsets = read_source_errors(embedded("offsets.toml"), 4),
+          .before = table3("before"),
+          .after = table3("after")};
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,211 @@
+#include <gmock/gmock.h>
+
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <numbers>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/published.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+using test::Random;
+
+/// Home and `points` evenly spaced points of the middle layer's rim, as in [huang2016, section 5.2.1].
+std::vector<Station> rough_stations(const Robot& robot, int points) {
+  const Eigen::Vector3d home = robot.workspace().centre();
+  std::vector<Station> stations{{"P0", {home, 0.0}}};
+  for (int k = 0; k < points; ++k) {
+    const double azimuth = -std::numbers::pi / 2 + 2 * std::numbers::pi * k / points;
+    stations.push_back(
+        {"P" + std::to_string(k + 1), {Workspace::on_circle(robot.workspace().radius, azimuth, home.z()), 0.0}});
+  }
+  return stations;
+}
+
+struct VirtualMeasurement {
+  double distance_sigma = 0.0;  ///< mm
+  bool all_pairs = false;       ///< every pair of points, or home to each point
+  bool rotations = false;
+};
+
+/// What a machine with these errors shows when its controller believes the nominal robot.
+Measurements measure(const Robot& robot, const SourceErrors& errors, std::vector<Station> stations,
+                     const VirtualMeasurement& how, Random& random) {
+  const Machine machine = build(robot, errors);
+  std::vector<PlateState> plates;
+  for (const Station& station : stations) {
+    plates.push_back(forward(machine, inverse(robot.nominal(), station.commanded).joints).plate);
+  }
+  Measurements measurements{.stations = std::move(stations), .distances = {}, .files = {}};
+  for (std::size_t from = 0; from < (how.all_pairs ? plates.size() : 1); ++from) {
+    for (std::size_t to = from + 1; to < plates.size(); ++to) {
+      DistanceReading reading{.from = from, .to = to};
+      reading.distance = (plates[to].position - plates[from].position).norm() + random.normal(how.distance_sigma);
+      if (how.rotations) reading.rotation = machine.rotation_of(plates[to].slide - plates[from].slide);
+      measurements.distances.push_back(reading);
+    }
+  }
+  return measurements;
+}
+
+SourceErrors random_offsets(const Robot& robot, double largest_deg, Random& random) {
+  SourceErrors errors;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    errors(limb, Source::theta_offset) = to_radians(random.uniform(-largest_deg, largest_deg));
+  }
+  return errors;
+}
+
+TEST(RoughCalibration, RecoversThePublishedOffsetsFromThePublishedDistances) {
+  const io::PublishedHuang2016 published = io::published_huang2016();
+  const Calibration calibration = calibrate(catalogue::huang2016(), published.rough);
+  ASSERT_TRUE(calibration.accepted()) << calibration.brief();
+  // An independent program found these from the same six numbers.
+  const std::array<double, 4> independent{0.206, 0.839, 0.879, 0.348};
+  for (std::size_t limb = 0; limb < 4; ++limb) {
+    const double offset = to_degrees(calibration.errors()(limb, Source::theta_offset));
+    EXPECT_NEAR(offset, independent[limb], 6e-4);
+    EXPECT_NEAR(offset, to_degrees(published.offsets(limb, Source::theta_offset)), 0.04);
+  }
+  EXPECT_EQ(calibration.degrees_of_freedom, 2);
+  EXPECT_NEAR(calibration.before.max_abs_distance, 2.332, 1e-9);
+  EXPECT_LT(calibration.after.max_abs_distance, 0.03);
+}
+
+class RoughCalibrationLaw : public test::EveryRobot {};
+
+TEST_P(RoughCalibrationLaw, RecoversKnownOffsetsExactlyWithoutNoise) {
+  Random random;
+  for (int machine = 0; machine < 50; ++machine) {
+    const SourceErrors truth = random_offsets(robot, 3.0, random);
+    const Measurements measurements = measure(robot, truth, rough_stations(robot, 6), {}, random);
+    const Calibration calibration = calibrate(robot, measurements);
+    ASSERT_TRUE(calibration.accepted()) << calibration.brief();
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      EXPECT_NEAR(calibration.errors()(limb, Source::theta_offset), truth(limb, Source::theta_offset), 1e-10);
+    }
+    EXPECT_LT(calibration.after.rms_distance, 1e-8);
+  }
+}
+
+TEST_P(RoughCalibrationLaw, UsesRotationsWhereTheyWereRead) {
+  Random random;
+  const SourceErrors truth = random_offsets(robot, 1.0, random);
+  const Measurements measurements = measure(robot, truth, rough_stations(robot, 6), {.rotations = true}, random);
+  const Calibration with = calibrate(robot, measurements);
+  ASSERT_TRUE(with.accepted());
+  EXPECT_EQ(with.degrees_of_freedom, 12 - static_cast<int>(robot.limb_count()));
+  EXPECT_LT(*with.after.max_abs_rotation, 1e-8);
+}
+
+/// 95 % intervals from one fit each must contain the truth in 95 % of machines, within what 400 machines can tell.
+TEST_P(RoughCalibrationLaw, IntervalsCoverTheTruth) {
+  Random random;
+  constexpr int kMachines = 400;
+  int covered = 0, intervals = 0;
+  for (int machine = 0; machine < kMachines; ++machine) {
+    const SourceErrors truth = random_offsets(robot, 1.0, random);
+    const Measurements measurements =
+        measure(robot, truth, rough_stations(robot, 6), {.distance_sigma = 0.02, .all_pairs = true}, random);
+    const Calibration calibration = calibrate(robot, measurements);
+    ASSERT_TRUE(calibration.accepted()) << calibration.brief();
+    const double t = boost::math::quantile(boost::math::students_t(calibration.degrees_of_freedom), 0.975);
+    for (const ParameterEstimate& parameter : calibration.parameters) {
+      covered += std::abs(parameter.value - truth(parameter.limb, parameter.source)) <= t * *parameter.std;
+      ++intervals;
+    }
+  }
+  // Offsets of one machine are correlated, so count machines, not intervals, in the binomial bound (99.9 %).
+  const boost::math::binomial_distribution<> machines(kMachines, 0.95);
+  const double share = static_cast<double>(covered) / intervals;
+  EXPECT_GE(share, boost::math::quantile(machines, 0.0005) / kMachines);
+  EXPECT_LE(share, boost::math::quantile(machines, 0.9995) / kMachines);
+}
+
+TEST_P(RoughCalibrationLaw, TooFewDistancesAreNotIdentifiable) {
+  Random random;
+  const SourceErrors truth = random_offsets(robot, 1.0, random);
+  const int points = static_cast<int>(robot.limb_count()) - 1;
+  const Calibration calibration = calibrate(robot, measure(robot, truth, rough_stations(robot, points), {}, random));
+  EXPECT_EQ(calibration.verdict, Verdict::not_identifiable);
+  EXPECT_EQ(calibration.rank, points);
+  ASSERT_EQ(calibration.null_space.size(), 1u);
+  EXPECT_THAT(calibration.null_space[0].text, testing::HasSubstr("theta_offset limb"));
+  EXPECT_FALSE(calibration.parameters[0].std);
+}
+
+TEST_P(RoughCalibrationLaw, NothingToSpareIsRejectedUnlessSigmasAreStated) {
+  Random random;
+  const SourceErrors truth = random_offsets(robot, 1.0, random);
+  Measurements measurements =
+      measure(robot, truth, rough_stations(robot, static_cast<int>(robot.limb_count())), {}, random);
+  const Calibration unchecked = calibrate(robot, measurements);
+  EXPECT_EQ(unchecked.verdict, Verdict::rejected);
+  EXPECT_THAT(unchecked.reasons, testing::ElementsAre(testing::HasSubstr("nothing to check the fit with")));
+  for (DistanceReading& reading : measurements.distances) reading.distance_sigma = 0.02;
+  const Calibration stated = calibrate(robot, measurements);
+  EXPECT_TRUE(stated.accepted()) << stated.brief();
+  EXPECT_TRUE(stated.parameters[0].std);
+}
+
+TEST_P(RoughCalibrationLaw, NoiseAloneIsRarelyAccepted) {
+  Random random;
+  constexpr int kMachines = 200;
+  int accepted = 0;
+  for (int machine = 0; machine < kMachines; ++machine) {
+    const Measurements measurements =
+        measure(robot, {}, rough_stations(robot, 6), {.distance_sigma = 0.05, .all_pairs = true}, random);
+    accepted += calibrate(robot, measurements).accepted();
+  }
+  // largest_chance is 5 %: the count is binomial.
+  EXPECT_LE(accepted, boost::math::quantile(boost::math::binomial_distribution<>(kMachines, 0.05), 0.999));
+}
+
+TEST_P(RoughCalibrationLaw, TakesTheJointsThatTheControllerBelievedWhereTheyAreKnown) {
+  Random random;
+  const SourceErrors truth = random_offsets(robot, 1.0, random);
+  Measurements measurements = measure(robot, truth, rough_stations(robot, 6), {}, random);
+  for (Station& station : measurements.stations) {
+    station.believed = inverse(robot.nominal(), station.commanded).joints;
+    station.commanded.position.z() += 20.0;  // where it was sent no longer matters
+  }
+  const Calibration calibration = calibrate(robot, measurements);
+  EXPECT_NEAR(calibration.errors()(0, Source::theta_offset), truth(0, Source::theta_offset), 1e-10);
+}
+
+PARACAL_ON_EVERY_ROBOT(RoughCalibrationLaw);
+
+TEST(RoughCalibration, NonsenseReadingsAreRefusedByNumber) {
+  const Robot robot = catalogue::huang2016();
+  const Measurements good = io::published_huang2016().rough;
+  const auto refusal = [&](auto spoil) {
+    Measurements spoilt = good;
+    spoil(spoilt);
+    try {
+      (void)calibrate(robot, spoilt);
+    } catch (const Error& complaint) {
+      return std::string(complaint.what());
+    }
+    return std::string("accepted");
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal([](auto& m) { m.distances[2].to = 99; }), HasSubstr("distance 3"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances[2].to = 0; }), HasSubstr("two different stations"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances[1].distance = -5; }), HasSubstr("above 0 mm, got -5"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances[1].distance_sigma = 0; }), HasSubstr("sigma above 0 mm"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances[5] = m.distances[0]; }), HasSubstr("same two stations as distance 1"));
+  EXPECT_THAT(refusal([](auto& m) { m.stations[3].commanded.position.z() = -5000; }), HasSubstr("cannot reach"));
+  EXPECT_THAT(refusal([](auto& m) { m.stations[3].commanded.position.z() = NAN; }), HasSubstr("finite commanded pose"));
+  EXPECT_THAT(refusal([](auto& m) { m.stations[0].believed = Joints::Zero(3); }), HasSubstr("4 finite joint"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances.clear(); }), HasSubstr("at least one distance"));
+}
+
+}  // namespace
+}  // namespace paracal

@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/io/published.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
+#include "support/robots.hpp"
+
+namespace paracal::io {
+namespace {
+
+class RobotFileLaw : public test::EveryRobot {};
+
+TEST_P(RobotFileLaw, WrittenRobotReadsBack) {
+  const std::string text = robot_toml(robot);
+  const Robot again = read_robot({"robot.toml", text});
+  EXPECT_EQ(robot_toml(again), text);
+  EXPECT_EQ(to_json(again), to_json(robot));
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    EXPECT_NEAR(again.geometry().limb_azimuth[i], robot.geometry().limb_azimuth[i], 1e-15);
+  }
+  EXPECT_EQ(again.limb_count(), robot.limb_count());
+}
+
+PARACAL_ON_EVERY_ROBOT(RobotFileLaw);
+
+TEST(RobotFile, NameMayHoldAnything) {
+  RobotDescription description = catalogue::huang2016().description();
+  description.name = "line\nbreak \"quoted\" \\ </script>";
+  EXPECT_EQ(read_robot({"r", robot_toml(Robot(description))}).name(), description.name);
+}
+
+TEST(RobotFile, RefusedGeometryNamesTheLine) {
+  std::string text = robot_toml(catalogue::huang2016());
+  text.replace(text.find("arm_mm = 375"), 12, "arm_mm = -37");
+  EXPECT_THAT(
+      [&] {
+        read_robot({"robot.toml", text});
+      },
+      testing::ThrowsMessage<InputFileError>(testing::StartsWith("robot.toml:6: geometry.arm_mm: expected")));
+}
+
+TEST(SourceErrorFile, KeysAreInDegAndMm) {
+  const SourceErrors errors = read_source_errors(
+      {"errors.toml", "[[limb]]\ntheta_offset_deg = 1\ne_mm = [1, 2, 3.5]\n[[limb]]\n[[limb]]\nbeta2_deg = -0.5\n"}, 3);
+  EXPECT_EQ(errors(0, Source::theta_offset), to_radians(1.0));
+  EXPECT_EQ(errors(0, Source::e_z), 3.5);
+  EXPECT_EQ(errors(1, Source::arm_length), 0.0);
+  EXPECT_EQ(errors(2, Source::beta2), to_radians(-0.5));
+}
+
+TEST(SourceErrorFile, MisspeltKeyIsRefusedWithItsLine) {
+  EXPECT_THAT(
+      [] {
+        read_source_errors({"e.toml", "[[limb]]\n[[limb]]\narm_lenght_mm = 1\n[[limb]]\n"}, 3);
+      },
+      testing::ThrowsMessage<InputFileError>(testing::AllOf(testing::StartsWith("e.toml:3: expected one of"),
+                                                            testing::HasSubstr("limb 2.arm_lenght_mm"))));
+}
+
+TEST(CalibrationFile, ErrorsReadBack) {
+  const Robot robot = catalogue::huang2016();
+  const Calibration calibration = calibrate(robot, published_huang2016().rough);
+  const SourceErrors again = read_calibrated_errors({"c.json", to_json(calibration, 0).dump()}, robot);
+  for (std::size_t limb = 0; limb < 4; ++limb) {
+    for (const Source source : all_sources()) {
+      EXPECT_NEAR(again(limb, source), calibration.errors()(limb, source), 1e-15);
+    }
+  }
+  EXPECT_THROW(read_calibrated_errors({"c.json", to_json(calibration, 0).dump()}, catalogue::rotary_delta()),
+               InputFileError);
+}
+
+TEST(CalibrationFile, HoldsEverythingToRepeatTheFit) {
+  const Json json = to_json(calibrate(catalogue::huang2016(), published_huang2016().rough), 0);
+  EXPECT_EQ(json["date"], "1970-01-01T00:00:00Z");
+  EXPECT_EQ(json["parameters"].size(), 4 * kSourceCount);
+  EXPECT_EQ(json["parameters"][0]["unit"], "deg");
+  EXPECT_EQ(json["parameters"][0]["status"], "identified");
+  EXPECT_EQ(json["parameters"][4]["status"], "fixed");
+  EXPECT_EQ(json["covariance"].size(), 4u);
+  const double std = json["parameters"][0]["std"];
+  EXPECT_NEAR(std * std, json["covariance"][0][0].get<double>(), 1e-15);
+  EXPECT_EQ(json["inputs"][0]["sha256"].get<std::string>().size(), 64u);
+  EXPECT_EQ(json["robot"]["name"], "huang2016");
+  EXPECT_TRUE(json["null_space"].is_array());
+}
+
+}  // namespace
+}  // namespace paracal::io

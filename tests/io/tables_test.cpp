@@ -1,0 +1,97 @@
+#include "paracal/io/tables.hpp"
+
+#include <gmock/gmock.h>
+#include <rapidcheck.h>
+
+#include "paracal/error.hpp"
+#include "paracal/io/csv.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+using testing::HasSubstr, testing::StartsWith, testing::ThrowsMessage;
+
+TEST(PoseTable, BothHeadersAndDefaults) {
+  const auto plain = read_poses({"p.csv", "x_mm,y_mm,z_mm\n1,2,-3\n+4,5e1,-6\n"});
+  ASSERT_EQ(plain.size(), 2u);
+  EXPECT_EQ(plain[1].name, "2");
+  EXPECT_EQ(plain[1].commanded.position, Eigen::Vector3d(4, 50, -6));
+  EXPECT_EQ(plain[0].commanded.rotation, 0.0);
+  const auto commanded =
+      read_poses({"p.csv", "# note\npose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg\r\n\r\nA,1,2,-3,90\r\n"});
+  EXPECT_EQ(commanded[0].name, "A");
+  EXPECT_EQ(commanded[0].commanded.rotation, to_radians(90));
+  EXPECT_FALSE(commanded[0].believed);
+}
+
+TEST(PoseTable, BelievedJointsAreRead) {
+  const auto poses = read_poses({"p.csv", "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg\n0,0,-800,10,20,30\n"});
+  ASSERT_TRUE(poses[0].believed);
+  EXPECT_EQ((*poses[0].believed)(2), to_radians(30));
+}
+
+TEST(PoseTable, ByteOrderMarkAndQuotesAreUnderstood) {
+  const auto poses = read_poses({"p.csv", "\xEF\xBB\xBFpose,x_mm,y_mm,z_mm\n\"a, \"\"b\"\"\",1,2,3\n"});
+  EXPECT_EQ(poses[0].name, "a, \"b\"");
+}
+
+TEST(DistanceTable, RefersToPosesByName) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nhome,0,0,-888\nfar,100,0,-888\n"};
+  const Measurements m =
+      read_distances({"d.csv", "from,to,distance_mm,rotation_deg,sigma_mm\nhome,far,99.5,,0.02\n"}, poses);
+  ASSERT_EQ(m.distances.size(), 1u);
+  EXPECT_EQ(m.distances[0].to, 1u);
+  EXPECT_EQ(m.distances[0].distance_sigma, 0.02);
+  EXPECT_FALSE(m.distances[0].rotation);
+  EXPECT_EQ(m.files[0].name, "d.csv");
+  EXPECT_THAT(
+      [&] {
+        read_distances({"d.csv", "from,to,distance_mm\nhome,fra,99.5\n"}, poses);
+      },
+      ThrowsMessage<InputFileError>(StartsWith("d.csv:2: expected a pose of p.csv in column to, got \"fra\"")));
+  EXPECT_THAT(
+      [&] {
+        read_distances({"d.csv", "from,to,distance_mm\nhome,far,1\nfar,home,1\n"}, poses);
+      },
+      ThrowsMessage<InputFileError>(StartsWith("d.csv:3: expected every pair")));
+}
+
+TEST(Csv, LinesCountCommentsAndBlanks) {
+  EXPECT_THAT(
+      [] {
+        read_poses({"p.csv", "# a\n\nx_mm,y_mm,z_mm\n# b\n1,2,3\n\n1,two,3\n"});
+      },
+      ThrowsMessage<InputFileError>(StartsWith("p.csv:7: expected a finite number in column y_mm, got \"two\"")));
+}
+
+/// Whatever joints and names are written, the same are read.
+TEST(JointTable, WrittenTablesReadBack) {
+  const bool held = rc::check("joint tables read back", [] {
+    const auto name =
+        *rc::gen::nonEmpty(rc::gen::container<std::string>(rc::gen::elementOf(std::string("aB 7,\"#;<>'\\"))));
+    RC_PRE(name.front() != ' ' && name.back() != ' ');
+    const auto micro_degrees = *rc::gen::container<std::vector<int>>(4, rc::gen::arbitrary<int>());
+    Joints joints(4);
+    for (int i = 0; i < 4; ++i) joints(i) = to_radians(micro_degrees[static_cast<std::size_t>(i)] * 1e-6);
+    const auto again = read_joints({"j.csv", joint_table({{name, joints}})}, 4);
+    RC_ASSERT(again.size() == 1u);
+    RC_ASSERT(again[0].name == name);
+    RC_ASSERT((again[0].joints - joints).cwiseAbs().maxCoeff() <= 1e-15 * joints.cwiseAbs().maxCoeff());
+  });
+  EXPECT_TRUE(held);
+}
+
+/// Random text never does worse than a complaint.
+TEST(Csv, AnyTextIsReadOrRefused) {
+  const bool held = rc::check("no crash on any text", [](const std::string& text) {
+    try {
+      (void)read_poses({"fuzz.csv", "x_mm,y_mm,z_mm\n" + text});
+    } catch (const InputFileError&) {
+    }
+  });
+  EXPECT_TRUE(held);
+}
+
+}  // namespace
+}  // namespace paracal::io
