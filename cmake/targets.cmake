@@ -1,6 +1,6 @@
 # The library does the mathematics; what calls it is built for a short build.
 function(paracal_target_is_not_hot target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # What every target of this project is compiled with; nothing global, so that a parent project keeps its own flags.

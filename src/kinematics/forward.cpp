@@ -1,6 +1,7 @@
 #include "paracal/kinematics/forward.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "linear_closure.hpp"
@@ -31,6 +32,38 @@ PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows
   return start;
 }
 
+/// A better guess: the plate level still, held by the centre lines of the limbs alone. Newton on
+///
+///   (|d_i|^2 - l_i^2) / 2 = 0,   d_i = r + a_i + mu_i s shat - (b_i + L_i u_1,i)
+///
+/// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
+/// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
+template <int N>
+PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
+  constexpr int kIterations = 3;
+  constexpr double kSettled = 10.0;  // mm, of the last step
+  PlateState plate = start;
+  Eigen::Matrix<double, N, 1> step;
+  for (int k = 0; k < kIterations; ++k) {
+    Eigen::Matrix<double, N, N> jacobian;
+    Eigen::Matrix<double, N, 1> residual;
+    for (int i = 0; i < N; ++i) {
+      const Limb& limb = machine.limbs[i];
+      const Eigen::Vector3d slide_direction = limb.slide_sign * machine.slide_axis;
+      const Eigen::Vector3d d =
+          plate.position + limb.plate + plate.slide * slide_direction - limb.base - limb.arm * elbows[i].arm;
+      const double rod = limb.mean_rod();
+      residual(i) = 0.5 * (d.squaredNorm() - rod * rod);
+      jacobian.row(i).template head<3>() = d;
+      if constexpr (N == 4) jacobian(i, 3) = d.dot(slide_direction);
+    }
+    step = jacobian.inverse() * residual;
+    plate.position -= step.template head<3>();
+    if constexpr (N == 4) plate.slide -= step(3);
+  }
+  return step.norm() < kSettled ? plate : start;
+}
+
 /// Step in mm, rotations counted at the half width of the parallelogram, where the rods feel them.
 template <int N>
 double step_length(const Unknowns<N>& step, double lever) {
@@ -43,7 +76,7 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  result.plate = options.start ? *options.start : default_start<N>(machine, elbows);
+  result.plate = options.start ? *options.start : level_start<N>(machine, elbows, default_start<N>(machine, elbows));
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
   double last_step = 0.0;
   while (result.iterations < options.max_iterations) {

@@ -1,6 +1,5 @@
 #include "paracal/kinematics/inverse.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -15,9 +14,14 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
   result.status = InverseStatus::reached;
   const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
+  // All triangles before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
+  std::array<Eigen::Vector2d, kMaxLimbs> direction;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const ArmSolution arm = solve_arm(limb, pose.position + limb.plate + limb.slide_sign * slide);
+    direction[i] = close_triangle(limb, pose.position + limb.plate + limb.slide_sign * slide);
+  }
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const ArmSolution arm = arm_along(machine.limbs[i], direction[i]);
     result.joints(static_cast<Eigen::Index>(i)) = arm.joint;
     if (!arm.reached && result.unreachable_limb < 0) {
       result.status = InverseStatus::unreachable;
@@ -27,9 +31,9 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   return result;
 }
 
-/// Moves joints and tilt together until the closure's least-squares answer has its position and slide on the pose:
-///   forward step at fixed joints  dx = -H^-1 J^T f,   effect of joints  dx = -H^-1 J^T J_q dq = -M dq,
-///   dq from the position-and-slide rows of  (x + dx - M dq) = target.
+/// Newton on joints and tilt, position and slide held on the pose, until the closure is at its least-squares answer:
+///
+///   J^T (f + J_q dq + J_tilt dtilt) = 0        N + 3 equations in N + 3 unknowns
 template <int N>
 void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
   constexpr int kMaxIterations = 20;
@@ -41,27 +45,23 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
   while (result.iterations < kMaxIterations) {
     const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, result.joints);
     const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-    Eigen::Matrix<double, N + 3, N> joints_to_gradient;  // J^T J_q; joint i acts on the two rods of limb i
+    detail::NormalMatrix<N> system;  // J^T (J_q, J_tilt); joint i acts on the two rods of limb i
     for (int i = 0; i < N; ++i) {
       const Limb& limb = machine.limbs[i];
-      joints_to_gradient.col(i).setZero();
+      system.col(i).setZero();
       for (int row = 2 * i; row < 2 * i + 2; ++row) {
         const Eigen::Vector3d motion = limb.frame.col(2).cross(elbows[i].joint[row % 2] - limb.base);
-        joints_to_gradient.col(i) -= linear.jacobian.row(row).transpose() * linear.direction[row].dot(motion);
+        system.col(i) -= linear.jacobian.row(row).transpose() * linear.direction[row].dot(motion);
       }
     }
-    const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
-    if (normal.info() != Eigen::Success) return;
-    const detail::Unknowns<N> free_step = -normal.solve(linear.gradient());
-    const Eigen::Matrix<double, N + 3, N> joints_to_plate = -normal.solve(joints_to_gradient);
-    const Eigen::Matrix<double, N, 1> joint_step =
-        -joints_to_plate.template topRows<N>().partialPivLu().solve(free_step.template head<N>());
-    result.joints += joint_step;
-    plate.tilt += (free_step + joints_to_plate * joint_step).template tail<3>();
+    system.template rightCols<3>() = linear.jacobian.transpose().lazyProduct(linear.jacobian.template rightCols<3>());
+    const detail::Unknowns<N> step = -system.partialPivLu().solve(linear.gradient());
+    result.joints += step.template head<N>();
+    plate.tilt += step.template tail<3>();
     ++result.iterations;
-    const double step = joint_step.cwiseAbs().maxCoeff();
-    if (!std::isfinite(step)) return;
-    if (step < kTolerance) {
+    const double joint_step = step.template head<N>().cwiseAbs().maxCoeff();
+    if (!std::isfinite(joint_step)) return;
+    if (joint_step < kTolerance) {
       result.status = InverseStatus::reached;
       return;
     }

@@ -34,7 +34,12 @@ struct LinearClosure {
 
   // Eigen sends products of this size to its blocked kernel, which costs more than the product itself.
   Unknowns<N> gradient() const { return jacobian.transpose().lazyProduct(residual); }
-  NormalMatrix<N> normal() const { return jacobian.transpose().lazyProduct(jacobian); }
+  /// Its lower triangle only, which is all that a Cholesky factorization reads.
+  NormalMatrix<N> normal() const {
+    NormalMatrix<N> normal;
+    normal.template triangularView<Eigen::Lower>() = jacobian.transpose().lazyProduct(jacobian);
+    return normal;
+  }
 };
 
 /// The elbows of all limbs: fixed while the plate is sought.

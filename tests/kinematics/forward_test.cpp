@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "kinematics/linear_closure.hpp"
+#include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
 #include "support/robots.hpp"
 
 namespace paracal {
@@ -189,6 +191,55 @@ TEST(ForwardOracle, TrilaterationOfADelta) {
     const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
     EXPECT_LT((forward(machine, joints).plate.position - trilaterate(machine, joints)).norm(), 1e-9);
   }
+}
+
+/// docs/conventions.md, "Check your signs": exact answers of huang2016 at home, computed from Eq. (1) by a separate
+/// program.
+struct SignCheck {
+  Source source;
+  double value;  ///< mm or rad
+  std::vector<std::size_t> limbs;
+  Eigen::Vector3d position;  ///< mm
+  double slide;              ///< mm
+};
+
+TEST(ForwardOracle, SignsAsInTheConventions) {
+  const Robot robot = catalogue::huang2016();
+  const Pose home{robot.workspace().centre(), 0.0};
+  const Joints joints = inverse(robot.nominal(), home).joints;
+  const std::vector<std::size_t> all{0, 1, 2, 3};
+  for (const SignCheck& check : {
+           SignCheck{Source::theta_offset, to_radians(1.0), all, {0, 0, 7.188}, 0},
+           SignCheck{Source::theta_offset, to_radians(1.0), {0}, {4.243, -4.192, 1.831}, 4.192},
+           SignCheck{Source::e_z, 1.0, all, {0, 0, 1}, 0},
+           SignCheck{Source::arm_length, 1.0, all, {0, 0, 0.393}, 0},
+           SignCheck{Source::rod_mean, 1.0, all, {0, 0, -1.169}, 0},
+           SignCheck{Source::e_y, 1.0, {0, 1}, {0, 0.5, 0}, -0.5},
+       }) {
+    SourceErrors errors;
+    for (const std::size_t limb : check.limbs) errors(limb, check.source) = check.value;
+    const PlateState plate = forward(build(robot, errors), joints).plate;
+    EXPECT_LT((plate.position - home.position - check.position).cwiseAbs().maxCoeff(), 6e-4) << name(check.source);
+    EXPECT_NEAR(plate.slide, check.slide, 6e-4) << name(check.source);
+  }
+}
+
+/// The same for the tilt group, linear, on limb 1: tilt in mrad.
+TEST(ForwardOracle, TiltSignsAsInTheConventions) {
+  const Robot robot = catalogue::huang2016();
+  const ErrorModel model = error_model(robot, {robot.workspace().centre(), 0.0});
+  const auto tilt = [&](Source source, double value) -> Eigen::Vector3d {
+    const auto column = static_cast<Eigen::Index>(index(source) - kPositionSourceCount);
+    return 1e3 * model.G_ee.col(column) * value * paper_scale(robot, source);
+  };
+  const auto near = [](const Eigen::Vector3d& ours, const Eigen::Vector3d& published) {
+    return (ours - published).cwiseAbs().maxCoeff() < 6e-4;
+  };
+  EXPECT_TRUE(near(tilt(Source::rod_difference, 0.1), {0.413, -0.413, -0.482}));
+  EXPECT_TRUE(near(tilt(Source::alpha03, 1e-3), {0.354, -0.354, -0.413}));
+  EXPECT_TRUE(near(tilt(Source::alpha2, 1e-3), {0.390, -0.390, -0.455}));
+  EXPECT_TRUE(near(tilt(Source::beta03, 1e-3), {-0.214, 0.214, 0.250}));
+  EXPECT_TRUE(near(tilt(Source::beta2, 1e-3), {-0.139, 0.139, 0.162}));
 }
 
 }  // namespace

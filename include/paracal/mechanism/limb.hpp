@@ -64,31 +64,44 @@ ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint
   return {c * limb.frame.col(0) + s * limb.frame.col(1), c * limb.frame.col(1) - s * limb.frame.col(0)};
 }
 
-/// Joint coordinate that puts the elbow one (mean) rod away from a point.
+/// Closes the triangle of arm and rod on the centre line of a limb, in closed form: the arm that puts the elbow one
+/// (mean) rod away from a point.
+///
+///   |d - L u_1(th)| = l   <=>   A cos(th) + B sin(th) = K,
+///   A = 2 L d.u_0,  B = 2 L d.v_0,  K = d.d + L^2 - l^2,  d = joint_at_plate - b_i.
+///
+/// Of the two roots it takes the working mode with the elbow outward: the larger u_1.u_0.
+/// One square root and no division, since only the direction of the arm matters.
+///
+/// @param joint_at_plate  A_i in the base frame, mm.
+/// @returns (A^2 + B^2) (cos(th), sin(th)); NaN when out of reach.
+/// Real-time: yes (no allocation, no exception, no loop).
+inline Eigen::Vector2d close_triangle(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
+  const Eigen::Vector3d d = joint_at_plate - limb.base;
+  const double diameter = 2.0 * limb.arm;
+  const double a = diameter * d.dot(limb.frame.col(0));
+  const double b = diameter * d.dot(limb.frame.col(1));
+  const double rod = limb.mean_rod();
+  const double k = d.squaredNorm() + limb.arm * limb.arm - rod * rod;
+  const double w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
+  return {a * k - b * w, b * k + a * w};
+}
+
+/// Joint coordinate of an arm.
 struct ArmSolution {
   double joint;  ///< rad; as the controller believes it (offset removed); NaN when out of reach
   bool reached;
 };
 
-/// Closes the triangle of arm and rod on the centre line of a limb, in closed form:
-///
-///   |d - L u_1(th)| = l   <=>   A cos(th) + B sin(th) = K,
-///   A = d.u_0,  B = d.v_0,  K = (d.d + L^2 - l^2) / (2 L),  d = joint_at_plate - b_i.
-///
-/// Of the two roots it takes the working mode with the elbow outward: the larger u_1.u_0.
-/// One square root and one arctangent; no division by A^2 + B^2, since only the direction matters.
-///
-/// @param joint_at_plate  A_i in the base frame, mm.
-/// Real-time: yes (no allocation, no exception, no loop).
-inline ArmSolution solve_arm(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
-  const Eigen::Vector3d d = joint_at_plate - limb.base;
-  const double a = d.dot(limb.frame.col(0));
-  const double b = d.dot(limb.frame.col(1));
-  const double rod = limb.mean_rod();
-  const double k = (d.squaredNorm() + limb.arm * limb.arm - rod * rod) / (2.0 * limb.arm);
-  const double w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
-  const double joint = std::atan2(b * k + a * w, a * k - b * w) - limb.joint_offset;
+/// @param direction  (cos(th), sin(th)) times any positive factor.
+inline ArmSolution arm_along(const Limb& limb, const Eigen::Vector2d& direction) noexcept {
+  const double joint = std::atan2(direction.y(), direction.x()) - limb.joint_offset;
   return {joint, std::isfinite(joint)};
+}
+
+/// Joint coordinate that puts the elbow one (mean) rod away from a point.
+inline ArmSolution solve_arm(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
+  return arm_along(limb, close_triangle(limb, joint_at_plate));
 }
 
 }  // namespace paracal

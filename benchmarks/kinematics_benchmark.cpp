@@ -1,0 +1,156 @@
+// Time, heap allocations and floating point work of the kinematics at a pose, on every robot of the catalogue.
+//
+// Plain chrono code rather than Google Benchmark: the figures that matter are ratios between functions, and a machine
+// shared with others is disturbed for longer than one function's measurement. So candidates and baselines take turns in
+// many short rounds, ratios are formed within a round, and the median of the rounds is reported. Google Benchmark
+// finishes one candidate before it starts the next (its random interleaving repeats whole measurements) and pairs
+// nothing.
+//
+// Reports and never judges: the exit status is 0 whatever the figures.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "floor.hpp"
+#include "host.hpp"
+#include "interleaved_timing.hpp"
+#include "operation_count.hpp"
+#include "paracal/kinematics/error_model.hpp"
+#include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "peak.hpp"
+#include "support/allocation_count.hpp"
+#include "task.hpp"
+
+namespace {
+
+using namespace paracal;
+using namespace paracal::benchmark;
+
+constexpr std::size_t kPoses = 1000;
+constexpr int kRounds = 200;
+
+/// Iterations over all poses.
+struct Iterations {
+  double mean = 0.0;
+  int max = 0;
+};
+
+/// A function under measurement; `pass` runs it on every pose.
+struct Candidate {
+  std::string name;
+  Pass pass;
+  Operations operations;  ///< a pose
+  Iterations iterations = {};
+  std::size_t baseline = 0;  ///< index of the candidate that the ratio is to
+};
+
+enum : std::size_t { kFloor, kInverse };
+
+template <typename Iterative>
+Iterations iterations_of(Iterative&& iterative) {
+  std::vector<int> iterations(kPoses);
+  for (std::size_t k = 0; k < kPoses; ++k) iterations[k] = iterative(k).iterations;
+  const double sum = std::accumulate(iterations.begin(), iterations.end(), 0.0);
+  return {sum / static_cast<double>(kPoses), std::ranges::max(iterations)};
+}
+
+/// The pass that calls `evaluate` with the index of each pose.
+template <typename Evaluate>
+Pass each_pose(Evaluate evaluate) {
+  return [evaluate] {
+    for (std::size_t k = 0; k < kPoses; ++k) keep(evaluate(k));
+  };
+}
+
+std::vector<Candidate> candidates_of(const Task& task, const Floor& floor) {
+  const PoseOperations operations = count_operations(task.robot);
+  const auto nominal_inverse = [&](std::size_t k) { return inverse(task.robot.nominal(), task.poses[k]); };
+  const auto actual_inverse = [&](std::size_t k) { return inverse(task.machine, task.poses[k]); };
+  const auto actual_forward = [&](std::size_t k) { return forward(task.machine, task.joints[k]); };
+  const auto linear_model = [&](std::size_t k) { return error_model(task.robot, task.poses[k]); };
+  const auto jacobian = [&](std::size_t k) { return exact_jacobian(task.machine, task.plates[k], task.joints[k]); };
+  const Iterations forward_iterations = iterations_of(actual_forward);
+  const Iterations inverse_iterations = iterations_of(actual_inverse);
+  return {
+      {"floor: sqrt, atan2 a limb", [&floor] { floor.pass(); }, operations.floor},
+      {"inverse, nominal", each_pose(nominal_inverse), operations.inverse, {}, kFloor},
+      {"forward, 14 errors a limb", each_pose(actual_forward),
+       operations.forward_start + forward_iterations.mean * operations.forward_iteration, forward_iterations, kInverse},
+      {"inverse, 14 errors a limb", each_pose(actual_inverse),
+       operations.inverse + inverse_iterations.mean * operations.inverse_iteration, inverse_iterations, kInverse},
+      {"error_model", each_pose(linear_model), operations.error_model, {}, kInverse},
+      {"exact_jacobian", each_pose(jacobian), operations.exact_jacobian, {}, kInverse},
+  };
+}
+
+double allocations_per_pose(const Candidate& candidate) {
+  const std::size_t before = test::allocation_count();
+  candidate.pass();
+  return static_cast<double>(test::allocation_count() - before) / static_cast<double>(kPoses);
+}
+
+void print_header(const Task& task) {
+  fmt::print("\n{}: {} limbs, {} random poses, {} rounds\n", task.robot.name(), task.robot.limb_count(), kPoses,
+             kRounds);
+  constexpr std::string_view kColumns = "{:<26}{:>8}{:>8}{:>8}  {:<18}{:>11}{:>7}{:>7}{:>6}{:>9}{:>7}\n";
+  fmt::print(kColumns, "", "median", "p99", "max", "ratio, to", "iterations", "heap", "flop", "calls", "GFLOP/s",
+             "share");
+  fmt::print(kColumns, "", "ns", "ns", "ns", "", "mean, max", "blocks", "", "", "", "of peak");
+}
+
+/// @param seconds  of this candidate's pass, of its baseline and of the peak, a round.
+void print_row(const Candidate& candidate, const std::string& baseline_name, const std::vector<double>& seconds,
+               const std::vector<double>& baseline, const std::vector<double>& peak) {
+  const double poses = static_cast<double>(kPoses), to_ns = 1e9 / poses;
+  const Spread time = spread_of(seconds);
+  const double work = candidate.operations.arithmetic * poses;
+  const std::string ratio =
+      &seconds == &baseline ? "" : fmt::format("{:6.2f} {}", median_ratio(seconds, baseline), baseline_name);
+  const auto [mean, max] = candidate.iterations;
+  const std::string iterations = max == 0 ? "" : fmt::format("{:.2f}, {}", mean, max);
+  fmt::print("{:<26}{:>8.0f}{:>8.0f}{:>8.0f}  {:<18}{:>11}{:>7g}{:>7.0f}{:>6.0f}{:>9.2f}{:>6.0f}%\n", candidate.name,
+             time.median * to_ns, time.p99 * to_ns, time.max * to_ns, ratio, iterations,
+             allocations_per_pose(candidate), candidate.operations.arithmetic, candidate.operations.functions,
+             work / time.median * 1e-9, 100.0 * median_ratio(peak, seconds) * work / peak_operations());
+}
+
+void report(const Robot& robot) {
+  const Task task = make_task(robot, kPoses);
+  const Floor floor(task);
+  const std::vector<Candidate> candidates = candidates_of(task, floor);
+  std::vector<Pass> passes;
+  for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);
+  passes.push_back(peak_pass);
+  const std::vector<std::vector<double>> seconds = interleave(passes, kRounds);
+  const std::vector<double>& peak = seconds.back();
+  print_header(task);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const std::size_t baseline = candidates[k].baseline;
+    print_row(candidates[k], baseline == kFloor ? "floor" : "inverse", seconds[k], seconds[baseline], peak);
+  }
+  fmt::print("peak of one core, multiply and add in turn: {:.1f} GFLOP/s\n",
+             peak_operations() / spread_of(peak).median * 1e-9);
+  fmt::print("floor's arctangents against the joints of the inverse: {:.1g} rad apart at most\n",
+             floor.difference(task));
+}
+
+}  // namespace
+
+int main() {
+  fmt::print("{}", host_description());
+  fmt::print(
+      "\nEverything is for one pose. Times: median, 99th percentile and maximum over the rounds; ratios: median of "
+      "the\n"
+      "ratios within the rounds (aims: inverse at most 2 floors, forward at most 30 inverses). flop: + - * / and "
+      "square\n"
+      "roots; calls: of sin, cos, atan2, which GFLOP/s and the share of the peak leave out.\n");
+  for (const std::string_view name : catalogue::names()) report(catalogue::find(name));
+}
