@@ -35,10 +35,10 @@ std::string Calibration::brief() const {
   for (const ParameterEstimate& parameter : parameters) {
     const bool angle = unit(parameter.source) == Unit::rad;
     const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
-    fmt::format_to(out, "  limb {}  {:<14}{:>9.3f}", parameter.limb + 1, paracal::name(parameter.source),
-                   shown(parameter.value));
-    if (parameter.std) fmt::format_to(out, " +- {:.3f}", shown(*parameter.std));
-    fmt::format_to(out, " {}\n", angle ? "deg" : "mm");
+    fmt::format_to(out, "  limb {}  {:<14}{:>9.3f} {}", parameter.limb + 1, paracal::name(parameter.source),
+                   shown(parameter.value), angle ? "deg" : "mm");
+    if (parameter.std) fmt::format_to(out, ", standard deviation {:.3f}", shown(*parameter.std));
+    text += '\n';
   }
   for (const NullDirection& direction : null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
   if (residuals.empty()) return text;

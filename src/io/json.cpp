@@ -103,6 +103,22 @@ void read_parameter(const Json& parameter, const Robot& robot, SourceErrors& err
   errors(limb.get<std::size_t>() - 1, *source) = from_file_unit(*source, value.get<double>());
 }
 
+/// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
+void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
+  const Json nominal = io::to_json(robot);
+  for (const char* part : {"name", "geometry", "plate"}) {
+    const Json expected = nominal.value(part, Json()), got = calibrated.value(part, Json());
+    if (expected != got) {
+      refuse(fmt::format("expected a calibration of the robot with {} {}, got {}", part, expected.dump(), got.dump()));
+    }
+  }
+}
+
+/// Line of a byte of a text, from 1.
+int line_of(std::string_view text, std::size_t byte) {
+  return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
+}
+
 }  // namespace
 
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
@@ -183,21 +199,16 @@ SourceErrors read_calibrated_errors(const TextFile& file, const Robot& robot) {
   SourceErrors errors;
   try {
     const Json json = Json::parse(file.text);
-    const Json nominal = to_json(robot);
-    for (const char* part : {"name", "geometry", "plate"}) {
-      const Json expected = nominal.value(part, Json()), got = json.at("robot").value(part, Json());
-      if (expected != got)
-        refuse(
-            fmt::format("expected a calibration of the robot with {} {}, got {}", part, expected.dump(), got.dump()));
+    require_same_robot(json.at("robot"), robot, refuse);
+    if (!json.at("accepted").get<bool>()) {
+      refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
+                         json.at("verdict").get<std::string>()));
     }
     for (const Json& parameter : json.at("parameters")) read_parameter(parameter, robot, errors, refuse);
   } catch (const Json::parse_error& error) {
-    const auto line =
-        1 + std::count(file.text.begin(),
-                       file.text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, file.text.size())), '\n');
-    throw InputFileError(file.name, static_cast<int>(line), "expected JSON, got something else");
-  } catch (const Json::exception& error) {
-    refuse(fmt::format("expected a calibration, got JSON without its keys ({})", error.what()));
+    throw InputFileError(file.name, line_of(file.text, error.byte), "expected JSON, got something else");
+  } catch (const Json::exception&) {
+    refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
   }
   return errors;
 }

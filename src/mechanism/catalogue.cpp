@@ -77,6 +77,7 @@ Robot rotary_delta() {
 
 std::vector<std::string_view> names() {
   std::vector<std::string_view> names;
+  names.reserve(kEntries.size());
   for (const Entry& entry : kEntries) names.push_back(entry.name);
   return names;
 }

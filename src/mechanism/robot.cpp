@@ -131,7 +131,7 @@ Machine checked_nominal(RobotDescription& description) {
   if (has_slide) check_slide(*description.slide, description.geometry.limb_azimuth.size());
   check_workspace(description.workspace, has_slide);
   if (description.tolerances) check_tolerances(*description.tolerances);
-  const Machine nominal = build(description, SourceErrors{});
+  Machine nominal = build(description, SourceErrors{});
   check_reach(nominal, description.workspace);
   return nominal;
 }

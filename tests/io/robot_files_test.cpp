@@ -73,6 +73,18 @@ TEST(CalibrationFile, ErrorsReadBack) {
                InputFileError);
 }
 
+TEST(CalibrationFile, OneThatWasNotAcceptedIsRefused) {
+  const Robot robot = catalogue::huang2016();
+  Measurements too_few = published_huang2016().rough;
+  too_few.distances.resize(3);
+  const std::string text = to_json(calibrate(robot, too_few), 0).dump();
+  EXPECT_THAT(
+      [&] {
+        read_calibrated_errors({"c.json", text}, robot);
+      },
+      testing::ThrowsMessage<InputFileError>(testing::HasSubstr("verdict is: not identifiable")));
+}
+
 TEST(CalibrationFile, HoldsEverythingToRepeatTheFit) {
   const Json json = to_json(calibrate(catalogue::huang2016(), published_huang2016().rough), 0);
   EXPECT_EQ(json["date"], "1970-01-01T00:00:00Z");

@@ -22,7 +22,7 @@ Json to_json(const Robot& robot);
 Json to_json(const Calibration& calibration, std::int64_t time);
 
 /// The identified source errors of a calibration file.
-/// @throws InputFileError when the file is no calibration of `robot`.
+/// @throws InputFileError when the file is no calibration of `robot`, or one that was not accepted.
 SourceErrors read_calibrated_errors(const TextFile& file, const Robot& robot);
 
 /// Rows of a matrix; numbers that are not finite become null.

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "paracal/io/tables.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+struct Options {
+  std::string poses;
+  std::string errors;
+};
+
+Joints joints_at(const Machine& machine, const Station& station) {
+  const InverseResult result = inverse(machine, station.commanded);
+  if (result.ok()) return result.joints;
+  const Eigen::Vector3d& r = station.commanded.position;
+  std::string why = "the machine is singular there";
+  if (result.status == InverseStatus::unreachable) {
+    why = result.unreachable_limb < 0 ? "a rigid plate does not turn: expected phi = 0 deg"
+                                      : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
+  }
+  throw MathematicsSaysNo(fmt::format("pose {} at ({:g}, {:g}, {:g}) mm, {:g} deg: {}", station.name, r.x(), r.y(),
+                                      r.z(), to_degrees(station.commanded.rotation), why));
+}
+
+void run(const Options& options, const Session& session) {
+  const Machine machine = machine_as_built(session.robot(), options.errors);
+  std::vector<io::NamedJoints> rows;
+  for (const Station& station : io::read_poses(io::read_file(options.poses))) {
+    rows.push_back({station.name, joints_at(machine, station)});
+  }
+  if (!session.json()) return session.print(io::joint_table(rows));
+  io::Json names = io::Json::array(), joints = io::Json::array();
+  for (const io::NamedJoints& row : rows) {
+    names.push_back(row.name);
+    io::Json degrees = io::Json::array();
+    for (const double joint : row.joints) degrees.push_back(to_degrees(joint));
+    joints.push_back(degrees);
+  }
+  session.print_json(io::Json{{"names", names}, {"joints_deg", joints}});
+}
+
+}  // namespace
+
+void add_inverse(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "inverse", "Kinematics", "joint angles that reach poses");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--poses", options->poses, "pose table (CSV)")->required();
+  command->add_option("--errors", options->errors,
+                      "source errors (TOML) or a calibration (JSON): the machine as built");
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,33 @@
+#include <memory>
+
+#include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+void list(const Session& session) {
+  io::Json names = io::Json::array();
+  std::string text;
+  for (const std::string_view name : catalogue::names()) {
+    names.push_back(name);
+    text.append(name).append("\n");
+  }
+  session.json() ? session.print_json(io::Json{{"robots", names}}) : session.print(text);
+}
+
+}  // namespace
+
+void add_robot(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "robot", "Describe a robot", "the robot as a file to start from");
+  const auto only_names = std::make_shared<bool>(false);
+  command->add_flag("--list", *only_names, "names of the catalogue");
+  command->callback([&session, only_names] {
+    if (*only_names) return list(session);
+    const Robot robot = session.robot();
+    session.json() ? session.print_json(io::to_json(robot)) : session.print(io::robot_toml(robot));
+  });
+}
+
+}  // namespace paracal::app

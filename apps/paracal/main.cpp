@@ -1,0 +1,51 @@
+#include <cstdio>
+#include <exception>
+
+#include "paracal/version.hpp"
+#include "session.hpp"
+
+namespace {
+
+using namespace paracal::app;
+
+int complain(const std::exception& error, ExitCode code) {
+  std::fprintf(stderr, "paracal: %s\n", error.what());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller", "paracal");
+  app.set_version_flag("--version", std::string("paracal ") + std::string(paracal::version()));
+  app.require_subcommand(0, 1);
+  app.footer(
+      "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics says no.");
+  Session session;
+  add_robot(app, session);
+  add_inverse(app, session);
+  add_forward(app, session);
+  add_error_model(app, session);
+  add_calibrate(app, session);
+  add_reproduce(app, session);
+  try {
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
+    return session.exit_code;
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::Error& error) {
+    app.exit(error);
+    return kWrongUsage;
+  } catch (const paracal::InputFileError& error) {
+    return complain(error, kBadInputFile);
+  } catch (const paracal::InvalidArgument& error) {
+    return complain(error, kBadInputFile);
+  } catch (const MathematicsSaysNo& error) {
+    return complain(error, kMathematicsSaysNo);
+  } catch (const paracal::Unreachable& error) {
+    return complain(error, kMathematicsSaysNo);
+  } catch (const std::exception& error) {  // wrong usage, or a result that cannot be written
+    return complain(error, kWrongUsage);
+  }
+}

@@ -1,0 +1,80 @@
+#include "session.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+#include "paracal/io/file.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+
+namespace paracal::app {
+
+CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std::string& job,
+                               const std::string& what) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->group(job);
+  command->add_option("--robot", robot_, "robot file (TOML) or catalogue name")->capture_default_str()->group("Common");
+  command->add_flag("--json", json_, "one JSON object on standard output, nothing else")->group("Common");
+  command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common");
+  command->add_option("--seed", seed_, "seed of commands that draw random numbers")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->group("Common");
+  command->add_option("--threads", threads_, "threads of commands that work in parallel; 0: all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->group("Common");
+  return command;
+}
+
+CLI::Validator positive_finite() {
+  const auto complaint = [](const std::string& text) {
+    double value = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+    return good ? std::string() : "expected a number above 0, got " + text;
+  };
+  return {complaint, "NUMBER > 0"};
+}
+
+Robot Session::robot() const {
+  const std::filesystem::path path(robot_);
+  if (path.extension() == ".toml" || path.has_parent_path()) return io::read_robot(io::read_file(path));
+  try {
+    return catalogue::find(robot_);
+  } catch (const InvalidArgument& unknown) {
+    throw WrongUsage(std::string("--robot: ") + unknown.what() + " (a robot file ends in .toml)");
+  }
+}
+
+namespace {
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
+  if (errors_file.empty()) return robot.nominal();
+  const io::TextFile file = io::read_file(errors_file);
+  const bool is_calibration = lower_case(std::filesystem::path(errors_file).extension()) == ".json";
+  return build(robot, is_calibration ? io::read_calibrated_errors(file, robot)
+                                     : io::read_source_errors(file, robot.limb_count()));
+}
+
+void Session::print(std::string_view text) const { out_.empty() ? print_summary(text) : io::write_file(out_, text); }
+
+void print_summary(std::string_view text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written) throw Error("standard output: cannot be written");
+}
+
+void Session::print_json(const io::Json& json) const {
+  // File names may hold bytes that are no UTF-8, which JSON cannot.
+  print(json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace paracal::app

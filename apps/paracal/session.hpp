@@ -1,0 +1,71 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "paracal/error.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal::app {
+
+/// Exit codes of the contract.
+enum ExitCode : int { kDone = 0, kVerdictIsNo = 1, kWrongUsage = 2, kBadInputFile = 3, kMathematicsSaysNo = 4 };
+
+/// The arguments contradict each other or name nothing (exit code 2).
+class WrongUsage : public Error {
+  using Error::Error;
+};
+
+/// Unreachable, singular (exit code 4).
+class MathematicsSaysNo : public Error {
+  using Error::Error;
+};
+
+/// Accepts finite numbers above zero.
+CLI::Validator positive_finite();
+
+/// Machine that --errors describes: source errors (TOML) or a calibration (JSON); the nominal one without a file.
+Machine machine_as_built(const Robot& robot, const std::string& errors_file);
+
+/// Prints what goes to standard output even with --out.
+void print_summary(std::string_view text);
+
+/// What all commands share: the common options and where results go.
+class Session {
+ public:
+  /// A new command with the common options, listed in --help under the user's job.
+  CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& job, const std::string& what);
+
+  /// The robot that --robot names: a file when it has a folder or ends in .toml, a catalogue name otherwise.
+  Robot robot() const;
+
+  bool json() const { return json_; }
+  const std::string& out() const { return out_; }
+  /// Prints a result, or writes it whole to --out.
+  void print(std::string_view text) const;
+  void print_json(const io::Json& json) const;
+
+  ExitCode exit_code = kDone;
+
+ private:
+  std::string robot_ = "huang2016";
+  std::string out_;
+  bool json_ = false;
+  std::uint64_t seed_ = 1;
+  unsigned threads_ = 0;
+};
+
+/// One function a command (commands/NAME.cpp): declares its options and what it does.
+void add_robot(CLI::App& app, Session& session);
+void add_inverse(CLI::App& app, Session& session);
+void add_forward(CLI::App& app, Session& session);
+void add_error_model(CLI::App& app, Session& session);
+void add_calibrate(CLI::App& app, Session& session);
+void add_reproduce(CLI::App& app, Session& session);
+
+}  // namespace paracal::app

@@ -1,0 +1,126 @@
+#include "run_program.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace paracal::test {
+namespace {
+
+/// Functions of posix_spawn return their error, others set errno.
+void require(int error, std::string_view what) {
+  if (error != 0) throw std::runtime_error(fmt::format("{}: {}", what, std::strerror(error)));
+}
+
+/// Pointers into texts, with the null at the end that exec wants.
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+  std::vector<char*> result;
+  for (std::string& text : texts) result.push_back(text.data());
+  result.push_back(nullptr);
+  return result;
+}
+
+std::vector<std::string> environment_with(const std::vector<std::string>& added) {
+  std::vector<std::string> all(added);
+  for (char** entry = environ; *entry != nullptr; ++entry) all.emplace_back(*entry);
+  return all;
+}
+
+/// Where the program's standard streams go and which folder it starts in.
+class SpawnActions {
+ public:
+  SpawnActions() { require(posix_spawn_file_actions_init(&actions_), "posix_spawn_file_actions_init"); }
+  ~SpawnActions() { posix_spawn_file_actions_destroy(&actions_); }
+  SpawnActions(const SpawnActions&) = delete;
+  SpawnActions& operator=(const SpawnActions&) = delete;
+
+  void open(int stream, const std::filesystem::path& path, int flags) {
+    require(posix_spawn_file_actions_addopen(&actions_, stream, path.c_str(), flags, 0600), path.native());
+  }
+  void change_folder(const std::filesystem::path& path) {
+    require(posix_spawn_file_actions_addchdir_np(&actions_, path.c_str()), path.native());
+  }
+  const posix_spawn_file_actions_t* get() const { return &actions_; }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+};
+
+int exit_code_of(pid_t process) {
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0) {
+    if (errno != EINTR) require(errno, "waitpid");
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace
+
+ProgramResult run_program(const std::vector<std::string>& arguments, const Surroundings& where) {
+  const TemporaryFolder streams;
+  const std::filesystem::path out = streams.path() / "out", err = streams.path() / "err";
+  SpawnActions actions;
+  actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
+  actions.open(STDOUT_FILENO, where.standard_output.empty() ? out : where.standard_output, O_WRONLY | O_CREAT);
+  actions.open(STDERR_FILENO, err, O_WRONLY | O_CREAT);
+  if (!where.folder.empty()) actions.change_folder(where.folder);
+  std::vector<std::string> command{PARACAL_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::vector<std::string> environment = environment_with(where.environment);
+  pid_t process = 0;
+  require(posix_spawn(&process, PARACAL_PROGRAM, actions.get(), nullptr, pointers(command).data(),
+                      pointers(environment).data()),
+          PARACAL_PROGRAM);
+  const int exit_code = exit_code_of(process);
+  return {exit_code, where.standard_output.empty() ? read_text(out) : "", read_text(err)};
+}
+
+std::vector<std::string> words(std::string_view text) {
+  std::vector<std::string> result;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    if (end > 0) result.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return result;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw std::runtime_error(path.string() + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = std::filesystem::temp_directory_path() / "paracal-test-XXXXXX";
+  if (mkdtemp(name.data()) == nullptr) require(errno, name);
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryFolder::write(const std::string& name, std::string_view text) const {
+  std::ofstream stream(path_ / name, std::ios::binary);
+  stream << text << std::flush;
+  if (!stream) throw std::runtime_error((path_ / name).string() + ": cannot be written");
+  return path_ / name;
+}
+
+std::set<std::string> TemporaryFolder::names() const {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(path_)) names.insert(entry.path().filename());
+  return names;
+}
+
+}  // namespace paracal::test

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace paracal::test {
+
+/// What a finished run of the program left.
+struct ProgramResult {
+  int exit_code = 0;  ///< minus the signal's number where a signal ended it
+  std::string out;    ///< standard output
+  std::string err;    ///< standard error
+};
+
+/// Where the program runs.
+struct Surroundings {
+  std::filesystem::path folder = {};           ///< current directory; empty: that of the tests
+  std::vector<std::string> environment = {};   ///< NAME=value, beside the environment of the tests
+  std::filesystem::path standard_output = {};  ///< empty: captured into ProgramResult::out
+};
+
+/// Runs paracal to its end. Arguments reach it as they stand here: no shell is involved.
+ProgramResult run_program(const std::vector<std::string>& arguments, const Surroundings& where = {});
+
+/// "forward --json" as two words.
+std::vector<std::string> words(std::string_view text);
+
+std::string read_text(const std::filesystem::path& path);
+
+/// A new, empty folder that goes when this does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Path of the new file.
+  std::string write(const std::string& name, std::string_view text) const;
+  std::string read(const std::string& name) const { return read_text(path_ / name); }
+  /// Names of everything in the folder, hidden files too.
+  std::set<std::string> names() const;
+  /// Runs paracal with this folder as the current directory.
+  ProgramResult run(const std::vector<std::string>& arguments) const {
+    return run_program(arguments, {.folder = path_});
+  }
+  ProgramResult run(std::string_view command) const { return run(words(command)); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace paracal::test
