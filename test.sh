@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Sets up, builds, and runs every test: as released, and once more under the address and undefined-behaviour sanitizers.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+tools/setup.sh
+release=release
+[[ ${CI:-} == true ]] && release=ci  # the same with warnings as errors
+for preset in "$release" asan; do
+  tools/build.sh "$preset"
+  ctest --preset "$preset" --progress
+done
