@@ -12,7 +12,7 @@ namespace {
 
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
 std::string column_name(Source source) {
-  const std::string plain(name(source));
+  std::string plain(name(source));
   switch (source) {
     case Source::theta_offset:
     case Source::alpha0:
