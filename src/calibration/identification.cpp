@@ -227,6 +227,29 @@ std::string describe(const Eigen::VectorXd& direction, const std::vector<Paramet
   return text;
 }
 
+/// Residuals, chance, uncertainty, null space and stage of a fit that could be evaluated.
+/// @param nominal  weighted residuals of the nominal machine.
+void state_evidence(const Measurements& measurements, const Eigen::VectorXd& nominal, const LeastSquaresResult& fit,
+                    Calibration& calibration) {
+  const Eigen::VectorXd& answer = fit.at_answer.residual;
+  const bool sigmas_known = all_sigmas_stated(measurements);
+  calibration.degrees_of_freedom = static_cast<int>(answer.size()) - fit.rank;
+  fill_residuals(measurements, calibration.options, nominal, answer, calibration);
+  calibration.before =
+      summarize(calibration.residuals, &ReadingResidual::distance_before, &ReadingResidual::rotation_before);
+  calibration.after =
+      summarize(calibration.residuals, &ReadingResidual::distance_after, &ReadingResidual::rotation_after);
+  calibration.chance =
+      chance_of(nominal.squaredNorm(), answer.squaredNorm(), fit.rank, calibration.degrees_of_freedom, sigmas_known);
+  state_uncertainty(fit, sigmas_known, calibration);
+  for (const auto& direction : fit.null_space.colwise()) {
+    calibration.null_space.push_back({describe(direction, calibration.parameters), direction});
+  }
+  const double smallest = fit.singular_values.size() < fit.parameters.size() ? 0.0 : fit.singular_values.minCoeff();
+  calibration.stages.push_back({"rough", fit.iterations, fit.status == LeastSquaresStatus::converged, fit.rank,
+                                fit.singular_values(0) / smallest, calibration.after.rms_distance});
+}
+
 /// The encoder offsets of all limbs, not yet known.
 std::vector<ParameterEstimate> encoder_offsets(const Robot& robot) {
   std::vector<ParameterEstimate> parameters;
@@ -251,23 +274,7 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
   if (fit.status != LeastSquaresStatus::not_evaluable) {
     Linearization nominal;
     model(start, nominal);
-    const bool sigmas_known = all_sigmas_stated(measurements);
-    calibration.degrees_of_freedom = static_cast<int>(fit.at_answer.residual.size()) - fit.rank;
-    fill_residuals(measurements, options, nominal.residual, fit.at_answer.residual, calibration);
-    calibration.before =
-        summarize(calibration.residuals, &ReadingResidual::distance_before, &ReadingResidual::rotation_before);
-    calibration.after =
-        summarize(calibration.residuals, &ReadingResidual::distance_after, &ReadingResidual::rotation_after);
-    calibration.chance = chance_of(nominal.residual.squaredNorm(), fit.at_answer.residual.squaredNorm(), fit.rank,
-                                   calibration.degrees_of_freedom, sigmas_known);
-    state_uncertainty(fit, sigmas_known, calibration);
-    for (Eigen::Index k = 0; k < fit.null_space.cols(); ++k) {
-      calibration.null_space.push_back(
-          {describe(fit.null_space.col(k), calibration.parameters), fit.null_space.col(k)});
-    }
-    const double smallest = fit.singular_values.size() < fit.parameters.size() ? 0.0 : fit.singular_values.minCoeff();
-    calibration.stages.push_back({"rough", fit.iterations, fit.status == LeastSquaresStatus::converged, fit.rank,
-                                  fit.singular_values(0) / smallest, calibration.after.rms_distance});
+    state_evidence(measurements, nominal.residual, fit, calibration);
   }
   judge(fit, options, calibration);
   return calibration;
