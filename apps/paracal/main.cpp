@@ -26,7 +26,11 @@ int main(int argc, char** argv) {
   add_inverse(app, session);
   add_forward(app, session);
   add_error_model(app, session);
+  add_poses(app, session);
+  add_identifiability(app, session);
+  add_simulate(app, session);
   add_calibrate(app, session);
+  add_validate(app, session);
   add_reproduce(app, session);
   try {
     app.parse(argc, argv);

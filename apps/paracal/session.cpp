@@ -1,5 +1,7 @@
 #include "session.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -29,13 +31,26 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
   return command;
 }
 
-CLI::Validator positive_finite() {
-  const auto complaint = [](const std::string& text) {
+namespace {
+
+template <typename Accept>
+CLI::Validator finite_number(const char* expected, const char* shown, Accept&& accept) {
+  const auto complaint = [expected, accept](const std::string& text) {
     double value = 0.0;
-    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
-    return good ? std::string() : "expected a number above 0, got " + text;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && accept(value);
+    return good ? std::string() : fmt::format("expected {}, got {}", expected, text);
   };
-  return {complaint, "NUMBER > 0"};
+  return {complaint, shown};
+}
+
+}  // namespace
+
+CLI::Validator positive_finite() {
+  return finite_number("a number above 0", "NUMBER > 0", [](double value) { return value > 0.0; });
+}
+
+CLI::Validator non_negative_finite() {
+  return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
 }
 
 Robot Session::robot() const {
@@ -61,7 +76,7 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
   if (errors_file.empty()) return robot.nominal();
   const io::TextFile file = io::read_file(errors_file);
   const bool is_calibration = lower_case(std::filesystem::path(errors_file).extension()) == ".json";
-  return build(robot, is_calibration ? io::read_calibrated_errors(file, robot)
+  return build(robot, is_calibration ? io::read_calibration(file, robot).errors
                                      : io::read_source_errors(file, robot.limb_count()));
 }
 

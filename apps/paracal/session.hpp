@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/mechanism/machine.hpp"
@@ -28,9 +29,14 @@ class MathematicsSaysNo : public Error {
 
 /// Accepts finite numbers above zero.
 CLI::Validator positive_finite();
+/// Accepts finite numbers from zero.
+CLI::Validator non_negative_finite();
 
 /// Machine that --errors describes: source errors (TOML) or a calibration (JSON); the nominal one without a file.
 Machine machine_as_built(const Robot& robot, const std::string& errors_file);
+
+/// Standard deviations over the workspace, under the keys of poses and identifiability.
+io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Prints what goes to standard output even with --out.
 void print_summary(std::string_view text);
@@ -46,6 +52,7 @@ class Session {
 
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
+  std::uint64_t seed() const { return seed_; }
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text) const;
   void print_json(const io::Json& json) const;
@@ -65,7 +72,11 @@ void add_robot(CLI::App& app, Session& session);
 void add_inverse(CLI::App& app, Session& session);
 void add_forward(CLI::App& app, Session& session);
 void add_error_model(CLI::App& app, Session& session);
+void add_poses(CLI::App& app, Session& session);
+void add_identifiability(CLI::App& app, Session& session);
+void add_simulate(CLI::App& app, Session& session);
 void add_calibrate(CLI::App& app, Session& session);
+void add_validate(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
 
 }  // namespace paracal::app

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <iterator>
 
 #include "paracal/units.hpp"
@@ -28,22 +31,52 @@ SourceErrors Calibration::errors() const {
   return errors;
 }
 
+std::vector<Calibration::Correlation> Calibration::correlations(double threshold) const {
+  std::vector<Correlation> strong;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) {
+      const double value = covariance(i, k) / std::sqrt(covariance(i, i) * covariance(k, k));
+      if (std::abs(value) >= threshold)
+        strong.push_back({static_cast<std::size_t>(k), static_cast<std::size_t>(i), value});
+    }
+  }
+  std::ranges::sort(strong, std::greater{}, [](const Correlation& pair) { return std::abs(pair.value); });
+  return strong;
+}
+
+namespace {
+
+/// "limb 1  theta_offset   0.206 deg, standard deviation 0.012"
+std::string line_of(const ParameterEstimate& parameter) {
+  const bool angle = unit(parameter.source) == Unit::rad;
+  const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
+  std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source),
+                                 shown(parameter.value), angle ? "deg" : "mm");
+  if (parameter.std) text += fmt::format(", standard deviation {:.3f}", shown(*parameter.std));
+  if (parameter.prior_std) {
+    text += fmt::format(", {:.0f} % from the readings", 100.0 * parameter.data_share);
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
 std::string Calibration::brief() const {
   std::string text = fmt::format("calibration of {}: {}\n", robot.name(), paracal::name(verdict));
   const auto out = std::back_inserter(text);
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
+  for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const ParameterEstimate& parameter : parameters) {
-    const bool angle = unit(parameter.source) == Unit::rad;
-    const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
-    fmt::format_to(out, "  limb {}  {:<14}{:>9.3f} {}", parameter.limb + 1, paracal::name(parameter.source),
-                   shown(parameter.value), angle ? "deg" : "mm");
-    if (parameter.std) fmt::format_to(out, ", standard deviation {:.3f}", shown(*parameter.std));
-    text += '\n';
+    if (!tilts_plate(parameter.source) || parameter.identified()) text += line_of(parameter);
   }
   for (const NullDirection& direction : null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
-  if (residuals.empty()) return text;
+  if (readings == 0) return text;
   fmt::format_to(out, "  distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
-                 before.rms_distance, after.rms_distance, residuals.size(), degrees_of_freedom);
+                 before.rms_distance, after.rms_distance, readings, degrees_of_freedom);
+  if (!points.empty()) {
+    fmt::format_to(out, "  points, largest after alignment: {:.3f} mm before, {:.3f} mm after; noise {:.3f} mm\n",
+                   before.max_volumetric_aligned, after.max_volumetric_aligned, noise);
+  }
   if (after.max_abs_rotation) {
     fmt::format_to(out, "  rotations, largest: {:.2f} deg before, {:.2f} deg after\n",
                    to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));

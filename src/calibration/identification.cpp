@@ -3,280 +3,258 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <set>
 
+#include "distance_geometry.hpp"
+#include "evidence.hpp"
+#include "observation.hpp"
+#include "outliers.hpp"
+#include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/least_squares.hpp"
 #include "paracal/error.hpp"
-#include "paracal/kinematics/exact_jacobian.hpp"
-#include "paracal/kinematics/forward.hpp"
-#include "paracal/kinematics/inverse.hpp"
+#include "scatter.hpp"
+#include "sought.hpp"
 
 namespace paracal {
 namespace {
 
-/// Joint coordinates that the controller believed at a station.
-Joints believed_joints(const Robot& robot, const Station& station) {
-  if (station.believed) return *station.believed;
-  const InverseResult nominal = inverse(robot.nominal(), station.commanded);
-  if (nominal.ok()) return nominal.joints;
-  const Eigen::Vector3d& r = station.commanded.position;
-  throw Unreachable(fmt::format("station \"{}\": robot {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg", station.name,
-                                robot.name(), r.x(), r.y(), r.z(), to_degrees(station.commanded.rotation)));
-}
+using detail::Group;
+using detail::Observation;
 
-/// What the machine does at one station, and how that changes with the parameters.
-struct PredictedStation {
-  PlateState plate;
-  double rotation = 0.0;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> position_jacobian;
-  Eigen::RowVectorXd rotation_jacobian;
-};
+constexpr double kRankTolerance = 1e-7;
 
-/// The readings as a function of the source errors sought: predictions, derivatives, weighted residuals.
-class ReadingModel {
+/// One stage: seeks some source errors from a machine that already has `errors`.
+class StageFit {
  public:
-  ReadingModel(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
-               const std::vector<ParameterEstimate>& sought)
-      : robot_(robot), measurements_(measurements), options_(options), sought_(sought) {
-    for (const Station& station : measurements.stations) joints_.push_back(believed_joints(robot, station));
+  StageFit(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
+           std::vector<SoughtSource> sought, const SourceErrors& errors)
+      : observation_(robot, measurements, options, std::move(sought)) {
+    const auto start = observation_.start(errors);
+    if (!start) return;
+    fit_.parameters = *start;
+    detail::leave_out_gross_points(observation_, *start);
   }
 
-  Eigen::Index parameter_count() const { return static_cast<Eigen::Index>(sought_.size()); }
+  Observation& observation() { return observation_; }
+  const LeastSquaresResult& fit() const { return fit_; }
+  int iterations() const { return iterations_; }
 
-  Eigen::Index row_count() const {
-    const auto rotations = std::ranges::count_if(
-        measurements_.distances, [](const DistanceReading& reading) { return reading.rotation.has_value(); });
-    return static_cast<Eigen::Index>(measurements_.distances.size()) + rotations;
+  void solve() {
+    if (fit_.parameters.size() == 0) return;
+    LeastSquaresOptions options;
+    // With priors: a thousandth of a percent of a standard deviation, far below what anyone states.
+    if (detail::has_priors(observation_)) options.step_tolerance = 1e-5;
+    fit_ = solve_least_squares(detail::with_priors(observation_), fit_.parameters, options);
+    iterations_ += fit_.iterations;
   }
 
-  /// Weighted residuals predicted - measured and their Jacobian; false when the machine does not close
-  /// somewhere or a reading is too absurd to be squared.
-  bool operator()(const Eigen::VectorXd& values, Linearization& linearization) const {
-    std::vector<PredictedStation> stations;
-    if (!predict(values, stations)) return false;
-    linearization.residual.resize(row_count());
-    linearization.jacobian.resize(row_count(), parameter_count());
-    Eigen::Index row = 0;
-    for (const DistanceReading& reading : measurements_.distances) {
-      const PredictedStation &from = stations[reading.from], &to = stations[reading.to];
-      const Eigen::Vector3d between = to.plate.position - from.plate.position;
-      const double sigma = reading.distance_sigma.value_or(options_.distance_sigma);
-      linearization.residual(row) = (between.norm() - reading.distance) / sigma;
-      linearization.jacobian.row(row++) =
-          between.normalized().transpose() * (to.position_jacobian - from.position_jacobian) / sigma;
-      if (!reading.rotation) continue;
-      const double rotation_sigma = options_.rotation_sigma;
-      linearization.residual(row) = (to.rotation - from.rotation - *reading.rotation) / rotation_sigma;
-      linearization.jacobian.row(row++) = (to.rotation_jacobian - from.rotation_jacobian) / rotation_sigma;
+  /// Eq. (19) with the derivative at the nominal machine, p <- p - H^+ (predicted - measured), until p settles. (Plain
+  /// repetition: the fixed derivative makes no descent directions that a damped method could rely on.)
+  void solve_by_pseudo_inverse() {
+    constexpr int kRounds = 30;
+    constexpr double kSettled = 1e-6;  // of the residuals' change, relative to 1 + |r|
+    if (fit_.parameters.size() == 0) return;
+    observation_.keep_nominal_derivative();
+    fit_.status = LeastSquaresStatus::not_converged;
+    for (; iterations_ < kRounds; ++iterations_) {
+      fit_.at_answer = InformationRoot(observation_.unknown_count());
+      if (!observation_(fit_.parameters, fit_.at_answer)) return;
+      const Eigen::MatrixXd root = fit_.at_answer.root();
+      const Eigen::VectorXd gradient = root.transpose() * fit_.at_answer.reachable();
+      const Eigen::VectorXd step = -(analyse(root, kRankTolerance).covariance * gradient);
+      if ((root * step).norm() < kSettled * (1.0 + std::sqrt(fit_.at_answer.squared_residuals()))) {
+        fit_.status = LeastSquaresStatus::converged;
+        fit_.iterations = iterations_;
+        return;
+      }
+      fit_.parameters += step;
     }
-    return std::isfinite(linearization.residual.squaredNorm());
+  }
+
+  /// Of the active readings. Without priors: residual sum, and rows less unknowns.
+  detail::Scatter scatter() const {
+    if (fit_.at_answer.row_count() == 0) return {};
+    if (detail::has_priors(observation_)) {
+      return detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(), [](const Group&) { return true; });
+    }
+    const Eigen::Index rank = analyse(fit_.at_answer.root(), kRankTolerance).rank;
+    return {fit_.at_answer.squared_residuals(), static_cast<double>(fit_.at_answer.row_count() - rank)};
+  }
+
+  /// Solves again with the noise that the residuals show, until it settles: the weighted residual sum of the
+  /// readings without a stated sigma must equal their redundancy.
+  void solve_with_noise_of_residuals() {
+    constexpr int kRounds = 12;
+    constexpr double kSettled = 0.01, kSmallest = 0.01;
+    solve();
+    if (std::ranges::all_of(observation_.groups(), &Group::stated)) return;
+    for (int round = 0; round < kRounds && fit_.status == LeastSquaresStatus::converged; ++round) {
+      const double scale = std::max(observation_.noise_scale() * unstated_scatter(), kSmallest);
+      if (std::abs(scale / observation_.noise_scale() - 1.0) < kSettled) return;
+      observation_.set_noise_scale(scale);
+      solve();
+    }
+  }
+
+  /// Names and leaves out gross errors. Where the readings scatter suspiciously, a robust loss first finds those that
+  /// hide behind each other; then, one at a time, the reading that contradicts the others most, if chance does not
+  /// explain it (data snooping  [baarda1968]).
+  void exclude_outliers(double outlier_chance) {
+    if (fit_.status == LeastSquaresStatus::converged && is_suspicious()) mark_by_robust_loss(outlier_chance);
+    while (fit_.status == LeastSquaresStatus::converged && may_exclude()) {
+      const auto worst = most_contradicting();
+      if (!worst || worst->chance > outlier_chance) return;
+      observation_.groups()[worst->group].active = false;
+      solve_with_noise_of_residuals();
+    }
+  }
+
+  std::vector<detail::Contradiction> suspects() const {
+    return detail::contradictions(observation_, fit_.parameters, inverse_information(fit_.at_answer.root()), scatter());
   }
 
  private:
-  bool predict(const Eigen::VectorXd& values, std::vector<PredictedStation>& stations) const {
-    SourceErrors errors;
-    for (std::size_t k = 0; k < sought_.size(); ++k) {
-      errors(sought_[k].limb, sought_[k].source) = values(static_cast<Eigen::Index>(k));
-    }
-    const Machine machine = build(robot_, errors);
-    for (const Joints& joints : joints_) {
-      const ForwardResult pose = forward(machine, joints);
-      const ExactJacobian jacobian = exact_jacobian(machine, pose.plate, joints);
-      if (!pose.ok() || !jacobian.ok) return false;
-      stations.push_back(project(machine, pose.plate, jacobian));
-    }
-    return true;
+  Eigen::MatrixXd covariance() const { return inverse_information(fit_.at_answer.root()); }
+
+  /// At most every fourth reading.
+  bool may_exclude() const {
+    const auto excluded = std::ranges::count(observation_.groups(), false, &Group::active);
+    return 4 * static_cast<std::size_t>(excluded) < observation_.groups().size();
   }
 
-  PredictedStation project(const Machine& machine, const PlateState& plate, const ExactJacobian& jacobian) const {
-    PredictedStation station{plate, machine.rotation_of(plate.slide), {}, {}};
-    station.position_jacobian.resize(3, parameter_count());
-    station.rotation_jacobian.setZero(parameter_count());
-    for (std::size_t k = 0; k < sought_.size(); ++k) {
-      const auto column = static_cast<Eigen::Index>(k);
-      const auto sensitivity = jacobian.plate.col(ExactJacobian::column(sought_[k].limb, sought_[k].source));
-      station.position_jacobian.col(column) = sensitivity.head<3>();
-      if (machine.has_slide()) station.rotation_jacobian(column) = machine.rotation_of(sensitivity(3));
+  std::optional<detail::Contradiction> most_contradicting() const {
+    for (const detail::Contradiction& one : suspects()) {
+      if (observation_.groups()[one.group].active) return one;
     }
-    return station;
+    return std::nullopt;
   }
 
-  const Robot& robot_;
-  const Measurements& measurements_;
-  const CalibrationOptions& options_;
-  const std::vector<ParameterEstimate>& sought_;
-  std::vector<Joints> joints_;
+  /// One residual stands out, or all are larger than anyone thought.
+  bool is_suspicious() const {
+    constexpr double kStandsOut = 3.5, kLarge = 1.5;
+    const detail::Scatter all = scatter();
+    const bool large = observation_.noise_scale() > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
+    return large || std::ranges::max(detail::studentised(observation_, fit_.parameters, covariance())) > kStandsOut;
+  }
+
+  /// Cauchy's loss, sum log(1 + (t / c)^2) with t the studentised size over the median, by reweighting. Readings that
+  /// it all but ignores are left out; those that do not contradict the rest then come back.
+  void mark_by_robust_loss(double outlier_chance) {
+    constexpr int kRounds = 20;
+    constexpr double kCauchy = 2.0, kIgnored = 6.0;
+    std::vector<double> sizes;
+    for (int round = 0; round < kRounds; ++round) {
+      sizes = detail::studentised(observation_, fit_.parameters, covariance());
+      for (std::size_t g = 0; g < sizes.size(); ++g) {
+        observation_.groups()[g].weight = 1.0 / (1.0 + std::pow(sizes[g] / kCauchy, 2));
+      }
+      solve();
+    }
+    std::vector<std::size_t> order(sizes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, std::greater{}, [&](std::size_t g) { return sizes[g]; });
+    std::vector<std::size_t> ignored;
+    for (Group& group : observation_.groups()) group.weight = 1.0;
+    for (const std::size_t g : order) {
+      if (sizes[g] < kIgnored || !may_exclude()) break;
+      observation_.groups()[g].active = false;
+      ignored.push_back(g);
+    }
+    solve_with_noise_of_residuals();
+    if (fit_.status != LeastSquaresStatus::converged) return;
+    for (const detail::Contradiction& one : suspects()) {
+      if (std::ranges::find(ignored, one.group) == ignored.end() || one.chance <= outlier_chance) continue;
+      observation_.groups()[one.group].active = true;
+    }
+    solve_with_noise_of_residuals();
+  }
+
+  double unstated_scatter() const {
+    const detail::Scatter unstated = detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(),
+                                                     [](const Group& group) { return !group.stated; });
+    return unstated.redundancy < 0.5 ? 1.0 : std::sqrt(unstated.sum / unstated.redundancy);
+  }
+
+  Observation observation_;
+  LeastSquaresResult fit_;
+  int iterations_ = 0;
 };
 
-/// Turns weighted residuals (predicted - measured) back into measured - predicted, in mm and rad.
-void fill_residuals(const Measurements& measurements, const CalibrationOptions& options, const Eigen::VectorXd& before,
-                    const Eigen::VectorXd& after, Calibration& calibration) {
-  Eigen::Index row = 0;
-  for (const DistanceReading& reading : measurements.distances) {
-    const double sigma = reading.distance_sigma.value_or(options.distance_sigma);
-    ReadingResidual residual;
-    residual.from = measurements.stations[reading.from].name;
-    residual.to = measurements.stations[reading.to].name;
-    residual.distance = reading.distance;
-    residual.distance_before = -before(row) * sigma;
-    residual.distance_after = -after(row++) * sigma;
-    if (reading.rotation) {
-      residual.rotation = reading.rotation;
-      residual.rotation_before = -before(row) * options.rotation_sigma;
-      residual.rotation_after = -after(row++) * options.rotation_sigma;
+/// The paper measures points and calibrates from the distances of all pairs, all weighing alike, and nothing else.
+Measurements as_distances(const Measurements& measurements) {
+  Measurements pairs{.stations = measurements.stations,
+                     .distances = measurements.distances,
+                     .files = measurements.files,
+                     .notes = measurements.notes};
+  for (const PointSeries& series : measurements.series) {
+    std::vector<DistanceReading> distances = all_distances(series);
+    if (pairs.distances.empty()) {
+      pairs.distances = std::move(distances);
+    } else {
+      pairs.distances.insert(pairs.distances.end(), distances.begin(), distances.end());
     }
-    calibration.residuals.push_back(std::move(residual));
   }
+  for (DistanceReading& reading : pairs.distances) {
+    reading.distance_sigma.reset();
+    reading.rotation.reset();
+  }
+  return pairs;
 }
 
-/// Summary of one pair of columns of the residual table.
-ResidualSummary summarize(const std::vector<ReadingResidual>& residuals, double ReadingResidual::*distance,
-                          std::optional<double> ReadingResidual::*rotation) {
-  ResidualSummary summary;
-  double sum = 0.0;
-  for (const ReadingResidual& residual : residuals) {
-    summary.max_abs_distance = std::max(summary.max_abs_distance, std::abs(residual.*distance));
-    sum += residual.*distance * residual.*distance;
-    if (!(residual.*rotation)) continue;
-    summary.max_abs_rotation = std::max(summary.max_abs_rotation.value_or(0.0), std::abs(*(residual.*rotation)));
-  }
-  summary.rms_distance = std::sqrt(sum / static_cast<double>(residuals.size()));
-  return summary;
+/// Do the readings leave nothing open but motions of the whole robot, and are there a quarter more of them than that
+/// takes? Distances between N points are worth 3 N - 6 numbers at most; frames and the like cost as many as they have
+/// unknowns.
+bool enough_for_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
+  constexpr double kSpare = 1.25;
+  const Identifiability seen = identifiability(robot, measurements, options, detail::position_group(robot, options));
+  std::set<std::size_t> joined;
+  for (const DistanceReading& reading : measurements.distances) joined.insert({reading.from, reading.to});
+  const auto pairs = static_cast<Eigen::Index>(measurements.distances.size());
+  const auto worth = std::min(pairs, std::max<Eigen::Index>(3 * static_cast<Eigen::Index>(joined.size()) - 6, 1));
+  const Eigen::Index numbers = seen.rows - (pairs - worth) - seen.nuisance;
+  return std::ranges::all_of(seen.null_space, &NullDirection::gauge) &&
+         static_cast<double>(numbers) >= kSpare * seen.rank;
 }
 
-bool all_sigmas_stated(const Measurements& measurements) {
-  return std::ranges::all_of(measurements.distances, [](const DistanceReading& reading) {
-    return reading.distance_sigma.has_value() && !reading.rotation;
-  });
-}
-
-/// Probability that noise alone improves the weighted sum of squares from `before` to `after` with `rank` parameters:
-/// F((before - after) / rank : after / freedom), or chi-square of before - after where the sigmas are known.
-std::optional<double> chance_of(double before, double after, int rank, int freedom, bool sigmas_known) {
-  const double gain = std::max(before - after, 0.0);
-  if (rank == 0) return 1.0;
-  if (sigmas_known) {
-    return boost::math::cdf(boost::math::complement(boost::math::chi_squared_distribution<>(rank), gain));
-  }
-  if (freedom <= 0) return std::nullopt;
-  if (after <= 0.0) return gain > 0.0 ? 0.0 : 1.0;
-  const double ratio = (gain / rank) / (after / freedom);
-  return boost::math::cdf(boost::math::complement(boost::math::fisher_f_distribution<>(rank, freedom), ratio));
-}
-
-void judge(const LeastSquaresResult& fit, const CalibrationOptions& options, Calibration& calibration) {
-  if (fit.status != LeastSquaresStatus::converged) {
-    calibration.verdict = Verdict::not_converged;
-    calibration.reasons.push_back(fit.status == LeastSquaresStatus::not_evaluable
-                                      ? "the nominal machine does not close at every station, or a reading is absurd: "
-                                        "are joint angles, distances "
-                                        "and sigmas those of this robot, in deg and mm?"
-                                      : fmt::format("the fit did not settle in {} iterations", fit.iterations));
-    return;
-  }
-  if (calibration.rank < fit.parameters.size()) {
-    calibration.verdict = Verdict::not_identifiable;
-    calibration.reasons.push_back(fmt::format("the readings determine {} of {} parameters: measure more poses",
-                                              calibration.rank, fit.parameters.size()));
-    return;
-  }
-  calibration.verdict = Verdict::rejected;
-  if (!calibration.chance) {
-    calibration.reasons.push_back(
-        fmt::format("{} readings for {} parameters leave nothing to check the fit with: measure more distances or "
-                    "state their sigma",
-                    fit.at_answer.residual.size(), fit.parameters.size()));
-  } else if (*calibration.chance > options.largest_chance) {
-    calibration.reasons.push_back(fmt::format(
-        "the improvement could be chance (probability {:.2g}, limit {:g}): these offsets are not shown to be real",
-        *calibration.chance, options.largest_chance));
-  } else {
-    calibration.verdict = Verdict::accepted;
-  }
-}
-
-/// Scatter, standard deviations and covariance.
-void state_uncertainty(const LeastSquaresResult& fit, bool sigmas_known, Calibration& calibration) {
-  const double sum = fit.at_answer.residual.squaredNorm();
-  if (calibration.degrees_of_freedom > 0) {
-    calibration.unit_weight_std = std::sqrt(sum / calibration.degrees_of_freedom);
-  }
-  const bool determined = calibration.rank == fit.parameters.size();
-  if (!determined || (!calibration.unit_weight_std && !sigmas_known)) return;
-  const double scatter = calibration.unit_weight_std.value_or(1.0);
-  calibration.covariance = fit.covariance * std::pow(sigmas_known ? std::max(1.0, scatter) : scatter, 2);
-  for (std::size_t k = 0; k < calibration.parameters.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    calibration.parameters[k].std = std::sqrt(calibration.covariance(i, i));
-  }
-}
-
-/// "0.71 theta_offset limb 1 - 0.71 theta_offset limb 3": the parameters with a share in a direction.
-std::string describe(const Eigen::VectorXd& direction, const std::vector<ParameterEstimate>& parameters) {
-  constexpr double kSmallestShare = 0.05;
-  std::string text;
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const double share = direction(static_cast<Eigen::Index>(k));
-    if (std::abs(share) < kSmallestShare) continue;
-    const std::string_view sign = share < 0 ? (text.empty() ? "-" : " - ") : (text.empty() ? "" : " + ");
-    text +=
-        fmt::format("{}{:.2f} {} limb {}", sign, std::abs(share), name(parameters[k].source), parameters[k].limb + 1);
-  }
-  return text;
-}
-
-/// Residuals, chance, uncertainty, null space and stage of a fit that could be evaluated.
-/// @param nominal  weighted residuals of the nominal machine.
-void state_evidence(const Measurements& measurements, const Eigen::VectorXd& nominal, const LeastSquaresResult& fit,
-                    Calibration& calibration) {
-  const Eigen::VectorXd& answer = fit.at_answer.residual;
-  const bool sigmas_known = all_sigmas_stated(measurements);
-  calibration.degrees_of_freedom = static_cast<int>(answer.size()) - fit.rank;
-  fill_residuals(measurements, calibration.options, nominal, answer, calibration);
-  calibration.before =
-      summarize(calibration.residuals, &ReadingResidual::distance_before, &ReadingResidual::rotation_before);
-  calibration.after =
-      summarize(calibration.residuals, &ReadingResidual::distance_after, &ReadingResidual::rotation_after);
-  calibration.chance =
-      chance_of(nominal.squaredNorm(), answer.squaredNorm(), fit.rank, calibration.degrees_of_freedom, sigmas_known);
-  state_uncertainty(fit, sigmas_known, calibration);
-  for (const auto& direction : fit.null_space.colwise()) {
-    calibration.null_space.push_back({describe(direction, calibration.parameters), direction});
-  }
-  const double smallest = fit.singular_values.size() < fit.parameters.size() ? 0.0 : fit.singular_values.minCoeff();
-  calibration.stages.push_back({"rough", fit.iterations, fit.status == LeastSquaresStatus::converged, fit.rank,
-                                fit.singular_values(0) / smallest, calibration.after.rms_distance});
-}
-
-/// The encoder offsets of all limbs, not yet known.
-std::vector<ParameterEstimate> encoder_offsets(const Robot& robot) {
-  std::vector<ParameterEstimate> parameters;
-  for (std::size_t i = 0; i < robot.limb_count(); ++i) parameters.push_back({.limb = i});
-  return parameters;
+bool goes_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
+  if (options.stage != Stage::automatic) return options.stage == Stage::fine;
+  return enough_for_fine(robot, measurements, options);
 }
 
 }  // namespace
 
 Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   check(measurements, robot.limb_count());
-  if (measurements.distances.empty()) throw InvalidArgument("measurements: expected at least one distance, got none");
-  Calibration calibration{
-      .robot = robot, .parameters = encoder_offsets(robot), .options = options, .files = measurements.files};
-  const ReadingModel model(robot, measurements, options, calibration.parameters);
-  const Eigen::VectorXd start = Eigen::VectorXd::Zero(model.parameter_count());
-  const LeastSquaresResult fit = solve_least_squares(std::cref(model), start);
-  calibration.rank = fit.rank;
-  for (std::size_t k = 0; k < calibration.parameters.size(); ++k) {
-    calibration.parameters[k].value = fit.parameters(static_cast<Eigen::Index>(k));
+  if (measurements.distances.empty() && measurements.series.empty()) {
+    throw InvalidArgument("measurements: expected at least one reading, got none");
   }
-  if (fit.status != LeastSquaresStatus::not_evaluable) {
-    Linearization nominal;
-    model(start, nominal);
-    state_evidence(measurements, nominal.residual, fit, calibration);
+  const bool fine = goes_fine(robot, measurements, options);
+  const bool paper = options.method == Method::paper;
+  const Measurements used = paper ? as_distances(measurements) : detail::as_points(measurements).value_or(measurements);
+  Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
+
+  StageFit rough(robot, used, options, detail::encoder_offsets(robot, options), {});
+  rough.solve();
+  detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
+  if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
+    detail::state_evidence(used, rough.observation(), rough.fit(), rough.scatter(), {}, calibration);
+    return calibration;
   }
-  judge(fit, options, calibration);
+  const SourceErrors offsets = rough.observation().errors(rough.fit().parameters);
+  StageFit stage(robot, used, options,
+                 paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options), offsets);
+  if (paper) {
+    stage.solve_by_pseudo_inverse();
+  } else {
+    stage.solve_with_noise_of_residuals();
+    if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
+  }
+  detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
+  detail::state_evidence(used, stage.observation(), stage.fit(), stage.scatter(),
+                         paper ? std::vector<detail::Contradiction>{} : stage.suspects(), calibration);
   return calibration;
 }
 

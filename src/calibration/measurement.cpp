@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "paracal/error.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal {
 namespace {
@@ -40,6 +42,23 @@ void check_reading(const DistanceReading& reading, std::size_t number, std::size
   }
 }
 
+void check_point(const PointSeries& series, const PointReading& reading, std::size_t number, std::size_t stations) {
+  const auto refuse = [&](const char* expected) {
+    throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
+  };
+  if (reading.station >= stations) refuse("a station of the list");
+  if (!reading.point.allFinite()) refuse("a finite point");
+  if (reading.second && !reading.second->allFinite()) refuse("a finite second point");
+  if (reading.rotation && !std::isfinite(*reading.rotation)) refuse("a finite rotation");
+  if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
+}
+
+/// Readings of one station as their mean.
+struct StationMean {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  int count = 0;
+};
+
 }  // namespace
 
 void check(const Measurements& measurements, std::size_t limb_count) {
@@ -53,6 +72,38 @@ void check(const Measurements& measurements, std::size_t limb_count) {
       throw InvalidArgument(fmt::format("distance {}: the same two stations as distance {}", k + 1, first->second));
     }
   }
+  for (const PointSeries& series : measurements.series) {
+    for (std::size_t k = 0; k < series.readings.size(); ++k) {
+      check_point(series, series.readings[k], k + 1, measurements.stations.size());
+    }
+  }
+}
+
+Joints believed_joints(const Robot& robot, const Station& station) {
+  if (station.believed) return *station.believed;
+  const InverseResult nominal = inverse(robot.nominal(), station.commanded);
+  if (nominal.ok()) return nominal.joints;
+  const Eigen::Vector3d& r = station.commanded.position;
+  throw Unreachable(fmt::format("station \"{}\": robot {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg", station.name,
+                                robot.name(), r.x(), r.y(), r.z(), to_degrees(station.commanded.rotation)));
+}
+
+std::vector<DistanceReading> all_distances(const PointSeries& series) {
+  std::map<std::size_t, StationMean> means;
+  for (const PointReading& reading : series.readings) {
+    StationMean& mean = means[reading.station];
+    mean.point += (reading.point - mean.point) / ++mean.count;
+  }
+  std::vector<DistanceReading> distances;
+  distances.reserve(means.size() * (means.size() - 1) / 2);
+  for (auto from = means.begin(); from != means.end(); ++from) {
+    for (auto to = std::next(from); to != means.end(); ++to) {
+      DistanceReading reading{.from = from->first, .to = to->first};
+      reading.distance = (to->second.point - from->second.point).norm();
+      distances.push_back(reading);
+    }
+  }
+  return distances;
 }
 
 }  // namespace paracal

@@ -4,37 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "columns.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
 namespace {
-
-/// The text cut into physical lines, without line ends and a leading byte-order mark.
-std::vector<std::string_view> lines_of(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    lines.push_back(line);
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
-/// Names go into JSON later, which takes nothing but UTF-8; its writer is also the one who can tell.
-bool is_utf8(std::string_view text) {
-  try {
-    return !nlohmann::json(text).dump().empty();
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
-}
 
 /// Splits one line with libcsv: quotes, doubled quotes, blanks around fields.
 std::vector<std::string> split(const std::string& file, int line_number, std::string_view line) {
@@ -114,14 +89,11 @@ const std::string& CsvTable::text(std::size_t row, std::string_view column) cons
 
 double CsvTable::number(std::size_t row, std::string_view column) const {
   const std::string& field = text(row, column);
-  std::string_view digits = field;
-  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+  const std::optional<double> value = finite_number(field);
+  if (!value) {
     fail(row, fmt::format("expected a finite number in column {}, got \"{}\"", column, field));
   }
-  return value;
+  return *value;
 }
 
 std::optional<double> CsvTable::optional_number(std::size_t row, std::string_view column) const {

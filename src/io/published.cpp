@@ -5,6 +5,7 @@
 #include "paracal/io/csv.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
@@ -29,13 +30,38 @@ std::vector<PublishedHuang2016::Table3Row> table3(std::string_view state) {
   return rows;
 }
 
+/// Table 4 prints angles times the arm's length, in mm.
+SourceErrors table4() {
+  const CsvTable table(embedded("table4.csv"));
+  const double arm = catalogue::huang2016().geometry().arm;
+  SourceErrors errors;
+  for (std::size_t limb = 0; limb < table.row_count(); ++limb) {
+    for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
+      const auto source = static_cast<Source>(k);
+      const bool angle = unit(source) == Unit::rad;
+      const std::string column = (angle ? "L_" : "") + std::string(name(source));
+      errors(limb, source) = table.optional_number(limb, column).value_or(0.0) / (angle ? arm : 1.0);
+    }
+  }
+  return errors;
+}
+
+PoseError table5(std::string_view state) {
+  const CsvTable table(embedded("table5.csv"));
+  const std::size_t row = table.text(0, "state") == state ? 0 : 1;
+  return {table.number(row, "d_rho_mm"), table.number(row, "d_v_mm"), to_radians(table.number(row, "d_phi_deg"))};
+}
+
 }  // namespace
 
 PublishedHuang2016 published_huang2016() {
   return {.rough = read_distances(embedded("distances.csv"), embedded("poses.csv")),
           .offsets = read_source_errors(embedded("offsets.toml"), 4),
           .before = table3("before"),
-          .after = table3("after")};
+          .after = table3("after"),
+          .table4 = table4(),
+          .table5_before = table5("before"),
+          .table5_after = table5("after")};
 }
 
 }  // namespace paracal::io

@@ -3,40 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
 
-#include "paracal/error.hpp"
+#include "columns.hpp"
 #include "paracal/io/csv.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
 namespace {
-
-constexpr std::array<std::string_view, kMaxLimbs> kJointColumns{"q1_deg", "q2_deg", "q3_deg", "q4_deg"};
-
-std::string row_name(const CsvTable& table, std::size_t row) {
-  if (!table.has("pose")) return std::to_string(row + 1);
-  const std::string& name = table.text(row, "pose");
-  if (name.empty()) table.fail(row, "expected a name in column pose, got none");
-  return name;
-}
-
-Joints joints_of(const CsvTable& table, std::size_t row, std::size_t limb_count) {
-  Joints joints(static_cast<Eigen::Index>(limb_count));
-  for (std::size_t i = 0; i < limb_count; ++i) {
-    joints(static_cast<Eigen::Index>(i)) = to_radians(table.number(row, kJointColumns[i]));
-  }
-  return joints;
-}
-
-/// How many joint columns a pose table has: none, those of `limb_count`, or where that is 0 at least three, q1 first.
-std::size_t joint_columns(const CsvTable& table, std::size_t limb_count) {
-  const auto present = static_cast<std::size_t>(
-      std::ranges::count_if(kJointColumns, [&](std::string_view column) { return table.has(column); }));
-  return present == 0 ? 0 : std::max({present, limb_count, std::size_t{3}});
-}
 
 /// Position of a name in the pose table.
 class StationIndex {
@@ -58,43 +33,25 @@ class StationIndex {
   std::map<std::string, std::size_t> positions_;
 };
 
-std::optional<double> positive_number(const CsvTable& table, std::size_t row, std::string_view column) {
-  const std::optional<double> value = table.optional_number(row, column);
-  if (value && !(*value > 0.0)) table.fail(row, fmt::format("expected {} above 0, got {}", column, *value));
-  return value;
-}
-
-std::string quoted(const std::string& field) {
-  if (field.find_first_of(",\"\n#") == std::string::npos) return field;
-  std::string text = "\"";
-  for (const char c : field) text.append(c == '"' ? 2 : 1, c);
-  return text + '"';
-}
-
 }  // namespace
 
 std::vector<Station> read_poses(const TextFile& file, std::size_t limb_count) {
   const CsvTable table(file);
-  table.allow_only({"pose",    "x_cmd_mm", "y_cmd_mm",   "z_cmd_mm",   "phi_cmd_deg", "x_mm",       "y_mm",  "z_mm",
-                    "phi_deg", "q1_deg",   "q2_deg",     "q3_deg",     "q4_deg",      "repeat",     "x2_mm", "y2_mm",
-                    "z2_mm",   "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad",  "residual_mm"});
-  const bool commanded = table.has("x_cmd_mm");
-  const auto column = [&](std::string_view plain, std::string_view cmd) { return commanded ? cmd : plain; };
+  table.allow_only(with_joint_columns(
+      {"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm", "z_mm", "phi_deg", "repeat", "x2_mm",
+       "y2_mm", "z2_mm", "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "residual_mm"},
+      limb_count));
+  const PoseColumns& columns = table.has("x_cmd_mm") ? kCommandedPose : kPlainPose;
   const std::size_t joint_count = joint_columns(table, limb_count);
   std::map<std::string, int> lines;
   std::vector<Station> stations;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    Station station{row_name(table, row), {}, {}};
+    Station station{row_name(table, row), pose_of(table, row, columns)};
     const auto [first, inserted] = lines.try_emplace(station.name, table.line(row));
     if (!inserted) {
       table.fail(row, fmt::format("expected every pose once, got \"{}\" again (first in line {})", station.name,
                                   first->second));
     }
-    station.commanded.position = {table.number(row, column("x_mm", "x_cmd_mm")),
-                                  table.number(row, column("y_mm", "y_cmd_mm")),
-                                  table.number(row, column("z_mm", "z_cmd_mm"))};
-    const std::string_view phi = column("phi_deg", "phi_cmd_deg");
-    if (table.has(phi)) station.commanded.rotation = to_radians(table.number(row, phi));
     if (joint_count > 0) station.believed = joints_of(table, row, joint_count);
     stations.push_back(std::move(station));
   }
@@ -103,9 +60,7 @@ std::vector<Station> read_poses(const TextFile& file, std::size_t limb_count) {
 
 std::vector<NamedJoints> read_joints(const TextFile& file, std::size_t limb_count) {
   const CsvTable table(file);
-  std::vector<std::string_view> known{"pose"};
-  known.insert(known.end(), kJointColumns.begin(), kJointColumns.begin() + static_cast<std::ptrdiff_t>(limb_count));
-  table.allow_only(known);
+  table.allow_only(with_joint_columns({"pose"}, limb_count));
   std::vector<NamedJoints> rows;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     rows.push_back({row_name(table, row), joints_of(table, row, limb_count)});

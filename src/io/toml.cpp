@@ -285,6 +285,30 @@ std::string robot_toml(const Robot& robot) {
   return text;
 }
 
+Tolerances read_tolerances(const TextFile& file) {
+  const toml::table document = parse(file);
+  Section root(file.name, "", document);
+  if (!root.find("tolerances")) return tolerances_of(root);
+  return tolerances_of(root.table("tolerances"));
+}
+
+std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_count) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  for (std::size_t limb = 0; limb < limb_count; ++limb) {
+    fmt::format_to(out, "{}[[limb]]\n", limb == 0 ? "" : "\n");
+    const auto value = [&](Source source) { return to_file_unit(source, errors(limb, source)); };
+    for (const Source source : all_sources()) {
+      if (source == Source::e_x) {
+        fmt::format_to(out, "e_mm = {}\n", array(std::array{value(source), value(Source::e_y), value(Source::e_z)}));
+      } else if (!is_e(source)) {
+        fmt::format_to(out, "{} = {}\n", file_key(source), value(source));
+      }
+    }
+  }
+  return text;
+}
+
 SourceErrors read_source_errors(const TextFile& file, std::size_t limb_count) {
   const toml::table document = parse(file);
   Section root(file.name, "", document);

@@ -2,21 +2,28 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 namespace paracal {
 namespace {
 
-/// y = p0 exp(p1 x) at x = 0 ... 4, generated with p = (2, -0.5).
-bool exponential(const Eigen::VectorXd& p, Linearization& out) {
-  out.residual.resize(5);
-  out.jacobian.resize(5, 2);
+constexpr double kRankTolerance = 1e-7;
+
+/// Rows [J | r] of y = p0 exp(p1 x) at x = 0 ... 4, generated with p = (2, -0.5).
+Eigen::MatrixXd exponential_rows(const Eigen::VectorXd& p) {
+  Eigen::MatrixXd rows(5, 3);
   for (int k = 0; k < 5; ++k) {
     const double decay = std::exp(p(1) * k);
-    out.residual(k) = p(0) * decay - 2.0 * std::exp(-0.5 * k);
-    out.jacobian.row(k) << decay, p(0) * k * decay;
+    rows.row(k) << decay, p(0) * k * decay, p(0) * decay - 2.0 * std::exp(-0.5 * k);
   }
-  return out.residual.allFinite();
+  return rows;
+}
+
+bool exponential(const Eigen::VectorXd& p, InformationRoot& rows) {
+  const Eigen::MatrixXd block = exponential_rows(p);
+  rows.add(block);
+  return block.allFinite();
 }
 
 TEST(LeastSquares, FindsParametersFromFarAway) {
@@ -24,40 +31,67 @@ TEST(LeastSquares, FindsParametersFromFarAway) {
   EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
   EXPECT_NEAR(fit.parameters(0), 2.0, 1e-6);
   EXPECT_NEAR(fit.parameters(1), -0.5, 1e-6);
-  EXPECT_EQ(fit.rank, 2);
-  EXPECT_EQ(fit.null_space.cols(), 0);
+  const Spectrum spectrum = analyse(fit.at_answer.root(), kRankTolerance);
+  EXPECT_EQ(spectrum.rank, 2);
+  EXPECT_EQ(spectrum.null_space.cols(), 0);
 }
 
-TEST(LeastSquares, CovarianceIsTheInverseNormalMatrix) {
+TEST(LeastSquares, TheRootAtTheAnswerIsThatOfTheModelThere) {
   const LeastSquaresResult fit = solve_least_squares(exponential, Eigen::Vector2d(1.5, -0.3));
-  const Eigen::MatrixXd expected = (fit.at_answer.jacobian.transpose() * fit.at_answer.jacobian).inverse();
-  EXPECT_LT((fit.covariance - expected).norm(), 1e-10 * expected.norm());
+  const Eigen::MatrixXd rows = exponential_rows(fit.parameters);
+  const Eigen::MatrixXd jacobian = rows.leftCols<2>();
+  const Eigen::MatrixXd expected = (jacobian.transpose() * jacobian).inverse();
+  const Spectrum spectrum = analyse(fit.at_answer.root(), kRankTolerance);
+  EXPECT_LT((spectrum.covariance - expected).norm(), 1e-10 * expected.norm());
+  EXPECT_EQ(fit.at_answer.row_count(), 5);
+  EXPECT_DOUBLE_EQ(fit.at_answer.squared_residuals(), rows.col(2).squaredNorm());
 }
 
-/// Only p0 + p1 acts on the residuals, and p2 does not act at all.
-bool degenerate(const Eigen::VectorXd& p, Linearization& out) {
-  out.residual = Eigen::Vector3d(p(0) + p(1) - 1.0, 2.0 * (p(0) + p(1)) - 2.0, 0.0);
-  out.jacobian = Eigen::MatrixXd::Zero(3, 3);
-  out.jacobian.leftCols(2) << 1, 1, 2, 2, 0, 0;
+/// Only p0 + 3 p1 acts on the residuals, and p2 does not act at all.
+bool degenerate(const Eigen::VectorXd& p, InformationRoot& rows) {
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(3, 4);
+  block.row(0) << 1.0, 3.0, 0.0, p(0) + 3.0 * p(1) - 2.0;
+  block.row(1) = 2.0 * block.row(0);
+  rows.add(block);
   return true;
 }
 
-TEST(LeastSquares, LeavesUnseenDirectionsWhereTheyStarted) {
-  const LeastSquaresResult fit = solve_least_squares(degenerate, Eigen::Vector3d(0.2, 0.0, 7.0));
+class LeastSquaresDamping : public testing::TestWithParam<double> {};
+
+TEST_P(LeastSquaresDamping, LeavesUnseenDirectionsWhereTheyStarted) {
+  const LeastSquaresResult fit =
+      solve_least_squares(degenerate, Eigen::Vector3d(0.2, 0.0, 7.0), {.initial_damping = GetParam()});
   EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
-  EXPECT_EQ(fit.rank, 1);
-  ASSERT_EQ(fit.null_space.cols(), 2);
-  EXPECT_LT((fit.at_answer.jacobian * fit.null_space).norm(), 1e-12);
-  EXPECT_NEAR(fit.parameters(0), 0.6, 1e-12);
-  EXPECT_NEAR(fit.parameters(1), 0.4, 1e-12);
+  const Spectrum spectrum = analyse(fit.at_answer.root(), kRankTolerance);
+  EXPECT_EQ(spectrum.rank, 1);
+  ASSERT_EQ(spectrum.null_space.cols(), 2);
+  EXPECT_LT((fit.at_answer.root() * spectrum.null_space).norm(), 1e-12);
+  // In units of the column lengths 1 : 3 both parameters share the way.
+  EXPECT_NEAR(fit.parameters(0) + 3.0 * fit.parameters(1), 2.0, 1e-6);
+  EXPECT_NEAR(fit.parameters(0) - 3.0 * fit.parameters(1), 0.2, 1e-12);
   EXPECT_EQ(fit.parameters(2), 7.0);
 }
 
+TEST_P(LeastSquaresDamping, DoesNotChangeTheAnswer) {
+  const LeastSquaresResult fit =
+      solve_least_squares(exponential, Eigen::Vector2d(1.0, 0.0), {.initial_damping = GetParam()});
+  EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
+  EXPECT_NEAR(fit.parameters(0), 2.0, 1e-6);
+  EXPECT_NEAR(fit.parameters(1), -0.5, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Initial, LeastSquaresDamping, testing::Values(0.0, 1e-30, 1e-6, 1.0, 1e3));
+
+TEST(LeastSquares, SolvesALinearProblemInOneUndampedStep) {
+  const LeastSquaresResult fit = solve_least_squares(degenerate, Eigen::Vector3d(100.0, -20.0, 0.0));
+  EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
+  EXPECT_EQ(fit.iterations, 1);
+}
+
 TEST(LeastSquares, ShortensStepsThatLeaveTheModelsDomain) {
-  const ResidualModel root = [](const Eigen::VectorXd& p, Linearization& out) {
+  const RowModel root = [](const Eigen::VectorXd& p, InformationRoot& rows) {
     if (p(0) <= 0.0) return false;
-    out.residual = Eigen::VectorXd::Constant(1, std::log(p(0)));
-    out.jacobian = Eigen::MatrixXd::Constant(1, 1, 1.0 / p(0));
+    rows.add(Eigen::RowVector2d(1.0 / p(0), std::log(p(0))));
     return true;
   };
   const LeastSquaresResult fit = solve_least_squares(root, Eigen::VectorXd::Constant(1, 20.0));
@@ -70,7 +104,7 @@ TEST(LeastSquares, SaysSoWhenItRunsOutOfIterationsOrCannotStart) {
   hurried.max_iterations = 1;
   EXPECT_EQ(solve_least_squares(exponential, Eigen::Vector2d(10.0, 1.0), hurried).status,
             LeastSquaresStatus::not_converged);
-  const ResidualModel never = [](const Eigen::VectorXd&, Linearization&) { return false; };
+  const RowModel never = [](const Eigen::VectorXd&, InformationRoot&) { return false; };
   const LeastSquaresResult fit = solve_least_squares(never, Eigen::Vector2d(3.0, 4.0));
   EXPECT_EQ(fit.status, LeastSquaresStatus::not_evaluable);
   EXPECT_EQ(fit.parameters, Eigen::Vector2d(3.0, 4.0));

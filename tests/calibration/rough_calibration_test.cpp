@@ -2,9 +2,9 @@
 
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/students_t.hpp>
-#include <numbers>
 
 #include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/published.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -16,18 +16,6 @@ namespace paracal {
 namespace {
 
 using test::Random;
-
-/// Home and `points` evenly spaced points of the middle layer's rim, as in [huang2016, section 5.2.1].
-std::vector<Station> rough_stations(const Robot& robot, int points) {
-  const Eigen::Vector3d home = robot.workspace().centre();
-  std::vector<Station> stations{{"P0", {home, 0.0}}};
-  for (int k = 0; k < points; ++k) {
-    const double azimuth = -std::numbers::pi / 2 + 2 * std::numbers::pi * k / points;
-    stations.push_back(
-        {"P" + std::to_string(k + 1), {Workspace::on_circle(robot.workspace().radius, azimuth, home.z()), 0.0}});
-  }
-  return stations;
-}
 
 struct VirtualMeasurement {
   double distance_sigma = 0.0;  ///< mm
@@ -204,7 +192,7 @@ TEST(RoughCalibration, NonsenseReadingsAreRefusedByNumber) {
   EXPECT_THAT(refusal([](auto& m) { m.stations[3].commanded.position.z() = -5000; }), HasSubstr("cannot reach"));
   EXPECT_THAT(refusal([](auto& m) { m.stations[3].commanded.position.z() = NAN; }), HasSubstr("finite commanded pose"));
   EXPECT_THAT(refusal([](auto& m) { m.stations[0].believed = Joints::Zero(3); }), HasSubstr("4 finite joint"));
-  EXPECT_THAT(refusal([](auto& m) { m.distances.clear(); }), HasSubstr("at least one distance"));
+  EXPECT_THAT(refusal([](auto& m) { m.distances.clear(); }), HasSubstr("at least one reading"));
 }
 
 }  // namespace

@@ -1,43 +1,13 @@
 // One table of everything a user can get wrong, and what the program must do about it: the exit code of the contract,
-// a message that says where and what, nothing on standard output, no file left behind, no earlier result lost.
+// a message that says where and what, nothing on standard output, no file left behind, no earlier result lost. The rows
+// of the commands that plan, simulate, calibrate from points and validate are in broken_measurements_test.cpp.
 
-#include <gmock/gmock.h>
-
-#include <ostream>
-#include <stdexcept>
-
-#include "run_program.hpp"
+#include "broken_input.hpp"
 
 namespace paracal::test {
 namespace {
 
 using testing::HasSubstr, testing::IsEmpty;
-
-constexpr int kDone = 0, kVerdictIsNo = 1, kWrongUsage = 2, kBadInputFile = 3, kMathematicsSaysNo = 4;
-
-struct NamedText {
-  std::string name;
-  std::string text;
-};
-
-struct BrokenInput {
-  std::string name;
-  std::vector<NamedText> files;
-  std::string command;
-  int exit_code = kBadInputFile;
-  std::vector<std::string> message;  ///< fragments of standard error
-};
-
-void PrintTo(const BrokenInput& input, std::ostream* stream) { *stream << "paracal " << input.command; }
-
-/// Text with its one occurrence of `old` replaced.
-std::string replaced(std::string text, const std::string& old, const std::string& by) {
-  const std::size_t at = text.find(old);
-  if (at == std::string::npos || text.find(old, at + 1) != std::string::npos) {
-    throw std::logic_error("expected once in the base text: " + old);
-  }
-  return text.replace(at, old.size(), by);
-}
 
 // Unbroken files. Lines are counted from the first key, so line numbers below can be checked against these texts.
 
@@ -460,17 +430,6 @@ const std::vector<BrokenInput> kUsage{
     usage("threads_text", "robot --threads all", {"--threads", "all"}),
 };
 
-class BrokenInputTest : public testing::TestWithParam<BrokenInput> {
- protected:
-  void SetUp() override {
-    for (const NamedText& file : GetParam().files) folder.write(file.name, file.text);
-  }
-
-  ProgramResult run_with(const std::string& options) const { return folder.run(GetParam().command + options); }
-
-  TemporaryFolder folder;
-};
-
 TEST_P(BrokenInputTest, IsRefusedWithAMessage) {
   const ProgramResult result = run_with("");
   EXPECT_EQ(result.exit_code, GetParam().exit_code);
@@ -494,8 +453,6 @@ TEST_P(BrokenInputTest, KeepsAnEarlierResult) {
   EXPECT_EQ(folder.names(), before);
   EXPECT_TRUE(folder.read("result") == "earlier\n");
 }
-
-std::string name_of(const testing::TestParamInfo<BrokenInput>& info) { return info.param.name; }
 
 INSTANTIATE_TEST_SUITE_P(Robot, BrokenInputTest, testing::ValuesIn(kRobotFiles), name_of);
 INSTANTIATE_TEST_SUITE_P(SourceErrors, BrokenInputTest, testing::ValuesIn(kSourceErrorFiles), name_of);

@@ -6,17 +6,14 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "run_program.hpp"
+#include "json_checks.hpp"
 
 namespace paracal::test {
 namespace {
 
 using nlohmann::json;
 using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs, testing::StartsWith;
-
-constexpr int kDone = 0, kVerdictIsNo = 1;
 
 const std::string kData = PARACAL_DATA;
 const std::string kPublishedPoses = kData + "/poses.csv";
@@ -26,35 +23,6 @@ std::vector<std::string> published_calibration(const std::vector<std::string>& o
   std::vector<std::string> command{"calibrate", "--measurements", kPublishedDistances, "--poses", kPublishedPoses};
   command.insert(command.end(), options.begin(), options.end());
   return command;
-}
-
-/// The JSON object that a run printed; fails where there is anything else on standard output or a message.
-json json_of(const ProgramResult& result, int exit_code = kDone) {
-  EXPECT_EQ(result.exit_code, exit_code);
-  EXPECT_THAT(result.err, IsEmpty());
-  const json object = json::parse(result.out, nullptr, false);
-  EXPECT_TRUE(object.is_object()) << result.out;
-  return object;
-}
-
-testing::AssertionResult has_keys(const json& object, std::string_view keys) {
-  for (const std::string& key : words(keys)) {
-    if (!object.contains(key))
-      return testing::AssertionFailure() << "no " << key << " in " << object.dump().substr(0, 300);
-  }
-  return testing::AssertionSuccess();
-}
-
-/// A matrix in JSON: rows x columns finite numbers.
-testing::AssertionResult is_matrix(const json& matrix, std::size_t rows, std::size_t columns) {
-  if (matrix.size() != rows) return testing::AssertionFailure() << matrix.size() << " rows, expected " << rows;
-  for (const json& row : matrix) {
-    if (row.size() != columns) return testing::AssertionFailure() << row.size() << " columns, expected " << columns;
-    for (const json& number : row) {
-      if (!number.is_number()) return testing::AssertionFailure() << number << " is no number";
-    }
-  }
-  return testing::AssertionSuccess();
 }
 
 struct KnownRobot {

@@ -8,6 +8,9 @@
 
 namespace paracal::test {
 
+/// Exit codes of the contract.
+constexpr int kDone = 0, kVerdictIsNo = 1, kWrongUsage = 2, kBadInputFile = 3, kMathematicsSaysNo = 4;
+
 /// What a finished run of the program left.
 struct ProgramResult {
   int exit_code = 0;  ///< minus the signal's number where a signal ended it

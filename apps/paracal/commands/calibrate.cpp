@@ -1,26 +1,76 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <iterator>
 #include <memory>
 
+#include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
-#include "paracal/io/tables.hpp"
+#include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
 namespace {
 
+constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
+
 struct Options {
-  std::string measurements;
-  std::string poses;
-  std::string stage = "rough";
-  double sigma_mm = CalibrationOptions{}.distance_sigma;
-  double sigma_deg = to_degrees(CalibrationOptions{}.rotation_sigma);
+  MeasuringOptions measuring;
+  std::string stage = "auto", method = "best", tolerances;
+  std::vector<std::string> fixed, free;
+  bool keep_outliers = false;
 };
+
+bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Source source) {
+  return std::ranges::any_of(selectors, [&](const SourceSelector& one) { return one.matches(limb, source); });
+}
+
+/// --fix must leave something to seek, and nothing that --free names.
+void check_selection(const CalibrationOptions& options, std::size_t limb_count) {
+  bool seeks = false;
+  for (std::size_t limb = 0; limb < limb_count; ++limb) {
+    for (const Source source : all_sources()) {
+      const bool fixed = listed(options.fixed, limb, source);
+      if (fixed && listed(options.free, limb, source)) {
+        throw WrongUsage(fmt::format("--fix and --free: both name {} of limb {}", name(source), limb + 1));
+      }
+      seeks |= !fixed && (options.stage != Stage::rough || source == Source::theta_offset);
+    }
+  }
+  if (!seeks) throw WrongUsage("--fix: expected something to be left to seek, got every source error of the stage");
+}
+
+/// Without any tolerance there is no prior, and nothing that a fit could seek.
+Tolerances read_priors(const std::string& name) {
+  const Tolerances tolerances = io::read_tolerances(io::read_file(name));
+  if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
+    throw InputFileError(name, 0, "expected at least one tolerance above 0, got none");
+  }
+  return tolerances;
+}
+
+CalibrationOptions calibration_options(const Options& options, const Robot& robot) {
+  CalibrationOptions calibration;
+  calibration.method = options.method == "paper" ? Method::paper : Method::best;
+  calibration.stage = options.stage == "rough"  ? Stage::rough
+                      : options.stage == "fine" ? Stage::fine
+                                                : Stage::automatic;
+  calibration.noise = options.measuring.noise();
+  calibration.noise_is_known = options.measuring.sigma_known;
+  calibration.frame = options.measuring.frame_kind();
+  calibration.rotation_zero = options.measuring.rotation_kind();
+  calibration.reflectors = options.measuring.mount();
+  if (!options.tolerances.empty()) calibration.tolerances = read_priors(options.tolerances);
+  calibration.fixed = source_selectors(options.fixed, robot.limb_count());
+  calibration.free = source_selectors(options.free, robot.limb_count());
+  calibration.exclude_outliers = !options.keep_outliers;
+  check_selection(calibration, robot.limb_count());
+  return calibration;
+}
 
 std::int64_t seconds_of(std::string_view text) {
   constexpr std::int64_t kYear9999 = 253402300799;
@@ -39,20 +89,31 @@ std::int64_t date() {
 }
 
 std::string residual_table(const Calibration& calibration) {
-  std::string text = "  measured minus predicted, mm       distance     before      after\n";
-  for (const ReadingResidual& residual : calibration.residuals) {
-    fmt::format_to(std::back_inserter(text), "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}\n",
-                   residual.from + " - " + residual.to, residual.distance, residual.distance_before,
-                   residual.distance_after);
+  std::string text;
+  const auto out = std::back_inserter(text);
+  if (!calibration.distances.empty() && calibration.distances.size() <= kLongestTable) {
+    fmt::format_to(out, "  measured minus predicted, mm       distance     before      after\n");
+    for (const DistanceResidual& residual : calibration.distances) {
+      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}\n", residual.from + " - " + residual.to,
+                     residual.distance, residual.distance_before, residual.distance_after);
+    }
+  }
+  if (!calibration.points.empty() && calibration.points.size() <= kLongestTable) {
+    fmt::format_to(out, "  measured minus predicted, mm         before  after x        y        z\n");
+    for (const PointResidual& residual : calibration.points) {
+      fmt::format_to(out, "  {:<32}{:>11.3f}{:>9.3f}{:>9.3f}{:>9.3f}{}\n", residual.station, residual.before.norm(),
+                     residual.after.x(), residual.after.y(), residual.after.z(), residual.excluded ? "  left out" : "");
+    }
   }
   return text;
 }
 
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
-  const Measurements measurements = io::read_distances(options.measurements, options.poses, robot.limb_count());
-  const Calibration calibration = calibrate(
-      robot, measurements, {.distance_sigma = options.sigma_mm, .rotation_sigma = to_radians(options.sigma_deg)});
+  const Measurements measurements = options.measuring.read(robot.limb_count());
+  CalibrationOptions wanted = calibration_options(options, robot);
+  if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
+  const Calibration calibration = calibrate(robot, measurements, wanted);
   const io::Json file = io::to_json(calibration, date());
   if (!session.out().empty()) session.print_json(file);
   if (session.json()) {
@@ -71,20 +132,25 @@ void add_calibrate(CLI::App& app, Session& session) {
       session.add_command(app, "calibrate", "Calibrate a machine",
                           "identify source errors from measurements; --out keeps the calibration (JSON)");
   const auto options = std::make_shared<Options>();
+  add_measuring_options(*command, options->measuring);
+  command->add_flag("--sigma-known", options->measuring.sigma_known,
+                    "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");
+  command->add_option("--reflectors", options->measuring.reflectors, "what the second reflector is mounted on")
+      ->check(CLI::IsMember({"plate", "end-effector"}))
+      ->capture_default_str();
   command
-      ->add_option("--measurements", options->measurements,
-                   "distances (CSV: from,to,distance_mm[,rotation_deg,sigma_mm])")
-      ->required();
-  command->add_option("--poses", options->poses, "poses that the distances name (CSV)")->required();
-  command->add_option("--stage", options->stage, "rough: the encoder offsets")
-      ->check(CLI::IsMember({"rough"}))
+      ->add_option("--stage", options->stage,
+                   "rough: the encoder offsets; fine: everything; auto: as far as the data carry")
+      ->check(CLI::IsMember({"rough", "fine", "auto"}))
       ->capture_default_str();
-  command->add_option("--sigma-mm", options->sigma_mm, "standard deviation of distances that state none")
-      ->check(positive_finite())
+  command->add_option("--method", options->method, "best: exact model, full covariance, priors; paper: Eqs. 19 and 21")
+      ->check(CLI::IsMember({"best", "paper"}))
       ->capture_default_str();
-  command->add_option("--sigma-deg", options->sigma_deg, "standard deviation of rotations")
-      ->check(positive_finite())
-      ->capture_default_str();
+  command->add_option("--tolerances", options->tolerances, "priors (TOML); default: the robot's tolerances");
+  command->add_option("--fix", options->fixed, "source errors held at zero, e.g. alpha0,e_x2")->delimiter(',');
+  command->add_option("--free", options->free, "source errors sought without a prior")->delimiter(',');
+  command->add_flag("--keep-outliers", options->keep_outliers,
+                    "name readings that contradict the others, but use them");
   command->callback([&session, options] { run(*options, session); });
 }
 

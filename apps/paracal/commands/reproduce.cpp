@@ -18,7 +18,7 @@ std::string table(const Reproduction& reproduction) {
   std::string text = fmt::format("{:<58}{:>10}{:>10}{:>11}\n", "published quantity", "paper", "ours", "tolerance");
   for (const ReproductionRow& row : reproduction.rows) {
     fmt::format_to(std::back_inserter(text), "{:<58}{:>10.3f}{:>10.3f}{:>11}  {}\n", row.quantity + ", " + row.unit,
-                   row.paper, row.ours, fmt::format("{:g}", row.tolerance), row.ok() ? "ok" : "DIFFERS");
+                   row.paper, row.ours, fmt::format("{:.2g}", row.tolerance), row.ok() ? "ok" : "DIFFERS");
   }
   const auto good = std::ranges::count_if(reproduction.rows, &ReproductionRow::ok);
   return text + fmt::format("{} of {} published numbers reproduced\n", good, reproduction.rows.size());

@@ -6,17 +6,71 @@
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/noise.hpp"
+#include "paracal/calibration/pose_error.hpp"
+#include "paracal/calibration/rigid_fit.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
-#include "paracal/units.hpp"
 
 namespace paracal {
 
-/// Standard deviations that weigh readings which state none of their own.
+enum class Method : std::uint8_t {
+  paper,  ///< [huang2016, Eqs. (16)-(21)]: unweighted distances of all pairs of points, pseudo-inverse, no priors
+  best,   ///< every reading with its own covariance, exact model, priors from the tolerances
+};
+
+enum class Stage : std::uint8_t {
+  rough,      ///< the encoder offsets alone
+  fine,       ///< encoder offsets first, then everything
+  automatic,  ///< fine where the readings carry it and leave some to check it with, else rough
+};
+
+/// Frame of measured points.
+enum class Frame : std::uint8_t {
+  unknown,  ///< any rigid motion away from the robot's, another one for each series
+  robot,
+};
+
+/// Zero of a rotary encoder that reads phi.
+enum class RotationZero : std::uint8_t { unknown, known };
+
+/// What the second reflector is mounted on.
+enum class ReflectorMount : std::uint8_t {
+  plate,         ///< tilts with the plate
+  end_effector,  ///< tilts with the plate and turns with phi, counter-clockwise seen from above
+};
+
+/// A source error of one limb, or of all limbs.
+struct SourceSelector {
+  Source source = Source::theta_offset;
+  std::optional<std::size_t> limb = {};  ///< from 0; empty: all
+
+  bool matches(std::size_t of_limb, Source of_source) const {
+    return source == of_source && limb.value_or(of_limb) == of_limb;
+  }
+};
+
 struct CalibrationOptions {
-  double distance_sigma = 0.05;             ///< mm: positioning repeatability in [huang2016, section 5]
-  double rotation_sigma = to_radians(0.3);  ///< rad: rotational repeatability (0.3 deg) in the same section
+  Method method = Method::best;
+  Stage stage = Stage::automatic;
+  NoiseModel noise = {};        ///< for readings that state no standard deviation
+  bool noise_is_known = false;  ///< `noise` is a fact, not a first guess that the residuals correct
+  Frame frame = Frame::unknown;
+  RotationZero rotation_zero = RotationZero::unknown;
+  ReflectorMount reflectors = ReflectorMount::plate;
+  std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
+  std::vector<SourceSelector> fixed = {};     ///< held at zero
+  std::vector<SourceSelector> free = {};      ///< sought without a prior
+  bool exclude_outliers = true;               ///< method best: leave out readings that contradict the others
+  double outlier_chance = 1e-4;               ///< that a fit without gross errors loses a reading
   double largest_chance = 0.05;  ///< accept when noise alone improves the fit this much with less probability
+};
+
+/// One source error that a fit seeks. Without a prior the readings alone decide.
+struct SoughtSource {
+  std::size_t limb = 0;  ///< from 0
+  Source source = Source::theta_offset;
+  std::optional<double> prior_std = {};  ///< mm or rad
 };
 
 enum class Verdict : std::uint8_t {
@@ -31,28 +85,45 @@ enum class Verdict : std::uint8_t {
 struct ParameterEstimate {
   std::size_t limb = 0;  ///< from 0
   Source source = Source::theta_offset;
-  double value = 0.0;              ///< actual - nominal, mm or rad
-  std::optional<double> std = {};  ///< standard deviation, mm or rad; empty where the readings cannot tell
+  double value = 0.0;                    ///< actual - nominal, mm or rad
+  std::optional<double> std = {};        ///< standard deviation, mm or rad; empty where the readings cannot tell
+  std::optional<double> prior_std = {};  ///< before the readings, from the tolerances; empty: no prior
+  double data_share = 1.0;               ///< share of the information that the readings gave: 1 - std^2 / prior_std^2
+
+  /// The readings gave at least half of the information.
+  bool identified() const { return data_share >= 0.5; }
 };
 
 /// A direction of the parameters that the readings do not see.
 struct NullDirection {
   std::string text;
   Eigen::VectorXd direction;  ///< unit, in the order of the parameters
+  bool gauge = false;         ///< a motion of the whole robot, or of the slide's zero: no reading of this kind sees it
 };
 
-/// One reading against the nominal and the calibrated machine: measured minus predicted.
-struct ReadingResidual {
+/// A distance against the nominal and the calibrated machine: measured minus predicted.
+struct DistanceResidual {
   std::string from, to;
   double distance = 0.0;                                            ///< measured, mm
   double distance_before = 0.0, distance_after = 0.0;               ///< mm
   std::optional<double> rotation, rotation_before, rotation_after;  ///< rad
 };
 
-/// Largest and root-mean-square residuals over the readings.
-struct ResidualSummary {
-  double max_abs_distance = 0.0, rms_distance = 0.0;  ///< mm
-  std::optional<double> max_abs_rotation;             ///< rad
+/// A point likewise, in the robot's frame as either machine fits it best.
+struct PointResidual {
+  std::string series, station;
+  Eigen::Vector3d before, after;                          ///< mm
+  std::optional<double> rotation_before, rotation_after;  ///< rad
+  bool excluded = false;
+};
+
+/// How much a reading contradicts all others. `statistic` is the drop of the weighted residual sum when the reading is
+/// left out, over its number of rows and the scatter of the rest: about 1 for a good one.
+struct Suspect {
+  std::string text;
+  double statistic = 0.0;
+  double chance = 1.0;  ///< that the worst of as many good readings looks like this
+  bool excluded = false;
 };
 
 /// What one stage of the fit did.
@@ -62,7 +133,15 @@ struct StageReport {
   bool converged = false;
   int rank = 0;
   double condition = 0.0;     ///< largest over smallest singular value of the column-scaled Jacobian
-  double rms_distance = 0.0;  ///< after the stage, mm
+  double rms_distance = 0.0;  ///< of distances to home, or of the distances read, after the stage, mm
+};
+
+/// Where an instrument stood, and what else of its set-up had to be found.
+struct SeriesFrame {
+  std::string name;
+  RigidMotion frame;                           ///< instrument = frame(robot)
+  std::optional<double> rotation_zero = {};    ///< encoder reading = phi - zero, rad
+  std::optional<Eigen::Vector3d> second = {};  ///< second reflector from the first, mm, in the plate's frame
 };
 
 /// The machine's identified source errors with their evidence: enough to use them, to doubt them, and to repeat the
@@ -71,20 +150,38 @@ struct [[nodiscard]] Calibration {
   Robot robot;
   Verdict verdict = Verdict::not_converged;
   std::vector<std::string> reasons = {};  ///< why it was not accepted; empty when it was
+  std::vector<std::string> notes = {};    ///< what a careful reader should know
   std::vector<ParameterEstimate> parameters = {};
   Eigen::MatrixXd covariance = {};  ///< of the parameters, mm and rad; empty where no std could be stated
-  int rank = 0;
+  int rank = 0;                     ///< of the position group (and of the tilt group where tilt was measured)
   std::vector<NullDirection> null_space = {};
   std::vector<StageReport> stages = {};
-  ResidualSummary before = {}, after = {};
-  std::vector<ReadingResidual> residuals = {};
+  PoseErrorSummary before = {}, after = {};
+  std::size_t readings = 0;  ///< how many there were; more than 20,000 are not listed one by one below
+  std::vector<DistanceResidual> distances = {};
+  std::vector<PointResidual> points = {};
+  std::vector<Suspect> suspects = {};  ///< worst first
+  std::vector<SeriesFrame> frames = {};
   int degrees_of_freedom = 0;
   /// Root of the weighted residual sum over the degrees of freedom: 1 when the readings scatter as their sigmas say.
   std::optional<double> unit_weight_std = {};
+  /// Probability that good readings scatter more than these, where their sigmas are known (chi-square).
+  std::optional<double> fit_probability = {};
+  /// Standard deviation of a coordinate (of a distance where no points were read), mm, root mean square over the
+  /// readings: stated, or as the residuals say.
+  double noise = 0.0;
   /// Probability that noise alone would have improved the fit this much; small is good.
   std::optional<double> chance = {};
   CalibrationOptions options = {};
   std::vector<InputFile> files = {};
+
+  /// Pairs of parameters (by their places) whose estimates go together: |correlation| at least `threshold`, strongest
+  /// first. What belongs to one of such a pair and what to the other, the readings hardly tell.
+  struct Correlation {
+    std::size_t one = 0, other = 0;
+    double value = 0.0;
+  };
+  std::vector<Correlation> correlations(double threshold = 0.9) const;
 
   bool accepted() const { return verdict == Verdict::accepted; }
   /// The source errors of all limbs; those not identified are zero.
@@ -92,6 +189,9 @@ struct [[nodiscard]] Calibration {
   /// A few lines for a person: verdict, parameters, residuals.
   std::string brief() const;
 };
+
+/// Coverage factor of every expanded uncertainty U = k std  [gum, 6.2].
+inline constexpr double kCoverageFactor = 2.0;
 
 /// "accepted", "rejected", "not identifiable", "not converged".
 std::string_view name(Verdict verdict);

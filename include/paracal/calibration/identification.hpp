@@ -6,19 +6,24 @@
 
 namespace paracal {
 
-/// Rough calibration: the encoder offsets of all limbs from point-to-point distances [huang2016, Eqs. (16), (17),
-/// (21)], and from relative rotations where they were read.
+/// Identifies the source errors of a machine from any mix of distances, points, second reflectors and rotations.
 ///
-///   rho_k = |r_to - r_from|,   d rho_k = n_k^T (dr_to/dp - dr_from/dp) dp,   p = (theta_offset of each limb)
+/// Rough stage: the encoder offsets alone, without priors  [huang2016, Eqs. (16), (17), (21)]. Fine stage, from there:
 ///
-/// The paper linearises at the nominal machine and repeats measurement and fit until the offsets settle. Here r is the
-/// exact pose of the machine with the offsets found so far (forward), its derivative is exact_jacobian, and
-/// Gauss-Newton with Levenberg-Marquardt safeguard repeats until nothing moves: one set of readings is enough. Standard
-/// deviations come from (H^T W H)^-1, scaled by the scatter of the residuals: always where readings state no sigma,
-/// upwards only where all do.
+/// - Method::paper: the position group from the distances of all pairs of points, unweighted, by the pseudo-inverse of
+///   the Jacobian at the nominal machine  [huang2016, Eq. (19)], repeated with the exact residuals until it settles.
+/// - Method::best: maximum a posteriori,
 ///
-/// Accepted when the fit converged, all offsets are determined, and an F test (chi-square where all sigmas are stated)
-/// finds the improvement unlikely to be chance.
+///     min over p, n of  sum_k |W_k (predicted_k(p, n) - measured_k)|^2 + sum_j (p_j / sigma_j)^2,
+///
+///   with all 14 errors a limb in p and their tolerances as priors sigma_j, frames and other set-up in n without
+///   priors, W_k^T W_k the inverse covariance of reading k. The priors of the tilt group are the covariance G_de Sigma
+///   G_de^T of what [huang2016, Eq. (14)] neglects; those of the position group decide only where the readings are
+///   silent. Where no sigma is stated, the residuals' scatter replaces it. Readings that contradict the others are left
+///   out, one at a time, and named. Standard deviations are those of the posterior.
+///
+/// Accepted when the fit converged, the parameters are determined, and an F test (chi-square where all sigmas are
+/// stated) finds the improvement unlikely to be chance.
 ///
 /// @throws InvalidArgument for readings that make no sense (see check()) and Unreachable for a station
 /// out of the robot's reach.

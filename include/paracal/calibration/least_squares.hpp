@@ -4,16 +4,13 @@
 #include <cstdint>
 #include <functional>
 
+#include "paracal/calibration/information_root.hpp"
+
 namespace paracal {
 
-/// Residuals r(p) and their Jacobian dr/dp; each residual divided by its standard deviation.
-struct Linearization {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;
-};
-
-/// Fills the linearization at p; false when the model cannot be evaluated there.
-using ResidualModel = std::function<bool(const Eigen::VectorXd& parameters, Linearization& linearization)>;
+/// Adds the rows [dr/dp | r] at p, each divided by its standard deviation; false when the model cannot be evaluated
+/// there.
+using RowModel = std::function<bool(const Eigen::VectorXd& parameters, InformationRoot& rows)>;
 
 enum class LeastSquaresStatus : std::uint8_t {
   converged,      ///< the next step would change the residuals by less than step_tolerance
@@ -24,28 +21,25 @@ enum class LeastSquaresStatus : std::uint8_t {
 struct LeastSquaresOptions {
   int max_iterations = 50;
   double step_tolerance = 1e-7;  ///< of the residuals' change |J dp|, relative to 1 + |r|
-  double rank_tolerance =
-      1e-7;  ///< singular values of the column-scaled Jacobian below this share of the largest count as zero
+  double rank_tolerance = 1e-7;  ///< pivots of the column-scaled Jacobian below this share of the largest count as zero
+  double initial_damping = 0.0;  ///< lambda of the first step; 0: a full Gauss-Newton step is tried first
 };
 
 struct [[nodiscard]] LeastSquaresResult {
   LeastSquaresStatus status = LeastSquaresStatus::not_evaluable;
   Eigen::VectorXd parameters;
-  Linearization at_answer;
-  Eigen::VectorXd singular_values;  ///< of the Jacobian with columns scaled to length one, largest first
-  int rank = 0;
-  Eigen::MatrixXd covariance;  ///< (J^T J)^+ for unit standard deviation: nothing is said about null directions
-  Eigen::MatrixXd null_space;  ///< unit columns of parameter directions that the residuals do not see
+  InformationRoot at_answer{0};
   int iterations = 0;
 };
 
-/// min over p of |r(p)|^2: Levenberg-Marquardt through the singular value decomposition of the column-scaled Jacobian,
+/// min over p of |r(p)|^2: Levenberg-Marquardt on the streamed root of the Jacobian,
 ///
-///   J D^-1 = U S V^T,   dp = -D^-1 V diag(s / (s^2 + lambda)) U^T r,   singular values below the rank tolerance left
-///   out,
+///   min over dp of |R dp + q|^2 + lambda |D dp|^2,   D: the largest column lengths of R so far,
 ///
-/// so that directions which the data do not see stay where they started.
-LeastSquaresResult solve_least_squares(const ResidualModel& model, const Eigen::VectorXd& start,
+/// with lambda led by the ratio of the true to the predicted descent (Nielsen 1999). Of all steps that change the
+/// residuals alike, the one of minimal length |C dp| is taken, C: the column lengths of R, whatever lambda is:
+/// directions which the data do not see stay where they started.
+LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::VectorXd& start,
                                        const LeastSquaresOptions& options = {});
 
 }  // namespace paracal

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "paracal/mechanism/pose.hpp"
+#include "paracal/mechanism/robot.hpp"
 
 namespace paracal {
 
@@ -27,6 +29,21 @@ struct DistanceReading {
       {};  ///< standard deviation of the distance, mm, where the instrument states it
 };
 
+/// What an instrument read at one visit of a station. Visits of the same station are repeats.
+struct PointReading {
+  std::size_t station = 0;                     ///< index into the stations
+  Eigen::Vector3d point = {};                  ///< reflector at the plate centre, mm, in the instrument's frame
+  std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, same frame
+  std::optional<double> rotation = {};         ///< phi from a rotary encoder, rad
+  std::optional<double> sigma = {};            ///< standard deviation of each coordinate, mm, where stated
+};
+
+/// The points read from one place of the instrument: one frame, any rigid motion away from the robot's.
+struct PointSeries {
+  std::string name;
+  std::vector<PointReading> readings;
+};
+
 /// A file that the measurements came from, so that a calibration can name its inputs.
 struct InputFile {
   std::string name;
@@ -34,14 +51,24 @@ struct InputFile {
 };
 
 struct Measurements {
-  std::vector<Station> stations;  ///< the first is home
-  std::vector<DistanceReading> distances;
-  std::vector<InputFile> files;
+  std::vector<Station> stations = {};  ///< the first is home
+  std::vector<DistanceReading> distances = {};
+  std::vector<PointSeries> series = {};
+  std::vector<InputFile> files = {};
+  std::vector<std::string> notes = {};  ///< what the import had to pass over: missing or doubled readings
 };
 
 /// @throws InvalidArgument when a station has no finite pose or joints, or a reading names no station, joins a station
-/// with itself, repeats another reading, or holds a distance or sigma that is not positive and finite. Readings count
+/// with itself, repeats another reading, or holds a distance, point or sigma that makes no sense. Readings count
 /// from 1 in messages.
 void check(const Measurements& measurements, std::size_t limb_count);
+
+/// Joint coordinates that the controller believed at a station.
+/// @throws Unreachable when they are not stated and the nominal robot does not reach the commanded pose.
+Joints believed_joints(const Robot& robot, const Station& station);
+
+/// Every pair of a series' stations (repeats averaged) as a distance, as in [huang2016, Eq. (16)]. They are
+/// correlated: N points carry 3 N numbers, however many distances are made of them.
+std::vector<DistanceReading> all_distances(const PointSeries& series);
 
 }  // namespace paracal

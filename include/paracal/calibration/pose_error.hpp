@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "paracal/mechanism/pose.hpp"
 
 namespace paracal {
@@ -19,5 +22,17 @@ struct PosePair {
 };
 
 PoseError error_relative_to(const PosePair& home, const PosePair& pose);
+
+/// Largest errors over many poses.
+struct PoseErrorSummary {
+  double max_abs_distance = 0.0;        ///< of d_rho, mm
+  double rms_distance = 0.0;            ///< of d_rho, mm
+  double max_volumetric = 0.0;          ///< of d_v, mm: depends on how the frames are aligned
+  double max_volumetric_aligned = 0.0;  ///< mm: largest |dr| after the rigid motion that fits best has been removed
+  std::optional<double> max_abs_rotation = {};  ///< of d_phi, rad; empty where no rotation was read
+};
+
+/// @param pairs  home first. @param rotations  whether the actual rotations mean anything.
+PoseErrorSummary summarize(const std::vector<PosePair>& pairs, bool rotations);
 
 }  // namespace paracal

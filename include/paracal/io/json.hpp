@@ -21,9 +21,20 @@ Json to_json(const Robot& robot);
 /// the covariance in the units of the parameters. `time`: seconds since 1970, written as UTC date.
 Json to_json(const Calibration& calibration, std::int64_t time);
 
-/// The identified source errors of a calibration file.
+/// Largest errors, under the contract's keys.
+Json to_json(const PoseErrorSummary& summary);
+
+Json to_json(const Tolerances& tolerances);
+
+/// What a calibration file says of the machine.
+struct CalibratedMachine {
+  SourceErrors errors;
+  std::vector<ParameterEstimate> parameters = {};  ///< those that were sought; limb, source and value only
+  Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty where none was stated
+};
+
 /// @throws InputFileError when the file is no calibration of `robot`, or one that was not accepted.
-SourceErrors read_calibrated_errors(const TextFile& file, const Robot& robot);
+CalibratedMachine read_calibration(const TextFile& file, const Robot& robot);
 
 /// Rows of a matrix; numbers that are not finite become null.
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix);

@@ -19,6 +19,9 @@ struct PublishedHuang2016 {
     PoseError error;
   };
   std::vector<Table3Row> before, after;  ///< Table 3, relative to home
+
+  SourceErrors table4;                    ///< identified source errors; zero where Eq. (15) sets them to zero
+  PoseError table5_before, table5_after;  ///< largest errors over the validation poses
 };
 
 PublishedHuang2016 published_huang2016();

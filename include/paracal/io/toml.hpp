@@ -21,4 +21,12 @@ std::string robot_toml(const Robot& robot);
 /// @throws InputFileError as above, and when the file has more or fewer limbs than the robot.
 SourceErrors read_source_errors(const TextFile& file, std::size_t limb_count);
 
+/// The errors as a file that read_source_errors() accepts; numbers read back as they were to rounding.
+std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_count);
+
+/// Tolerances (TOML): half-widths, as keys of their own or in a [tolerances] table (other tables, as those of a robot
+/// file, are then passed over).
+/// @throws InputFileError as above, and for a negative half-width.
+Tolerances read_tolerances(const TextFile& file);
+
 }  // namespace paracal::io

@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <memory>
+
+#include "measuring.hpp"
+#include "paracal/calibration/identifiability.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/io/tables.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+struct Options {
+  MeasuringOptions measuring;
+  std::string measure = "coordinates", rotation = "none";
+  bool second = false;
+};
+
+Measurements plan_of(const Robot& robot, const Options& options) {
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.measuring.poses), robot.limb_count());
+  const bool rotation = options.rotation != "none";
+  if (options.measure == "coordinates") return planned_points(robot, stations, rotation, options.second);
+  if (options.second) throw WrongUsage("--second: expected --measure coordinates with it");
+  return planned_distances(robot, stations, rotation);
+}
+
+/// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
+/// comes with it says nothing, in a frame that need not be found.
+Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOptions calibration) {
+  if (!plan.series.empty() || calibration.rotation_zero == RotationZero::unknown) {
+    return identifiability(robot, plan, calibration);
+  }
+  constexpr double kNothing = 1e20;  // mm
+  const Pose& home = plan.stations.front().commanded;
+  plan.series = {{"home", {{.point = home.position, .rotation = home.rotation, .sigma = kNothing}}}};
+  calibration.frame = Frame::robot;
+  Identifiability seen = identifiability(robot, plan, calibration);
+  seen.rows -= 3;
+  return seen;
+}
+
+CalibrationOptions calibration_options(const Options& options) {
+  CalibrationOptions calibration;
+  calibration.noise = options.measuring.noise();
+  calibration.frame = options.measure == "coordinates" ? options.measuring.frame_kind() : Frame::unknown;
+  calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
+  return calibration;
+}
+
+/// What the plan promises of one parameter.
+struct Promise {
+  SoughtSource parameter;
+  double std;
+};
+
+std::vector<Promise> promises(const KnownErrors& after, const std::vector<SoughtSource>& wanted) {
+  std::vector<Promise> list;
+  for (std::size_t k = 0; k < after.parameters.size(); ++k) {
+    for (const SoughtSource& one : wanted) {
+      if (one.limb != after.parameters[k].limb || one.source != after.parameters[k].source) continue;
+      const auto i = static_cast<Eigen::Index>(k);
+      list.push_back({after.parameters[k], std::sqrt(after.covariance(i, i))});
+    }
+  }
+  return list;
+}
+
+double in_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_degrees(value) : value; }
+
+std::string text_of(const Identifiability& seen, const std::vector<Promise>& list, const WorkspaceUncertainty& spread) {
+  std::string text =
+      fmt::format("{} of {} parameters are determined by {} readings\n", seen.rank, seen.parameters.size(), seen.rows);
+  const auto out = std::back_inserter(text);
+  for (const NullDirection& direction : seen.null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
+  const Observability& o = seen.indices;
+  fmt::format_to(out, "  O1 {:.4g}  O2 {:.4g}  O3 {:.4g}  O4 {:.4g}  O5 {:.4g}\n", o.O1, o.O2, o.O3, o.O4, o.O5);
+  fmt::format_to(out, "standard deviations after measuring (before: from the tolerances)\n");
+  for (const Promise& one : list) {
+    const double before = one.parameter.prior_std.value_or(0.0);
+    fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1, name(one.parameter.source),
+                   in_file_unit(one.parameter.source, one.std), unit(one.parameter.source) == Unit::rad ? "deg" : "mm",
+                   in_file_unit(one.parameter.source, before));
+  }
+  fmt::format_to(out,
+                 "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
+                 "rotation {:.3f} deg\n",
+                 spread.max_distance, spread.max_aligned, to_degrees(spread.max_rotation));
+  return text;
+}
+
+io::Json json_of(const Identifiability& seen, const std::vector<Promise>& list, const WorkspaceUncertainty& spread) {
+  const Observability& o = seen.indices;
+  io::Json json{{"rank", seen.rank}, {"rows", seen.rows}, {"parameters", io::Json::array()}};
+  for (const Promise& one : list) {
+    const double before = one.parameter.prior_std.value_or(0.0);
+    json["parameters"].push_back({{"name", name(one.parameter.source)},
+                                  {"limb", one.parameter.limb + 1},
+                                  {"unit", unit(one.parameter.source) == Unit::rad ? "deg" : "mm"},
+                                  {"prior_std", in_file_unit(one.parameter.source, before)},
+                                  {"std", in_file_unit(one.parameter.source, one.std)},
+                                  {"data_share", 1.0 - one.std * one.std / (before * before)}});
+  }
+  json["null_space"] = io::Json::array();
+  for (const NullDirection& direction : seen.null_space) {
+    json["null_space"].push_back(
+        {{"text", direction.text}, {"direction", io::rows_json(direction.direction.transpose())[0]}});
+  }
+  json["singular_values"] = io::rows_json(seen.singular_values.transpose())[0];
+  json["O1"] = o.O1;
+  json["O2"] = o.O2;
+  json["O3"] = o.O3;
+  json["O4"] = o.O4;
+  json["O5"] = o.O5;
+  json["workspace_std"] = workspace_json(spread);
+  return json;
+}
+
+void run(const Options& options, const Session& session) {
+  const Robot robot = session.robot();
+  const Measurements plan = plan_of(robot, options);
+  const CalibrationOptions calibration = calibration_options(options);
+  const Identifiability seen = seen_by(robot, plan, calibration);
+  const KnownErrors after = promised(robot, plan, calibration);
+  const WorkspaceUncertainty spread =
+      PoseSpread(robot, {}, after.parameters, workspace_stations(robot)).uncertainty(after.covariance);
+  const std::vector<Promise> list = promises(after, seen.parameters);
+  session.json() ? session.print_json(json_of(seen, list, spread)) : session.print(text_of(seen, list, spread));
+}
+
+}  // namespace
+
+io::Json workspace_json(const WorkspaceUncertainty& spread) {
+  return {{"rms_distance_mm", spread.rms_distance},
+          {"max_distance_mm", spread.max_distance},
+          {"rms_aligned_mm", spread.rms_aligned},
+          {"max_aligned_mm", spread.max_aligned},
+          {"rms_rotation_deg", to_degrees(spread.rms_rotation)},
+          {"max_rotation_deg", to_degrees(spread.max_rotation)}};
+}
+
+void add_identifiability(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "identifiability", "Calibrate a machine",
+                                          "what a plan will reveal, and what it cannot, before measuring");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
+  command->add_option("--measure", options->measure, "what is measured")
+      ->check(CLI::IsMember({"distance", "coordinates"}))
+      ->capture_default_str();
+  command->add_option("--frame", options->measuring.frame, "frame of coordinates")
+      ->check(CLI::IsMember({"unknown", "robot"}))
+      ->capture_default_str();
+  command->add_option("--rotation", options->rotation, "whether phi is read, and from which zero")
+      ->check(CLI::IsMember({"none", "relative", "absolute"}))
+      ->capture_default_str();
+  command->add_flag("--second", options->second, "a second reflector is read, too: tilt");
+  add_noise_options(*command, options->measuring);
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

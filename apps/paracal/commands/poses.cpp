@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <memory>
+
+#include "measuring.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "paracal/io/points.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+struct Options {
+  MeasuringOptions measuring;
+  std::string stage = "fine", criterion = "pose";
+  double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
+  int optimal = 0, candidates = 10000;
+  bool rotation = false, second = false, fixed_to_plate = false;
+  std::vector<double> tracker, facing;
+};
+
+const std::map<std::string, Criterion> kCriteria{{"D", Criterion::volume},
+                                                 {"O1", Criterion::volume},
+                                                 {"A", Criterion::mean_variance},
+                                                 {"O3", Criterion::worst_direction},
+                                                 {"pose", Criterion::pose_uncertainty}};
+
+io::Json poses_json(const std::vector<Station>& stations) {
+  io::Json json = io::Json::array();
+  for (const Station& station : stations) {
+    const Eigen::Vector3d& r = station.commanded.position;
+    json.push_back({{"pose", station.name},
+                    {"x_cmd_mm", r.x()},
+                    {"y_cmd_mm", r.y()},
+                    {"z_cmd_mm", r.z()},
+                    {"phi_cmd_deg", to_degrees(station.commanded.rotation)}});
+  }
+  return json;
+}
+
+void add_indices(io::Json& json, const Observability& o) {
+  json["O1"] = o.O1;
+  json["O2"] = o.O2;
+  json["O3"] = o.O3;
+  json["O4"] = o.O4;
+  json["O5"] = o.O5;
+}
+
+void run_paper_plan(const Options& options, Session& session) {
+  if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
+  const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
+  const PaperPlan plan = paper_plan(session.robot(), stage, to_radians(options.start_deg), options.threshold);
+  if (plan.n == 0) session.exit_code = kVerdictIsNo;
+  if (session.json()) {
+    io::Json json{{"n", plan.n}, {"curve", io::Json::array()}, {"poses", poses_json(plan.stations)}};
+    for (const CurvePoint& point : plan.curve) {
+      io::Json entry{{"n", point.n}};
+      add_indices(entry, point.indices);
+      entry["change"] = point.change;
+      json["curve"].push_back(std::move(entry));
+    }
+    return session.print_json(json);
+  }
+  std::string text = fmt::format("# {} stage: n = {} points a circle (change of O2 below {:g})\n", options.stage,
+                                 plan.n, options.threshold);
+  for (const CurvePoint& point : plan.curve) {
+    fmt::format_to(std::back_inserter(text), "# n = {:<3} O2 = {:.5f}  change {:.2f} %\n", point.n, point.indices.O2,
+                   100.0 * point.change);
+  }
+  session.print(text + io::station_table(plan.stations));
+}
+
+bool is_finite(const std::vector<double>& numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+}
+
+std::optional<Visibility> visibility_of(const Options& options) {
+  if (!is_finite(options.tracker) || !is_finite(options.facing) || !std::isfinite(options.acceptance_deg)) {
+    throw WrongUsage("--tracker, --facing and --acceptance-deg: expected finite numbers");
+  }
+  if (options.tracker.empty() != options.facing.empty()) {
+    throw WrongUsage("--tracker and --facing: expected both or neither");
+  }
+  if (options.tracker.empty()) return std::nullopt;
+  const auto vector = [](const std::vector<double>& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  if (!(vector(options.facing).norm() > 0.0)) throw WrongUsage("--facing: expected a direction, got no length");
+  return Visibility{vector(options.tracker), vector(options.facing), to_radians(options.acceptance_deg),
+                    options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
+}
+
+void run_selection(const Options& options, Session& session) {
+  if (options.candidates < options.optimal) {
+    throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
+                                 options.candidates));
+  }
+  const Robot robot = session.robot();
+  const std::vector<Station> candidates =
+      candidate_stations(robot, options.candidates, session.seed(), visibility_of(options));
+  if (candidates.size() < static_cast<std::size_t>(options.optimal)) {
+    throw MathematicsSaysNo(
+        fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options.optimal));
+  }
+  const Selection selection = select_stations(robot, candidates,
+                                              {.poses = options.optimal,
+                                               .criterion = kCriteria.at(options.criterion),
+                                               .noise = options.measuring.noise(),
+                                               .rotation = options.rotation,
+                                               .second = options.second});
+  if (session.json()) {
+    const Identifiability seen =
+        identifiability(robot, planned_points(robot, selection.stations, options.rotation, options.second));
+    io::Json json{{"n", selection.stations.size()},
+                  {"criterion", options.criterion},
+                  {"value", selection.criterion},
+                  {"sweeps", selection.sweeps},
+                  {"exchanges", selection.exchanges},
+                  {"travel_deg", to_degrees(selection.travel)},
+                  {"workspace_std", workspace_json(selection.uncertainty)},
+                  {"curve", io::Json::array()},
+                  {"poses", poses_json(selection.stations)}};
+    add_indices(json, seen.indices);
+    for (std::size_t k = 0; k < selection.curve.size(); ++k) {
+      json["curve"].push_back(workspace_json(selection.curve[k]));
+      json["curve"].back()["n"] = k + 2;
+    }
+    return session.print_json(json);
+  }
+  const WorkspaceUncertainty& after = selection.uncertainty;
+  std::string text = fmt::format(
+      "# {} of {} candidate poses, criterion {}; over the workspace (standard deviation, largest): distance {:.3f} "
+      "mm,\n"
+      "# position after alignment {:.3f} mm, rotation {:.3f} deg; in the order of a short way\n",
+      selection.stations.size(), candidates.size(), options.criterion, after.max_distance, after.max_aligned,
+      to_degrees(after.max_rotation));
+  for (std::size_t k = 4; k < selection.curve.size(); ++k) {
+    fmt::format_to(
+        std::back_inserter(text), "# {:>3} poses: distance {:.3f} mm, aligned {:.3f} mm, rotation {:.3f} deg\n", k + 2,
+        selection.curve[k].max_distance, selection.curve[k].max_aligned, to_degrees(selection.curve[k].max_rotation));
+  }
+  session.print(text + io::station_table(selection.stations));
+}
+
+}  // namespace
+
+void add_poses(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "poses", "Calibrate a machine", "which poses to measure");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--stage", options->stage, "the paper's scheme, to the n at which O2 settles")
+      ->check(CLI::IsMember({"rough", "fine"}))
+      ->capture_default_str();
+  command->add_option("--start-deg", options->start_deg, "azimuth of the first point")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->capture_default_str();
+  command->add_option("--threshold", options->threshold, "relative change of O2 that counts as settled")
+      ->check(positive_finite())
+      ->capture_default_str();
+  CLI::Option* optimal =
+      command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
+          ->check(CLI::Range(2, 1000));
+  command->add_option("--candidates", options->candidates, "poses to choose from")
+      ->check(CLI::Range(2, 100000))
+      ->needs(optimal)
+      ->capture_default_str();
+  command->add_option("--criterion", options->criterion, "what the best poses make small")
+      ->check(CLI::IsMember(kCriteria))
+      ->needs(optimal)
+      ->capture_default_str();
+  command->add_flag("--read-rotation", options->rotation, "phi is read at every pose, too")->needs(optimal);
+  command->add_flag("--second", options->second, "a second reflector is read at every pose, too")->needs(optimal);
+  command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(optimal);
+  command->add_option("--facing", options->facing, "where the reflector faces at phi = 0: x,y,z")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(optimal);
+  command->add_option("--acceptance-deg", options->acceptance_deg, "half-angle under which the reflector is seen")
+      ->check(CLI::Range(1.0, 180.0))
+      ->needs(optimal)
+      ->capture_default_str();
+  command->add_flag("--on-plate", options->fixed_to_plate, "the reflector does not turn with phi")->needs(optimal);
+  add_noise_options(*command, options->measuring);
+  command->callback([&session, options] {
+    options->optimal > 0 ? run_selection(*options, session) : run_paper_plan(*options, session);
+  });
+}
+
+}  // namespace paracal::app

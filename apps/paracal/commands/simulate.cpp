@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "measuring.hpp"
+#include "paracal/calibration/simulation.hpp"
+#include "paracal/io/points.hpp"
+#include "paracal/io/tables.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+constexpr double kLargest = 1e6;  // mm or deg: readings far from here are no numbers any more
+
+struct Options {
+  std::string errors, poses, truth, frame = "robot";
+  MeasuringOptions noise;
+  double noise_mm = 0.0, repeatability_mm = 0.0, rotation_noise_deg = 0.0;
+  int repeats = 1;
+  std::uint64_t machine = 0;
+  bool rotation = false;
+  std::vector<double> second;
+};
+
+/// Anywhere within some metres, turned anyhow: what "unknown frame" means.
+RigidMotion random_frame(RandomStream& random) {
+  constexpr double kFar = 3000.0;
+  const Eigen::Vector3d axis = Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  const double angle = 2.0 * std::numbers::pi * random.uniform();
+  const Eigen::Vector3d shift = Eigen::Vector3d(random.normal(), random.normal(), random.normal()) * kFar;
+  return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), shift};
+}
+
+SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream& random) {
+  if (options.errors.empty()) {
+    return draw_errors(robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width)),
+                       robot.limb_count(), random);
+  }
+  return io::read_source_errors(io::read_file(options.errors), robot.limb_count());
+}
+
+void run(const Options& options, const Session& session) {
+  const Robot robot = session.robot();
+  RandomStream random(session.seed(), options.machine);
+  const SourceErrors errors = errors_of(options, robot, random);
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.limb_count());
+  for (const double coordinate : options.second) {
+    if (std::abs(coordinate) <= kLargest) continue;
+    throw WrongUsage(fmt::format("--second: expected numbers up to {:g} mm, got {}", kLargest, coordinate));
+  }
+  VirtualInstrument instrument{.noise = options.noise_mm,
+                               .tracker = options.noise.noise().tracker,
+                               .repeatability = options.repeatability_mm,
+                               .repeats = options.repeats,
+                               .reads_rotation = options.rotation,
+                               .rotation_noise = to_radians(options.rotation_noise_deg)};
+  if (!options.second.empty()) {
+    instrument.second = Eigen::Vector3d(options.second[0], options.second[1], options.second[2]);
+  }
+  if (options.frame == "random") instrument.frame = random_frame(random);
+  const Measurements measurements = simulate(robot, errors, stations, instrument, random);
+  const std::string table = io::point_table(measurements);
+  if (!options.truth.empty()) {
+    io::write_file(options.truth, io::source_errors_toml(errors, robot.limb_count()));
+  }
+  if (!session.json()) return session.print(table);
+  io::Json points = io::Json::array();
+  for (const PointReading& reading : measurements.series.front().readings) {
+    points.push_back({{"pose", measurements.stations[reading.station].name},
+                      {"x_mm", reading.point.x()},
+                      {"y_mm", reading.point.y()},
+                      {"z_mm", reading.point.z()}});
+    if (reading.rotation) points.back()["phi_deg"] = to_degrees(*reading.rotation);
+    if (!reading.second) continue;
+    points.back()["x2_mm"] = reading.second->x();
+    points.back()["y2_mm"] = reading.second->y();
+    points.back()["z2_mm"] = reading.second->z();
+  }
+  session.print_json(io::Json{{"points", std::move(points)}});
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "simulate", "Calibrate a machine",
+                                          "what a virtual machine would be measured to do (CSV)");
+  const auto options = std::make_shared<Options>();
+  command->add_option(
+      "--errors", options->errors,
+      "source errors of the machine (TOML); without: drawn from the tolerances by --seed and --machine");
+  command->add_option("--machine", options->machine, "which of the drawn machines")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--truth", options->truth, "write the machine's errors here (TOML)");
+  command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
+  const CLI::Range believable(0.0, kLargest, "up to 1e6");
+  CLI::Option* noise = command->add_option("--noise-mm", options->noise_mm, "standard deviation of a coordinate read")
+                           ->check(non_negative_finite())
+                           ->check(believable)
+                           ->capture_default_str();
+  command
+      ->add_option("--tracker-um", options->noise.tracker_um,
+                   "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
+      ->delimiter(',')
+      ->expected(4)
+      ->check(non_negative_finite())
+      ->excludes(noise);
+  command
+      ->add_option("--repeatability-mm", options->repeatability_mm, "standard deviation of a coordinate of the machine")
+      ->check(non_negative_finite())
+      ->check(believable)
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "visits of every pose")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
+  command->add_option("--rotation-noise-deg", options->rotation_noise_deg, "its standard deviation")
+      ->check(non_negative_finite())
+      ->check(believable)
+      ->capture_default_str();
+  command->add_option("--second", options->second, "second reflector from the first, mm, in the plate's frame: x,y,z")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--frame", options->frame, "frame of the instrument")
+      ->check(CLI::IsMember({"robot", "random"}))
+      ->capture_default_str();
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,148 @@
+#include "measuring.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "paracal/error.hpp"
+#include "paracal/io/points.hpp"
+#include "paracal/io/tables.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+/// No instrument is outside of these, and weights far outside of them leave the range of numbers.
+void check_noise(const char* option, double value, const char* unit) {
+  constexpr double kSmallest = 1e-5, kLargest = 1e6;
+  if (value >= kSmallest && value <= kLargest) return;
+  throw WrongUsage(fmt::format("{}: expected {:g} to {:g} {}, got {:g}", option, kSmallest, kLargest, unit, value));
+}
+
+/// Noise is `constant + slope * metres`, um; what it is at one metre must be believable.
+TrackerModel tracker_model(const std::vector<double>& um) {
+  const TrackerModel tracker{um[0] * 1e-3, um[1] * 1e-3, um[2] * 1e-3, um[3] * 1e-3};
+  check_noise("--tracker-um, transverse at 1 m", tracker.transverse + tracker.transverse_per_m, "mm");
+  check_noise("--tracker-um, radial at 1 m", tracker.radial + tracker.radial_per_m, "mm");
+  return tracker;
+}
+
+/// The first line that is neither empty nor a comment.
+std::string_view header_of(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    if (!line.starts_with('#') && line.find_first_not_of(" \t\r") != std::string_view::npos) return line;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+/// Points say so in their header. Any other file is taken for distances where their poses are named or it says that it
+/// holds some; so a file that is neither is complained of as a file, not as a missing option.
+bool holds_points(std::string_view header, bool has_poses) {
+  const auto has = [&](std::string_view column) { return header.find(column) != std::string_view::npos; };
+  return has("x_mm") || (!has_poses && !has("distance_mm"));
+}
+
+/// Where an instrument's export holds what is needed; nothing for tables of our own.
+std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
+  if (options.columns.empty() && options.unit.empty()) return std::nullopt;
+  if (options.columns.empty()) throw WrongUsage("--unit: expected --columns with it");
+  if (options.unit.empty()) throw WrongUsage("--columns: expected --unit with it, one of mm, m, um, inch");
+  try {
+    return io::parse_column_map(options.columns, options.unit);
+  } catch (const InvalidArgument& refused) {
+    throw WrongUsage(std::string("--columns, --unit: ") + refused.what());
+  }
+}
+
+Measurements read_file(const MeasuringOptions& options, const std::optional<io::ColumnMap>& columns,
+                       const std::string& name, std::size_t limb_count) {
+  const io::TextFile file = io::read_file(name);
+  const auto poses = [&] {
+    if (options.poses.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", name));
+    return io::read_file(options.poses);
+  };
+  if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), limb_count));
+  const bool points = holds_points(header_of(file.text), !options.poses.empty());
+  return points ? io::read_points(file, limb_count) : io::read_distances(file, poses(), limb_count);
+}
+
+}  // namespace
+
+Measurements MeasuringOptions::read(std::size_t limb_count) const {
+  const std::optional<io::ColumnMap> map = column_map(*this);
+  std::vector<Measurements> parts;
+  for (const std::string& file : files) parts.push_back(read_file(*this, map, file, limb_count));
+  return parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
+}
+
+NoiseModel MeasuringOptions::noise() const {
+  NoiseModel noise;
+  if (sigma_mm) {
+    check_noise("--sigma-mm", *sigma_mm, "mm");
+    noise.distance = noise.point = *sigma_mm;
+  }
+  check_noise("--sigma-deg", sigma_deg, "deg");
+  noise.rotation = to_radians(sigma_deg);
+  if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
+  return noise;
+}
+
+void add_noise_options(CLI::App& command, MeasuringOptions& options) {
+  command
+      .add_option("--sigma-mm", options.sigma_mm,
+                  "standard deviation of a coordinate (0.017) or distance (0.05) that states none")
+      ->check(positive_finite());
+  command.add_option("--sigma-deg", options.sigma_deg, "standard deviation of rotations")
+      ->check(positive_finite())
+      ->capture_default_str();
+  command
+      .add_option("--tracker-um", options.tracker_um,
+                  "tracker at the origin of its frame: transverse um, um per m, radial um, um per m, e.g. 15,6,10,0.3")
+      ->delimiter(',')
+      ->expected(4)
+      ->check(non_negative_finite());
+}
+
+void add_measuring_options(CLI::App& command, MeasuringOptions& options) {
+  command
+      .add_option("--measurements", options.files,
+                  "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]) or distances (CSV: from,to,distance_mm[,...]); "
+                  "several files, each in its own frame")
+      ->required();
+  command.add_option("--poses", options.poses, "poses that distances or an instrument's export name (CSV)");
+  command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
+  command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
+  add_noise_options(command, options);
+  command.add_option("--frame", options.frame, "frame of measured points")
+      ->check(CLI::IsMember({"unknown", "robot"}))
+      ->capture_default_str();
+  command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
+      ->check(CLI::IsMember({"relative", "absolute"}))
+      ->capture_default_str();
+}
+
+std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count) {
+  std::vector<SourceSelector> selectors;
+  for (const std::string& name : names) {
+    if (const auto all = source_named(name)) {
+      selectors.push_back({*all, {}});
+      continue;
+    }
+    // The last digit numbers the limb; names of errors may end in one themselves (alpha2).
+    const std::size_t limb = name.empty() ? 0 : static_cast<std::size_t>(name.back()) - '0';
+    const auto one = name.empty() ? std::nullopt : source_named(std::string_view(name).substr(0, name.size() - 1));
+    if (!one || limb < 1 || limb > limb_count) {
+      throw WrongUsage(fmt::format("expected a source error such as e_x (all limbs) or e_x2 (limb 2 of {}), got \"{}\"",
+                                   limb_count, name));
+    }
+    selectors.push_back({*one, limb - 1});
+  }
+  return selectors;
+}
+
+}  // namespace paracal::app

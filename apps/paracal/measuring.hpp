@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+
+namespace paracal::app {
+
+/// What commands that read measurements ask for.
+struct MeasuringOptions {
+  std::vector<std::string> files;
+  std::string poses, columns, unit;
+  std::optional<double> sigma_mm;
+  double sigma_deg = 0.3;
+  bool sigma_known = false;
+  std::vector<double> tracker_um;
+  std::string frame = "unknown", rotation = "relative", reflectors = "plate";
+
+  /// Every file by what its header says it is, all in one.
+  Measurements read(std::size_t limb_count) const;
+  NoiseModel noise() const;
+  Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
+  RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
+  ReflectorMount mount() const { return reflectors == "plate" ? ReflectorMount::plate : ReflectorMount::end_effector; }
+};
+
+void add_measuring_options(CLI::App& command, MeasuringOptions& options);
+
+/// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
+void add_noise_options(CLI::App& command, MeasuringOptions& options);
+
+/// "e_x2": e_x of limb 2; "e_x": of all limbs.
+/// @throws WrongUsage for anything else.
+std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count);
+
+}  // namespace paracal::app

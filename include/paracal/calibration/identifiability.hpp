@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+
+namespace paracal {
+
+/// Observability indices of an identification Jacobian with m rows and singular values s_1 >= ... >= s_r > 0, all
+/// null directions left out  [sun-hollerbach2008; huang2016, Eq. (18)]:
+///
+///   O1 = (s_1 ... s_r)^(1/r) / sqrt(m),  O2 = s_r / s_1,  O3 = s_r,  O4 = s_r^2 / s_1,  O5 = 1 / (1/s_1 + ... + 1/s_r)
+struct Observability {
+  double O1 = 0.0, O2 = 0.0, O3 = 0.0, O4 = 0.0, O5 = 0.0;
+};
+
+Observability observability(const Eigen::VectorXd& singular_values, int rank, Eigen::Index rows);
+
+/// A rigid motion of the robot, or of the slide's zero, written as source errors: what readings may be blind to.
+struct GaugeMotion {
+  std::string text;
+  SourceErrors direction;  ///< to first order, per mm or per rad
+};
+
+/// For every robot:
+///
+///   translation along k    e_i = k                               the base moved
+///   rotation w             e_i = w x (b_i - a_i), alpha0 = w.u0, beta0 = w.v0, theta_offset = w.w0
+///   slide zero             e_i = mu_i shat                       r stays, s changes by a constant (-1 mm per mm)
+///
+/// A rotation does not turn the slide axis, so only that about the slide axis (any, for a rigid plate) goes unseen.
+std::vector<GaugeMotion> gauge_motions(const Robot& robot);
+
+/// What readings at the nominal machine tell about source errors; the readings themselves do not count, only where and
+/// how they are taken.
+struct [[nodiscard]] Identifiability {
+  std::vector<SoughtSource> parameters;
+  Eigen::VectorXd singular_values;  ///< columns scaled as in [huang2016, Eq. (4)]: L theta_offset, ..., mm
+  int rank = 0;
+  std::vector<NullDirection> null_space;
+  Observability indices;
+  Eigen::Index rows = 0;
+  Eigen::Index nuisance = 0;  ///< unknowns of frames, encoder zeros and second reflectors
+};
+
+/// Frame, encoder zero and second reflector are projected out first (they are found together with the errors).
+/// @param sought  which errors; empty: the position group, and the tilt group where second reflectors are read.
+/// @throws Unreachable, InvalidArgument as calibrate().
+Identifiability identifiability(const Robot& robot, const Measurements& plan, const CalibrationOptions& options = {},
+                                std::vector<SoughtSource> sought = {});
+
+}  // namespace paracal

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "paracal/units.hpp"
+
+namespace paracal {
+
+/// Standard deviations of a laser tracker that stands at the origin of its frame, mm at a range of `range` mm:
+///
+///   across the beam  transverse + transverse_per_m * range / 1000
+///   along the beam   radial + radial_per_m * range / 1000
+///
+/// The defaults are the maximum permissible errors of a Leica AT500 [leica-at500]; typical is half of them.
+struct TrackerModel {
+  double transverse = 0.015, transverse_per_m = 0.006;
+  double radial = 0.010, radial_per_m = 0.0003;
+};
+
+/// Standard deviations of readings that state none of their own. Where neither the reading nor the instrument states
+/// one, the scatter of the residuals decides, and these values only set the proportion of lengths to angles.
+struct NoiseModel {
+  double distance = 0.05;             ///< mm: positioning repeatability in [huang2016, section 5.2]
+  double point = 0.017;               ///< mm a coordinate: one third of it, read as 3 sigma
+  double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section
+  std::optional<TrackerModel> tracker = {};
+};
+
+/// W with W^T W = inverse covariance of a point read by the tracker: (1/radial) u u^T + (1/transverse) (I - u u^T).
+/// @param point  in the tracker's frame, mm; u is its direction.
+Eigen::Matrix3d whitening(const TrackerModel& tracker, const Eigen::Vector3d& point);
+
+}  // namespace paracal

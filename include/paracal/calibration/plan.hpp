@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "paracal/calibration/identifiability.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+
+/// Azimuth of the first point on each circle, rad: the one that reproduces Table 3.
+inline constexpr double kStartAzimuth = to_radians(270.0);
+
+/// Home and n evenly spaced points on the rim of the middle layer, without rotation  [huang2016, section 4.2.2].
+std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth = kStartAzimuth);
+
+/// Home and n evenly spaced points on the rims of the top and of the bottom layer, turned to the largest rotation on
+/// top and to the smallest at the bottom  [huang2016, section 4.2.1].
+std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimuth = kStartAzimuth);
+
+/// Home and eight points on circles of a fifth to the whole of the radius in the top, middle and bottom layers, without
+/// rotation: 120 poses  [huang2016, section 5.2.2].
+std::vector<Station> validation_stations(const Robot& robot);
+
+/// The same 121 positions, turned in turn to the smallest, no and the largest rotation: the whole workspace in a few
+/// poses.
+std::vector<Station> workspace_stations(const Robot& robot);
+
+/// One number of points and what it makes visible.
+struct CurvePoint {
+  int n = 0;
+  Observability indices;
+  double change = 0.0;  ///< |O2(n) - O2(n - 1)| / O2(n)
+};
+
+/// A scheme of the paper, carried to the number of points at which O2 settles.
+struct [[nodiscard]] PaperPlan {
+  int n = 0;  ///< smallest number with a change below the threshold; 0: none up to kLargest
+  std::vector<CurvePoint> curve;
+  std::vector<Station> stations;  ///< of that n
+  static constexpr int kLargest = 40;
+};
+
+/// [huang2016, Eqs. (18), (20)]: O2 of the unweighted distances between all pairs, of the encoder offsets alone (rough)
+/// or the whole position group (fine), over the smallest singular value that is not zero. The curve goes on to
+/// `show_up_to` points.
+PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth = kStartAzimuth, double threshold = 0.01,
+                     int show_up_to = 12);
+
+/// Readings that a plan would give, taken from the nominal machine: for identifiability().
+Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second);
+Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation);
+
+}  // namespace paracal

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/noise.hpp"
+#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/mechanism/random.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+
+/// How a virtual machine is measured; standard deviations, all zero for a perfect instrument and machine.
+struct VirtualInstrument {
+  double noise = 0.0;                          ///< mm a coordinate; ignored with a tracker model
+  std::optional<TrackerModel> tracker = {};    ///< the instrument stands at the origin of its frame
+  double repeatability = 0.0;                  ///< mm a coordinate: the machine comes back somewhere else
+  int repeats = 1;                             ///< visits of every station
+  bool reads_rotation = false;                 ///< a rotary encoder reads phi
+  double rotation_noise = 0.0;                 ///< rad
+  std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, from the first, in the plate's frame
+  RigidMotion frame = {};                      ///< instrument = frame(robot)
+};
+
+/// What a machine with these errors shows to an instrument when its controller, which believes the nominal robot, sends
+/// it to the stations.
+/// @throws Unreachable when the nominal robot, or the machine itself, does not reach a station.
+Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vector<Station> stations,
+                      const VirtualInstrument& instrument, RandomStream& random);
+
+}  // namespace paracal

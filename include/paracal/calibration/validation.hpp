@@ -1,0 +1,90 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+
+/// ISO 9283 criteria of one pose from repeats; distances are from home's barycentre, so AD and RD of home are 0
+/// [iso9283, clauses 7.2.1, 7.2.2, 7.3]; mm and rad.
+struct PoseCriteria {
+  std::string pose;
+  int repeats = 0;
+  double AP = 0.0;  ///< positioning accuracy: distance from the commanded position to the barycentre of the repeats
+  double RP = 0.0;  ///< positioning repeatability: mean distance from the barycentre + 3 standard deviations of it
+  double AD = 0.0;  ///< distance accuracy: |mean measured distance to home - commanded distance|
+  double RD = 0.0;  ///< distance repeatability: 3 standard deviations of that distance
+  std::optional<double> AP_rotation = {};  ///< |mean measured - commanded rotation|
+  std::optional<double> RP_rotation = {};  ///< 3 standard deviations of the rotation
+};
+
+struct Iso9283 {
+  std::vector<PoseCriteria> poses;  ///< those with at least two repeats
+  double max_AP = 0.0, max_RP = 0.0, max_AD = 0.0, max_RD = 0.0;
+};
+
+/// What customers were promised; empty: no limit.
+struct AcceptanceLimits {
+  std::optional<double> distance = {};    ///< of |d_rho|, mm
+  std::optional<double> volumetric = {};  ///< of aligned |dr|, mm
+  std::optional<double> rotation = {};    ///< of |d_phi|, rad
+};
+
+enum class Conformity : std::uint8_t {
+  conforming,      ///< error + U <= limit: proven within  [iso14253-1]
+  not_conforming,  ///< error - U > limit: proven beyond
+  undecided,       ///< the measurement is too uncertain to prove either
+};
+
+/// One largest error against its limit, with the expanded uncertainty U (k = 2) of its measurement.
+struct LimitCheck {
+  std::string quantity;
+  double error = 0.0, uncertainty = 0.0, limit = 0.0;  ///< mm or rad
+  Conformity conformity = Conformity::undecided;
+};
+
+struct ValidationOptions {
+  NoiseModel noise = {};
+  Frame frame = Frame::unknown;
+  RotationZero rotation_zero = RotationZero::unknown;
+  AcceptanceLimits limits = {};
+};
+
+/// One validated pose, in the robot's frame: home is the first.
+struct ValidatedPose {
+  std::string series, pose;
+  PosePair before;                            ///< commanded, measured
+  PosePair after;                             ///< as the calibrated machine predicts it, measured
+  bool rotation = false;                      ///< phi was read
+  std::optional<Eigen::Matrix4d> covariance;  ///< of the prediction: x, y, z (mm), phi (rad)
+};
+
+struct [[nodiscard]] Validation {
+  PoseErrorSummary before, after;
+  std::vector<ValidatedPose> poses;
+  Iso9283 iso9283;
+  std::vector<LimitCheck> checks;  ///< of the errors after calibration
+  /// All limits kept for certain; without limits: the largest aligned error shrank by more than its uncertainty.
+  bool accepted = false;
+  std::vector<std::string> reasons;  ///< why not
+};
+
+/// Measures a calibration on poses that it has not seen.
+///
+/// The frame of a series is unknown as a rule. It is found by fitting the measured points to the poses that the
+/// calibrated machine predicts from the believed joints; in this frame "before" compares measured with commanded and
+/// "after" measured with predicted poses, both relative to home (d_rho, d_v, d_phi of pose_error.hpp). The aligned
+/// errors remove the best rigid motion from each comparison on its own, so they do not depend on that frame.
+///
+/// @throws InvalidArgument for measurements that make no sense or a series with fewer than 4 poses, Unreachable as
+/// calibrate().
+Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                    const ValidationOptions& options = {});
+
+std::string_view name(Conformity conformity);
+
+}  // namespace paracal

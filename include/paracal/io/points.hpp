@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/io/file.hpp"
+
+namespace paracal::io {
+
+/// Point table (CSV): pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm and optional repeat, phi_deg,
+/// x2_mm,y2_mm,z2_mm, sigma_mm, q1_deg... It becomes one series, named after the file. A missing column phi_cmd_deg is
+/// 0. Rows of the same pose are repeats of one station. What was not read is passed over and noted:
+///
+///   x_mm, y_mm, z_mm blank       no reading; a station without any is left out
+///   phi_deg or x2_mm... blank    not read there
+///   the same numbers again       one reading where the pose is the same, two where it is another; a note either way
+///
+/// @param limb_count  where joint columns stand, they must be those of that many limbs; 0: of any robot.
+/// @throws InputFileError for anything else, as two rows of one pose that are commanded differently, or a point that
+/// is blank in part.
+Measurements read_points(const TextFile& file, std::size_t limb_count = 0);
+
+/// Several measurements as one, each series in its own frame. A station that has the name, commanded pose and believed
+/// joints of an earlier one is the same station; one that has the name alone becomes "series:name". The first home
+/// stays first. Readings that stand in an earlier series too, number by number, are counted once, with a note.
+/// @throws InvalidArgument for no measurements, or a reading of no station.
+Measurements merge(std::vector<Measurements> parts);
+
+/// Where the lines of an instrument's export hold what is needed. Columns count from 1; 0 is none.
+struct ColumnMap {
+  std::size_t name = 0;
+  std::size_t x = 0, y = 0, z = 0;
+  std::optional<std::size_t> sigma = {};  ///< standard deviation of each coordinate, in the unit of the coordinates
+  double mm_per_unit = 0.0;               ///< exports do not state their unit
+};
+
+/// @param columns  e.g. "name=3,x=4,y=5,z=6" or "name=1,x=2,y=3,z=4,sigma=5".
+/// @param unit     "mm", "m", "um" or "inch".
+/// @throws InvalidArgument for anything else.
+ColumnMap parse_column_map(std::string_view columns, std::string_view unit);
+
+/// Points that an instrument exported as text, one a line; lines that begin with // or # are comments. Fields are
+/// separated by tabs, semicolons, commas or blanks: by the first of these that a line holds outside quotation marks.
+/// Every line has the same number of fields, so that a name with a blank cannot shift the columns unseen.
+///
+/// Points are matched to the poses by name. Names that are no pose (reference points) and poses that were not measured
+/// are noted. The same name again is a repeat; with the same numbers again, one reading and a note.
+/// @param poses  the first is home, if it was measured.
+/// @throws InputFileError for a line without the columns or with anything but finite numbers in them, or when no name
+/// is a pose.
+/// @throws InvalidArgument when `columns` is incomplete.
+Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses);
+
+/// One series of points as the CSV that read_points() takes, with those optional columns that some reading needs. All
+/// numbers that came from a file are read back as they were; only readings that are the same to the last bit, as those
+/// of a virtual machine without noise, are then counted once.
+/// @throws InvalidArgument when there is not exactly one series with readings, when stations' believed joints are
+/// stated in part, or for numbers and names that would not be read back.
+std::string point_table(const Measurements& measurements);
+
+/// The commanded poses as the CSV that read_poses() takes.
+/// @throws InvalidArgument for names that would not be read back.
+std::string station_table(const std::vector<Station>& stations);
+
+}  // namespace paracal::io

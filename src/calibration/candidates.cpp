@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "paracal/calibration/pose_selection.hpp"
+#include "paracal/kinematics/error_model.hpp"
+#include "paracal/mechanism/random.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal {
+namespace {
+
+/// To whole mm without leaving the cylinder: poses that someone may type.
+Eigen::Vector3d towards_axis(const Eigen::Vector3d& position) {
+  return {std::trunc(position.x()), std::trunc(position.y()), std::round(position.z())};
+}
+
+/// Anywhere in the cylinder; on its mantle, its top or its bottom, and at the ends of the rotation, half of the time.
+Pose draw_pose(const Workspace& workspace, RandomStream& random) {
+  const auto coin = [&] { return random.uniform() < 0.5; };
+  const auto between_or_end = [&](double low, double high) {
+    if (coin()) return low + (high - low) * random.uniform();
+    return coin() ? low : high;
+  };
+  const double azimuth = 2.0 * std::numbers::pi * random.uniform();
+  const double radius = workspace.radius * (coin() ? 1.0 : std::sqrt(random.uniform()));
+  const double z = between_or_end(workspace.top_z - workspace.height, workspace.top_z);
+  const double rotation = between_or_end(workspace.min_rotation, workspace.max_rotation);
+  return {towards_axis(Workspace::on_circle(radius, azimuth, z)), to_radians(std::trunc(to_degrees(rotation)))};
+}
+
+double largest_motion(const Joints& from, const Joints& to) { return (to - from).cwiseAbs().maxCoeff(); }
+
+/// A closed way through points, as their order.
+double length_of(const std::vector<Joints>& joints) {
+  double length = largest_motion(joints.back(), joints.front());
+  for (std::size_t k = 1; k < joints.size(); ++k) length += largest_motion(joints[k - 1], joints[k]);
+  return length;
+}
+
+/// Reverses the piece of the way that shortens it most often, until none does.
+void two_opt(std::vector<std::size_t>& order, const std::vector<Joints>& joints) {
+  const auto step = [&](std::size_t a, std::size_t b) { return largest_motion(joints[order[a]], joints[order[b]]); };
+  const std::size_t n = order.size();
+  for (bool better = true; better;) {
+    better = false;
+    for (std::size_t a = 0; a + 2 < n; ++a) {
+      for (std::size_t b = a + 2; b < n; ++b) {
+        const std::size_t after = (b + 1) % n;
+        if (step(a, b) + step(a + 1, after) > step(a, a + 1) + step(b, after) - 1e-9) continue;
+        std::reverse(order.begin() + static_cast<std::ptrdiff_t>(a) + 1,
+                     order.begin() + static_cast<std::ptrdiff_t>(b) + 1);
+        better = true;
+      }
+    }
+  }
+}
+
+std::vector<std::size_t> nearest_neighbours(const std::vector<Joints>& joints) {
+  std::vector<std::size_t> order{0}, left;
+  for (std::size_t k = 1; k < joints.size(); ++k) left.push_back(k);
+  while (!left.empty()) {
+    const auto next = std::ranges::min_element(
+        left, {}, [&](std::size_t k) { return largest_motion(joints[order.back()], joints[k]); });
+    order.push_back(*next);
+    left.erase(next);
+  }
+  return order;
+}
+
+}  // namespace
+
+bool Visibility::sees(const Pose& pose) const {
+  Eigen::Vector3d direction = facing.normalized();
+  if (mount == ReflectorMount::end_effector) {
+    direction = Eigen::AngleAxisd(pose.rotation, Eigen::Vector3d::UnitZ()) * direction;
+  }
+  return direction.dot((tracker - pose.position).normalized()) >= std::cos(half_angle);
+}
+
+std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint64_t seed,
+                                        const std::optional<Visibility>& visibility) {
+  constexpr int kLargestTries = 1000;  // a candidate
+  RandomStream random(seed);
+  std::vector<Station> stations{{"P0", {robot.workspace().centre(), 0.0}}};
+  for (long tries = 0; static_cast<int>(stations.size()) < count && tries < long{kLargestTries} * count; ++tries) {
+    const Pose pose = draw_pose(robot.workspace(), random);
+    if (visibility && !visibility->sees(pose)) continue;
+    if (!error_model(robot, pose).ok()) continue;  // out of reach, or singular
+    stations.push_back({fmt::format("C{}", stations.size()), pose});
+  }
+  return stations;
+}
+
+double shorten_way(const Robot& robot, std::vector<Station>& stations) {
+  if (stations.size() < 2) return 0.0;
+  std::vector<Joints> joints;
+  joints.reserve(stations.size());
+  for (const Station& station : stations) joints.push_back(believed_joints(robot, station));
+  std::vector<std::size_t> order = nearest_neighbours(joints);
+  if (order.size() > 3) two_opt(order, joints);
+  std::rotate(order.begin(), std::ranges::find(order, std::size_t{0}), order.end());
+  std::vector<Station> ordered;
+  std::vector<Joints> way;
+  for (const std::size_t k : order) {
+    ordered.push_back(stations[k]);
+    way.push_back(joints[k]);
+  }
+  stations = std::move(ordered);
+  return length_of(way);
+}
+
+}  // namespace paracal

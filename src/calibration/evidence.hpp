@@ -1,0 +1,24 @@
+#pragma once
+
+// Private to calibration: from a finished fit to numbers that can be signed.
+
+#include "observation.hpp"
+#include "outliers.hpp"
+#include "paracal/calibration/least_squares.hpp"
+
+namespace paracal::detail {
+
+/// A stage without priors, by its own root.
+void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
+               Calibration& calibration);
+
+/// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
+void state_evidence(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
+                    const Scatter& scatter, const std::vector<Contradiction>& suspects, Calibration& calibration);
+
+/// Measured points of a series in the robot's frame beside the machine's poses, one pair a station, repeats averaged,
+/// home (or the first station read) first. Readings left out do not count.
+std::vector<PosePair> station_pairs(const Observation& observation, const std::vector<StationState>& stations,
+                                    const Eigen::VectorXd& unknowns, std::size_t series);
+
+}  // namespace paracal::detail

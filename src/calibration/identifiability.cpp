@@ -1,0 +1,54 @@
+#include "paracal/calibration/identifiability.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "null_space.hpp"
+#include "observation.hpp"
+#include "paracal/error.hpp"
+#include "sought.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr double kRankTolerance = 1e-7;
+
+std::vector<SoughtSource> default_sought(const Robot& robot, const Measurements& plan,
+                                         const CalibrationOptions& options) {
+  const bool tilt = std::ranges::any_of(plan.series, [](const PointSeries& series) {
+    return std::ranges::any_of(series.readings, [](const PointReading& reading) { return reading.second.has_value(); });
+  });
+  return tilt ? detail::all_with_priors(robot, options) : detail::position_group(robot, options);
+}
+
+}  // namespace
+
+Observability observability(const Eigen::VectorXd& singular_values, int rank, Eigen::Index rows) {
+  if (rank == 0) return {};
+  const Eigen::ArrayXd s = singular_values.head(rank);
+  const double largest = s(0), smallest = s(rank - 1);
+  return {std::exp(s.log().mean()) / std::sqrt(static_cast<double>(rows)), smallest / largest, smallest,
+          smallest * smallest / largest, 1.0 / s.inverse().sum()};
+}
+
+Identifiability identifiability(const Robot& robot, const Measurements& plan, const CalibrationOptions& options,
+                                std::vector<SoughtSource> sought) {
+  check(plan, robot.limb_count());
+  if (sought.empty()) sought = default_sought(robot, plan, options);
+  detail::Observation observation(robot, plan, options, sought);
+  const auto start = observation.start({});
+  InformationRoot root(observation.unknown_count());
+  if (!start || !observation(*start, root))
+    throw InvalidArgument("the nominal machine does not close at every station");
+  const Eigen::Index n = observation.source_count();
+  // Nuisance comes first, so this block is what remains when it has been projected out.
+  const Spectrum spectrum =
+      analyse(root.root().bottomRightCorner(n, n), kRankTolerance, detail::paper_scales(robot, sought));
+  Identifiability result{std::move(sought), spectrum.singular_values,    spectrum.rank, {}, {},
+                         root.row_count(),  observation.nuisance_count()};
+  result.null_space = detail::in_words(robot, spectrum.null_space, result.parameters);
+  result.indices = observability(spectrum.singular_values, spectrum.rank, result.rows);
+  return result;
+}
+
+}  // namespace paracal

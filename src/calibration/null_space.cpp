@@ -1,0 +1,194 @@
+#include "null_space.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "paracal/calibration/identifiability.hpp"
+#include "paracal/kinematics/error_model.hpp"
+#include "sought.hpp"
+
+namespace paracal {
+namespace {
+
+Eigen::VectorXd components(const SourceErrors& errors, const std::vector<SoughtSource>& parameters) {
+  Eigen::VectorXd vector(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    vector(static_cast<Eigen::Index>(k)) = errors(parameters[k].limb, parameters[k].source);
+  }
+  return vector;
+}
+
+SourceErrors turned_about(const Robot& robot, const Eigen::Vector3d& turn) {
+  SourceErrors errors;
+  const Machine& machine = robot.nominal();
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Vector3d e = turn.cross(limb.base - limb.plate);
+    errors(i, Source::e_x) = e.x();
+    errors(i, Source::e_y) = e.y();
+    errors(i, Source::e_z) = e.z();
+    errors(i, Source::alpha0) = turn.dot(limb.frame.col(0));
+    errors(i, Source::beta0) = turn.dot(limb.frame.col(1));
+    errors(i, Source::theta_offset) = turn.dot(limb.frame.col(2));
+  }
+  return errors;
+}
+
+/// e_i = factor_i direction for every limb.
+template <typename Factor>
+SourceErrors moved_along(const Robot& robot, const Eigen::Vector3d& direction, Factor&& factor) {
+  SourceErrors errors;
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    const Eigen::Vector3d e = factor(robot.nominal().limbs[i]) * direction;
+    errors(i, Source::e_x) = e.x();
+    errors(i, Source::e_y) = e.y();
+    errors(i, Source::e_z) = e.z();
+  }
+  return errors;
+}
+
+/// "1 and 2", "1, 2 and 3".
+std::string numbered(const std::vector<std::size_t>& limbs) {
+  std::string text;
+  for (std::size_t k = 0; k < limbs.size(); ++k) {
+    text += k == 0 ? "" : k + 1 == limbs.size() ? " and " : ", ";
+    text += std::to_string(limbs[k] + 1);
+  }
+  return text;
+}
+
+std::string slide_zero_text(const Robot& robot) {
+  std::vector<std::size_t> with, against;
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) (robot.slide()->sign[i] > 0 ? with : against).push_back(i);
+  const Eigen::Vector3d axis = robot.slide()->axis.cwiseAbs();
+  const char* name = axis.x() > 0.999 ? "e_x" : axis.y() > 0.999 ? "e_y" : "e along the slide";
+  return fmt::format("slide zero: {} of limbs {} together, against limbs {}", name, numbered(with), numbered(against));
+}
+
+/// "0.71 theta_offset limb 1 - 0.71 theta_offset limb 3": the parameters with a share in a direction.
+std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters) {
+  constexpr double kSmallestShare = 0.05;
+  std::string text;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const double share = direction(static_cast<Eigen::Index>(k));
+    if (std::abs(share) < kSmallestShare) continue;
+    const std::string_view sign = share < 0 ? (text.empty() ? "-" : " - ") : (text.empty() ? "" : " + ");
+    text +=
+        fmt::format("{}{:.2f} {} limb {}", sign, std::abs(share), name(parameters[k].source), parameters[k].limb + 1);
+  }
+  return text;
+}
+
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), count);
+}
+
+}  // namespace
+
+std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
+  std::vector<GaugeMotion> motions;
+  motions.reserve(8);
+  const auto alike = [](const Limb&) { return 1.0; };
+  const std::array<std::string, 3> axes{"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) {
+    motions.push_back(
+        {fmt::format("translation along {0}: e_{0} of all limbs alike", axes[static_cast<std::size_t>(k)]),
+         moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
+  }
+  if (robot.slide()) {
+    const auto sign = [](const Limb& limb) { return limb.slide_sign; };
+    motions.push_back({slide_zero_text(robot), moved_along(robot, robot.slide()->axis, sign)});
+    motions.push_back({"rotation of the base about the slide axis", turned_about(robot, robot.slide()->axis)});
+  }
+  for (int k = 0; k < 3; ++k) {
+    motions.push_back({fmt::format("rotation of the base about {}", axes[static_cast<std::size_t>(k)]),
+                       turned_about(robot, Eigen::Vector3d::Unit(k))});
+  }
+  return motions;
+}
+
+namespace {
+
+/// Names of the gauge motions that a direction is a mixture of when the parameters not sought stay at zero; empty when
+/// it is none: "slide zero and translation along y".
+std::string as_mixture(const Robot& robot, const Eigen::VectorXd& direction,
+                       const std::vector<SoughtSource>& parameters) {
+  constexpr double kInside = 1e-5, kSmallestShare = 0.05;
+  const std::vector<SoughtSource> all = detail::position_group(robot, {});
+  const Eigen::VectorXd scale = detail::paper_scales(robot, all);
+  const std::vector<GaugeMotion> motions = gauge_motions(robot);
+  Eigen::MatrixXd columns(scale.size(), static_cast<Eigen::Index>(motions.size()));
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    columns.col(static_cast<Eigen::Index>(k)) = scale.cwiseProduct(components(motions[k].direction, all)).normalized();
+  }
+  const Eigen::VectorXd whole = scale.cwiseProduct(detail::among(direction, parameters, all)).normalized();
+  const Eigen::VectorXd shares = columns.colPivHouseholderQr().solve(whole);
+  if ((columns * shares - whole).norm() > kInside) return {};
+  std::string text;
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    if (std::abs(shares(static_cast<Eigen::Index>(k))) < kSmallestShare) continue;
+    text += (text.empty() ? "" : " and ") + motions[k].text.substr(0, motions[k].text.find(':'));
+  }
+  return text;
+}
+
+}  // namespace
+
+namespace detail {
+
+std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& null_space,
+                                    const std::vector<SoughtSource>& parameters) {
+  constexpr double kInside = 1e-5, kNew = 0.1;
+  const Eigen::VectorXd scale = paper_scales(robot, parameters);
+  std::vector<NullDirection> directions;
+  if (null_space.cols() == 0) return directions;
+  const auto add = [&](std::string motion, const Eigen::VectorXd& scaled) {
+    const Eigen::VectorXd direction = scaled.cwiseQuotient(scale).normalized();
+    if (!motion.empty()) return directions.push_back({std::move(motion), direction, true});
+    const std::string mixture = as_mixture(robot, direction, parameters);
+    const std::string sum = describe(direction, parameters);
+    directions.push_back({mixture.empty() ? sum : mixture + ": " + sum, direction, !mixture.empty()});
+  };
+  const Eigen::MatrixXd all = orthonormal(scale.asDiagonal() * null_space, null_space.cols());
+  Eigen::MatrixXd explained(all.rows(), 0);
+  for (GaugeMotion& motion : gauge_motions(robot)) {
+    const Eigen::VectorXd scaled = scale.cwiseProduct(components(motion.direction, parameters)).normalized();
+    const Eigen::VectorXd fresh = scaled - explained * (explained.transpose() * scaled);
+    if ((scaled - all * (all.transpose() * scaled)).norm() > kInside || fresh.norm() < kNew) continue;
+    explained.conservativeResize(Eigen::NoChange, explained.cols() + 1);
+    explained.rightCols<1>() = fresh.normalized();
+    add(std::move(motion.text), scaled);
+  }
+  const Eigen::MatrixXd rest =
+      orthonormal(all - explained * (explained.transpose() * all), all.cols() - explained.cols());
+  for (const auto& column : rest.colwise()) add({}, column);
+  return directions;
+}
+
+Eigen::VectorXd paper_scales(const Robot& robot, const std::vector<SoughtSource>& parameters) {
+  Eigen::VectorXd scale(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    scale(static_cast<Eigen::Index>(k)) = paper_scale(robot, parameters[k].source);
+  }
+  return scale;
+}
+
+Eigen::VectorXd among(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& of,
+                      const std::vector<SoughtSource>& others) {
+  Eigen::VectorXd placed = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(others.size()));
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    const auto same = std::ranges::find_if(
+        others, [&](const SoughtSource& one) { return one.limb == of[k].limb && one.source == of[k].source; });
+    if (same != others.end()) placed(same - others.begin()) = direction(static_cast<Eigen::Index>(k));
+  }
+  return placed;
+}
+
+}  // namespace detail
+}  // namespace paracal

@@ -1,0 +1,144 @@
+#include "outliers.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+namespace paracal::detail {
+namespace {
+
+/// v^T S^-1 v over the directions in which the reading can be checked at all.
+double checked_sum(const Eigen::MatrixXd& spread, const Eigen::VectorXd& residual) {
+  constexpr double kUncheckable = 1e-6;  // of the reading's own variance
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(spread);
+  const Eigen::VectorXd along = eigen.eigenvectors().transpose() * residual;
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < along.size(); ++k) {
+    if (eigen.eigenvalues()(k) > kUncheckable) sum += along(k) * along(k) / eigen.eigenvalues()(k);
+  }
+  return sum;
+}
+
+/// Chance that the worst of `count` good readings has at least this F.
+double chance_of_worst(double statistic, int rows, double freedom, std::size_t count) {
+  if (!std::isfinite(statistic)) return 0.0;
+  const boost::math::fisher_f_distribution<> fisher(rows, freedom);
+  const double one = boost::math::cdf(boost::math::complement(fisher, statistic));
+  return -std::expm1(static_cast<double>(count) * std::log1p(-std::min(one, 1.0 - 1e-16)));
+}
+
+double median_of(std::vector<double> values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, half);
+  return *half;
+}
+
+}  // namespace
+
+std::vector<Contradiction> contradictions(const Observation& observation, const Eigen::VectorXd& unknowns,
+                                          const Eigen::MatrixXd& covariance, const Scatter& scatter) {
+  std::vector<Contradiction> all;
+  const auto stations = observation.stations(unknowns);
+  if (!stations) return all;
+  const Eigen::Index n = observation.unknown_count();
+  Eigen::MatrixXd block;
+  for (std::size_t g = 0; g < observation.groups().size(); ++g) {
+    const Group& group = observation.groups()[g];
+    observation.rows(group, *stations, unknowns, block);
+    const int rows = static_cast<int>(block.rows());
+    const auto jacobian = block.leftCols(n);
+    const double sign = group.active ? -1.0 : 1.0;
+    const Eigen::MatrixXd spread =
+        Eigen::MatrixXd::Identity(rows, rows) + sign * jacobian * covariance * jacobian.transpose();
+    const double sum = checked_sum(spread, block.col(n));
+    const double freedom = scatter.redundancy - (group.active ? rows : 0);
+    if (freedom < 1.0) continue;
+    const double rest = std::max(scatter.sum - (group.active ? sum : 0.0), 1e-12) / freedom;
+    const double statistic = sum / rows / rest;
+    all.push_back({g, statistic, chance_of_worst(statistic, rows, freedom, observation.groups().size())});
+  }
+  std::ranges::sort(all, std::greater{}, &Contradiction::statistic);
+  return all;
+}
+
+std::vector<double> studentised(const Observation& observation, const Eigen::VectorXd& unknowns,
+                                const Eigen::MatrixXd& covariance) {
+  constexpr double kUncheckable = 1e-3;  // of a reading's rows
+  std::vector<double> sizes(observation.groups().size(), 0.0), active;
+  const auto stations = observation.stations(unknowns);
+  if (!stations) return sizes;
+  const Eigen::Index n = observation.unknown_count();
+  Eigen::MatrixXd block;
+  for (std::size_t g = 0; g < sizes.size(); ++g) {
+    const Group& group = observation.groups()[g];
+    if (!group.active) continue;
+    observation.rows(group, *stations, unknowns, block);
+    const auto rows = static_cast<double>(block.rows());
+    const double redundancy = rows - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
+    sizes[g] = std::sqrt(block.col(n).squaredNorm() / group.weight / std::max(redundancy, kUncheckable * rows));
+    active.push_back(sizes[g]);
+  }
+  const double middle = active.empty() ? 1.0 : std::max(median_of(active), 1e-12);
+  for (double& size : sizes) size /= middle;
+  return sizes;
+}
+
+void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& start) {
+  constexpr double kGross = 8.0;
+  const auto stations = observation.stations(start);
+  if (!stations) return;
+  std::vector<double> distances;
+  for (const Group& group : observation.groups()) {
+    if (group.is_point)
+      distances.push_back(observation.point_residual(group, (*stations)[group.station], start).norm());
+  }
+  if (distances.empty()) return;
+  const double limit = std::max(kGross * median_of(distances), 5.0);
+  std::size_t k = 0;
+  for (Group& group : observation.groups()) {
+    if (group.is_point && distances[k++] > limit) group.active = false;
+  }
+}
+
+std::string label(const Observation& observation, const Measurements& measurements, const Group& group) {
+  if (!group.is_point) {
+    const DistanceReading& reading = observation.distance(group);
+    return fmt::format("distance {} - {}", measurements.stations[reading.from].name,
+                       measurements.stations[reading.to].name);
+  }
+  const PointSeries& series = measurements.series[group.series];
+  const auto same = [&](const PointReading& reading) { return reading.station == group.station; };
+  const auto repeats = std::ranges::count_if(series.readings, same);
+  std::string text = fmt::format("{} of {}", measurements.stations[group.station].name, series.name);
+  if (repeats > 1) {
+    const auto before = std::count_if(series.readings.begin(),
+                                      series.readings.begin() + static_cast<std::ptrdiff_t>(group.index) + 1, same);
+    text += fmt::format(", repeat {}", before);
+  }
+  return text;
+}
+
+std::string explanation(const Observation& observation, const Measurements& measurements, const Group& group,
+                        const Eigen::VectorXd& unknowns) {
+  constexpr double kNear = 2.0;  // mm: a calibrated machine's reading lies this close to its station
+  const auto stations = observation.stations(unknowns);
+  if (!group.is_point || !stations) return {};
+  const auto near = [&](const Group& reading, std::size_t station) {
+    return observation.point_residual(reading, (*stations)[station], unknowns).norm() < kNear;
+  };
+  const auto same_series = [&](const Group& other) { return other.is_point && other.series == group.series; };
+  for (const Group& other : observation.groups()) {
+    if (!same_series(other) || other.station == group.station || !near(group, other.station)) continue;
+    const bool swapped = std::ranges::any_of(observation.groups(), [&](const Group& one) {
+      return same_series(one) && one.station == other.station && near(one, group.station);
+    });
+    return fmt::format("{} {}", swapped ? "swapped with" : "it was taken at",
+                       measurements.stations[other.station].name);
+  }
+  return {};
+}
+
+}  // namespace paracal::detail

@@ -1,0 +1,49 @@
+#pragma once
+
+// Private to calibration: readings that contradict the others.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "observation.hpp"
+#include "scatter.hpp"
+
+namespace paracal::detail {
+
+/// A reading (by its place among the groups) and how much it contradicts the others; see Suspect.
+struct Contradiction {
+  std::size_t group = 0;
+  double statistic = 0.0;
+  double chance = 1.0;
+};
+
+/// Every reading with the drop of the weighted residual sum if it were left out (for a reading left out already: the
+/// rise if it were taken in), exact for a linear model:
+///
+///   T = v^T S^-1 v,   S = I - J C J^T  (I + J C J^T when left out),   F = (T / rows) / ((sum - T) / (redundancy -
+///   rows))
+///
+/// with v its residuals and J its rows at the answer. F is Fisher distributed whatever the true scale of the noise: the
+/// externally studentised residual of several rows  [baarda1968].
+/// @param covariance  of all unknowns. @returns worst first.
+std::vector<Contradiction> contradictions(const Observation& observation, const Eigen::VectorXd& unknowns,
+                                          const Eigen::MatrixXd& covariance, const Scatter& scatter);
+
+/// Studentised size of every reading's residual, |v| / sqrt(tr(I - w J C J^T)), over the median of all active ones:
+/// about 1 for a good reading, whatever its leverage and the scale of the noise. Readings left out have 0.
+std::vector<double> studentised(const Observation& observation, const Eigen::VectorXd& unknowns,
+                                const Eigen::MatrixXd& covariance);
+
+/// Leaves out points that lie far from where the machine can be: more than 8 times the median distance after a robust
+/// alignment. They would spoil even the first linearization.
+void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& start);
+
+/// "tracker.csv P7", "distance P1 - P3".
+std::string label(const Observation& observation, const Measurements& measurements, const Group& group);
+
+/// For every reading left out: the station where the machine stood closest to it, if that explains the reading.
+/// Two readings that explain each other were swapped.
+std::string explanation(const Observation& observation, const Measurements& measurements, const Group& group,
+                        const Eigen::VectorXd& unknowns);
+
+}  // namespace paracal::detail

@@ -1,0 +1,115 @@
+#include "paracal/calibration/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "paracal/calibration/simulation.hpp"
+#include "paracal/error.hpp"
+#include "sought.hpp"
+
+namespace paracal {
+namespace {
+
+Station home(const Robot& robot) { return {"P0", {robot.workspace().centre(), 0.0}}; }
+
+/// So that a point on the x axis reads 0 and not 1e-13.
+Eigen::Vector3d to_nanometres(const Eigen::Vector3d& position) { return (position * 1e6).array().round() / 1e6 + 0.0; }
+
+/// n points on a circle, named on from the stations already there.
+void add_circle(std::vector<Station>& stations, double radius, double z, double rotation, int n, double start) {
+  for (int k = 0; k < n; ++k) {
+    const double azimuth = start + 2.0 * std::numbers::pi * k / n;
+    const Eigen::Vector3d position = Workspace::on_circle(radius, azimuth, z);
+    stations.push_back({fmt::format("P{}", stations.size()), {to_nanometres(position), rotation}});
+  }
+}
+
+std::vector<Station> stations_of(const Robot& robot, Stage stage, int n, double start) {
+  return stage == Stage::rough ? rough_stations(robot, n, start) : fine_stations(robot, n, start);
+}
+
+}  // namespace
+
+std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth) {
+  std::vector<Station> stations{home(robot)};
+  add_circle(stations, robot.workspace().radius, robot.workspace().centre().z(), 0.0, n, start_azimuth);
+  return stations;
+}
+
+std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimuth) {
+  const Workspace& workspace = robot.workspace();
+  std::vector<Station> stations{home(robot)};
+  add_circle(stations, workspace.radius, workspace.top_z, workspace.max_rotation, n, start_azimuth);
+  add_circle(stations, workspace.radius, workspace.top_z - workspace.height, workspace.min_rotation, n, start_azimuth);
+  return stations;
+}
+
+std::vector<Station> validation_stations(const Robot& robot) {
+  constexpr int kLayers = 3, kCircles = 5, kPoints = 8;
+  const Workspace& workspace = robot.workspace();
+  std::vector<Station> stations{home(robot)};
+  for (int layer = 0; layer < kLayers; ++layer) {
+    const double z = workspace.top_z - workspace.height * layer / (kLayers - 1);
+    for (int circle = 1; circle <= kCircles; ++circle) {
+      add_circle(stations, workspace.radius * circle / kCircles, z, 0.0, kPoints, 0.0);
+    }
+  }
+  return stations;
+}
+
+std::vector<Station> workspace_stations(const Robot& robot) {
+  const Workspace& workspace = robot.workspace();
+  std::vector<Station> stations = validation_stations(robot);
+  for (std::size_t k = 1; k < stations.size(); ++k) {
+    const std::array<double, 3> turns{workspace.min_rotation, 0.0, workspace.max_rotation};
+    stations[k].commanded.rotation = turns[k % turns.size()];
+  }
+  return stations;
+}
+
+Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second) {
+  RandomStream unused(0);
+  VirtualInstrument instrument{.reads_rotation = rotation};
+  if (second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);
+  return simulate(robot, {}, stations, instrument, unused);
+}
+
+Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation) {
+  Measurements plan = planned_points(robot, stations, rotation, false);
+  plan.distances = all_distances(plan.series.front());
+  if (rotation) {
+    for (DistanceReading& reading : plan.distances) {
+      reading.rotation = stations[reading.to].commanded.rotation - stations[reading.from].commanded.rotation;
+    }
+  }
+  plan.series.clear();
+  return plan;
+}
+
+PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth, double threshold, int show_up_to) {
+  if (stage == Stage::automatic) throw InvalidArgument("plan: expected the rough or the fine stage");
+  const CalibrationOptions options;
+  const std::vector<SoughtSource> sought =
+      stage == Stage::rough ? detail::encoder_offsets(robot, options) : detail::paper_columns(robot, options);
+  const auto distances_of = [&](int n) { return stage == Stage::rough ? n * (n + 1) / 2 : n * (2 * n + 1); };
+  int n = static_cast<int>(robot.limb_count()) - 1;
+  while (distances_of(n) < static_cast<int>(sought.size())) ++n;
+  PaperPlan plan;
+  for (; n <= PaperPlan::kLargest && (plan.n == 0 || n <= show_up_to); ++n) {
+    const std::vector<Station> stations = stations_of(robot, stage, n, start_azimuth);
+    const Identifiability seen = identifiability(robot, planned_distances(robot, stations, false), options, sought);
+    CurvePoint point{n, seen.indices, 1.0};
+    if (!plan.curve.empty()) {
+      point.change = std::abs(point.indices.O2 - plan.curve.back().indices.O2) / point.indices.O2;
+      if (plan.n == 0 && point.change <= threshold) plan.n = n;
+    }
+    plan.curve.push_back(point);
+  }
+  if (plan.n > 0) plan.stations = stations_of(robot, stage, plan.n, start_azimuth);
+  return plan;
+}
+
+}  // namespace paracal

@@ -1,0 +1,57 @@
+#include "sought.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace paracal::detail {
+namespace {
+
+bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Source source) {
+  return std::ranges::any_of(selectors, [&](const SourceSelector& one) { return one.matches(limb, source); });
+}
+
+template <typename Wanted>
+std::vector<SoughtSource> select(const Robot& robot, const CalibrationOptions& options, Wanted&& wanted) {
+  std::vector<SoughtSource> sought;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      if (wanted(source) && !listed(options.fixed, limb, source)) sought.push_back({limb, source});
+    }
+  }
+  return sought;
+}
+
+}  // namespace
+
+std::vector<SoughtSource> encoder_offsets(const Robot& robot, const CalibrationOptions& options) {
+  return select(robot, options, [](Source source) { return source == Source::theta_offset; });
+}
+
+std::vector<SoughtSource> position_group(const Robot& robot, const CalibrationOptions& options) {
+  return select(robot, options, [](Source source) { return !tilts_plate(source); });
+}
+
+std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOptions& options) {
+  constexpr std::array<std::pair<std::size_t, Source>, 6> kEquation15{
+      {{1, Source::e_x}, {1, Source::e_z}, {2, Source::e_z}, {3, Source::e_x}, {3, Source::e_y}, {3, Source::e_z}}};
+  std::vector<SoughtSource> sought = position_group(robot, options);
+  if (robot.limb_count() != 4) return sought;
+  std::erase_if(sought, [&](const SoughtSource& one) {
+    return std::ranges::find(kEquation15, std::pair(one.limb, one.source)) != kEquation15.end();
+  });
+  return sought;
+}
+
+std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationOptions& options) {
+  const Tolerances tolerances = options.tolerances.value_or(
+      robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width)));
+  std::vector<SoughtSource> sought = select(robot, options, [](Source) { return true; });
+  for (SoughtSource& one : sought) {
+    if (!listed(options.free, one.limb, one.source)) one.prior_std = tolerances.std(one.source);
+  }
+  std::erase_if(sought, [](const SoughtSource& one) { return one.prior_std == 0.0; });
+  return sought;
+}
+
+}  // namespace paracal::detail

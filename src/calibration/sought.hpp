@@ -1,0 +1,25 @@
+#pragma once
+
+// Private to calibration: which source errors a fit seeks, and what is known of them beforehand.
+
+#include "paracal/calibration/calibration.hpp"
+
+namespace paracal::detail {
+
+/// The encoder offsets of all limbs that are not held fixed, without priors.
+std::vector<SoughtSource> encoder_offsets(const Robot& robot, const CalibrationOptions& options);
+
+/// The position group without priors.
+std::vector<SoughtSource> position_group(const Robot& robot, const CalibrationOptions& options);
+
+/// What the paper's fine calibration seeks: the position group, for four limbs without the six errors that
+/// [huang2016, Eq. (15)] sets to zero to hold the frame (e_x2, e_z2, e_z3, e_x4, e_y4, e_z4). The paper has no such
+/// list for other robots; there the pseudo-inverse holds the frame alone.
+std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOptions& options);
+
+/// All source errors that are neither held fixed nor exact by their tolerance, with the tolerance as prior. The tilt
+/// group among them is the model noise G_de dp_e of [huang2016, Eq. (14)] with covariance G_de Sigma G_de^T: seeking it
+/// under its prior and leaving it out under that covariance are the same.
+std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationOptions& options);
+
+}  // namespace paracal::detail

@@ -1,0 +1,192 @@
+#include "paracal/calibration/validation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "iso9283.hpp"
+#include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr std::size_t kFewestPoses = 4;
+
+/// A series' points and rotations in the robot's frame.
+struct Located {
+  std::vector<std::size_t> order;  ///< stations in which they were read, home first
+  std::map<std::size_t, std::vector<Pose>> repeats;
+  bool rotations = false;
+};
+
+/// Frame of a series: that which brings the station means closest to the predicted poses.
+RigidMotion frame_of(const PointSeries& series, const std::vector<Pose>& predicted, const ValidationOptions& options) {
+  if (options.frame == Frame::robot) return {};
+  std::vector<Eigen::Vector3d> from, to;
+  for (const PointReading& reading : series.readings) {
+    from.push_back(reading.point);
+    to.push_back(predicted[reading.station].position);
+  }
+  return rigid_fit(from, to);
+}
+
+double rotation_zero_of(const PointSeries& series, const std::vector<Pose>& predicted,
+                        const ValidationOptions& options) {
+  if (options.rotation_zero == RotationZero::known) return 0.0;
+  double sum = 0.0;
+  int count = 0;
+  for (const PointReading& reading : series.readings) {
+    if (!reading.rotation) continue;
+    sum += predicted[reading.station].rotation - *reading.rotation;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+Located locate(const PointSeries& series, const std::vector<Pose>& predicted, const ValidationOptions& options) {
+  const RigidMotion to_robot = frame_of(series, predicted, options);
+  const double zero = rotation_zero_of(series, predicted, options);
+  Located located;
+  located.rotations = std::ranges::all_of(series.readings, [](const auto& r) { return r.rotation.has_value(); });
+  for (const PointReading& reading : series.readings) {
+    auto& repeats = located.repeats[reading.station];
+    if (repeats.empty()) located.order.push_back(reading.station);
+    repeats.push_back({to_robot(reading.point), reading.rotation.value_or(0.0) + zero});
+  }
+  std::ranges::sort(located.order);  // stations keep the order of the file, in which home is the first
+  return located;
+}
+
+Pose mean_of(const std::vector<Pose>& poses) {
+  Pose mean{Eigen::Vector3d::Zero(), 0.0};
+  for (const Pose& pose : poses) {
+    mean.position += pose.position / static_cast<double>(poses.size());
+    mean.rotation += pose.rotation / static_cast<double>(poses.size());
+  }
+  return mean;
+}
+
+void widen(PoseErrorSummary& all, const PoseErrorSummary& one) {
+  all.max_abs_distance = std::max(all.max_abs_distance, one.max_abs_distance);
+  all.rms_distance = std::max(all.rms_distance, one.rms_distance);
+  all.max_volumetric = std::max(all.max_volumetric, one.max_volumetric);
+  all.max_volumetric_aligned = std::max(all.max_volumetric_aligned, one.max_volumetric_aligned);
+  if (one.max_abs_rotation) {
+    all.max_abs_rotation = std::max(all.max_abs_rotation.value_or(0.0), *one.max_abs_rotation);
+  }
+}
+
+/// Standard deviations of a station's means, largest over the stations: a reading's own sigma, the tracker's across the
+/// beam, or the noise model's, over the root of the number of repeats.
+struct MeanSigma {
+  double point = 0.0, rotation = 0.0;
+};
+
+MeanSigma mean_sigma(const Measurements& measurements, const ValidationOptions& options) {
+  MeanSigma largest;
+  for (const PointSeries& series : measurements.series) {
+    std::map<std::size_t, int> repeats;
+    for (const PointReading& reading : series.readings) ++repeats[reading.station];
+    for (const PointReading& reading : series.readings) {
+      double sigma = options.noise.point;
+      if (const auto& tracker = options.noise.tracker) {
+        sigma = tracker->transverse + 1e-3 * reading.point.norm() * tracker->transverse_per_m;
+      }
+      const double root = std::sqrt(repeats[reading.station]);
+      largest.point = std::max(largest.point, reading.sigma.value_or(sigma) / root);
+      largest.rotation = std::max(largest.rotation, options.noise.rotation / root);
+    }
+  }
+  return largest;
+}
+
+/// The differences of two points vary sqrt(2) times as much as one coordinate; |dr| of an aligned point by its three.
+void check_limits(const Measurements& measurements, const ValidationOptions& options, Validation& validation) {
+  const MeanSigma sigma = mean_sigma(measurements, options);
+  const double two_points = kCoverageFactor * std::sqrt(2.0) * sigma.point;
+  const auto check = [&](const char* quantity, const std::optional<double>& limit, double error, double uncertainty) {
+    if (!limit) return;
+    const Conformity conformity = error + uncertainty <= *limit  ? Conformity::conforming
+                                  : error - uncertainty > *limit ? Conformity::not_conforming
+                                                                 : Conformity::undecided;
+    validation.checks.push_back({quantity, error, uncertainty, *limit, conformity});
+    if (conformity == Conformity::conforming) return;
+    validation.reasons.push_back(fmt::format("{}: {:.4g} +- {:.2g} against a limit of {:.4g} is {}", quantity, error,
+                                             uncertainty, *limit, name(conformity)));
+  };
+  check("distance error, mm", options.limits.distance, validation.after.max_abs_distance, two_points);
+  check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
+        kCoverageFactor * sigma.point);
+  if (options.limits.rotation && !validation.after.max_abs_rotation) {
+    validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
+  } else if (options.limits.rotation) {
+    check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
+          kCoverageFactor * std::sqrt(2.0) * sigma.rotation);
+  }
+  const bool limited = options.limits.distance || options.limits.volumetric || options.limits.rotation;
+  if (!limited && validation.before.max_volumetric_aligned - validation.after.max_volumetric_aligned <= two_points) {
+    validation.reasons.push_back(
+        fmt::format("the largest aligned error went from {:.3f} to {:.3f} mm, which is not more than the uncertainty "
+                    "of measuring it, {:.3f} mm",
+                    validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned, two_points));
+  }
+  validation.accepted = validation.reasons.empty();
+}
+
+}  // namespace
+
+std::string_view name(Conformity conformity) {
+  switch (conformity) {
+    case Conformity::conforming:
+      return "conforming";
+    case Conformity::not_conforming:
+      return "not conforming";
+    case Conformity::undecided:
+      return "undecided";
+  }
+  return "";
+}
+
+Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                    const ValidationOptions& options) {
+  check(measurements, robot.limb_count());
+  if (measurements.series.empty()) throw InvalidArgument("validation: expected measured points, got none");
+  std::vector<PredictedPose> predicted;
+  std::vector<Pose> poses;
+  for (const Station& station : measurements.stations) {
+    predicted.push_back(predict(robot, known, believed_joints(robot, station)));
+    poses.push_back(predicted.back().pose);
+  }
+  Validation validation;
+  for (const PointSeries& series : measurements.series) {
+    const Located located = locate(series, poses, options);
+    if (located.order.size() < kFewestPoses) {
+      throw InvalidArgument(fmt::format("{}: expected at least {} different poses, got {}", series.name, kFewestPoses,
+                                        located.order.size()));
+    }
+    std::vector<PosePair> before, after;
+    for (const std::size_t station : located.order) {
+      const std::vector<Pose>& repeats = located.repeats.at(station);
+      const Pose measured = mean_of(repeats), commanded = measurements.stations[station].commanded;
+      before.push_back({commanded, measured});
+      after.push_back({poses[station], measured});
+      validation.poses.push_back(
+          {series.name, measurements.stations[station].name, before.back(), after.back(), located.rotations, {}});
+      if (known.covariance.size() > 0) validation.poses.back().covariance = predicted[station].covariance;
+      if (repeats.size() < 2) continue;
+      detail::add_criteria(
+          measurements.stations[station].name, commanded, repeats,
+          {measurements.stations[located.order.front()].commanded, mean_of(located.repeats.at(located.order.front()))},
+          located.rotations, validation.iso9283);
+    }
+    widen(validation.before, summarize(before, located.rotations));
+    widen(validation.after, summarize(after, located.rotations));
+  }
+  check_limits(measurements, options, validation);
+  return validation;
+}
+
+}  // namespace paracal

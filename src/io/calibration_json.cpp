@@ -1,0 +1,299 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "names.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+#include "paracal/version.hpp"
+
+namespace paracal::io {
+namespace {
+
+Json array(const auto& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(value);
+  return json;
+}
+
+Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json optional_degrees(const std::optional<double>& value) { return value ? Json(to_degrees(*value)) : Json(nullptr); }
+
+/// Factor from mm or rad to the unit of a parameter in files.
+double file_factor(const ParameterEstimate& parameter) { return to_file_unit(parameter.source, 1.0); }
+
+Json parameter_json(const ParameterEstimate& parameter, std::string_view status) {
+  const auto in_file_unit = [&](const std::optional<double>& value) {
+    return value ? Json(to_file_unit(parameter.source, *value)) : Json(nullptr);
+  };
+  return {{"name", name(parameter.source)},
+          {"limb", parameter.limb + 1},
+          {"value", to_file_unit(parameter.source, parameter.value)},
+          {"unit", file_unit(parameter.source)},
+          {"std", in_file_unit(parameter.std)},
+          {"status", status},
+          {"prior_std", in_file_unit(parameter.prior_std)},
+          {"data_share", parameter.data_share}};
+}
+
+/// Sought parameters first, then the sources that the fit held at zero.
+Json parameters_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const ParameterEstimate& parameter : calibration.parameters) {
+    json.push_back(parameter_json(parameter, parameter.identified() ? "identified" : "prior"));
+  }
+  for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      const auto same = [&](const ParameterEstimate& p) { return p.limb == limb && p.source == source; };
+      if (std::ranges::any_of(calibration.parameters, same)) continue;
+      json.push_back(parameter_json({.limb = limb, .source = source, .data_share = 0.0}, "fixed"));
+    }
+  }
+  return json;
+}
+
+/// Covariance in file units: deg instead of rad.
+Json covariance_json(const Calibration& calibration) {
+  if (calibration.covariance.size() == 0) return nullptr;
+  Eigen::VectorXd factor(static_cast<Eigen::Index>(calibration.parameters.size()));
+  std::ranges::transform(calibration.parameters, factor.begin(), file_factor);
+  return rows_json(factor.asDiagonal() * calibration.covariance * factor.asDiagonal());
+}
+
+Json correlations_json(const Calibration& calibration) {
+  const auto named = [&](std::size_t k) {
+    const ParameterEstimate& parameter = calibration.parameters[k];
+    return fmt::format("{}{}", name(parameter.source), parameter.limb + 1);
+  };
+  Json json = Json::array();
+  for (const Calibration::Correlation& pair : calibration.correlations()) {
+    json.push_back({{"one", named(pair.one)}, {"other", named(pair.other)}, {"value", pair.value}});
+  }
+  return json;
+}
+
+Json null_space_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const NullDirection& direction : calibration.null_space) {
+    json.push_back({{"text", direction.text}, {"direction", array(direction.direction)}});
+  }
+  return json;
+}
+
+Json stages_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const StageReport& stage : calibration.stages) {
+    json.push_back({{"name", stage.name},
+                    {"iterations", stage.iterations},
+                    {"converged", stage.converged},
+                    {"rank", stage.rank},
+                    {"condition", stage.condition},
+                    {"residual_rms_mm", stage.rms_distance}});
+  }
+  return json;
+}
+
+Json residuals_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const DistanceResidual& residual : calibration.distances) {
+    json.push_back({{"from", residual.from},
+                    {"to", residual.to},
+                    {"distance_mm", residual.distance},
+                    {"before_mm", residual.distance_before},
+                    {"after_mm", residual.distance_after}});
+    if (!residual.rotation) continue;
+    json.back()["rotation_deg"] = optional_degrees(residual.rotation);
+    json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
+    json.back()["rotation_after_deg"] = optional_degrees(residual.rotation_after);
+  }
+  for (const PointResidual& residual : calibration.points) {
+    json.push_back({{"series", residual.series},
+                    {"pose", residual.station},
+                    {"before_mm", array(residual.before)},
+                    {"after_mm", array(residual.after)},
+                    {"excluded", residual.excluded}});
+    if (!residual.rotation_after) continue;
+    json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
+    json.back()["rotation_after_deg"] = optional_degrees(residual.rotation_after);
+  }
+  return json;
+}
+
+Json suspects_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const Suspect& one : calibration.suspects) {
+    json.push_back(
+        {{"reading", one.text}, {"statistic", one.statistic}, {"chance", one.chance}, {"excluded", one.excluded}});
+  }
+  return json;
+}
+
+Json frames_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const SeriesFrame& one : calibration.frames) {
+    Json frame{{"series", one.name},
+               {"rotation", rows_json(one.frame.rotation)},
+               {"translation_mm", array(one.frame.translation)},
+               {"rotation_zero_deg", optional_degrees(one.rotation_zero)}};
+    frame["second_reflector_mm"] = one.second ? array(*one.second) : Json(nullptr);
+    json.push_back(std::move(frame));
+  }
+  return json;
+}
+
+Json selectors_json(const std::vector<SourceSelector>& selectors) {
+  Json json = Json::array();
+  for (const SourceSelector& one : selectors) {
+    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
+  }
+  return json;
+}
+
+Json options_json(const CalibrationOptions& options) {
+  Json json{{"method", options.method == Method::paper ? "paper" : "best"},
+            {"stage", options.stage == Stage::rough  ? "rough"
+                      : options.stage == Stage::fine ? "fine"
+                                                     : "auto"},
+            {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
+            {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
+            {"reflectors", options.reflectors == ReflectorMount::plate ? "plate" : "end-effector"},
+            {"distance_sigma_mm", options.noise.distance},
+            {"point_sigma_mm", options.noise.point},
+            {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
+            {"noise_is_known", options.noise_is_known},
+            {"fixed", selectors_json(options.fixed)},
+            {"free", selectors_json(options.free)},
+            {"exclude_outliers", options.exclude_outliers},
+            {"outlier_chance", options.outlier_chance},
+            {"largest_chance", options.largest_chance}};
+  if (const auto& tracker = options.noise.tracker) {
+    json["tracker"] = {{"transverse_mm", tracker->transverse},
+                       {"transverse_mm_per_m", tracker->transverse_per_m},
+                       {"radial_mm", tracker->radial},
+                       {"radial_mm_per_m", tracker->radial_per_m}};
+  }
+  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances);
+  return json;
+}
+
+/// One entry of a calibration's "parameters"; calls refuse(complaint) for anything else.
+ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, const auto& refuse) {
+  const auto source = source_named(parameter.at("name").get<std::string>());
+  const Json &limb = parameter.at("limb"), &value = parameter.at("value"), &unit = parameter.at("unit");
+  const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
+  if (!source || !known_limb) {
+    refuse(fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.dump()));
+  }
+  if (unit != file_unit(*source) || !value.is_number() || !std::isfinite(value.get<double>())) {
+    refuse(fmt::format("expected a number in {} for {}, got {} {}", file_unit(*source), name(*source), value.dump(),
+                       unit.dump()));
+  }
+  return {
+      .limb = limb.get<std::size_t>() - 1, .source = *source, .value = from_file_unit(*source, value.get<double>())};
+}
+
+Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEstimate>& parameters,
+                                const auto& refuse) {
+  if (rows.is_null()) return {};
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  Eigen::MatrixXd covariance(n, n);
+  if (rows.size() != parameters.size()) refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].size() != rows.size()) refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          rows[i][k].get<double>() / file_factor(parameters[i]) / file_factor(parameters[k]);
+    }
+  }
+  return covariance;
+}
+
+/// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
+void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
+  const Json nominal = io::to_json(robot);
+  for (const char* part : {"name", "geometry", "plate"}) {
+    const Json expected = nominal.value(part, Json()), got = calibrated.value(part, Json());
+    if (expected != got) {
+      refuse(fmt::format("expected a calibration of the robot with {} {}, got {}", part, expected.dump(), got.dump()));
+    }
+  }
+}
+
+/// Line of a byte of a text, from 1.
+int line_of(std::string_view text, std::size_t byte) {
+  return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
+}
+
+}  // namespace
+
+Json to_json(const PoseErrorSummary& summary) {
+  return {{"max_abs_distance_mm", summary.max_abs_distance},
+          {"rms_distance_mm", summary.rms_distance},
+          {"max_volumetric_mm", summary.max_volumetric},
+          {"max_volumetric_aligned_mm", summary.max_volumetric_aligned},
+          {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
+}
+
+Json to_json(const Calibration& calibration, std::int64_t time) {
+  Json json{{"format", "paracal calibration 1"},
+            {"program", fmt::format("paracal {}", version())},
+            {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(time)))},
+            {"accepted", calibration.accepted()},
+            {"verdict", name(calibration.verdict)},
+            {"reasons", calibration.reasons},
+            {"notes", calibration.notes},
+            {"robot", to_json(calibration.robot)},
+            {"parameters", parameters_json(calibration)},
+            {"covariance", covariance_json(calibration)},
+            {"correlations", correlations_json(calibration)},
+            {"coverage_factor", kCoverageFactor},
+            {"rank", calibration.rank},
+            {"null_space", null_space_json(calibration)},
+            {"stages", stages_json(calibration)},
+            {"residual_rms_mm", calibration.after.rms_distance},
+            {"readings", calibration.readings},
+            {"noise_mm", calibration.noise},
+            {"degrees_of_freedom", calibration.degrees_of_freedom},
+            {"unit_weight_std", optional(calibration.unit_weight_std)},
+            {"fit_probability", optional(calibration.fit_probability)},
+            {"chance", optional(calibration.chance)},
+            {"before", to_json(calibration.before)},
+            {"after", to_json(calibration.after)},
+            {"residuals", residuals_json(calibration)},
+            {"suspects", suspects_json(calibration)},
+            {"frames", frames_json(calibration)},
+            {"options", options_json(calibration.options)}};
+  Json& inputs = json["inputs"] = Json::array();
+  for (const InputFile& file : calibration.files) inputs.push_back({{"file", file.name}, {"sha256", file.sha256}});
+  return json;
+}
+
+CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
+  const auto refuse = [&](const std::string& complaint) { throw InputFileError(file.name, 0, complaint); };
+  CalibratedMachine machine;
+  try {
+    const Json json = Json::parse(file.text);
+    require_same_robot(json.at("robot"), robot, refuse);
+    if (!json.at("accepted").get<bool>()) {
+      refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
+                         json.at("verdict").get<std::string>()));
+    }
+    for (const Json& entry : json.at("parameters")) {
+      const ParameterEstimate parameter = read_parameter(entry, robot, refuse);
+      machine.errors(parameter.limb, parameter.source) = parameter.value;
+      if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
+    }
+    machine.covariance = read_covariance(json.value("covariance", Json()), machine.parameters, refuse);
+  } catch (const Json::parse_error& error) {
+    throw InputFileError(file.name, line_of(file.text, error.byte), "expected JSON, got something else");
+  } catch (const Json::exception&) {
+    refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
+  }
+  return machine;
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,77 @@
+#include "readings.hpp"
+
+#include <fmt/format.h>
+
+namespace paracal::io {
+namespace {
+
+Coordinates coordinates(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
+
+/// There is nothing to fit at a station without a reading, and the robot may not even reach it.
+void leave_out_unread_stations(Measurements& measurements) {
+  std::vector<PointReading>& readings = measurements.series.front().readings;
+  std::vector<bool> is_read(measurements.stations.size());
+  for (const PointReading& reading : readings) is_read[reading.station] = true;
+  std::vector<std::size_t> places(measurements.stations.size());
+  std::vector<Station> kept;
+  for (std::size_t k = 0; k < measurements.stations.size(); ++k) {
+    if (!is_read[k]) continue;
+    places[k] = kept.size();
+    kept.push_back(measurements.stations[k]);
+  }
+  if (!is_read.front()) {
+    measurements.notes.push_back(
+        fmt::format("pose {} is home instead of {}", kept.front().name, measurements.stations.front().name));
+  }
+  for (PointReading& reading : readings) reading.station = places[reading.station];
+  measurements.stations = std::move(kept);
+}
+
+}  // namespace
+
+ReadingKey key_of(const PointReading& reading) {
+  std::optional<Coordinates> second;
+  if (reading.second) second = coordinates(*reading.second);
+  return {reading.station, coordinates(reading.point), second, reading.rotation};
+}
+
+bool is_same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
+
+bool is_same(const std::optional<Joints>& a, const std::optional<Joints>& b) {
+  if (!a || !b) return !a && !b;
+  return a->size() == b->size() && *a == *b;
+}
+
+std::string title_of(const std::string& file) {
+  const std::size_t start = file.find_last_of('/') + 1;  // 0 where there is no folder
+  return start == file.size() ? file : file.substr(start);
+}
+
+SeriesBuilder::SeriesBuilder(const TextFile& file) {
+  measurements_.series = {{title_of(file.name), {}}};
+  measurements_.files = {{file.name, sha256(file.text)}};
+}
+
+void SeriesBuilder::note(int line, std::string_view text) { note(fmt::format("line {}: {}", line, text)); }
+
+void SeriesBuilder::add(int line, const std::string& pose, const PointReading& reading) {
+  const auto [copied, is_new] = readings_.try_emplace(key_of(reading), line);
+  if (!is_new) {
+    note(line, fmt::format("pose {} has the reading of line {} again: counted once", pose, copied->second));
+    return;
+  }
+  const auto [twin, is_new_point] = points_.try_emplace(coordinates(reading.point), line, pose);
+  if (!is_new_point) {
+    const auto& [other_line, other_pose] = twin->second;
+    note(line, fmt::format("pose {} has exactly the point of pose {} in line {}", pose, other_pose, other_line));
+  }
+  measurements_.series.front().readings.push_back(reading);
+}
+
+Measurements SeriesBuilder::finish(std::vector<Station> stations) && {
+  measurements_.stations = std::move(stations);
+  leave_out_unread_stations(measurements_);
+  return std::move(measurements_);
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,133 @@
+#include "paracal/calibration/validation.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/error.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal {
+namespace {
+
+using testing::HasSubstr;
+
+class ValidationLaw : public test::EveryRobot {
+ protected:
+  test::MeasuredMachine machine = test::measured_machine(robot, fine_stations(robot, 9), 3, {.noise = 0.017});
+  Calibration calibration = calibrate(robot, machine.measurements);
+  Measurements held_out(VirtualInstrument instrument) {
+    return test::measure(robot, machine.errors, validation_stations(robot), 5, std::move(instrument));
+  }
+};
+
+/// With perfect readings the aligned and distance errors are those between the true and the calibrated machine.
+TEST_P(ValidationLaw, AfterIsTrueAgainstCalibratedMachine) {
+  const Validation validation = validate(robot, known_errors(calibration), held_out({}));
+  const PoseErrorSummary expected =
+      test::held_out_errors(robot, machine.errors, calibration.errors(), validation_stations(robot));
+  EXPECT_NEAR(validation.after.max_abs_distance, expected.max_abs_distance, 1e-9);
+  EXPECT_NEAR(validation.after.max_volumetric_aligned, expected.max_volumetric_aligned, 1e-9);
+  EXPECT_FALSE(validation.after.max_abs_rotation);
+  EXPECT_TRUE(validation.accepted);
+}
+
+TEST_P(ValidationLaw, BeforeIsMeasuredAgainstCommanded) {
+  Measurements measurements = held_out({.reads_rotation = true});
+  for (Station& station : measurements.stations) {
+    station.believed = believed_joints(robot, station);
+  }
+  const Validation validation = validate(robot, known_errors(calibration), measurements);
+  double largest = 0.0;
+  const std::vector<PointReading>& readings = measurements.series[0].readings;
+  const Eigen::Vector3d home = measurements.stations[0].commanded.position;
+  for (std::size_t k = 1; k < readings.size(); ++k) {
+    const double commanded = (measurements.stations[k].commanded.position - home).norm();
+    largest = std::max(largest, std::abs((readings[k].point - readings[0].point).norm() - commanded));
+  }
+  EXPECT_NEAR(validation.before.max_abs_distance, largest, 1e-9);
+  ASSERT_TRUE(validation.before.max_abs_rotation);
+  EXPECT_GT(validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned);
+}
+
+TEST_P(ValidationLaw, LimitsAreKeptOnlyWithTheUncertaintyAdded) {
+  const Measurements measurements = held_out({.noise = 0.017});
+  const auto checked = [&](double limit) {
+    ValidationOptions options;
+    options.limits.distance = limit;
+    return validate(robot, known_errors(calibration), measurements, options);
+  };
+  const double error = checked(10.0).after.max_abs_distance, uncertainty = checked(10.0).checks[0].uncertainty;
+  EXPECT_NEAR(uncertainty, 2.0 * std::sqrt(2.0) * 0.017, 1e-12);
+  EXPECT_EQ(checked(error + 1.01 * uncertainty).checks[0].conformity, Conformity::conforming);
+  EXPECT_TRUE(checked(error + 1.01 * uncertainty).accepted);
+  EXPECT_EQ(checked(error + 0.5 * uncertainty).checks[0].conformity, Conformity::undecided);
+  EXPECT_FALSE(checked(error + 0.5 * uncertainty).accepted);
+  if (error > 1.5 * uncertainty) {
+    EXPECT_EQ(checked(error - 1.01 * uncertainty).checks[0].conformity, Conformity::not_conforming);
+  }
+}
+
+TEST_P(ValidationLaw, UselessCalibrationIsNotAccepted) {
+  const KnownErrors nothing{};
+  const Validation validation = validate(robot, nothing, held_out({.noise = 0.017}));
+  EXPECT_FALSE(validation.accepted);
+  EXPECT_THAT(validation.reasons, testing::ElementsAre(HasSubstr("not more than the uncertainty")));
+}
+
+TEST_P(ValidationLaw, RepeatabilityOfIso9283) {
+  Measurements measurements = held_out({.noise = 0.0, .repeatability = 0.05, .repeats = 30});
+  const Validation validation = validate(robot, known_errors(calibration), measurements);
+  ASSERT_EQ(validation.iso9283.poses.size(), 121u);
+  // l is Maxwell distributed: RP = (1.596 + 3 x 0.673) sigma for many repeats.
+  double mean = 0.0;
+  for (const PoseCriteria& one : validation.iso9283.poses) mean += one.RP / 121.0;
+  EXPECT_NEAR(mean, (1.596 + 3 * 0.673) * 0.05, 0.01);
+}
+
+PARACAL_ON_EVERY_ROBOT(ValidationLaw);
+
+TEST(Iso9283, CriteriaOfFourRepeatsByHand) {
+  const Robot robot = catalogue::huang2016();
+  const Eigen::Vector3d home = robot.workspace().centre();
+  Measurements measurements;
+  measurements.series.push_back({"hand", {}});
+  const auto add = [&](const Pose& pose, const std::vector<Eigen::Vector3d>& offsets) {
+    measurements.stations.push_back({"S" + std::to_string(measurements.stations.size()), pose});
+    for (const Eigen::Vector3d& offset : offsets) {
+      measurements.series[0].readings.push_back(
+          {.station = measurements.stations.size() - 1, .point = pose.position + offset});
+    }
+  };
+  add({home}, {Eigen::Vector3d::Zero()});
+  add({home + Eigen::Vector3d(300, 0, 0)}, {{0.2, 0, 0}, {0.4, 0, 0}, {0.3, 0.1, 0}, {0.3, -0.1, 0}});
+  add({home + Eigen::Vector3d(0, 300, 0)}, {Eigen::Vector3d::Zero()});
+  add({home + Eigen::Vector3d(0, 0, 100)}, {Eigen::Vector3d::Zero()});
+  const Validation validation = validate(robot, {}, measurements, {.frame = Frame::robot});
+  ASSERT_EQ(validation.iso9283.poses.size(), 1u);
+  const PoseCriteria& one = validation.iso9283.poses[0];
+  EXPECT_EQ(one.pose, "S1");
+  EXPECT_EQ(one.repeats, 4);
+  EXPECT_NEAR(one.AP, 0.3, 1e-9);
+  EXPECT_NEAR(one.RP, 0.1, 1e-9);  // all at 0.1 from the barycentre: S_l = 0
+  EXPECT_NEAR(one.AD, 0.3, 1e-4);
+  EXPECT_NEAR(one.RD, 3.0 * std::sqrt((0.01 + 0.01) / 3.0), 1e-3);
+}
+
+TEST(Validation, NeedsPointsOfSeveralPoses) {
+  const Robot robot = catalogue::huang2016();
+  EXPECT_THAT(
+      [&] {
+        (void)validate(robot, {}, Measurements{.stations = {{"P0", {robot.workspace().centre()}}}});
+      },
+      testing::ThrowsMessage<InvalidArgument>(HasSubstr("expected measured points, got none")));
+  const Measurements three = test::measured_machine(robot, rough_stations(robot, 2), 1, {}).measurements;
+  EXPECT_THAT([&] { (void)validate(robot, {}, three); },
+              testing::ThrowsMessage<InvalidArgument>(HasSubstr("at least 4 different poses, got 3")));
+}
+
+}  // namespace
+}  // namespace paracal

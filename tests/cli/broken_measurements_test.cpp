@@ -1,0 +1,428 @@
+// More rows of the table of broken_input_test.cpp: for the commands that plan, simulate, calibrate from points and
+// validate.
+
+#include <algorithm>
+
+#include "broken_input.hpp"
+
+namespace paracal::test {
+namespace {
+
+using testing::AnyOf, testing::HasSubstr, testing::IsEmpty;
+
+// Unbroken files. Line numbers below can be checked against these texts.
+
+const std::string kPoses =
+    "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg\n"
+    "home,0,0,-888,0\n"
+    "right,400,0,-888,0\n"
+    "left,-400,0,-888,90\n"
+    "back,0,300,-950,-90\n"
+    "front,0,-300,-800,0\n";
+
+const std::string kPoints =
+    "# a comment in line 1\n"
+    "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm,repeat,phi_deg,x2_mm,y2_mm,z2_mm,sigma_mm\n"
+    "home,0,0,-888,0,0.1,0.2,-888.3,1,0.01,50.1,0.2,-889.3,0.02\n"
+    "home,0,0,-888,0,0.11,0.21,-888.31,2,0.02,50.11,0.21,-889.31,0.02\n"
+    "right,400,0,-888,0,400.5,0.3,-888.4,1,0.03,450.5,0.3,-889.4,0.02\n"
+    "left,-400,0,-888,90,-399.4,0.4,-887.5,1,90.4,-349.4,0.4,-888.5,0.02\n"
+    "back,0,300,-950,-90,0.6,300.7,-950.8,1,-90.5,50.6,300.7,-951.8,0.02\n"
+    "front,0,-300,-800,0,-0.7,-299.6,-800.5,1,0.06,49.3,-299.6,-801.5,0.02\n";
+
+const std::string kThreePoints =
+    "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\n"
+    "home,0,0,-888,1,2,-888\n"
+    "right,400,0,-888,401,2,-888\n"
+    "left,-400,0,-888,-399,2,-888\n";
+
+const std::string kErrors = "[[limb]]\ntheta_offset_deg = 0.1\n[[limb]]\n[[limb]]\n[[limb]]\nrod_mean_mm = 0.2\n";
+
+const std::string kCalibration = R"({"format": "paracal calibration 1",
+"accepted": true, "verdict": "accepted",
+"robot": {"name": "huang2016",
+  "geometry": {"base_radius_mm": 200, "plate_radius_mm": 75, "arm_mm": 375, "rod_mm": 950,
+    "parallelogram_width_mm": 100, "limb_azimuth_deg": [-45, 45, 135, 225], "actuator": "revolute"},
+  "plate": {"slide_axis": [0, -1, 0], "slide_sign": [1, 1, -1, -1], "pinion_radius_mm": 12}},
+"parameters": [
+  {"name": "theta_offset", "limb": 1, "value": 0.1, "unit": "deg", "status": "identified"},
+  {"name": "e_x", "limb": 4, "value": 0.2, "unit": "mm", "status": "prior"}
+],
+"covariance": [[0.01, 0], [0, 0.02]]})";
+
+const std::string kExport =
+    "// a comment in line 1\n"
+    "home\t0.0001\t0.0002\t-0.8883\t0.00002\n"
+    "right\t0.4005\t0.0003\t-0.8884\t0.00002\n"
+    "left\t-0.3994\t0.0004\t-0.8875\t0.00002\n"
+    "back\t0.0006\t0.3007\t-0.9508\t0.00002\n"
+    "front\t-0.0007\t-0.2996\t-0.8005\t0.00002\n";
+
+const std::string kDistances =
+    "from,to,distance_mm\n"
+    "home,right,400.4\n"
+    "home,left,399.5\n";
+
+const std::string kBinary(
+    "\x7f"
+    "ELF\x02\x01\0\0\0\xff\xfe\n\0\x80,,\n",
+    18);
+const std::string kCommas(100000, ',');
+
+const std::string kCalibrate = "calibrate --measurements points.csv";
+const std::string kValidate = "validate --calibration calibration.json --measurements points.csv";
+const std::string kCalibrateDistances = "calibrate --measurements distances.csv --poses poses.csv";
+const std::string kColumns = " --poses poses.csv --columns name=1,x=2,y=3,z=4,sigma=5 --unit m";
+const std::string kCalibrateExport = "calibrate --measurements export.txt" + kColumns;
+const std::string kIdentifiability = "identifiability --poses poses.csv";
+const std::string kSimulate = "simulate --poses poses.csv --errors errors.toml --truth truth.toml";
+const std::string kSelect = "poses --optimal 12 --candidates 300";
+
+/// All of them.
+std::vector<NamedText> good_files() {
+  return {{"poses.csv", kPoses},   {"points.csv", kPoints},       {"errors.toml", kErrors},
+          {"export.txt", kExport}, {"distances.csv", kDistances}, {"calibration.json", kCalibration}};
+}
+
+/// All of them, one replaced.
+BrokenInput with_file(std::string name, const std::string& file, std::string text, std::string command,
+                      std::vector<std::string> message, int exit_code = kBadInputFile) {
+  std::vector<NamedText> files = good_files();
+  for (NamedText& one : files) {
+    if (one.name == file) one.text = text;
+  }
+  if (std::ranges::none_of(files, [&](const NamedText& one) { return one.name == file; })) {
+    files.push_back({file, std::move(text)});
+  }
+  return {std::move(name), std::move(files), std::move(command), exit_code, std::move(message)};
+}
+
+BrokenInput points(std::string name, std::string text, std::vector<std::string> message) {
+  return with_file(std::move(name), "points.csv", std::move(text), kCalibrate, std::move(message));
+}
+
+BrokenInput exported(std::string name, std::string text, std::vector<std::string> message) {
+  return with_file(std::move(name), "export.txt", std::move(text), kCalibrateExport, std::move(message));
+}
+
+BrokenInput calibration(std::string name, std::string text, std::vector<std::string> message) {
+  return with_file(std::move(name), "calibration.json", std::move(text), kValidate, std::move(message));
+}
+
+BrokenInput tolerances(std::string name, std::string text, std::vector<std::string> message) {
+  return with_file(std::move(name), "tolerances.toml", std::move(text), kCalibrate + " --tolerances tolerances.toml",
+                   std::move(message));
+}
+
+BrokenInput command(std::string name, std::string command, std::vector<std::string> message, int exit_code) {
+  return {std::move(name), good_files(), std::move(command), exit_code, std::move(message)};
+}
+
+BrokenInput usage(std::string name, std::string text, std::vector<std::string> message) {
+  return command(std::move(name), std::move(text), std::move(message), kWrongUsage);
+}
+
+/// Every way in of every command, and every file that is none.
+std::vector<BrokenInput> no_such_files() {
+  struct Way {
+    std::string name, before, after;
+  };
+  const std::vector<Way> ways{
+      {"points", "calibrate --measurements ", ""},
+      {"second_points", "calibrate --measurements points.csv ", ""},
+      {"distances", "calibrate --measurements ", " --poses poses.csv"},
+      {"poses_of_distances", "calibrate --measurements distances.csv --poses ", ""},
+      {"export", "calibrate --measurements ", kColumns},
+      {"poses_of_an_export", "calibrate --columns name=1,x=2,y=3,z=4 --unit m --measurements export.txt --poses ", ""},
+      {"priors", "calibrate --measurements points.csv --tolerances ", ""},
+      {"calibration", "validate --measurements points.csv --calibration ", ""},
+      {"validated_points", "validate --calibration calibration.json --measurements ", ""},
+      {"planned_poses", "identifiability --poses ", ""},
+      {"simulated_poses", "simulate --poses ", ""},
+      {"simulated_errors", "simulate --poses poses.csv --errors ", ""},
+      {"robot_of_a_plan", "poses --robot ./", ""},
+  };
+  struct None {
+    std::string name, file, message;
+  };
+  const std::vector<None> nones{{"missing", "none.csv", "No such file"},
+                                {"folder", ".", "folder"},
+                                {"empty", "empty", ": expected "},
+                                {"binary", "binary", ": expected "},
+                                {"commas", "commas", ": expected "}};
+  std::vector<BrokenInput> rows;
+  for (const Way& way : ways) {
+    for (const None& none : nones) {
+      if (way.name == "robot_of_a_plan" && none.name == "missing") continue;  // see robot_file_missing
+      std::vector<NamedText> files = good_files();
+      files.insert(files.end(), {{"empty", ""}, {"binary", kBinary}, {"commas", kCommas}});
+      rows.push_back({way.name + "_" + none.name,
+                      std::move(files),
+                      way.before + none.file + way.after,
+                      kBadInputFile,
+                      {none.file, none.message}});
+    }
+  }
+  return rows;
+}
+
+const std::vector<BrokenInput> kPointTables{
+    points("header_only", kPoints.substr(0, kPoints.find("home")), {"points.csv: ", "at least one row"}),
+    points("no_header", kPoints.substr(kPoints.find("home")), {"points.csv:1: ", "header"}),
+    points("unknown_column", replaced(kPoints, "sigma_mm", "sigma_um"), {"points.csv:2: ", "\"sigma_um\""}),
+    points("column_missing", replaced(kPoints, ",y_mm", ",q1_deg"), {"points.csv:2: ", "q2_deg"}),
+    points("measured_column_missing", "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,z_mm\nhome,0,0,-888,0.1,-888.1\n",
+           {"points.csv:1: ", "\"y_mm\""}),
+    points("commanded_columns_missing", "pose,x_mm,y_mm,z_mm\nhome,0.1,0.2,-888.1\n",
+           {"points.csv:1: ", "\"x_cmd_mm\""}),
+    points("fields_too_few", replaced(kPoints, ",-801.5,0.02", ",-801.5"), {"points.csv:8: expected 14 fields"}),
+    points("decimal_commas", replaced(kPoints, "400.5", "400,5"), {"points.csv:5: expected 14 fields"}),
+    points("partly_blank", replaced(kPoints, "400.5", ""), {"points.csv:5: ", "x_mm", "1 blank"}),
+    points("second_partly_blank", replaced(kPoints, "450.5,0.3", ","), {"points.csv:5: ", "x2_mm", "2 blank"}),
+    points("all_blank", "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\nhome,0,0,-888,,,\nright,400,0,-888,,,\n",
+           {"points.csv: ", "at least one row with a point"}),
+    points("commanded_blank", replaced(kPoints, "right,400", "right,"), {"points.csv:5: ", "x_cmd_mm"}),
+    points("text", replaced(kPoints, "400.5", "far"), {"points.csv:5: ", "column x_mm", "\"far\""}),
+    points("nan", replaced(kPoints, "400.5", "nan"), {"points.csv:5: ", "column x_mm", "\"nan\""}),
+    points("infinite", replaced(kPoints, "400.5", "-inf"), {"points.csv:5: ", "column x_mm", "\"-inf\""}),
+    points("too_large", replaced(kPoints, "400.5", "1e309"), {"points.csv:5: ", "column x_mm", "\"1e309\""}),
+    points("rotation_nan", replaced(kPoints, "90.4", "nan"), {"points.csv:6: ", "column phi_deg"}),
+    points("second_infinite", replaced(kPoints, "450.5", "inf"), {"points.csv:5: ", "column x2_mm"}),
+    points("sigma_zero", replaced(kPoints, "-801.5,0.02", "-801.5,0"), {"points.csv:8: ", "sigma_mm above 0"}),
+    points("sigma_negative", replaced(kPoints, "-801.5,0.02", "-801.5,-0.02"),
+           {"points.csv:8: ", "sigma_mm above 0", "-0.02"}),
+    points("repeat_zero", replaced(kPoints, "-888.31,2", "-888.31,0"), {"points.csv:4: ", "column repeat", "0"}),
+    points("repeat_not_whole", replaced(kPoints, "-888.31,2", "-888.31,1.5"), {"points.csv:4: ", "column repeat"}),
+    points("repeat_commanded_elsewhere", replaced(kPoints, "home,0,0,-888,0,0.11", "home,0,1,-888,0,0.11"),
+           {"points.csv:4: ", "pose home", "line 3"}),
+    points("pose_without_name", replaced(kPoints, "front", ""), {"points.csv:8: ", "name"}),
+    points("name_not_utf8", replaced(kPoints, "left", "l\xE4nks"), {"points.csv:6: ", "UTF-8"}),
+    points("believed_joints_of_another_robot",
+           "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg\nhome,0,0,-888,0,0,-888,-11,-11,-11\n",
+           {"points.csv:1: ", "q4_deg"}),
+    with_file("second_file_broken", "more.csv", replaced(kPoints, "400.5", "far"),
+              "calibrate --measurements points.csv more.csv", {"more.csv:5: ", "\"far\""}),
+    with_file("validated_points_broken", "points.csv", replaced(kPoints, "400.5", "far"), kValidate,
+              {"points.csv:5: ", "\"far\""}),
+    with_file("distances_of_unknown_poses", "distances.csv", "from,to,distance_mm\nhome,nowhere,1\n",
+              kCalibrateDistances, {"distances.csv:2: ", "\"nowhere\""}),
+};
+
+const std::vector<BrokenInput> kExports{
+    exported("only_comments", "// a\n# b\n\n", {"export.txt: ", "at least one line"}),
+    exported("fields_too_few", replaced(kExport, "\t-0.8005\t0.00002", "\t-0.8005"),
+             {"export.txt:6: ", "at least 5 fields", "got 4"}),
+    exported("other_separators", replaced(kExport, "right\t0.4005\t", "right;0.4005;"), {"export.txt:3: ", "fields"}),
+    exported("text", replaced(kExport, "0.4005", "X"), {"export.txt:3: ", "column 2 (x)", "\"X\""}),
+    exported("nan", replaced(kExport, "0.4005", "nan"), {"export.txt:3: ", "column 2 (x)"}),
+    exported("overflow", replaced(kExport, "0.4005", "1e308"), {"export.txt:3: ", "column 2 (x)", "1e308"}),
+    exported("sigma_zero", replaced(kExport, "-0.8005\t0.00002", "-0.8005\t0"), {"export.txt:6: ", "sigma above 0"}),
+    exported("no_name", replaced(kExport, "front", " "), {"export.txt:6: ", "name"}),
+    exported("quotation_mark_open", replaced(kExport, "front", "\"front"), {"export.txt:6: ", "quotation mark"}),
+    exported("no_pose_of_these", "a 0.1 0.2 0.3 0.00002\nb 0.1 0.2 0.4 0.00002\n", {"export.txt: ", "home", "a, b"}),
+};
+
+const std::vector<BrokenInput> kCalibrations{
+    calibration("rejected",
+                replaced(kCalibration, "true, \"verdict\": \"accepted\"", "false, \"verdict\": \"not converged\""),
+                {"calibration.json: ", "accepted", "not converged"}),
+    calibration("of_another_robot", replaced(kCalibration, "huang2016", "sparrow"),
+                {"calibration.json: ", "sparrow", "huang2016"}),
+    command("for_another_robot", kValidate + " --robot rotary_delta", {"calibration.json: ", "rotary_delta"},
+            kBadInputFile),
+    calibration("limb_9", replaced(kCalibration, "\"limb\": 4", "\"limb\": 9"),
+                {"calibration.json: ", "limbs 1 to 4", "9"}),
+    calibration("value_too_large", replaced(kCalibration, "0.2", "1e999"), {"calibration.json:", "expected"}),
+    calibration("covariance_too_small", replaced(kCalibration, ", [0, 0.02]", ""),
+                {"calibration.json: ", "covariance of 2 rows", "1"}),
+    calibration("covariance_not_square", replaced(kCalibration, "[0, 0.02]", "[0]"),
+                {"calibration.json: ", "square", "row 2"}),
+    calibration("covariance_text", replaced(kCalibration, "[0, 0.02]", "[0, \"x\"]"), {"calibration.json: "}),
+    calibration("covariance_a_number", replaced(kCalibration, "[[0.01, 0], [0, 0.02]]", "3"),
+                {"calibration.json: ", "covariance"}),
+    calibration("parameters_a_number", replaced(kCalibration, "\"parameters\": [", "\"parameters\": 3, \"others\": ["),
+                {"calibration.json: "}),
+    calibration("nested_beyond_measure", std::string(100000, '['), {"calibration.json:1: ", "expected JSON"}),
+    tolerances("all_zero", "theta_offset_deg = 0\n", {"tolerances.toml: ", "at least one tolerance above 0"}),
+    tolerances("negative", "theta_offset_deg = -1\n", {"tolerances.toml:1: ", "theta_offset_deg", "-1"}),
+    tolerances("unknown_key", "theta_offset_rad = 0.01\n", {"tolerances.toml:1: ", "theta_offset_rad"}),
+    tolerances("toml_syntax", "theta_offset_deg 1\n", {"tolerances.toml:1: ", "expected TOML"}),
+};
+
+const std::vector<BrokenInput> kTooLittle{
+    with_file("three_poses", "points.csv", kThreePoints, kValidate,
+              {"points.csv: ", "at least 4 different poses", "got 3"}),
+    with_file("three_poses_in_the_second_file", "few.csv", kThreePoints, kValidate + " few.csv",
+              {"few.csv: ", "at least 4 different poses", "got 3"}),
+    command("only_distances_to_validate",
+            "validate --calibration calibration.json --measurements distances.csv --poses poses.csv",
+            {"validation: ", "points"}, kBadInputFile),
+};
+
+const std::vector<BrokenInput> kOutOfReach{
+    with_file("commanded_too_far", "points.csv", replaced(kPoints, "right,400", "right,1400"), kCalibrate,
+              {"\"right\"", "cannot reach", "(1400, 0, -888) mm"}, kMathematicsSaysNo),
+    with_file("commanded_beyond_all_numbers", "points.csv", replaced(kPoints, "right,400", "right,1e308"), kCalibrate,
+              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+    with_file("rotation_beyond_all_numbers", "points.csv",
+              replaced(kPoints, "left,-400,0,-888,90", "left,-400,0,-888,1e308"), kCalibrate,
+              {"\"left\"", "cannot reach"}, kMathematicsSaysNo),
+    with_file("validated_too_far", "points.csv", replaced(kPoints, "right,400", "right,1400"), kValidate,
+              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+    with_file("exported_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kCalibrateExport,
+              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+    with_file("planned_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kIdentifiability,
+              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+    with_file("simulated_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kSimulate,
+              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+    command("measured_for_another_robot", kCalibrate + " --robot rotary_delta", {"\"left\"", "rotary_delta"},
+            kMathematicsSaysNo),
+    with_file("machine_that_does_not_close", "errors.toml", replaced(kErrors, "= 0.2", "= -700"), kSimulate,
+              {"does not close"}, kMathematicsSaysNo),
+    command("no_pose_is_visible", kSelect + " --tracker 4000,0,-900 --facing 0,0,1 --acceptance-deg 5",
+            {"visible", "12 are wanted"}, kMathematicsSaysNo),
+};
+
+const std::vector<BrokenInput> kUsage{
+    usage("poses_unknown_option", "poses --number 9", {"--number"}),
+    usage("poses_unknown_stage", "poses --stage auto", {"--stage", "auto"}),
+    usage("poses_start_not_a_number", "poses --start-deg nan", {"--start-deg", "nan"}),
+    usage("poses_start_too_far", "poses --start-deg 1e308", {"--start-deg", "1e308"}),
+    usage("poses_threshold_zero", "poses --threshold 0", {"--threshold", "0"}),
+    usage("poses_threshold_not_a_number", "poses --threshold nan", {"--threshold", "nan"}),
+    usage("one_optimal_pose", "poses --optimal 1", {"--optimal", "1"}),
+    usage("optimal_not_whole", "poses --optimal 12.5", {"--optimal", "12.5"}),
+    usage("optimal_text", "poses --optimal many", {"--optimal", "many"}),
+    usage("candidates_too_few", "poses --optimal 12 --candidates 5", {"--candidates", "12", "5"}),
+    usage("candidates_too_many", "poses --optimal 12 --candidates 1000000000", {"--candidates"}),
+    usage("candidates_of_the_papers_scheme", "poses --stage fine --candidates 300", {"--candidates", "--optimal"}),
+    usage("criterion_of_the_papers_scheme", "poses --stage fine --criterion D", {"--criterion", "--optimal"}),
+    usage("tracker_of_the_papers_scheme", "poses --tracker 4000,0,-900 --facing 1,0,0", {"--optimal"}),
+    usage("unknown_criterion", kSelect + " --criterion best", {"--criterion", "best"}),
+    usage("tracker_without_facing", kSelect + " --tracker 4000,0,-900", {"--tracker", "--facing"}),
+    usage("facing_without_tracker", kSelect + " --facing 1,0,0", {"--tracker", "--facing"}),
+    usage("facing_nowhere", kSelect + " --tracker 4000,0,-900 --facing 0,0,0", {"--facing", "direction"}),
+    usage("facing_infinitely", kSelect + " --tracker 4000,0,-900 --facing inf,0,0", {"--facing", "finite"}),
+    usage("tracker_not_a_number", kSelect + " --tracker nan,0,0 --facing 1,0,0", {"--tracker", "finite"}),
+    usage("tracker_of_two", kSelect + " --tracker 4000,0 --facing 1,0,0", {"--tracker", "3"}),
+    usage("acceptance_zero", kSelect + " --acceptance-deg 0", {"--acceptance-deg", "0"}),
+    usage("acceptance_not_a_number", kSelect + " --tracker 4000,0,-900 --facing 1,0,0 --acceptance-deg nan",
+          {"--acceptance-deg", "finite"}),
+    usage("plan_sigma_zero", kSelect + " --sigma-mm 0", {"--sigma-mm", "0"}),
+    usage("plan_sigma_next_to_nothing", kSelect + " --sigma-mm 1e-308", {"--sigma-mm", "1e-308"}),
+    usage("plan_sigma_beyond_measure", kSelect + " --sigma-mm 1e308", {"--sigma-mm", "1e+308"}),
+    usage("plan_tracker_without_noise", kSelect + " --tracker-um 0,0,0,0", {"--tracker-um", "0"}),
+    usage("identifiability_without_poses", "identifiability", {"--poses"}),
+    usage("identifiability_of_angles", kIdentifiability + " --measure angles", {"--measure", "angles"}),
+    usage("identifiability_frame", kIdentifiability + " --frame tracker", {"--frame", "tracker"}),
+    usage("identifiability_rotation", kIdentifiability + " --rotation maybe", {"--rotation", "maybe"}),
+    usage("second_reflector_of_distances", kIdentifiability + " --measure distance --second",
+          {"--second", "coordinates"}),
+    usage("identifiability_sigma", kIdentifiability + " --sigma-deg -1", {"--sigma-deg", "-1"}),
+    usage("identifiability_tracker_of_three", kIdentifiability + " --tracker-um 15,6,10", {"--tracker-um", "4"}),
+    usage("simulate_without_poses", "simulate --errors errors.toml", {"--poses"}),
+    usage("simulate_unknown_option", kSimulate + " --noise 3", {"--noise"}),
+    usage("noise_negative", kSimulate + " --noise-mm -1", {"--noise-mm", "-1"}),
+    usage("noise_not_a_number", kSimulate + " --noise-mm nan", {"--noise-mm", "nan"}),
+    usage("noise_beyond_measure", kSimulate + " --noise-mm 1e308", {"--noise-mm", "1e308"}),
+    usage("repeatability_beyond_measure", kSimulate + " --repeatability-mm 1e308", {"--repeatability-mm", "1e308"}),
+    usage("rotation_noise_infinite", kSimulate + " --rotation-noise-deg inf", {"--rotation-noise-deg", "inf"}),
+    usage("noise_and_tracker", kSimulate + " --noise-mm 0.02 --tracker-um 15,6,10,0.3", {"--noise-mm", "--tracker-um"}),
+    usage("tracker_negative", kSimulate + " --tracker-um 15,6,-10,0.3", {"--tracker-um", "-10"}),
+    usage("tracker_without_noise", kSimulate + " --tracker-um 0,0,0,0", {"--tracker-um", "0"}),
+    usage("no_repeats", kSimulate + " --repeats 0", {"--repeats", "0"}),
+    usage("repeats_beyond_measure", kSimulate + " --repeats 1000000000000", {"--repeats"}),
+    usage("machine_negative", kSimulate + " --machine -1", {"--machine", "-1"}),
+    usage("second_of_two", kSimulate + " --second 60,0", {"--second", "3"}),
+    usage("second_not_a_number", kSimulate + " --second nan,0,0", {"--second", "nan"}),
+    usage("second_beyond_measure", kSimulate + " --second 1e308,0,0", {"--second", "1e+308"}),
+    usage("simulate_unknown_frame", kSimulate + " --frame moon", {"--frame", "moon"}),
+    usage("calibrate_unknown_option", kCalibrate + " --quick", {"--quick"}),
+    usage("unknown_method", kCalibrate + " --method magic", {"--method", "magic"}),
+    usage("unknown_reflectors", kCalibrate + " --reflectors arm", {"--reflectors", "arm"}),
+    usage("unit_without_columns", kCalibrate + " --unit mm", {"--unit", "--columns"}),
+    usage("columns_without_unit", "calibrate --measurements export.txt --poses poses.csv --columns name=1,x=2,y=3,z=4",
+          {"--columns", "--unit"}),
+    usage("columns_without_poses", "calibrate --measurements export.txt --unit m --columns name=1,x=2,y=3,z=4",
+          {"--poses"}),
+    usage("column_missing", "calibrate --measurements export.txt --poses poses.csv --unit m --columns name=1,x=2,y=3",
+          {"--columns", "z is missing"}),
+    usage("column_twice", "calibrate --measurements export.txt --poses poses.csv --unit m --columns name=1,x=2,y=3,z=3",
+          {"--columns", "column 3 stands twice"}),
+    usage("column_zero", "calibrate --measurements export.txt --poses poses.csv --unit m --columns name=0,x=2,y=3,z=4",
+          {"--columns", "\"0\" is no column"}),
+    usage("column_unknown",
+          "calibrate --measurements export.txt --poses poses.csv --unit m --columns name=1,x=2,y=3,w=4",
+          {"--columns", "w=4"}),
+    usage("unknown_unit",
+          "calibrate --measurements export.txt --poses poses.csv --unit cubit --columns name=1,x=2,y=3,z=4",
+          {"--unit", "mm, m, um or inch", "cubit"}),
+    usage("points_sigma_next_to_nothing", kCalibrate + " --sigma-mm 1e-308", {"--sigma-mm", "1e-308"}),
+    usage("points_sigma_beyond_measure", kCalibrate + " --sigma-deg 1e308", {"--sigma-deg", "1e+308"}),
+    usage("calibrate_tracker_without_noise", kCalibrate + " --tracker-um 0,6,0,0", {"--tracker-um", "radial"}),
+    usage("calibrate_tracker_infinite", kCalibrate + " --tracker-um inf,6,10,0.3", {"--tracker-um", "inf"}),
+    usage("fix_unknown", kCalibrate + " --fix e_w", {"source error", "\"e_w\""}),
+    usage("fix_limb_9", kCalibrate + " --fix e_x9", {"of 4", "\"e_x9\""}),
+    usage("fix_limb_0", kCalibrate + " --fix alpha00", {"of 4", "\"alpha00\""}),
+    usage("fix_limb_10", kCalibrate + " --fix e_x10", {"\"e_x10\""}),
+    usage("fix_limb_4_of_3", kCalibrate + " --fix e_x4 --robot rotary_delta", {"\"e_x4\""}),
+    usage("fix_unit", kCalibrate + " --fix e_x_mm", {"\"e_x_mm\""}),
+    usage("free_unknown", kCalibrate + " --free rods", {"source error", "\"rods\""}),
+    usage("fix_and_free", kCalibrate + " --fix e_x --free e_x2", {"--fix", "--free", "e_x of limb 2"}),
+    usage("fix_all_of_a_stage", kCalibrate + " --stage rough --fix theta_offset", {"--fix", "left to seek"}),
+    usage("fix_everything",
+          kCalibrate + " --fix theta_offset,e_x,e_y,e_z,arm_length,alpha0,beta0,rod_mean,rod_difference,"
+                       "width_difference,alpha03,beta03,alpha2,beta2",
+          {"--fix", "left to seek"}),
+    usage("validate_without_calibration", "validate --measurements points.csv", {"--calibration"}),
+    usage("validate_without_measurements", "validate --calibration calibration.json", {"--measurements"}),
+    usage("validate_unknown_option", kValidate + " --limit 1", {"--limit"}),
+    usage("limit_zero", kValidate + " --limit-mm 0", {"--limit-mm", "0"}),
+    usage("limit_negative", kValidate + " --limit-aligned-mm -1", {"--limit-aligned-mm", "-1"}),
+    usage("limit_not_a_number", kValidate + " --limit-deg nan", {"--limit-deg", "nan"}),
+    usage("validated_distances_without_poses", "validate --calibration calibration.json --measurements distances.csv",
+          {"--poses"}),
+};
+
+INSTANTIATE_TEST_SUITE_P(NoFile, BrokenInputTest, testing::ValuesIn(no_such_files()), name_of);
+INSTANTIATE_TEST_SUITE_P(PointTable, BrokenInputTest, testing::ValuesIn(kPointTables), name_of);
+INSTANTIATE_TEST_SUITE_P(Export, BrokenInputTest, testing::ValuesIn(kExports), name_of);
+INSTANTIATE_TEST_SUITE_P(KnownMachine, BrokenInputTest, testing::ValuesIn(kCalibrations), name_of);
+INSTANTIATE_TEST_SUITE_P(TooLittle, BrokenInputTest, testing::ValuesIn(kTooLittle), name_of);
+INSTANTIATE_TEST_SUITE_P(OutOfReach, BrokenInputTest, testing::ValuesIn(kOutOfReach), name_of);
+INSTANTIATE_TEST_SUITE_P(MeasuringUsage, BrokenInputTest, testing::ValuesIn(kUsage), name_of);
+
+/// The tables above break files and commands that are good: otherwise they would prove nothing.
+TEST(UnbrokenMeasurements, AreReadAndJudged) {
+  const TemporaryFolder folder;
+  for (const NamedText& file : good_files()) folder.write(file.name, file.text);
+  for (const std::string& command :
+       {kCalibrate, kValidate, kCalibrateDistances, kCalibrateExport, kIdentifiability, kSimulate, kSelect,
+        kSelect + " --tracker 4000,0,-900 --facing 1,0,0 --acceptance-deg 40", kCalibrate + " --fix e_x2,alpha0",
+        kSimulate + " --tracker-um 15,6,10,0.3 --second 60,0,-40", kCalibrate + " --tracker-um 15,6,10,0.3"}) {
+    const ProgramResult result = folder.run(command);
+    EXPECT_THAT(result.exit_code, AnyOf(kDone, kVerdictIsNo)) << command << "\n" << result.err;
+    EXPECT_THAT(result.out, testing::Not(IsEmpty())) << command;
+  }
+}
+
+/// Finite numbers that nobody can mean: the fit may pass over them or say no, or the line is named.
+TEST(UnbrokenMeasurements, AbsurdReadingsAreJudgedOrRefused) {
+  for (const char* old : {"400.5", "450.5", "90.4", "-801.5,0.02"}) {
+    for (const std::string number : {"1e308", "-1e308", "1e200", "1e30", "1e-308"}) {
+      SCOPED_TRACE(old + (" as " + number));
+      const TemporaryFolder folder;
+      for (const NamedText& file : good_files()) folder.write(file.name, file.text);
+      const bool is_sigma = std::string(old).ends_with("0.02");
+      folder.write("points.csv", replaced(kPoints, old, is_sigma ? "-801.5," + number : number));
+      for (const std::string& command : {kCalibrate, kCalibrate + " --json", kValidate, kValidate + " --json"}) {
+        const ProgramResult result = folder.run(command);
+        EXPECT_THAT(result.exit_code, AnyOf(kDone, kVerdictIsNo, kBadInputFile)) << command << "\n" << result.err;
+        EXPECT_EQ(result.out.empty(), result.exit_code == kBadInputFile) << command;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace paracal::test

@@ -1,0 +1,70 @@
+#include "paracal/mechanism/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+TEST(RandomStream, IsPhilox4x32AtTheKnownAnswer) {
+  // Known-answer test of the generator's authors: counter 0, key 0 gives 6627e8d5 e169c58d bc57ac4c 9b00dbd8.
+  RandomStream random(0, 0);
+  const std::uint64_t first = 0x6627e8d5e169c58dULL >> 11, second = 0xbc57ac4c9b00dbd8ULL >> 11;
+  EXPECT_EQ(random.uniform(), (static_cast<double>(first) + 0.5) * 0x1p-53);
+  EXPECT_EQ(random.uniform(), (static_cast<double>(second) + 0.5) * 0x1p-53);
+}
+
+TEST(RandomStream, StreamsDoNotDependOnEachOther) {
+  RandomStream one(7, 17), same(7, 17), other(7, 18), seed(8, 17);
+  const double drawn = one.normal();
+  EXPECT_EQ(drawn, same.normal());
+  EXPECT_NE(drawn, other.normal());
+  EXPECT_NE(drawn, seed.normal());
+}
+
+TEST(RandomStream, NormalHasItsMoments) {
+  RandomStream random(1);
+  constexpr int kDraws = 200000;
+  double sum = 0.0, squares = 0.0, fourth = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const double z = random.normal();
+    sum += z;
+    squares += z * z;
+    fourth += z * z * z * z;
+  }
+  EXPECT_NEAR(sum / kDraws, 0.0, 4.0 / std::sqrt(kDraws));
+  EXPECT_NEAR(squares / kDraws, 1.0, 4.0 * std::sqrt(2.0 / kDraws));
+  EXPECT_NEAR(fourth / kDraws, 3.0, 4.0 * std::sqrt(96.0 / kDraws));
+}
+
+/// Standard deviation of what is drawn, against what Tolerances states for it.
+TEST(DrawErrors, SpreadAsTheTolerancesSay) {
+  for (const Distribution distribution :
+       {Distribution::normal, Distribution::uniform, Distribution::truncated_normal}) {
+    Tolerances tolerances;
+    tolerances[Source::e_x] = 3.0;
+    tolerances.distribution = distribution;
+    RandomStream random(3);
+    constexpr int kMachines = 20000;
+    double squares = 0.0, largest = 0.0;
+    for (int k = 0; k < kMachines; ++k) {
+      const double e = draw_errors(tolerances, 3, random)(1, Source::e_x);
+      squares += e * e / kMachines;
+      largest = std::max(largest, std::abs(e));
+    }
+    EXPECT_NEAR(std::sqrt(squares) / tolerances.std(Source::e_x), 1.0, 0.02);
+    EXPECT_EQ(largest <= 3.0, distribution != Distribution::normal);
+  }
+}
+
+TEST(DrawErrors, ExactSourcesStayZero) {
+  RandomStream random(3);
+  EXPECT_EQ(draw_errors({}, 4, random)(2, Source::beta2), 0.0);
+}
+
+}  // namespace
+}  // namespace paracal
