@@ -1,0 +1,24 @@
+#pragma once
+
+#include "calibration/observation.hpp"
+#include "fine_fit.hpp"
+
+namespace paracal::benchmark {
+
+/// The least-squares part of calibrate()'s fine stage alone, from the start of a FineFit: no rough stage before it, no
+/// evidence after it.
+class FineSolve {
+ public:
+  explicit FineSolve(const FineFit& fit);
+  FineSolve(const FineSolve&) = delete;
+  FineSolve& operator=(const FineSolve&) = delete;
+
+  FineAnswer operator()() const;
+
+ private:
+  CalibrationOptions options_;
+  detail::Observation observation_;
+  Eigen::VectorXd start_;
+};
+
+}  // namespace paracal::benchmark
