@@ -53,6 +53,8 @@ class Session {
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
   std::uint64_t seed() const { return seed_; }
+  /// 0: all.
+  unsigned threads() const { return threads_; }
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text) const;
   void print_json(const io::Json& json) const;

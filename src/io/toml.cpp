@@ -207,6 +207,16 @@ Tolerances tolerances_of(Section section) {
     }
     tolerances.distribution = *distribution;
   }
+  if (auto measured = section.optional_table("measured")) {
+    for (const Source source : all_sources()) {
+      const std::string key = is_e(source) ? "e_mm" : file_key(source);
+      if (!measured->find(key)) continue;
+      for (const double value : measured->numbers(key)) {
+        tolerances.measured[index(source)].push_back(from_file_unit(source, value));
+      }
+    }
+    measured->refuse_others();
+  }
   section.refuse_others();
   return tolerances;
 }
@@ -255,6 +265,22 @@ Robot read_robot(const TextFile& file) {
   }
 }
 
+namespace {
+
+void write_measured(const Tolerances& tolerances, std::back_insert_iterator<std::string> out) {
+  bool any = false;
+  for (const Source source : all_sources()) {
+    if (source == Source::e_y || source == Source::e_z || tolerances.measured[index(source)].empty()) continue;
+    std::vector<double> values;
+    for (const double value : tolerances.measured[index(source)]) values.push_back(tidy(to_file_unit(source, value)));
+    fmt::format_to(out, "{}{} = {}\n", any ? "" : "\n[tolerances.measured]  # errors of built parts\n",
+                   is_e(source) ? "e_mm" : file_key(source), array(values));
+    any = true;
+  }
+}
+
+}  // namespace
+
 std::string robot_toml(const Robot& robot) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -281,6 +307,7 @@ std::string robot_toml(const Robot& robot) {
                      tidy(to_file_unit(source, (*tolerances)[source])));
     }
     fmt::format_to(out, "distribution = \"{}\"\n", distribution_name(tolerances->distribution));
+    write_measured(*tolerances, out);
   }
   return text;
 }

@@ -2,8 +2,11 @@
 
 #include <Random123/philox.h>
 
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace paracal {
 namespace {
@@ -14,27 +17,49 @@ double open_unit(std::uint32_t high, std::uint32_t low) {
   return (static_cast<double>(bits) + 0.5) * 0x1p-53;
 }
 
-double standard_draw(Distribution distribution, RandomStream& random) {
-  if (distribution == Distribution::uniform) return 2.0 * random.uniform() - 1.0;
-  double z = random.normal();
-  while (distribution == Distribution::truncated_normal && std::abs(z) > 3.0) z = random.normal();
-  return z / 3.0;
+/// Block k of a stream as two numbers in (0, 1).
+std::array<double, 2> uniform_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t k) {
+  const auto half = [](std::uint64_t value, int shift) { return static_cast<std::uint32_t>(value >> shift); };
+  const r123::Philox4x32::ctr_type counter{{half(k, 0), half(k, 32), half(stream, 0), half(stream, 32)}};
+  const r123::Philox4x32::key_type key{{half(seed, 0), half(seed, 32)}};
+  const auto bits = r123::Philox4x32()(counter, key);
+  return {open_unit(bits[0], bits[1]), open_unit(bits[2], bits[3])};
+}
+
+std::array<double, 2> box_muller(double first, double second) {
+  const double radius = std::sqrt(-2.0 * std::log(first));
+  const double angle = 2.0 * std::numbers::pi * second;
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// Phi(z).
+double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+
+/// The same quantile of a normal distribution cut off at +-3.
+double cut_off(double z) {
+  const double tail = normal_probability(-3.0);
+  const double probability = tail + (1.0 - 2.0 * tail) * normal_probability(z);
+  return boost::math::quantile(boost::math::normal(), probability);
+}
+
+double one_of(const std::vector<double>& values, double probability) {
+  const auto place = static_cast<std::size_t>(probability * static_cast<double>(values.size()));
+  return values[std::min(place, values.size() - 1)];
 }
 
 }  // namespace
 
+std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t k) {
+  const auto [first, second] = uniform_pair(seed, stream, k);
+  return box_muller(first, second);
+}
+
 double RandomStream::uniform() {
   if (uniforms_left_ == 0) {
-    const auto half = [](std::uint64_t value, int shift) { return static_cast<std::uint32_t>(value >> shift); };
-    const r123::Philox4x32::ctr_type counter{
-        {half(counter_, 0), half(counter_, 32), half(stream_, 0), half(stream_, 32)}};
-    const r123::Philox4x32::key_type key{{half(seed_, 0), half(seed_, 32)}};
-    const auto bits = r123::Philox4x32()(counter, key);
-    uniforms_ = {open_unit(bits[2], bits[3]), open_unit(bits[0], bits[1])};
+    uniforms_ = uniform_pair(seed_, stream_, counter_++);
     uniforms_left_ = 2;
-    ++counter_;
   }
-  return uniforms_[static_cast<std::size_t>(--uniforms_left_)];
+  return uniforms_[static_cast<std::size_t>(2 - uniforms_left_--)];
 }
 
 double RandomStream::normal() {
@@ -42,19 +67,31 @@ double RandomStream::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(-2.0 * std::log(uniform()));
-  const double angle = 2.0 * std::numbers::pi * uniform();
-  spare_normal_ = radius * std::sin(angle);
+  const double first = uniform();
+  const std::array<double, 2> pair = box_muller(first, uniform());
+  spare_normal_ = pair[1];
   has_spare_ = true;
-  return radius * std::cos(angle);
+  return pair[0];
+}
+
+double source_error(const Tolerances& tolerances, Source source, double standard_normal) {
+  const std::vector<double>& measured = tolerances.measured[index(source)];
+  if (!measured.empty()) return one_of(measured, normal_probability(standard_normal));
+  switch (tolerances.distribution) {
+    case Distribution::normal:
+      return tolerances[source] * (standard_normal / 3.0);
+    case Distribution::uniform:
+      return tolerances[source] * (2.0 * normal_probability(standard_normal) - 1.0);
+    case Distribution::truncated_normal:
+      return tolerances[source] * std::clamp(cut_off(standard_normal) / 3.0, -1.0, 1.0);
+  }
+  return 0.0;
 }
 
 SourceErrors draw_errors(const Tolerances& tolerances, std::size_t limb_count, RandomStream& random) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < limb_count; ++limb) {
-    for (const Source source : all_sources()) {
-      errors(limb, source) = tolerances[source] * standard_draw(tolerances.distribution, random);
-    }
+    for (const Source source : all_sources()) errors(limb, source) = source_error(tolerances, source, random.normal());
   }
   return errors;
 }

@@ -1,12 +1,34 @@
 #include "paracal/mechanism/tolerances.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "paracal/units.hpp"
 
 namespace paracal {
 
+double Tolerances::mean(Source source) const {
+  const std::vector<double>& values = measured[index(source)];
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double Tolerances::largest(Source source) const {
+  double largest = half_width[index(source)];
+  if (largest > 0.0) return largest;
+  for (const double value : measured[index(source)]) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 double Tolerances::std(Source source) const {
+  if (const std::vector<double>& values = measured[index(source)]; !values.empty()) {
+    const double centre = mean(source);
+    double squares = 0.0;
+    for (const double value : values) squares += (value - centre) * (value - centre);
+    return std::sqrt(squares / static_cast<double>(values.size()));
+  }
   constexpr double kTruncated = 0.98658;  // of a standard normal variable within +-3
   const double half = half_width[index(source)];
   switch (distribution) {

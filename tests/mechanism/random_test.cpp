@@ -61,6 +61,34 @@ TEST(DrawErrors, SpreadAsTheTolerancesSay) {
   }
 }
 
+TEST(DrawErrors, MeasuredPartsReplaceTheDistribution) {
+  Tolerances tolerances;
+  tolerances[Source::rod_mean] = 1.0;
+  tolerances.measured[index(Source::rod_mean)] = {0.2, 0.3, 0.7};
+  EXPECT_NEAR(tolerances.mean(Source::rod_mean), 0.4, 1e-15);
+  EXPECT_NEAR(tolerances.std(Source::rod_mean), std::sqrt((0.04 + 0.01 + 0.09) / 3.0), 1e-15);
+  EXPECT_EQ(tolerances.largest(Source::rod_mean), 1.0);
+  RandomStream random(5);
+  constexpr int kMachines = 30000;
+  double sum = 0.0;
+  for (int k = 0; k < kMachines; ++k) sum += draw_errors(tolerances, 3, random)(0, Source::rod_mean);
+  EXPECT_NEAR(sum / kMachines, 0.4, 4.0 * tolerances.std(Source::rod_mean) / std::sqrt(kMachines));
+}
+
+/// What lets a batch draw only the sources that it needs.
+TEST(DrawErrors, EveryErrorIsANumberOfItsStream) {
+  Tolerances tolerances;
+  tolerances.half_width.fill(3.0);
+  RandomStream random(11, 42);
+  const SourceErrors errors = draw_errors(tolerances, 4, random);
+  for (std::size_t limb = 0; limb < 4; ++limb) {
+    for (const Source source : all_sources()) {
+      const std::size_t number = kSourceCount * limb + index(source);
+      EXPECT_DOUBLE_EQ(errors(limb, source), normal_pair(11, 42, number / 2)[number % 2]);
+    }
+  }
+}
+
 TEST(DrawErrors, ExactSourcesStayZero) {
   RandomStream random(3);
   EXPECT_EQ(draw_errors({}, 4, random)(2, Source::beta2), 0.0);

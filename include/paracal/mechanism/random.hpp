@@ -8,7 +8,10 @@
 
 namespace paracal {
 
-/// Counter-based random numbers: draw k of a stream is Philox4x32-10 of (k, stream) under the key `seed`
+/// Two independent standard normal numbers (Box and Muller): numbers 2 k and 2 k + 1 of a stream, by themselves.
+std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t k);
+
+/// Counter-based random numbers: block k of a stream is Philox4x32-10 of (k, stream) under the key `seed`
 /// [salmon2011]. Streams need no order and share nothing, so machine 17 of a batch is the same machine whoever draws
 /// it.
 class RandomStream {
@@ -28,7 +31,13 @@ class RandomStream {
   bool has_spare_ = false;
 };
 
-/// A machine out of a batch: every source error independent, spread within its tolerance as the tolerances say.
+/// The source error that a standard normal number stands for: the same quantile of the distribution that the tolerances
+/// give the source, mm or rad.
+double source_error(const Tolerances& tolerances, Source source, double standard_normal);
+
+/// A machine out of a batch: every source error independent, spread as the tolerances say. Uses 14 normal numbers a
+/// limb, source by source, whatever the tolerances: with a fresh stream, error k of limb i (from 0) is number 14 i + k
+/// of the stream.
 SourceErrors draw_errors(const Tolerances& tolerances, std::size_t limb_count, RandomStream& random);
 
 }  // namespace paracal

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "paracal/mechanism/source_errors.hpp"
 
@@ -12,15 +13,23 @@ enum class Distribution : std::uint8_t { normal, uniform, truncated_normal };
 
 /// Tolerance half-widths T = 3 sigma, one number a source, equal for all limbs [huang2016, Eqs. (10), (13)];
 /// mm or rad by the source's unit. Zero means exact.
+///
+/// Where the errors of built parts have been measured, their values replace half-width and distribution in everything
+/// statistical; a worst case goes by the half-width, or by the largest value where no half-width is stated.
 struct Tolerances {
   std::array<double, kSourceCount> half_width{};
   Distribution distribution = Distribution::normal;
+  std::array<std::vector<double>, kSourceCount> measured{};  ///< errors found on built parts, mm or rad; may be empty
 
   double& operator[](Source source) { return half_width[index(source)]; }
   double operator[](Source source) const { return half_width[index(source)]; }
+  /// Mean of a source error: zero unless measured.
+  double mean(Source source) const;
   /// Standard deviation of a source error: T / 3, or T / sqrt(3) when uniform; a normal one cut off at +-T is
-  /// narrower by 1.3 %.
+  /// narrower by 1.3 %. That of the measured values where there are any.
   double std(Source source) const;
+  /// Largest |error| that the drawing admits.
+  double largest(Source source) const;
 };
 
 /// For machines whose drawings are not at hand. Position group: encoder offsets about twice the largest of
