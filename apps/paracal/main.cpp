@@ -31,6 +31,8 @@ int main(int argc, char** argv) {
   add_simulate(app, session);
   add_calibrate(app, session);
   add_validate(app, session);
+  add_sensitivity(app, session);
+  add_tolerance(app, session);
   add_reproduce(app, session);
   try {
     app.parse(argc, argv);

@@ -79,6 +79,8 @@ void add_identifiability(CLI::App& app, Session& session);
 void add_simulate(CLI::App& app, Session& session);
 void add_calibrate(CLI::App& app, Session& session);
 void add_validate(CLI::App& app, Session& session);
+void add_sensitivity(CLI::App& app, Session& session);
+void add_tolerance(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
 
 }  // namespace paracal::app

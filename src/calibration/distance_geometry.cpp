@@ -89,6 +89,7 @@ std::optional<Measurements> as_points(const Measurements& measurements) {
   const Eigen::MatrixXd points = points_of(distances);
   if (points.size() == 0 || !(rms_misfit(points, distances) < kRounding)) return std::nullopt;
   std::vector<Eigen::Vector3d> commanded;
+  commanded.reserve(stations.size());
   for (const std::size_t station : stations) commanded.push_back(measurements.stations[station].commanded.position);
   const std::vector<Eigen::Vector3d> right_handed = like_commanded(points, commanded);
 

@@ -2,141 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <set>
 #include <sstream>
 
 #include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
+#include "section.hpp"
 
 namespace paracal::io {
 namespace {
-
-std::string_view type_name(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      return "a text";
-    case toml::node_type::integer:
-    case toml::node_type::floating_point:
-      return "a number";
-    case toml::node_type::boolean:
-      return "true or false";
-    default:
-      return "a date or time";
-  }
-}
-
-/// A TOML table that knows its file and its place in it, asks for keys with their type, and refuses keys nobody asked
-/// for.
-class Section {
- public:
-  Section(std::string file, std::string path, const toml::table& table)
-      : file_(std::move(file)), path_(std::move(path)), table_(table) {}
-
-  [[noreturn]] void fail(const toml::node& where, const std::string& complaint) const {
-    throw InputFileError(file_, static_cast<int>(where.source().begin.line), complaint);
-  }
-  [[noreturn]] void fail(const std::string& complaint) const { fail(table_, complaint); }
-
-  std::string key_path(std::string_view key) const {
-    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
-  }
-
-  const toml::node* find(std::string_view key) {
-    asked_.emplace(key);
-    return table_.get(key);
-  }
-
-  const toml::node& require(std::string_view key, std::string_view expected) {
-    if (const toml::node* node = find(key)) return *node;
-    fail(fmt::format("expected {} ({}), got nothing", key_path(key), expected));
-  }
-
-  double number_of(const toml::node& node, std::string_view key) const {
-    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value) fail(node, fmt::format("expected a number for {}, got {}", key_path(key), type_name(node)));
-    if (!std::isfinite(*value))
-      fail(node, fmt::format("expected a finite number for {}, got {}", key_path(key), *value));
-    return *value;
-  }
-
-  double number(std::string_view key) { return number_of(require(key, "a number"), key); }
-
-  double number_or(std::string_view key, double otherwise) {
-    const toml::node* node = find(key);
-    return node ? number_of(*node, key) : otherwise;
-  }
-
-  std::vector<double> numbers_of(const toml::node& node, std::string_view key) const {
-    if (!node.is_array())
-      fail(node, fmt::format("expected an array of numbers for {}, got {}", key_path(key), type_name(node)));
-    std::vector<double> values;
-    for (const toml::node& element : *node.as_array()) values.push_back(number_of(element, key));
-    return values;
-  }
-
-  std::vector<double> numbers(std::string_view key, std::optional<std::size_t> count = std::nullopt) {
-    const toml::node& node = require(key, "an array of numbers");
-    std::vector<double> values = numbers_of(node, key);
-    if (count && values.size() != *count) {
-      fail(node, fmt::format("expected {} numbers for {}, got {}", *count, key_path(key), values.size()));
-    }
-    return values;
-  }
-
-  std::string text(std::string_view key) {
-    const toml::node& node = require(key, "a text");
-    if (!node.is_string()) fail(node, fmt::format("expected a text for {}, got {}", key_path(key), type_name(node)));
-    return **node.as_string();
-  }
-
-  Section table(std::string_view key) { return as_table(require(key, "a table"), key); }
-
-  std::optional<Section> optional_table(std::string_view key) {
-    const toml::node* node = find(key);
-    if (!node) return std::nullopt;
-    return as_table(*node, key);
-  }
-
-  Section as_table(const toml::node& node, std::string_view key) const {
-    if (!node.is_table()) fail(node, fmt::format("expected a table for {}, got {}", key_path(key), type_name(node)));
-    return {file_, key_path(key), *node.as_table()};
-  }
-
-  /// Call once every key has been asked for.
-  void refuse_others() const {
-    for (const auto& [key, node] : table_) {
-      if (asked_.contains(key.str())) continue;
-      std::string known;
-      for (const std::string& name : asked_) known.append(known.empty() ? "" : ", ").append(name);
-      throw InputFileError(file_, static_cast<int>(key.source().begin.line),
-                           fmt::format("expected one of {}; got \"{}\"", known, key_path(key.str())));
-    }
-  }
-
- private:
-  std::string file_;
-  std::string path_;
-  const toml::table& table_;
-  std::set<std::string, std::less<>> asked_;
-};
-
-toml::table parse(const TextFile& file) {
-  try {
-    return toml::parse(file.text, file.name);
-  } catch (const toml::parse_error& error) {
-    throw InputFileError(file.name, static_cast<int>(error.source().begin.line),
-                         fmt::format("expected TOML, got something else: {}", error.description()));
-  }
-}
 
 Eigen::Vector3d vector_of(const std::vector<double>& values) { return {values[0], values[1], values[2]}; }
 
@@ -256,7 +133,7 @@ std::string array(const auto& values) {
 }  // namespace
 
 Robot read_robot(const TextFile& file) {
-  const toml::table document = parse(file);
+  const toml::table document = parse_toml(file);
   RobotDescription description = description_of(file, document);
   try {
     return Robot(std::move(description));
@@ -265,21 +142,20 @@ Robot read_robot(const TextFile& file) {
   }
 }
 
-namespace {
-
-void write_measured(const Tolerances& tolerances, std::back_insert_iterator<std::string> out) {
-  bool any = false;
+std::string tolerances_toml(const Tolerances& tolerances) {
+  std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
   for (const Source source : all_sources()) {
-    if (source == Source::e_y || source == Source::e_z || tolerances.measured[index(source)].empty()) continue;
+    if (source == Source::e_y || source == Source::e_z) continue;
+    const std::string key = is_e(source) ? "e_mm" : file_key(source);
+    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(source, tolerances[source])));
     std::vector<double> values;
     for (const double value : tolerances.measured[index(source)]) values.push_back(tidy(to_file_unit(source, value)));
-    fmt::format_to(out, "{}{} = {}\n", any ? "" : "\n[tolerances.measured]  # errors of built parts\n",
-                   is_e(source) ? "e_mm" : file_key(source), array(values));
-    any = true;
+    if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
   }
+  text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
+  if (!measured.empty()) text += "\n[tolerances.measured]  # errors of built parts\n" + measured;
+  return text;
 }
-
-}  // namespace
 
 std::string robot_toml(const Robot& robot) {
   std::string text;
@@ -299,21 +175,12 @@ std::string robot_toml(const Robot& robot) {
   fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
                  workspace.radius, workspace.height, workspace.top_z,
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
-  if (const std::optional<Tolerances>& tolerances = robot.tolerances()) {
-    fmt::format_to(out, "\n[tolerances]  # half-widths, 3 sigma\n");
-    for (const Source source : all_sources()) {
-      if (source == Source::e_y || source == Source::e_z) continue;
-      fmt::format_to(out, "{} = {}\n", is_e(source) ? "e_mm" : file_key(source),
-                     tidy(to_file_unit(source, (*tolerances)[source])));
-    }
-    fmt::format_to(out, "distribution = \"{}\"\n", distribution_name(tolerances->distribution));
-    write_measured(*tolerances, out);
-  }
+  if (robot.tolerances()) text += "\n" + tolerances_toml(*robot.tolerances());
   return text;
 }
 
 Tolerances read_tolerances(const TextFile& file) {
-  const toml::table document = parse(file);
+  const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   if (!root.find("tolerances")) return tolerances_of(root);
   return tolerances_of(root.table("tolerances"));
@@ -337,7 +204,7 @@ std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_coun
 }
 
 SourceErrors read_source_errors(const TextFile& file, std::size_t limb_count) {
-  const toml::table document = parse(file);
+  const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   const toml::node& limbs = root.require("limb", "one [[limb]] table a limb");
   root.refuse_others();

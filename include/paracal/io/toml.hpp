@@ -29,4 +29,7 @@ std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_coun
 /// @throws InputFileError as above, and for a negative half-width.
 Tolerances read_tolerances(const TextFile& file);
 
+/// The tolerances as a file that read_tolerances() accepts.
+std::string tolerances_toml(const Tolerances& tolerances);
+
 }  // namespace paracal::io

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <memory>
+
+#include "paracal/io/allocation_problem.hpp"
+#include "paracal/io/file.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/tolerance/allocation.hpp"
+#include "tolerance.hpp"
+#include "tolerancing.hpp"
+
+namespace paracal::app {
+namespace {
+
+struct Options {
+  double max_tilt = 1e-3;
+  std::string bound = "sum-of-maxima", least_is = "tolerance", tolerances, problem, toml;
+  std::optional<double> least;
+};
+
+bool is_general(const Options& options) { return !options.problem.empty(); }
+
+Allocation allocated(const Options& options, const Robot& robot) {
+  const Tolerances rest = tolerances_of(robot, options.tolerances);
+  if (is_general(options)) {
+    const io::TextFile file = io::read_file(options.problem);
+    const AllocationProblem problem = io::read_allocation_problem(file, rest);
+    if (problem.variables.empty()) throw InputFileError(file.name, 0, "expected costs ([cost.NAME]), got none");
+    return allocate(robot, problem);
+  }
+  return allocate(
+      robot,
+      EqualInfluence{.max_tilt = options.max_tilt,
+                     .bound = options.bound == "sum-of-maxima" ? Bound::sum_of_maxima : Bound::true_maximum,
+                     .least = options.least,
+                     .least_reading = options.least_is == "sigma" ? LeastReading::sigma : LeastReading::tolerance,
+                     .rest = rest});
+}
+
+/// The tilt group's half-widths in the paper's units, rad.
+PerSource half_widths(const Robot& robot, const Tolerances& tolerances) {
+  PerSource values;
+  for (const Source source : all_sources()) values(static_cast<Eigen::Index>(index(source))) = tolerances[source];
+  return values / paper_units(robot);
+}
+
+std::string text_of(const Options& options, const Robot& robot, const Allocation& allocation) {
+  std::string text =
+      fmt::format("{}{}{}\n", name(allocation.status), allocation.reason.empty() ? "" : ": ", allocation.reason);
+  const auto out = std::back_inserter(text);
+  if (!is_general(options)) {
+    fmt::format_to(out, "tolerances of the tilt group (half-widths, 3 sigma), 1e-3 rad\n");
+    const io::Json group = tilt_group_json(half_widths(robot, allocation.tolerances));
+    for (const auto& [key, value] : group.items()) {
+      fmt::format_to(out, "  {:<25}{:>8.3f}\n", key, 1e3 * value.get<double>());
+    }
+  }
+  fmt::format_to(out, "cost {:.6g}\n", allocation.cost);
+  for (const RequirementOutcome& one : allocation.requirements) {
+    const Quantity quantity = one.requirement.characteristic.quantity;
+    const Shown worst = shown(quantity, one.worst.value), limit = shown(quantity, one.requirement.limit);
+    fmt::format_to(out, "{} ({}): {:.4g} of {:.4g} {} at {}; 1 % more would save {:.3g}\n",
+                   name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
+                   worst.unit, pose_text(one.worst.pose), 0.01 * one.price * one.requirement.limit);
+  }
+  text += "\n" + io::tolerances_toml(allocation.tolerances);
+  return text;
+}
+
+io::Json json_of(const Options& options, const Robot& robot, const Allocation& allocation) {
+  io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
+  json["tolerances"] = tilt_group_json(half_widths(robot, allocation.tolerances));
+  if (!is_general(options)) {
+    json["bound"] = options.bound;
+    json["max_tilt_3sigma"] = options.max_tilt;
+  }
+  json["half_widths"] = io::to_json(allocation.tolerances);
+  json["requirements"] = io::Json::array();
+  for (const RequirementOutcome& one : allocation.requirements) {
+    const Characteristic what = one.requirement.characteristic;
+    const double factor = shown(what.quantity, 1.0).value;
+    io::Json entry{{"quantity", name(what)}, {"criterion", name(one.requirement.criterion)}};
+    entry["limit_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.requirement.limit;
+    entry["worst_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.worst.value;
+    entry["worst_pose"] = pose_json(one.worst.pose);
+    entry["price"] = one.price / factor;
+    json["requirements"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+void run(const Options& options, Session& session) {
+  const Robot robot = session.robot();
+  const Allocation allocation = allocated(options, robot);
+  if (!options.toml.empty() && allocation.ok())
+    io::write_file(options.toml, io::tolerances_toml(allocation.tolerances));
+  if (!allocation.ok()) session.exit_code = kVerdictIsNo;
+  session.json() ? session.print_json(json_of(options, robot, allocation))
+                 : session.print(text_of(options, robot, allocation));
+}
+
+}  // namespace
+
+void add_tolerance_allocate(CLI::App& tolerance, Session& session) {
+  CLI::App* command = session.add_command(tolerance, "allocate", "", "the widest tolerances that keep a limit");
+  const auto options = std::make_shared<Options>();
+  CLI::Option* tilt = command->add_option("--max-tilt", options->max_tilt, "3 sigma of the plate's tilt, rad")
+                          ->check(positive_finite())
+                          ->capture_default_str();
+  CLI::Option* bound = command
+                           ->add_option("--bound", options->bound,
+                                        "how the largest tilt is meant: sum-of-maxima reproduces the paper's Table 2, "
+                                        "true-maximum is about 10 % wider")
+                           ->check(CLI::IsMember({"sum-of-maxima", "true-maximum"}))
+                           ->capture_default_str();
+  CLI::Option* least =
+      command->add_option("--least", options->least, "tightest tolerance that can be made, rad (0.0002 in the paper)")
+          ->check(positive_finite());
+  command->add_option("--least-is", options->least_is, "whether --least bounds the tolerance (3 sigma) or sigma")
+      ->check(CLI::IsMember({"tolerance", "sigma"}))
+      ->capture_default_str();
+  command->add_option("--tolerances", options->tolerances,
+                      "of the sources that are not chosen (TOML); default: the robot's");
+  command->add_option("--problem", options->problem, "requirements, cost curves and bounds (TOML; docs/tolerance.md)")
+      ->excludes(tilt)
+      ->excludes(bound)
+      ->excludes(least);
+  command->add_option("--toml", options->toml, "write the tolerances here, to be used with --tolerances");
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,231 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <iterator>
+#include <memory>
+
+#include "paracal/calibration/plan.hpp"
+#include "paracal/io/allocation_problem.hpp"
+#include "paracal/io/file.hpp"
+#include "paracal/tolerance/analysis.hpp"
+#include "tolerance.hpp"
+#include "tolerancing.hpp"
+
+namespace paracal::app {
+namespace {
+
+struct Options {
+  std::string tolerances, problem, model = "linear";
+  double max_tilt = 1e-3;
+  MonteCarloOptions monte_carlo;
+  int sobol = 0;
+  bool linearity = false;
+  std::optional<double> min_yield;
+};
+
+constexpr std::array<double, 4> kPercentiles{0.5, 0.9, 0.95, 0.99};
+
+struct Findings {
+  std::vector<RequirementAnalysis> analyses;
+  MonteCarlo batch = {};
+  std::vector<SobolIndex> sobol = {};
+  std::vector<LinearityPoint> linearity = {};
+};
+
+std::vector<Requirement> requirements_of(const Options& options, const Tolerances& tolerances) {
+  if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt}};
+  return io::read_allocation_problem(io::read_file(options.problem), tolerances).requirements;
+}
+
+/// The poses of the validation plan with all rotations, and those that are worst.
+std::vector<Pose> poses_of(const Robot& robot, const std::vector<RequirementAnalysis>& analyses) {
+  std::vector<Pose> poses;
+  for (const RequirementAnalysis& one : analyses) poses.push_back(one.three_sigma.pose);
+  for (const Station& station : workspace_stations(robot)) poses.push_back(station.commanded);
+  return poses;
+}
+
+Findings find(const Options& options, const Robot& robot, const Session& session) {
+  const Tolerances tolerances = tolerances_of(robot, options.tolerances);
+  const std::vector<Requirement> requirements = requirements_of(options, tolerances);
+  Findings found{.analyses = analyze(robot, tolerances, requirements)};
+  const std::vector<Pose> poses = poses_of(robot, found.analyses);
+  MonteCarloOptions sampling = options.monte_carlo;
+  sampling.model = options.model == "exact" ? Model::exact : Model::linear;
+  sampling.seed = session.seed();
+  sampling.threads = session.threads();
+  found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling);
+  const RequirementAnalysis& first = found.analyses.front();
+  if (options.sobol > 0) {
+    found.sobol = sobol_indices(robot, tolerances, first.requirement.characteristic, first.three_sigma.pose,
+                                {.model = Model::exact,
+                                 .seed = session.seed(),
+                                 .samples = options.sobol,
+                                 .confidence = sampling.confidence,
+                                 .threads = session.threads()});
+  }
+  if (options.linearity) {
+    found.linearity = linearity(robot, tolerances, first.requirement.characteristic, poses, {0.1, 1.0, 3.0, 10.0, 30.0},
+                                200, session.seed());
+  }
+  return found;
+}
+
+std::string sobol_text(const std::vector<SobolIndex>& indices) {
+  std::string text = "Sobol indices at the worst pose (exact model): alone, with interactions\n";
+  for (const SobolIndex& one : indices) {
+    fmt::format_to(std::back_inserter(text), "  {:<17}{:>7.3f} [{:.3f}, {:.3f}]{:>9.3f} [{:.3f}, {:.3f}]\n",
+                   name(one.source), one.first, one.first_interval.low, one.first_interval.high, one.total,
+                   one.total_interval.low, one.total_interval.high);
+  }
+  return text;
+}
+
+std::string text_of(const Options& options, const Findings& found) {
+  const MonteCarlo& batch = found.batch;
+  const double confidence = options.monte_carlo.confidence;
+  std::string text =
+      fmt::format("{} machines ({} model), {}\n", batch.machines, options.model,
+                  batch.converged ? fmt::format("every sigma known to {:g} % at {:g} % confidence",
+                                                100.0 * options.monte_carlo.sigma_error, 100.0 * confidence)
+                                  : std::string("fewer than sigma was to be known from"));
+  const auto out = std::back_inserter(text);
+  for (std::size_t k = 0; k < found.analyses.size(); ++k) {
+    const RequirementAnalysis& one = found.analyses[k];
+    const RequirementStatistics& drawn = batch.requirements[k];
+    const Quantity quantity = one.requirement.characteristic.quantity;
+    const double factor = shown(quantity, 1.0).value;
+    fmt::format_to(out, "\n{}, {}; limit {:.4g}\n", name(one.requirement.characteristic), shown(quantity, 0.0).unit,
+                   factor * one.requirement.limit);
+    fmt::format_to(out, "  worst case           {:>10.4g}  at {}\n", factor * one.worst_case.value,
+                   pose_text(one.worst_case.pose));
+    fmt::format_to(out, "  3 sigma, RSS         {:>10.4g}  at {}\n", factor * one.three_sigma.value,
+                   pose_text(one.three_sigma.pose));
+    const SigmaAtPose& worst = drawn.at_worst();
+    fmt::format_to(out, "  3 sigma, Monte Carlo {:>10.4g}  [{:.4g}, {:.4g}]; Cpk {:.2f}\n", 3.0 * factor * worst.sigma,
+                   3.0 * factor * worst.interval.low, 3.0 * factor * worst.interval.high, drawn.cpk());
+    fmt::format_to(out, "  largest on a machine: ");
+    for (const double share : kPercentiles) {
+      fmt::format_to(out, " {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
+    }
+    fmt::format_to(out, "\n{}", pareto(one.contributors));
+  }
+  const Interval interval = batch.yield_interval(confidence);
+  fmt::format_to(out, "\nyield {:.3f} % [{:.3f}, {:.3f}], {:.0f} defects per million\n", 100.0 * batch.yield(),
+                 100.0 * interval.low, 100.0 * interval.high, 1e6 * (1.0 - batch.yield()));
+  if (batch.not_closed > 0) fmt::format_to(out, "{} machines do not close somewhere\n", batch.not_closed);
+  if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol);
+  if (!found.linearity.empty()) text += "\nthe linear model against the exact one, tolerances times a factor\n";
+  for (const LinearityPoint& point : found.linearity) {
+    fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
+  }
+  return text;
+}
+
+io::Json interval_json(const Interval& interval, double factor = 1.0) {
+  return io::Json::array({factor * interval.low, factor * interval.high});
+}
+
+io::Json requirement_json(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
+  const Characteristic what = one.requirement.characteristic;
+  const double factor = shown(what.quantity, 1.0).value;
+  const SigmaAtPose& worst = drawn.at_worst();
+  io::Json json{{"quantity", name(what)},
+                {"unit", shown(what.quantity, 0.0).unit},
+                {"limit", factor * one.requirement.limit},
+                {"worst_case", factor * one.worst_case.value},
+                {"worst_case_pose", pose_json(one.worst_case.pose)},
+                {"rss_3sigma", factor * one.three_sigma.value},
+                {"rss_pose", pose_json(one.three_sigma.pose)},
+                {"monte_carlo_3sigma", 3.0 * factor * worst.sigma},
+                {"monte_carlo_3sigma_interval", interval_json(worst.interval, 3.0 * factor)},
+                {"monte_carlo_pose", pose_json(worst.pose)},
+                {"cpk", drawn.cpk()},
+                {"passed", drawn.passed},
+                {"contributors", contributors_json(one.contributors)}};
+  for (const double share : kPercentiles) {
+    json["largest_on_a_machine"][fmt::format("p{:g}", 100.0 * share)] = factor * drawn.largest.quantile(share);
+  }
+  json["largest_on_a_machine"]["p95_interval"] =
+      interval_json(drawn.largest.quantile_interval(0.95, confidence), factor);
+  return json;
+}
+
+io::Json json_of(const Options& options, const Findings& found) {
+  const MonteCarlo& batch = found.batch;
+  const double confidence = options.monte_carlo.confidence;
+  io::Json json{{"model", options.model},         {"machines", batch.machines}, {"converged", batch.converged},
+                {"not_closed", batch.not_closed}, {"confidence", confidence},   {"requirements", io::Json::array()}};
+  for (std::size_t k = 0; k < found.analyses.size(); ++k) {
+    json["requirements"].push_back(requirement_json(found.analyses[k], batch.requirements[k], confidence));
+  }
+  const io::Json& first = json["requirements"].front();
+  for (const char* key :
+       {"worst_case", "rss_3sigma", "monte_carlo_3sigma", "monte_carlo_3sigma_interval", "contributors"}) {
+    json[key] = first[key];
+  }
+  const Interval interval = batch.yield_interval(confidence);
+  json["yield"] = {{"value", batch.yield()}, {"low", interval.low}, {"high", interval.high}};
+  json["dpmo"] = {{"value", 1e6 * (1.0 - batch.yield())},
+                  {"low", 1e6 * (1.0 - interval.high)},
+                  {"high", 1e6 * (1.0 - interval.low)}};
+  for (const SobolIndex& one : found.sobol) {
+    json["sobol"].push_back({{"name", name(one.source)},
+                             {"first", one.first},
+                             {"first_interval", interval_json(one.first_interval)},
+                             {"total", one.total},
+                             {"total_interval", interval_json(one.total_interval)}});
+  }
+  for (const LinearityPoint& point : found.linearity) {
+    json["linearity"].push_back(
+        {{"factor", point.factor}, {"difference", point.difference}, {"not_closed", point.not_closed}});
+  }
+  return json;
+}
+
+void run(const Options& options, Session& session) {
+  const Robot robot = session.robot();
+  const Findings found = find(options, robot, session);
+  const bool enough =
+      !options.min_yield || found.batch.yield_interval(options.monte_carlo.confidence).low >= *options.min_yield;
+  if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
+  session.json() ? session.print_json(json_of(options, found)) : session.print(text_of(options, found));
+}
+
+}  // namespace
+
+void add_tolerance_analyze(CLI::App& tolerance, Session& session) {
+  CLI::App* command = session.add_command(
+      tolerance, "analyze", "", "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
+  CLI::Option* tilt = command->add_option("--max-tilt", options->max_tilt, "limit on the plate's tilt, rad")
+                          ->check(positive_finite())
+                          ->capture_default_str();
+  command->add_option("--problem", options->problem, "instead: the requirements of this file (TOML; docs/tolerance.md)")
+      ->excludes(tilt);
+  command->add_option("--model", options->model, "of the Monte Carlo")
+      ->check(CLI::IsMember({"linear", "exact"}))
+      ->capture_default_str();
+  const CLI::Range share(1e-4, 1.0, "0.0001 to 1"), confidence(0.5, 0.9999, "0.5 to 0.9999");
+  command
+      ->add_option("--sigma-error", options->monte_carlo.sigma_error,
+                   "draw machines until every sigma is known to this share")
+      ->check(share)
+      ->capture_default_str();
+  command->add_option("--confidence", options->monte_carlo.confidence, "of this and of all intervals")
+      ->check(confidence)
+      ->capture_default_str();
+  command->add_option("--max-machines", options->monte_carlo.max_machines, "but no more than these")
+      ->check(CLI::Range(std::uint64_t{16}, std::uint64_t{1'000'000'000'000}))
+      ->capture_default_str();
+  command->add_option("--sobol", options->sobol, "Sobol indices from so many samples (exact model)")
+      ->check(CLI::Range(8, 10'000'000));
+  command->add_flag("--linearity", options->linearity,
+                    "how far the linear model is off, up to 30 times the tolerances");
+  command->add_option("--min-yield", options->min_yield, "exit with 1 unless the yield is proven to reach this")
+      ->check(CLI::Range(0.0, 1.0));
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

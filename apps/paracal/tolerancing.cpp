@@ -1,0 +1,83 @@
+#include "tolerancing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::app {
+
+Tolerances tolerances_of(const Robot& robot, const std::string& file) {
+  if (!file.empty()) return io::read_tolerances(io::read_file(file));
+  return robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width));
+}
+
+Shown shown(Quantity quantity, double value) {
+  if (unit(quantity) == Unit::mm) return {value, "mm"};
+  if (quantity == Quantity::rotation) return {to_degrees(value), "deg"};
+  return {value, "rad"};
+}
+
+std::string json_key(Characteristic characteristic) {
+  std::string key = name(characteristic);
+  std::ranges::replace(key, '-', '_');
+  return fmt::format("{}_{}", key, shown(characteristic.quantity, 0.0).unit);
+}
+
+io::Json pose_json(const Pose& pose) {
+  return {{"x_mm", pose.position.x()},
+          {"y_mm", pose.position.y()},
+          {"z_mm", pose.position.z()},
+          {"phi_deg", to_degrees(pose.rotation)}};
+}
+
+std::string pose_text(const Pose& pose) {
+  return fmt::format("({:.0f}, {:.0f}, {:.0f}) mm, {:.0f} deg", pose.position.x() + 0.0, pose.position.y() + 0.0,
+                     pose.position.z(), to_degrees(pose.rotation) + 0.0);
+}
+
+io::Json tilt_group_json(const PerSource& values) {
+  io::Json json = io::Json::object();
+  for (const Source source : all_sources()) {
+    if (!tilts_plate(source)) continue;
+    const bool over_width = source == Source::rod_difference || source == Source::width_difference;
+    json[fmt::format("{}{}", name(source), over_width ? "_over_c" : "")] =
+        values(static_cast<Eigen::Index>(index(source)));
+  }
+  return json;
+}
+
+io::Json contributors_json(const std::vector<Contributor>& contributors) {
+  io::Json json = io::Json::array();
+  for (const Contributor& one : contributors) json.push_back({{"name", name(one.source)}, {"share", one.share}});
+  return json;
+}
+
+std::string pareto(const std::vector<Contributor>& contributors) {
+  constexpr double kLongest = 40.0;
+  constexpr double kNegligible = 5e-4;
+  std::string text;
+  for (const Contributor& one : contributors) {
+    if (one.share < kNegligible) continue;
+    const auto length = static_cast<std::size_t>(std::lround(kLongest * one.share / contributors.front().share));
+    fmt::format_to(std::back_inserter(text), "  {:<17}{:>6.1f} %  {}\n", name(one.source), 100.0 * one.share,
+                   std::string(length, '#'));
+  }
+  return text;
+}
+
+CLI::Validator characteristic_validator() {
+  const auto complaint = [](const std::string& text) {
+    if (characteristic_named(text)) return std::string();
+    std::string known;
+    for (const Quantity quantity : kQuantities) known.append(known.empty() ? "" : ", ").append(name({quantity, false}));
+    return fmt::format("expected one of {}, also with \"-compensated\" behind it; got {}", known, text);
+  };
+  return {complaint, "QUANTITY"};
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "paracal/io/json.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/tolerance/requirement.hpp"
+
+namespace paracal::app {
+
+/// The tolerances of a file; without one the robot's, or generous ones.
+Tolerances tolerances_of(const Robot& robot, const std::string& file);
+
+/// A value of a quantity in the units of screens and JSON keys: mm, rad for tilt and twist, deg for rotation.
+struct Shown {
+  double value = 0.0;
+  const char* unit = "";
+};
+Shown shown(Quantity quantity, double value);
+/// "tilt_rad", "position_compensated_mm", "rotation_deg".
+std::string json_key(Characteristic characteristic);
+
+io::Json pose_json(const Pose& pose);
+/// "(500, 0, -1013) mm, 180 deg"
+std::string pose_text(const Pose& pose);
+
+/// The tilt group in the paper's units: the six keys of the contract.
+io::Json tilt_group_json(const PerSource& values);
+
+io::Json contributors_json(const std::vector<Contributor>& contributors);
+/// A line a source: its share, and a bar as long.
+std::string pareto(const std::vector<Contributor>& contributors);
+
+/// Accepts the name of a characteristic.
+CLI::Validator characteristic_validator();
+
+}  // namespace paracal::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "paracal/io/file.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/tolerance/allocation.hpp"
+
+namespace paracal::io {
+
+/// Requirements and costs (TOML), as docs/files.md has them. `rest` is what the file does not choose.
+/// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that make no sense.
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest);
+
+}  // namespace paracal::io

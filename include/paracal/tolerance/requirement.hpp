@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "paracal/tolerance/sensitivity.hpp"
+
+namespace paracal {
+
+enum class Criterion : std::uint8_t {
+  statistical,  ///< 3 sigma, root of the sum of squares  [huang2016, Eq. (11)]
+  worst_case,   ///< every part at the worst end of its tolerance at once
+};
+
+/// What must hold everywhere in the workspace.
+struct Requirement {
+  Characteristic characteristic = {};
+  double limit = 1e-3;  ///< mm or rad
+  Criterion criterion = Criterion::statistical;
+};
+
+/// "statistical", "worst-case".
+std::string_view name(Criterion criterion);
+
+/// The worst that parts within their drawings can do at a pose: a machine, and the direction in which it is worst.
+///
+///   max over |dp_k| <= T_k of |rows dp|  =  max over unit n of  sum_k |n . g_k| T_k
+///
+/// Exact for one and two components (all vertices of the zonotope are visited); for three, refined from the best of
+/// many directions.
+struct WorstCase {
+  double value = 0.0;         ///< mm or rad
+  Eigen::Vector3d direction;  ///< n, in the components of the characteristic; zeros beyond them
+};
+WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances);
+
+/// Weights of the tolerances in that direction: value = sum_k weight_k T_k, w_k = sum over limbs |n . g_ik|.
+PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& direction);
+
+/// 3 sigma or the worst case at a pose.
+double spread_at(const SourceRows& rows, const Tolerances& tolerances, Criterion criterion);
+
+/// Where that is largest in the workspace.
+ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
+                         Criterion criterion);
+
+}  // namespace paracal

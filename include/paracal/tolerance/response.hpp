@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/tolerance/characteristic.hpp"
+
+namespace paracal {
+
+enum class Model : std::uint8_t {
+  linear,  ///< [huang2016, Eqs. (5), (6)]
+  exact,   ///< the closure itself, least squares over all rods
+};
+
+/// The components of several characteristics at several poses, as one vector. Those of characteristic c begin at row
+/// first_row(c); component j at pose p is row first_row(c) + j poses + p.
+class Response {
+ public:
+  /// @throws Unreachable, InvalidArgument as LinearModel::rows.
+  Response(const Robot& robot, std::vector<Characteristic> characteristics, std::vector<Pose> poses);
+
+  const std::vector<Characteristic>& characteristics() const { return characteristics_; }
+  const std::vector<Pose>& poses() const { return poses_; }
+  Eigen::Index rows() const { return linear_.rows(); }
+  Eigen::Index first_row(std::size_t characteristic) const { return first_row_[characteristic]; }
+
+  /// Derivative with respect to the source errors, 14 a limb.
+  const Eigen::MatrixXd& linear() const { return linear_; }
+
+  /// The components of a machine, by the exact model: its controller believes the nominal robot, or (compensated) the
+  /// machine without its tilt errors.
+  /// @returns false when the machine does not close, or the compensated pose is out of reach, at some pose.
+  bool exact(const SourceErrors& errors, Eigen::Ref<Eigen::VectorXd> components) const;
+
+ private:
+  bool add_exact(const Machine& machine, const Machine& believed, bool compensated,
+                 Eigen::Ref<Eigen::VectorXd> components) const;
+
+  const Robot* robot_;
+  std::vector<Characteristic> characteristics_;
+  std::vector<Pose> poses_;
+  std::vector<Eigen::Index> first_row_;
+  Eigen::MatrixXd linear_;
+};
+
+}  // namespace paracal

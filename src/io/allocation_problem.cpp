@@ -1,0 +1,149 @@
+#include "paracal/io/allocation_problem.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "names.hpp"
+#include "paracal/error.hpp"
+#include "paracal/units.hpp"
+#include "section.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// The key of a limit says its unit: limit_mm, limit_rad or limit_deg.
+double limit_of(Section& section, Quantity quantity) {
+  const auto positive = [&](const char* key) {
+    const double limit = section.number(key);
+    if (!(limit > 0.0)) section.fail(fmt::format("expected {} above 0, got {}", section.key_path(key), limit));
+    return limit;
+  };
+  if (unit(quantity) == Unit::mm) return positive("limit_mm");
+  return section.find("limit_deg") != nullptr ? to_radians(positive("limit_deg")) : positive("limit_rad");
+}
+
+Requirement requirement_of(Section section) {
+  Requirement requirement;
+  const std::string text = section.text("quantity");
+  const std::optional<Characteristic> characteristic = characteristic_named(text);
+  if (!characteristic) {
+    std::string known;
+    for (const Quantity quantity : kQuantities) known.append(name({quantity, false})).append(", ");
+    section.fail(*section.find("quantity"),
+                 fmt::format("expected {}or one of these with \"-compensated\" behind it, got \"{}\"", known, text));
+  }
+  requirement.characteristic = *characteristic;
+  requirement.limit = limit_of(section, characteristic->quantity);
+  if (const toml::node* node = section.find("criterion")) {
+    const std::string criterion = section.text("criterion");
+    if (criterion != "statistical" && criterion != "worst-case") {
+      section.fail(*node, fmt::format("expected \"statistical\" or \"worst-case\", got \"{}\"", criterion));
+    }
+    requirement.criterion = criterion == "statistical" ? Criterion::statistical : Criterion::worst_case;
+  }
+  section.refuse_others();
+  return requirement;
+}
+
+std::vector<Grade> grades_of(Section& section, double unit_size) {
+  std::vector<Grade> grades;
+  for (Section& one : section.tables("grade")) {
+    Grade grade;
+    grade.name = one.text("name");
+    grade.tolerance = unit_size * one.number("tolerance");
+    grade.cost = one.number("cost");
+    if (!(grade.tolerance > 0.0)) one.fail(fmt::format("expected {} above 0", one.key_path("tolerance")));
+    one.refuse_others();
+    grades.push_back(std::move(grade));
+  }
+  if (grades.empty()) section.fail(fmt::format("expected grades ([[{}]]), got none", section.key_path("grade")));
+  return grades;
+}
+
+double above_zero(Section& section, const char* key) {
+  const double value = section.number(key);
+  if (!(value > 0.0)) section.fail(fmt::format("expected {} above 0, got {}", section.key_path(key), value));
+  return value;
+}
+
+/// @param unit_size  the file's unit in mm or rad, which A, B, C and the bounds are stated in.
+CostCurve curve_of(Section& section, double unit_size) {
+  const toml::node* node = section.find("law");
+  const std::string text = node != nullptr ? section.text("law") : "reciprocal";
+  const std::optional<CostLaw> law = cost_law_named(text);
+  if (!law) {
+    section.fail(*node,
+                 fmt::format("expected reciprocal, reciprocal-square, exponential, power or grades for {}, got \"{}\"",
+                             section.key_path("law"), text));
+  }
+  CostCurve curve{.law = *law};
+  if (*law == CostLaw::grades) {
+    curve.grades = grades_of(section, unit_size);
+    return curve;
+  }
+  curve.A = section.number_or("A", 0.0);
+  curve.B = above_zero(section, "B");
+  switch (*law) {
+    case CostLaw::reciprocal:
+      curve.B *= unit_size;
+      break;
+    case CostLaw::reciprocal_square:
+      curve.B *= unit_size * unit_size;
+      break;
+    case CostLaw::exponential:
+      curve.C = unit_size * above_zero(section, "C");
+      break;
+    case CostLaw::power:
+      curve.C = above_zero(section, "C");
+      curve.B *= std::pow(unit_size, curve.C);
+      break;
+    case CostLaw::grades:
+      break;
+  }
+  return curve;
+}
+
+DesignVariable variable_of(Section section, std::vector<Source> sources) {
+  DesignVariable variable{.sources = std::move(sources), .cost = {}};
+  const double unit_size = from_file_unit(variable.sources.front(), 1.0);
+  variable.cost = curve_of(section, unit_size);
+  if (variable.cost.law != CostLaw::grades) {
+    variable.lower = unit_size * above_zero(section, "lower");
+    variable.upper = unit_size * above_zero(section, "upper");
+    if (variable.upper < variable.lower)
+      section.fail(fmt::format("expected {} of at least lower", section.key_path("upper")));
+  }
+  section.refuse_others();
+  return variable;
+}
+
+std::vector<DesignVariable> variables_of(Section section) {
+  std::vector<DesignVariable> variables;
+  for (const Source source : all_sources()) {
+    if (source == Source::e_y || source == Source::e_z) continue;
+    const std::string key = is_e(source) ? "e_mm" : file_key(source);
+    std::optional<Section> cost = section.optional_table(key);
+    if (!cost) continue;
+    std::vector<Source> sources{source};
+    if (is_e(source)) sources = {Source::e_x, Source::e_y, Source::e_z};
+    variables.push_back(variable_of(std::move(*cost), std::move(sources)));
+  }
+  section.refuse_others();
+  return variables;
+}
+
+}  // namespace
+
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest) {
+  const toml::table document = parse_toml(file);
+  Section root(file.name, "", document);
+  AllocationProblem problem{.rest = rest};
+  for (const Section& section : root.tables("requirement")) problem.requirements.push_back(requirement_of(section));
+  if (problem.requirements.empty()) root.fail("expected at least one [[requirement]], got none");
+  if (const std::optional<Section> costs = root.optional_table("cost")) problem.variables = variables_of(*costs);
+  root.refuse_others();
+  return problem;
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,252 @@
+#include "paracal/tolerance/allocation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "cutting_planes.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal {
+namespace {
+
+using detail::Cut;
+using detail::MasterSolution;
+using detail::total_cost;
+using detail::with;
+
+constexpr double kViolation = 1e-6;  // of a limit
+constexpr int kLargestRounds = 40;
+
+Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
+
+bool any_grades(const AllocationProblem& problem) {
+  return std::ranges::any_of(problem.variables, [](const auto& v) { return v.cost.law == CostLaw::grades; });
+}
+
+void check_curve(const DesignVariable& variable, const std::string& what) {
+  const CostCurve& curve = variable.cost;
+  const auto refuse = [&](const std::string& complaint) { throw InvalidArgument(what + ": " + complaint); };
+  if (curve.law == CostLaw::grades) {
+    if (curve.grades.empty()) refuse("expected at least one grade, got none");
+    for (const Grade& grade : curve.grades) {
+      const bool sensible = grade.tolerance > 0.0 && std::isfinite(grade.tolerance) && std::isfinite(grade.cost);
+      if (!sensible) refuse(fmt::format("grade \"{}\": expected a tolerance above 0 and a finite cost", grade.name));
+    }
+    return;
+  }
+  if (!(curve.B > 0.0) || !(curve.C > 0.0))
+    refuse(fmt::format("expected B and C above 0, got {} and {}", curve.B, curve.C));
+  if (!(variable.lower > 0.0) || !(variable.upper >= variable.lower) || !std::isfinite(variable.upper)) {
+    refuse(fmt::format("expected bounds 0 < lower <= upper, got {} and {}", variable.lower, variable.upper));
+  }
+}
+
+void check(const AllocationProblem& problem) {
+  if (problem.variables.empty()) throw InvalidArgument("allocation: expected a tolerance to choose, got none");
+  if (problem.requirements.empty()) throw InvalidArgument("allocation: expected a requirement, got none");
+  std::set<Source> seen;
+  for (const DesignVariable& variable : problem.variables) {
+    if (variable.sources.empty()) throw InvalidArgument("allocation: a variable names no source error");
+    const std::string what(name(variable.sources.front()));
+    for (const Source source : variable.sources) {
+      if (!seen.insert(source).second) throw InvalidArgument(fmt::format("{}: chosen twice", name(source)));
+    }
+    check_curve(variable, what);
+  }
+  for (const Requirement& requirement : problem.requirements) {
+    if (requirement.limit > 0.0 && std::isfinite(requirement.limit)) continue;
+    throw InvalidArgument(
+        fmt::format("{}: expected a limit above 0, got {}", name(requirement.characteristic), requirement.limit));
+  }
+}
+
+/// d cost / d limit of a cut's requirement, per unit of its multiplier: its sides are divided by the limit (squared).
+double limit_slope(const Requirement& requirement) {
+  return (requirement.criterion == Criterion::statistical ? 2.0 : 1.0) / requirement.limit;
+}
+
+class Allocator {
+ public:
+  Allocator(const Robot& robot, const AllocationProblem& problem) : robot_(robot), problem_(problem) {}
+
+  Allocation run() {
+    Eigen::VectorXd half_widths = widest();
+    for (allocation_.rounds = 1; allocation_.rounds <= kLargestRounds; ++allocation_.rounds) {
+      if (!add_cuts(half_widths)) return finished(half_widths);
+      const MasterSolution solution =
+          any_grades(problem_) ? solve_with_grades(problem_, cuts_) : solve_continuous(problem_, cuts_);
+      allocation_.status = solution.status;
+      if (solution.status == AllocationStatus::infeasible) return infeasible();
+      if (solution.status == AllocationStatus::not_converged) break;
+      half_widths = solution.half_widths;
+    }
+    allocation_.status = AllocationStatus::not_converged;
+    allocation_.reason = "the solver did not settle";
+    return finished(half_widths);
+  }
+
+ private:
+  Eigen::VectorXd widest() {
+    Eigen::VectorXd half_widths(static_cast<Eigen::Index>(problem_.variables.size()));
+    for (std::size_t v = 0; v < problem_.variables.size(); ++v)
+      half_widths(static_cast<Eigen::Index>(v)) = bound(v, true);
+    allocation_.status = AllocationStatus::optimal;  // where even this holds everywhere
+    return half_widths;
+  }
+
+  double bound(std::size_t v, bool upper) const {
+    const DesignVariable& variable = problem_.variables[v];
+    if (variable.cost.law != CostLaw::grades) return upper ? variable.upper : variable.lower;
+    const auto [low, high] = std::ranges::minmax(variable.cost.grades, {}, &Grade::tolerance);
+    return upper ? high.tolerance : low.tolerance;
+  }
+
+  /// Adds the worst pose of every requirement that is violated; false when none is.
+  bool add_cuts(const Eigen::VectorXd& half_widths) {
+    const Tolerances tolerances = with(problem_, half_widths);
+    allocation_.requirements.clear();
+    bool violated = false;
+    for (std::size_t k = 0; k < problem_.requirements.size(); ++k) {
+      const Requirement& requirement = problem_.requirements[k];
+      const ValueAtPose worst = worst_spread(robot_, requirement.characteristic, tolerances, requirement.criterion);
+      allocation_.requirements.push_back({requirement, worst, 0.0});
+      if (worst.value <= requirement.limit * (1.0 + kViolation)) continue;
+      cuts_.push_back(detail::cut_at(robot_, problem_, k, worst.pose, half_widths));
+      violated = true;
+    }
+    return violated;
+  }
+
+  Allocation finished(const Eigen::VectorXd& half_widths) {
+    allocation_.tolerances = with(problem_, half_widths);
+    allocation_.cost = total_cost(problem_, half_widths, robot_.limb_count());
+    if (allocation_.status == AllocationStatus::feasible) {
+      allocation_.reason = "too many combinations of grades to prove that none is cheaper";
+    }
+    const Eigen::VectorXd lambda = multipliers(problem_, cuts_, half_widths);
+    for (std::size_t j = 0; j < cuts_.size(); ++j) {
+      RequirementOutcome& outcome = allocation_.requirements[cuts_[j].requirement];
+      outcome.price += lambda(static_cast<Eigen::Index>(j)) * limit_slope(outcome.requirement) *
+                       static_cast<double>(robot_.limb_count());
+    }
+    return allocation_;
+  }
+
+  Allocation infeasible() {
+    Eigen::VectorXd tightest(static_cast<Eigen::Index>(problem_.variables.size()));
+    for (std::size_t v = 0; v < problem_.variables.size(); ++v)
+      tightest(static_cast<Eigen::Index>(v)) = bound(v, false);
+    add_cuts(tightest);
+    allocation_.tolerances = with(problem_, tightest);
+    allocation_.cost = total_cost(problem_, tightest, robot_.limb_count());
+    for (const RequirementOutcome& outcome : allocation_.requirements) {
+      const Requirement& requirement = outcome.requirement;
+      if (outcome.worst.value <= requirement.limit) continue;
+      allocation_.reason += fmt::format("{}{} is {:.4g} with every tolerance at its tightest, above its limit {:.4g}",
+                                        allocation_.reason.empty() ? "" : "; ", name(requirement.characteristic),
+                                        outcome.worst.value, requirement.limit);
+    }
+    if (allocation_.reason.empty()) allocation_.reason = "no combination of grades holds every requirement";
+    return allocation_;
+  }
+
+  const Robot& robot_;
+  const AllocationProblem& problem_;
+  std::vector<Cut> cuts_;
+  Allocation allocation_;
+};
+
+/// Tolerances in the ratio of equal influence, the tightest 1 in the paper's units.
+Tolerances equal_influence(const Robot& robot, const GlobalSensitivity& global, const Tolerances& rest) {
+  const PerSource mean = global.mean * paper_units(robot);  // per unit of dp_e
+  const double largest = mean.tail<ErrorModel::kTilt>().maxCoeff();
+  Tolerances tolerances = rest;
+  for (const Source source : all_sources()) {
+    if (!tilts_plate(source)) continue;
+    tolerances.measured[index(source)].clear();
+    tolerances[source] = largest / mean(place(source)) * paper_units(robot)(place(source));
+  }
+  return tolerances;
+}
+
+void scale_tilt_group(Tolerances& tolerances, double factor) {
+  for (const Source source : all_sources()) {
+    if (tilts_plate(source)) tolerances[source] *= factor;
+  }
+}
+
+double largest_three_sigma(const Robot& robot, Bound bound, const GlobalSensitivity& global,
+                           const Tolerances& tolerances) {
+  if (bound == Bound::sum_of_maxima) return 3.0 * sigma_of(global.largest.square(), variances(tolerances));
+  return worst_spread(robot, {Quantity::tilt}, tolerances, Criterion::statistical).value;
+}
+
+/// Means good to half a percent: the search for the worst pose is no better, and a slider can be dragged.
+constexpr GlobalSensitivityOptions kQuick{.relative_error = 5e-3, .max_level = 2};
+
+void check_least(const Robot& robot, const EqualInfluence& problem, Allocation& allocation) {
+  if (!problem.least) return;
+  double tightest = 0.0;
+  for (const Source source : all_sources()) {
+    if (!tilts_plate(source)) continue;
+    const double in_paper_units = allocation.tolerances[source] / paper_units(robot)(place(source));
+    tightest = tightest == 0.0 ? in_paper_units : std::min(tightest, in_paper_units);
+  }
+  const bool of_sigma = problem.least_reading == LeastReading::sigma;
+  const double reached = of_sigma ? tightest / 3.0 : tightest;
+  if (reached >= *problem.least) return;
+  allocation.status = AllocationStatus::infeasible;
+  allocation.reason = fmt::format("the tightest {} would be {:.3g} rad, below what can be made, {:.3g} rad",
+                                  of_sigma ? "sigma" : "tolerance", reached, *problem.least);
+}
+
+}  // namespace
+
+std::string_view name(AllocationStatus status) {
+  switch (status) {
+    case AllocationStatus::optimal:
+      return "optimal";
+    case AllocationStatus::feasible:
+      return "feasible";
+    case AllocationStatus::infeasible:
+      return "infeasible";
+    case AllocationStatus::not_converged:
+      return "not converged";
+  }
+  return "";
+}
+
+Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
+  if (!(problem.max_tilt > 0.0) || !std::isfinite(problem.max_tilt)) {
+    throw InvalidArgument(fmt::format("largest tilt: expected a number above 0 rad, got {}", problem.max_tilt));
+  }
+  const Characteristic tilt{Quantity::tilt};
+  const GlobalSensitivity global = problem.bound == Bound::sum_of_maxima
+                                       ? mean_sensitivity(robot, tilt, cartesian_grid(robot))
+                                       : global_sensitivity(robot, tilt, kQuick);
+  Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
+  allocation.tolerances = equal_influence(robot, global, problem.rest);
+  allocation.tolerances.distribution = Distribution::normal;
+  const double at_unit = largest_three_sigma(robot, problem.bound, global, allocation.tolerances);
+  scale_tilt_group(allocation.tolerances, problem.max_tilt / at_unit);
+  for (const Source source : all_sources()) {
+    if (!tilts_plate(source)) continue;
+    const double sigma = allocation.tolerances.std(source) / paper_units(robot)(place(source));
+    allocation.cost += 1.0 / sigma / static_cast<double>(kTiltSourceCount);
+  }
+  const ValueAtPose worst = worst_spread(robot, tilt, allocation.tolerances, Criterion::statistical);
+  // The cost goes with one over the limit.
+  allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
+  check_least(robot, problem, allocation);
+  return allocation;
+}
+
+Allocation allocate(const Robot& robot, const AllocationProblem& problem) {
+  check(problem);
+  return Allocator(robot, problem).run();
+}
+
+}  // namespace paracal

@@ -1,0 +1,201 @@
+#include "cutting_planes.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "optimizer.hpp"
+
+namespace paracal::detail {
+namespace {
+
+constexpr double kBinds = 1e-6;  // of the limit
+
+Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
+
+/// sigma of a source error over its half-width.
+double sigma_share(const Tolerances& tolerances, Source source) {
+  Tolerances one;
+  one.distribution = tolerances.distribution;
+  one[source] = 1.0;
+  return one.std(source);
+}
+
+double slope_of(const AllocationProblem& problem, Eigen::Index variable, double half_width) {
+  return problem.variables[static_cast<std::size_t>(variable)].cost.slope(half_width);
+}
+
+/// The variables in units of their upper bounds: all of one size for the solver.
+struct Scaled {
+  const AllocationProblem& problem;
+  Eigen::VectorXd unit;
+
+  explicit Scaled(const AllocationProblem& of) : problem(of), unit(static_cast<Eigen::Index>(of.variables.size())) {
+    for (Eigen::Index v = 0; v < unit.size(); ++v) unit(v) = problem.variables[static_cast<std::size_t>(v)].upper;
+  }
+
+  Eigen::VectorXd half_widths(const std::vector<double>& x) const {
+    return Eigen::Map<const Eigen::VectorXd>(x.data(), unit.size()).cwiseProduct(unit);
+  }
+};
+
+/// The widest feasible point on the way from all lower to all upper bounds; empty when even the lower bounds fail.
+std::optional<std::vector<double>> feasible_start(const Scaled& scaled, const std::vector<Cut>& cuts) {
+  const auto point = [&](double share) {
+    std::vector<double> x;
+    for (const DesignVariable& variable : scaled.problem.variables) {
+      const double low = variable.lower / variable.upper;
+      x.push_back(low + share * (1.0 - low));
+    }
+    return x;
+  };
+  const auto holds = [&](double share) {
+    const Eigen::VectorXd half_widths = scaled.half_widths(point(share));
+    return std::ranges::all_of(cuts, [&](const Cut& cut) { return cut.value(half_widths) <= 1e-12; });
+  };
+  if (!holds(0.0)) return std::nullopt;
+  double low = 0.0, high = 1.0;
+  for (int step = 0; step < 50 && !holds(high); ++step) {
+    const double middle = 0.5 * (low + high);
+    holds(middle) ? low = middle : high = middle;
+    if (high - low < 1e-9) high = low;
+  }
+  return point(holds(high) ? high : low);
+}
+
+Objective cost_objective(const Scaled& scaled, double unit_cost) {
+  return [&scaled, unit_cost](const std::vector<double>& x, std::vector<double>& gradient) {
+    const Eigen::VectorXd half_widths = scaled.half_widths(x);
+    for (std::size_t v = 0; v < gradient.size(); ++v) {
+      const auto i = static_cast<Eigen::Index>(v);
+      gradient[v] = slope_of(scaled.problem, i, half_widths(i)) * scaled.unit(i) / unit_cost;
+    }
+    return total_cost(scaled.problem, half_widths, 1) / unit_cost;
+  };
+}
+
+Objective cut_objective(const Scaled& scaled, const Cut& cut) {
+  return [&scaled, &cut](const std::vector<double>& x, std::vector<double>& gradient) {
+    const Eigen::VectorXd half_widths = scaled.half_widths(x);
+    for (std::size_t v = 0; v < gradient.size(); ++v) {
+      const auto i = static_cast<Eigen::Index>(v);
+      gradient[v] = cut.weight(i) * cut.h_slope(half_widths(i)) * scaled.unit(i);
+    }
+    return cut.value(half_widths);
+  };
+}
+
+/// min |A x - b| with x >= 0 for a handful of columns: columns that would be negative leave, the worst first.
+Eigen::VectorXd non_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index k = 0; k < A.cols(); ++k) used.push_back(k);
+  while (!used.empty()) {
+    const Eigen::VectorXd part = A(Eigen::all, used).colPivHouseholderQr().solve(b);
+    Eigen::Index worst = 0;
+    if (part.minCoeff(&worst) >= 0.0) {
+      x(used) = part;
+      break;
+    }
+    used.erase(used.begin() + worst);
+  }
+  return x;
+}
+
+}  // namespace
+
+double Cut::value(const Eigen::VectorXd& tolerance) const {
+  double sum = -room;
+  for (Eigen::Index v = 0; v < weight.size(); ++v) sum += weight(v) * h(tolerance(v));
+  return sum;
+}
+
+Tolerances with(const AllocationProblem& problem, const Eigen::VectorXd& half_widths) {
+  Tolerances tolerances = problem.rest;
+  for (std::size_t v = 0; v < problem.variables.size(); ++v) {
+    for (const Source source : problem.variables[v].sources) {
+      tolerances[source] = half_widths(static_cast<Eigen::Index>(v));
+      tolerances.measured[index(source)].clear();
+    }
+  }
+  return tolerances;
+}
+
+Cut cut_at(const Robot& robot, const AllocationProblem& problem, std::size_t requirement, const Pose& pose,
+           const Eigen::VectorXd& at) {
+  const Requirement& wanted = problem.requirements[requirement];
+  const SourceRows rows = LinearModel(robot).rows(pose, wanted.characteristic);
+  const bool statistical = wanted.criterion == Criterion::statistical;
+  const auto count = static_cast<Eigen::Index>(problem.variables.size());
+  Cut cut{.requirement = requirement, .criterion = wanted.criterion, .weight = Eigen::VectorXd::Zero(count)};
+  const PerSource weights =
+      statistical ? PerSource(squared_sensitivities(rows) * 9.0 / (wanted.limit * wanted.limit))
+                  : PerSource(worst_case_weights(rows, worst_case(rows, with(problem, at)).direction) / wanted.limit);
+  const Tolerances fixed = with(problem, Eigen::VectorXd::Zero(count));
+  for (const Source source : all_sources()) {
+    cut.room -= weights(place(source)) * (statistical ? std::pow(fixed.std(source), 2) : fixed.largest(source));
+  }
+  for (Eigen::Index v = 0; v < count; ++v) {
+    for (const Source source : problem.variables[static_cast<std::size_t>(v)].sources) {
+      const double share = statistical ? std::pow(sigma_share(problem.rest, source), 2) : 1.0;
+      cut.weight(v) += share * weights(place(source));
+    }
+  }
+  return cut;
+}
+
+double total_cost(const AllocationProblem& problem, const Eigen::VectorXd& half_widths, std::size_t limbs) {
+  double sum = 0.0;
+  for (std::size_t v = 0; v < problem.variables.size(); ++v) {
+    const DesignVariable& variable = problem.variables[v];
+    sum += variable.cost.cost(half_widths(static_cast<Eigen::Index>(v)));
+  }
+  return sum * static_cast<double>(limbs);
+}
+
+MasterSolution solve_continuous(const AllocationProblem& problem, const std::vector<Cut>& cuts) {
+  const Scaled scaled(problem);
+  const std::optional<std::vector<double>> start = feasible_start(scaled, cuts);
+  if (!start) return {AllocationStatus::infeasible, {}};
+  const double unit_cost = std::max(std::abs(total_cost(problem, scaled.half_widths(*start), 1)), 1e-300);
+  Minimization master{.objective = cost_objective(scaled, unit_cost),
+                      .lower = {},
+                      .upper = std::vector<double>(start->size(), 1.0),
+                      .step_tolerance = 1e-11,
+                      .max_evaluations = 2000};
+  for (const DesignVariable& variable : problem.variables) master.lower.push_back(variable.lower / variable.upper);
+  for (const Cut& cut : cuts) master.constraints.push_back(cut_objective(scaled, cut));
+  const Minimum minimum = minimize(master, *start);
+  return {minimum.converged ? AllocationStatus::optimal : AllocationStatus::not_converged,
+          scaled.half_widths(minimum.x)};
+}
+
+Eigen::VectorXd multipliers(const AllocationProblem& problem, const std::vector<Cut>& cuts,
+                            const Eigen::VectorXd& half_widths) {
+  std::vector<Eigen::Index> free, binding;
+  for (Eigen::Index v = 0; v < half_widths.size(); ++v) {
+    const DesignVariable& variable = problem.variables[static_cast<std::size_t>(v)];
+    const double margin = 1e-7 * variable.upper;
+    const bool inside = half_widths(v) > variable.lower + margin && half_widths(v) < variable.upper - margin;
+    if (variable.cost.law != CostLaw::grades && inside) free.push_back(v);
+  }
+  for (std::size_t j = 0; j < cuts.size(); ++j) {
+    if (std::abs(cuts[j].value(half_widths)) <= kBinds) binding.push_back(static_cast<Eigen::Index>(j));
+  }
+  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(cuts.size()));
+  if (free.empty() || binding.empty()) return lambda;
+  Eigen::MatrixXd A(free.size(), binding.size());
+  Eigen::VectorXd b(free.size());
+  for (Eigen::Index row = 0; row < A.rows(); ++row) {
+    const Eigen::Index v = free[static_cast<std::size_t>(row)];
+    b(row) = -slope_of(problem, v, half_widths(v)) * half_widths(v);
+    for (Eigen::Index column = 0; column < A.cols(); ++column) {
+      const Cut& cut = cuts[static_cast<std::size_t>(binding[static_cast<std::size_t>(column)])];
+      A(row, column) = cut.weight(v) * cut.h_slope(half_widths(v)) * half_widths(v);
+    }
+  }
+  lambda(binding) = non_negative(A, b);
+  return lambda;
+}
+
+}  // namespace paracal::detail

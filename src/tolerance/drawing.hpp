@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "paracal/mechanism/random.hpp"
+
+namespace paracal::detail {
+
+/// Draws the errors of many machines at once, but only those that move a response: columns of zeros and exact parts are
+/// left out. Equal to draw_errors() number by number.
+class Drawing {
+ public:
+  /// @param response  a column a source error, 14 a limb.
+  Drawing(const Eigen::MatrixXd& response, const Tolerances& tolerances);
+
+  /// The columns of the response that vary.
+  const Eigen::MatrixXd& matrix() const { return matrix_; }
+
+  /// Column m: the errors of machine first + m.
+  void draw(std::uint64_t seed, std::uint64_t first, Eigen::Ref<Eigen::MatrixXd> errors) const;
+
+ private:
+  struct Pair {
+    std::uint64_t number = 0;                 ///< of normal_pair()
+    std::array<Eigen::Index, 2> row{-1, -1};  ///< where its two numbers go; -1: nowhere
+    std::array<Source, 2> source{};
+  };
+
+  const Tolerances* tolerances_;
+  std::vector<Pair> pairs_;
+  Eigen::MatrixXd matrix_;
+};
+
+}  // namespace paracal::detail

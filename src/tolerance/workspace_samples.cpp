@@ -1,0 +1,102 @@
+#include "paracal/tolerance/workspace_samples.hpp"
+
+#include <boost/math/special_functions/legendre.hpp>
+#include <cmath>
+#include <numbers>
+
+namespace paracal {
+namespace {
+
+struct Node {
+  double place = 0.0, weight = 0.0;
+};
+
+/// Gauss and Legendre's rule of n points on [low, high], weights adding up to 1.
+std::vector<Node> gauss_rule(int n, double low, double high) {
+  std::vector<Node> nodes;
+  const auto add = [&](double x) {
+    const double slope = boost::math::legendre_p_prime(n, x);
+    nodes.push_back({low + 0.5 * (high - low) * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope)});
+  };
+  for (const double zero : boost::math::legendre_p_zeros<double>(n)) {
+    add(zero);
+    if (zero > 0.0) add(-zero);
+  }
+  return nodes;
+}
+
+std::vector<Node> rotation_rule(const Workspace& workspace, int n, bool all_rotations) {
+  if (!all_rotations || workspace.min_rotation == workspace.max_rotation) return {{0.0, 1.0}};
+  return gauss_rule(n, workspace.min_rotation, workspace.max_rotation);
+}
+
+std::vector<double> rotations_of(const Workspace& workspace, bool all_rotations) {
+  if (!all_rotations || workspace.min_rotation == workspace.max_rotation) return {0.0};
+  return {workspace.min_rotation, 0.0, workspace.max_rotation};
+}
+
+double layer(const Workspace& workspace, int k, int layers) {
+  return workspace.top_z - workspace.height * (layers > 1 ? static_cast<double>(k) / (layers - 1) : 0.5);
+}
+
+}  // namespace
+
+std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across, int layers) {
+  const Workspace& workspace = robot.workspace();
+  const auto coordinate = [&](int k) { return workspace.radius * (2.0 * k / (across - 1) - 1.0); };
+  const double reach = workspace.radius * (1.0 + 1e-12);
+  std::vector<WeightedPose> points;
+  for (int k = 0; k < layers; ++k) {
+    for (int i = 0; i < across; ++i) {
+      for (int j = 0; j < across; ++j) {
+        const double x = coordinate(i), y = coordinate(j);
+        if (std::hypot(x, y) <= reach) points.push_back({{{x, y, layer(workspace, k, layers)}, 0.0}, 0.0});
+      }
+    }
+  }
+  for (WeightedPose& point : points) point.weight = 1.0 / static_cast<double>(points.size());
+  return points;
+}
+
+std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_rotations) {
+  const Workspace& workspace = robot.workspace();
+  const int n = 1 << level, azimuths = 12 * n;
+  const std::vector<Node> radii = gauss_rule(4 * n, 0.0, workspace.radius);
+  const std::vector<Node> heights = gauss_rule(2 * n, workspace.top_z - workspace.height, workspace.top_z);
+  const std::vector<Node> rotations = rotation_rule(workspace, 2 * n, all_rotations);
+  std::vector<WeightedPose> points;
+  points.reserve(radii.size() * heights.size() * rotations.size() * static_cast<std::size_t>(azimuths));
+  for (const Node& height : heights) {
+    for (const Node& radius : radii) {
+      const double ring = 2.0 * radius.weight * radius.place / workspace.radius / azimuths;
+      for (int k = 0; k < azimuths; ++k) {
+        const double azimuth = 2.0 * std::numbers::pi * k / azimuths;
+        const Eigen::Vector3d position = Workspace::on_circle(radius.place, azimuth, height.place);
+        for (const Node& rotation : rotations) {
+          points.push_back({{position, rotation.place}, ring * height.weight * rotation.weight});
+        }
+      }
+    }
+  }
+  return points;
+}
+
+std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all_rotations) {
+  const Workspace& workspace = robot.workspace();
+  std::vector<Pose> poses;
+  for (int k = 0; k < grid.layers; ++k) {
+    const double z = layer(workspace, k, grid.layers);
+    for (const double rotation : rotations_of(workspace, all_rotations)) {
+      poses.push_back({{0.0, 0.0, z}, rotation});
+      for (int i = 1; i <= grid.radii; ++i) {
+        for (int j = 0; j < grid.azimuths; ++j) {
+          const double azimuth = 2.0 * std::numbers::pi * j / grid.azimuths;
+          poses.push_back({Workspace::on_circle(workspace.radius * i / grid.radii, azimuth, z), rotation});
+        }
+      }
+    }
+  }
+  return poses;
+}
+
+}  // namespace paracal

@@ -1,0 +1,70 @@
+#include "workspace_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "optimizer.hpp"
+
+namespace paracal::detail {
+namespace {
+
+constexpr std::size_t kStarts = 3;
+constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
+
+/// Radius, azimuth, height and rotation, each over its range but the azimuth, which may turn freely.
+struct Cylindrical {
+  const Workspace& workspace;
+
+  double turn() const { return std::max(workspace.max_rotation - workspace.min_rotation, 1e-9); }
+
+  Pose pose(const std::vector<double>& x) const {
+    const double z = workspace.top_z - workspace.height * x[2];
+    return {Workspace::on_circle(workspace.radius * x[0], 2.0 * std::numbers::pi * x[1], z),
+            workspace.min_rotation + turn() * x[3]};
+  }
+
+  std::vector<double> coordinates(const Pose& pose) const {
+    const double azimuth = std::atan2(pose.position.y(), pose.position.x());
+    return {std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
+            0.5 * azimuth / std::numbers::pi,
+            std::clamp((workspace.top_z - pose.position.z()) / workspace.height, 0.0, 1.0),
+            std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0)};
+  }
+};
+
+ValueAtPose refined(const Cylindrical& coordinates, const ValueAtPose& start,
+                    const std::function<double(const Pose&)>& value) {
+  const Minimization search{
+      .algorithm = Minimization::Algorithm::subplex,
+      .objective = [&](const std::vector<double>& x, std::vector<double>&) { return -value(coordinates.pose(x)); },
+      .lower = {0.0, -2.0, 0.0, 0.0},
+      .upper = {1.0, 2.0, 1.0, 1.0},
+      .first_step = {0.1, 0.02, 0.1, 0.1},
+      .step_tolerance = kStep,
+      .max_evaluations = 400};
+  const Minimum end = minimize(search, coordinates.coordinates(start.pose));
+  return -end.value > start.value ? ValueAtPose{coordinates.pose(end.x), -end.value} : start;
+}
+
+}  // namespace
+
+ValueAtPose largest_in_workspace(const Robot& robot, const std::function<double(const Pose&)>& value) {
+  std::vector<ValueAtPose> candidates;
+  for (const Pose& pose : polar_grid(robot, {.radii = 5, .azimuths = 24, .layers = 3}, true)) {
+    candidates.push_back({pose, value(pose)});
+  }
+  const auto largest_first = [](const ValueAtPose& one, const ValueAtPose& other) { return one.value > other.value; };
+  const std::size_t starts = std::min(kStarts, candidates.size());
+  std::ranges::partial_sort(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(starts), largest_first);
+  candidates.resize(starts);
+  const Cylindrical coordinates{robot.workspace()};
+  ValueAtPose best = candidates.front();
+  for (const ValueAtPose& start : candidates) {
+    const ValueAtPose end = refined(coordinates, start, value);
+    if (end.value > best.value) best = end;
+  }
+  return best;
+}
+
+}  // namespace paracal::detail
