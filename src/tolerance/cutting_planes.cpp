@@ -9,7 +9,9 @@
 namespace paracal::detail {
 namespace {
 
-constexpr double kBinds = 1e-6;  // of the limit
+constexpr double kBinds = 1e-6;       // of the limit
+constexpr double kStationary = 1e-6;  // of the cost
+constexpr int kAttempts = 20;
 
 Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
 
@@ -25,61 +27,56 @@ double slope_of(const AllocationProblem& problem, Eigen::Index variable, double 
   return problem.variables[static_cast<std::size_t>(variable)].cost.slope(half_width);
 }
 
-/// The variables in units of their upper bounds: all of one size for the solver.
-struct Scaled {
-  const AllocationProblem& problem;
-  Eigen::VectorXd unit;
+bool at_bound(const DesignVariable& variable, double half_width, bool upper) {
+  return std::abs(half_width / (upper ? variable.upper : variable.lower) - 1.0) <= 1e-9;
+}
 
-  explicit Scaled(const AllocationProblem& of) : problem(of), unit(static_cast<Eigen::Index>(of.variables.size())) {
-    for (Eigen::Index v = 0; v < unit.size(); ++v) unit(v) = problem.variables[static_cast<std::size_t>(v)].upper;
-  }
-
-  Eigen::VectorXd half_widths(const std::vector<double>& x) const {
-    return Eigen::Map<const Eigen::VectorXd>(x.data(), unit.size()).cwiseProduct(unit);
-  }
-};
+/// The solver sees logarithms of half-widths: costs and cuts are then of one scale from the tightest to the widest. The
+/// problem is convex in the half-widths, so a stationary point of either is the answer.
+Eigen::VectorXd half_widths_of(const std::vector<double>& x) {
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).array().exp();
+}
 
 /// The widest feasible point on the way from all lower to all upper bounds; empty when even the lower bounds fail.
-std::optional<std::vector<double>> feasible_start(const Scaled& scaled, const std::vector<Cut>& cuts) {
+std::optional<std::vector<double>> feasible_start(const AllocationProblem& problem, const std::vector<Cut>& cuts) {
   const auto point = [&](double share) {
     std::vector<double> x;
-    for (const DesignVariable& variable : scaled.problem.variables) {
-      const double low = variable.lower / variable.upper;
-      x.push_back(low + share * (1.0 - low));
+    for (const DesignVariable& variable : problem.variables) {
+      x.push_back(std::log(variable.lower) + share * std::log(variable.upper / variable.lower));
     }
     return x;
   };
   const auto holds = [&](double share) {
-    const Eigen::VectorXd half_widths = scaled.half_widths(point(share));
+    const Eigen::VectorXd half_widths = half_widths_of(point(share));
     return std::ranges::all_of(cuts, [&](const Cut& cut) { return cut.value(half_widths) <= 1e-12; });
   };
   if (!holds(0.0)) return std::nullopt;
+  if (holds(1.0)) return point(1.0);
   double low = 0.0, high = 1.0;
-  for (int step = 0; step < 50 && !holds(high); ++step) {
+  for (int step = 0; step < 30; ++step) {
     const double middle = 0.5 * (low + high);
-    holds(middle) ? low = middle : high = middle;
-    if (high - low < 1e-9) high = low;
+    (holds(middle) ? low : high) = middle;
   }
-  return point(holds(high) ? high : low);
+  return point(low);
 }
 
-Objective cost_objective(const Scaled& scaled, double unit_cost) {
-  return [&scaled, unit_cost](const std::vector<double>& x, std::vector<double>& gradient) {
-    const Eigen::VectorXd half_widths = scaled.half_widths(x);
+Objective cost_objective(const AllocationProblem& problem, double unit_cost) {
+  return [&problem, unit_cost](const std::vector<double>& x, std::vector<double>& gradient) {
+    const Eigen::VectorXd half_widths = half_widths_of(x);
     for (std::size_t v = 0; v < gradient.size(); ++v) {
       const auto i = static_cast<Eigen::Index>(v);
-      gradient[v] = slope_of(scaled.problem, i, half_widths(i)) * scaled.unit(i) / unit_cost;
+      gradient[v] = slope_of(problem, i, half_widths(i)) * half_widths(i) / unit_cost;
     }
-    return total_cost(scaled.problem, half_widths, 1) / unit_cost;
+    return total_cost(problem, half_widths, 1) / unit_cost;
   };
 }
 
-Objective cut_objective(const Scaled& scaled, const Cut& cut) {
-  return [&scaled, &cut](const std::vector<double>& x, std::vector<double>& gradient) {
-    const Eigen::VectorXd half_widths = scaled.half_widths(x);
+Objective cut_objective(const Cut& cut) {
+  return [&cut](const std::vector<double>& x, std::vector<double>& gradient) {
+    const Eigen::VectorXd half_widths = half_widths_of(x);
     for (std::size_t v = 0; v < gradient.size(); ++v) {
       const auto i = static_cast<Eigen::Index>(v);
-      gradient[v] = cut.weight(i) * cut.h_slope(half_widths(i)) * scaled.unit(i);
+      gradient[v] = cut.weight(i) * cut.h_slope(half_widths(i)) * half_widths(i);
     }
     return cut.value(half_widths);
   };
@@ -153,30 +150,12 @@ double total_cost(const AllocationProblem& problem, const Eigen::VectorXd& half_
   return sum * static_cast<double>(limbs);
 }
 
-MasterSolution solve_continuous(const AllocationProblem& problem, const std::vector<Cut>& cuts) {
-  const Scaled scaled(problem);
-  const std::optional<std::vector<double>> start = feasible_start(scaled, cuts);
-  if (!start) return {AllocationStatus::infeasible, {}};
-  const double unit_cost = std::max(std::abs(total_cost(problem, scaled.half_widths(*start), 1)), 1e-300);
-  Minimization master{.objective = cost_objective(scaled, unit_cost),
-                      .lower = {},
-                      .upper = std::vector<double>(start->size(), 1.0),
-                      .step_tolerance = 1e-11,
-                      .max_evaluations = 2000};
-  for (const DesignVariable& variable : problem.variables) master.lower.push_back(variable.lower / variable.upper);
-  for (const Cut& cut : cuts) master.constraints.push_back(cut_objective(scaled, cut));
-  const Minimum minimum = minimize(master, *start);
-  return {minimum.converged ? AllocationStatus::optimal : AllocationStatus::not_converged,
-          scaled.half_widths(minimum.x)};
-}
-
 Eigen::VectorXd multipliers(const AllocationProblem& problem, const std::vector<Cut>& cuts,
                             const Eigen::VectorXd& half_widths) {
   std::vector<Eigen::Index> free, binding;
   for (Eigen::Index v = 0; v < half_widths.size(); ++v) {
     const DesignVariable& variable = problem.variables[static_cast<std::size_t>(v)];
-    const double margin = 1e-7 * variable.upper;
-    const bool inside = half_widths(v) > variable.lower + margin && half_widths(v) < variable.upper - margin;
+    const bool inside = !at_bound(variable, half_widths(v), false) && !at_bound(variable, half_widths(v), true);
     if (variable.cost.law != CostLaw::grades && inside) free.push_back(v);
   }
   for (std::size_t j = 0; j < cuts.size(); ++j) {
@@ -196,6 +175,56 @@ Eigen::VectorXd multipliers(const AllocationProblem& problem, const std::vector<
   }
   lambda(binding) = non_negative(A, b);
   return lambda;
+}
+
+namespace {
+
+/// What is left of the conditions for a minimum at an answer, as a share of the cost: variables that are not at a bound
+/// have a gradient of cost and charged cuts, and those at an upper bound would like to grow.
+double stationarity(const AllocationProblem& problem, const std::vector<Cut>& cuts,
+                    const Eigen::VectorXd& half_widths) {
+  const Eigen::VectorXd lambda = multipliers(problem, cuts, half_widths);
+  double worst = 0.0, size = 0.0;
+  for (Eigen::Index v = 0; v < half_widths.size(); ++v) {
+    const DesignVariable& variable = problem.variables[static_cast<std::size_t>(v)];
+    const double own = slope_of(problem, v, half_widths(v)) * half_widths(v);
+    double gradient = own;
+    for (std::size_t j = 0; j < cuts.size(); ++j) {
+      gradient +=
+          lambda(static_cast<Eigen::Index>(j)) * cuts[j].weight(v) * cuts[j].h_slope(half_widths(v)) * half_widths(v);
+    }
+    size += std::abs(own);
+    const bool wants_beyond = (at_bound(variable, half_widths(v), true) && gradient <= 0.0) ||
+                              (at_bound(variable, half_widths(v), false) && gradient >= 0.0);
+    if (!wants_beyond) worst = std::max(worst, std::abs(gradient));
+  }
+  return size > 0.0 ? worst / size : 0.0;
+}
+
+}  // namespace
+
+MasterSolution solve_continuous(const AllocationProblem& problem, const std::vector<Cut>& cuts) {
+  std::optional<std::vector<double>> start = feasible_start(problem, cuts);
+  if (!start) return {AllocationStatus::infeasible, {}};
+  const double unit_cost = std::max(std::abs(total_cost(problem, half_widths_of(*start), 1)), 1e-300);
+  Minimization master{.objective = cost_objective(problem, unit_cost),
+                      .lower = {},
+                      .upper = {},
+                      .step_tolerance = 1e-12,
+                      .max_evaluations = 500};
+  for (const DesignVariable& variable : problem.variables) {
+    master.lower.push_back(std::log(variable.lower));
+    master.upper.push_back(std::log(variable.upper));
+  }
+  for (const Cut& cut : cuts) master.constraints.push_back(cut_objective(cut));
+  Eigen::VectorXd half_widths = half_widths_of(*start);
+  // The solver may stop early, where its model of the curvature has gone bad; begun anew it goes on.
+  for (int attempt = 0; attempt < kAttempts && stationarity(problem, cuts, half_widths) > kStationary; ++attempt) {
+    start = minimize(master, *start).x;
+    half_widths = half_widths_of(*start);
+  }
+  const bool settled = stationarity(problem, cuts, half_widths) <= kStationary;
+  return {settled ? AllocationStatus::optimal : AllocationStatus::not_converged, half_widths};
 }
 
 }  // namespace paracal::detail

@@ -34,9 +34,7 @@ Minimum minimize(const Minimization& problem, std::vector<double> start) {
     nlopt_add_inequality_constraint(search.get(), call, data(constraint), 1e-12);
   }
   Minimum minimum{.x = std::move(start)};
-  const nlopt_result result = nlopt_optimize(search.get(), minimum.x.data(), &minimum.value);
-  // SLSQP says "roundoff limited" when it stands on the answer and no step helps any more.
-  minimum.converged = (result > 0 && result != NLOPT_MAXEVAL_REACHED) || result == NLOPT_ROUNDOFF_LIMITED;
+  nlopt_optimize(search.get(), minimum.x.data(), &minimum.value);
   return minimum;
 }
 

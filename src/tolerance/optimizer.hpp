@@ -27,9 +27,10 @@ struct Minimization {
 struct Minimum {
   std::vector<double> x;
   double value = 0.0;
-  bool converged = false;
 };
 
+/// The best point found; whether it is the minimum, the caller checks (SLSQP says "roundoff limited" both on the answer
+/// and where it got stuck).
 /// @param start  within the bounds.
 Minimum minimize(const Minimization& problem, std::vector<double> start);
 

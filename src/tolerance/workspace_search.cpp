@@ -16,7 +16,7 @@ constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maxi
 struct Cylindrical {
   const Workspace& workspace;
 
-  double turn() const { return std::max(workspace.max_rotation - workspace.min_rotation, 1e-9); }
+  double turn() const { return workspace.max_rotation - workspace.min_rotation; }
 
   Pose pose(const std::vector<double>& x) const {
     const double z = workspace.top_z - workspace.height * x[2];
@@ -29,7 +29,7 @@ struct Cylindrical {
     return {std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
             0.5 * azimuth / std::numbers::pi,
             std::clamp((workspace.top_z - pose.position.z()) / workspace.height, 0.0, 1.0),
-            std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0)};
+            turn() > 0.0 ? std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0) : 0.0};
   }
 };
 

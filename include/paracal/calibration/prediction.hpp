@@ -22,7 +22,7 @@ KnownErrors known_errors(const Calibration& calibration);
 /// What readings would tell of a machine whose errors are within their tolerances, before they are taken: zero errors
 /// with the covariance after measuring as planned. Readings that state no sigma weigh as options.noise says.
 /// @throws as calibrate().
-KnownErrors promised(const Robot& robot, const Measurements& plan, const CalibrationOptions& options = {});
+KnownErrors promised(const Robot& robot, const Measurements& given, const CalibrationOptions& options = {});
 
 /// d(x, y, z, phi) / d(parameters) at joints, mm and rad: 4 rows. Empty where the machine is singular.
 Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,

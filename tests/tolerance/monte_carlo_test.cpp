@@ -1,0 +1,205 @@
+#include "paracal/tolerance/monte_carlo.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "paracal/calibration/plan.hpp"
+#include "paracal/error.hpp"
+#include "paracal/mechanism/random.hpp"
+#include "paracal/tolerance/analysis.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+std::vector<Pose> workspace_poses(const Robot& robot, std::size_t every = 1) {
+  std::vector<Pose> poses;
+  const std::vector<Station> stations = workspace_stations(robot);
+  for (std::size_t k = 0; k < stations.size(); k += every) poses.push_back(stations[k].commanded);
+  return poses;
+}
+
+/// The robot's tolerances, each times a factor between 1/4 and 4.
+Tolerances random_tolerances(const Robot& robot, std::uint64_t number) {
+  Tolerances tolerances = *robot.tolerances();
+  RandomStream random(77, number);
+  for (double& half_width : tolerances.half_width) half_width *= std::exp2(4.0 * random.uniform() - 2.0);
+  return tolerances;
+}
+
+class MonteCarloLaw : public test::EveryRobot {};
+PARACAL_ON_EVERY_ROBOT(MonteCarloLaw);
+
+/// At every pose and for every requirement, 3 sigma by the root of the sum of squares lies within the interval of the
+/// drawn one about as often as stated.
+TEST_P(MonteCarloLaw, AgreesWithTheRootOfTheSumOfSquares) {
+  const std::vector<Pose> poses = workspace_poses(robot, 10);
+  const std::vector<Requirement> requirements{
+      {{Quantity::tilt}, 1e-3}, {{Quantity::position}, 5.0}, {{Quantity::distance, true}, 0.3}};
+  const LinearModel model(robot);
+  int inside = 0, all = 0;
+  for (std::uint64_t set = 0; set < 10; ++set) {
+    Tolerances tolerances = random_tolerances(robot, set);
+    tolerances.distribution = static_cast<Distribution>(set % 3);
+    const MonteCarlo drawn =
+        monte_carlo(robot, tolerances, requirements, poses, {.seed = set + 1, .sigma_error = 0.02});
+    ASSERT_TRUE(drawn.converged);
+    for (const RequirementStatistics& one : drawn.requirements) {
+      const SigmaAtPose& worst = one.at_worst();
+      const double sigma = sigma_of(squared_sensitivities(model.rows(worst.pose, one.requirement.characteristic)),
+                                    variances(tolerances));
+      // The worst of the drawn poses is a little too large by selection: 3 half-widths instead of one.
+      EXPECT_NEAR(worst.sigma, sigma, 1.5 * (worst.interval.high - worst.interval.low));
+      for (const SigmaAtPose& at : one.poses) {
+        const PerSource local = squared_sensitivities(model.rows(at.pose, one.requirement.characteristic));
+        const double expected = sigma_of(local, variances(tolerances));
+        if (expected == 0.0) continue;  // the distance of home to itself
+        inside += at.interval.contains(expected) ? 1 : 0;
+        ++all;
+      }
+    }
+  }
+  EXPECT_GT(static_cast<double>(inside) / all, 0.90);
+}
+
+TEST_P(MonteCarloLaw, DoesNotDependOnThreads) {
+  const std::vector<Requirement> requirements{{{Quantity::tilt}, 1e-3}, {{Quantity::position, true}, 0.2}};
+  for (const Model model : {Model::linear, Model::exact}) {
+    const auto drawn = [&](unsigned threads) {
+      return monte_carlo(robot, *robot.tolerances(), requirements, workspace_poses(robot, 40),
+                         {.model = model, .sigma_error = 1e-9, .max_machines = 700, .threads = threads});
+    };
+    const MonteCarlo one = drawn(1), two = drawn(2);
+    ASSERT_EQ(one.machines, 700U);
+    EXPECT_EQ(one.passed, two.passed);
+    for (std::size_t k = 0; k < requirements.size(); ++k) {
+      EXPECT_EQ(one.requirements[k].largest.counts(), two.requirements[k].largest.counts());
+      for (std::size_t p = 0; p < one.requirements[k].poses.size(); ++p) {
+        EXPECT_EQ(one.requirements[k].poses[p].sigma, two.requirements[k].poses[p].sigma);
+      }
+    }
+  }
+}
+
+/// Machine m is the machine that draw_errors() makes of stream m, whatever is left out because it moves nothing.
+TEST_P(MonteCarloLaw, DrawsTheMachinesOfTheBatch) {
+  const Tolerances& tolerances = *robot.tolerances();
+  const Pose pose = workspace_poses(robot).back();
+  const MonteCarlo drawn = monte_carlo(robot, tolerances, {{{Quantity::tilt}, 1e-3}}, {pose},
+                                       {.seed = 5, .sigma_error = 1e-9, .max_machines = 50});
+  const SourceRows rows = LinearModel(robot).rows(pose, {Quantity::tilt});
+  Histogram expected;
+  for (std::uint64_t m = 0; m < 50; ++m) {
+    RandomStream random(5, m);
+    const SourceErrors errors = draw_errors(tolerances, robot.limb_count(), random);
+    Eigen::VectorXd tilt = Eigen::VectorXd::Zero(2);
+    for (Eigen::Index column = 0; column < rows.cols(); ++column) {
+      const auto sources = static_cast<Eigen::Index>(kSourceCount);
+      tilt +=
+          rows.col(column) * errors(static_cast<std::size_t>(column / sources), static_cast<Source>(column % sources));
+    }
+    expected.add(tilt.norm());
+  }
+  EXPECT_EQ(drawn.requirements[0].largest.counts(), expected.counts());
+}
+
+/// A shift of the mean moves the capability, not sigma.
+TEST_P(MonteCarloLaw, MeasuredPartsShiftTheMean) {
+  Tolerances tolerances;
+  tolerances.measured[index(Source::rod_mean)] = {0.9, 1.0, 1.1};  // all rods too long: the plate goes down
+  const Pose pose{robot.workspace().centre(), 0.0};
+  const MonteCarlo drawn = monte_carlo(robot, tolerances, {{{Quantity::position}, 3.0}}, {pose}, {.sigma_error = 0.05});
+  const RequirementStatistics& one = drawn.requirements.front();
+  const SourceRows rows = LinearModel(robot).rows(pose, {Quantity::position});
+  EXPECT_NEAR(one.at_worst().sigma, sigma_of(squared_sensitivities(rows), variances(tolerances)),
+              0.1 * one.at_worst().sigma);
+  EXPECT_GT(one.at_worst().mean, 3.0 * one.at_worst().sigma);
+  EXPECT_NEAR(one.cpk(), (3.0 - one.at_worst().mean) / (3.0 * one.at_worst().sigma), 1e-12);
+}
+
+TEST_P(MonteCarloLaw, ExactAndLinearAgreeAtTheTolerances) {
+  const std::vector<Pose> poses = workspace_poses(robot, 20);
+  const std::vector<LinearityPoint> points =
+      linearity(robot, *robot.tolerances(), {Quantity::tilt}, poses, {0.01, 0.1, 1.0, 10.0}, 20);
+  EXPECT_LT(points[0].difference, 1e-3);
+  EXPECT_LT(points[2].difference, 0.05);
+  for (std::size_t k = 1; k < points.size(); ++k) EXPECT_GT(points[k].difference, points[k - 1].difference);
+  // The remainder is of second order.
+  EXPECT_NEAR(points[1].difference / points[0].difference, 10.0, 1.0);
+}
+
+TEST(MonteCarlo, YieldGoesWithTheLimit) {
+  const Robot robot = catalogue::huang2016();
+  const std::vector<Pose> poses = workspace_poses(robot, 10);
+  const auto yield = [&](double limit) {
+    return monte_carlo(robot, *robot.tolerances(), {{{Quantity::tilt}, limit}}, poses, {.sigma_error = 0.05}).yield();
+  };
+  EXPECT_EQ(yield(1.0), 1.0);
+  EXPECT_EQ(yield(1e-9), 0.0);
+  EXPECT_GT(yield(6e-4), yield(4e-4));
+}
+
+TEST(MonteCarlo, StopsWhenAskedAndSaysSo) {
+  const Robot robot = catalogue::huang2016();
+  const MonteCarlo drawn =
+      monte_carlo(robot, *robot.tolerances(), {{{Quantity::tilt}, 1e-3}}, workspace_poses(robot, 40),
+                  {.sigma_error = 1e-4}, [](std::uint64_t, std::uint64_t) { return false; });
+  EXPECT_FALSE(drawn.converged);
+  EXPECT_EQ(drawn.machines, 1024U);
+  EXPECT_THROW((void)monte_carlo(robot, {}, {}, {}), InvalidArgument);
+}
+
+/// Of a sum (a large mean makes the length one) the indices are the contributors' shares.
+TEST(Sobol, AreTheSharesOfALinearFunction) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances tolerances;
+  tolerances.measured[index(Source::rod_mean)] = {0.8, 0.9, 1.0, 1.1, 1.2};
+  tolerances.measured[index(Source::arm_length)] = {0.95, 1.0, 1.05};
+  tolerances.measured[index(Source::e_z)] = {-0.05, 0.05};
+  const Pose pose{robot.workspace().centre(), 0.0};
+  const Characteristic what{Quantity::position};
+  const std::vector<Contributor> shares = contributors(LinearModel(robot).rows(pose, what), tolerances);
+  const std::vector<SobolIndex> indices =
+      sobol_indices(robot, tolerances, what, pose, {.model = Model::linear, .samples = 8192, .confidence = 0.999});
+  ASSERT_EQ(indices.size(), 3U);
+  for (const SobolIndex& one : indices) {
+    const auto share = std::ranges::find(shares, one.source, &Contributor::source);
+    // Limbs pull sideways, too: a few percent of the variance are no sum.
+    EXPECT_NEAR(one.first, share->share, 0.06) << name(one.source);
+    EXPECT_NEAR(one.total, share->share, 0.06) << name(one.source);
+  }
+}
+
+/// The length of the tilt has no main effects to speak of (its components change sign), but every source matters.
+TEST(Sobol, SeeInteractions) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances only = *robot.tolerances();
+  for (const Source source : all_sources()) {
+    if (!tilts_plate(source)) only[source] = 0.0;
+  }
+  const Pose pose{robot.workspace().centre(), 0.0};
+  const SobolOptions options{.model = Model::linear, .samples = 4096, .confidence = 0.999, .threads = 1};
+  const std::vector<SobolIndex> linear = sobol_indices(robot, only, {Quantity::tilt}, pose, options);
+  SobolOptions two = options;
+  two.threads = 2;
+  const std::vector<SobolIndex> again = sobol_indices(robot, only, {Quantity::tilt}, pose, two);
+  double first = 0.0, total = 0.0;
+  for (std::size_t k = 0; k < linear.size(); ++k) {
+    EXPECT_EQ(linear[k].total, again[k].total);
+    EXPECT_LE(linear[k].first_interval.low, linear[k].total_interval.high);
+    first += linear[k].first;
+    total += linear[k].total;
+  }
+  EXPECT_LT(first, 1.0);
+  EXPECT_GT(total, 1.0);
+  only.half_width.fill(0.0);
+  only[Source::alpha2] = 1e-3;
+  const std::vector<SobolIndex> alone = sobol_indices(robot, only, {Quantity::tilt}, pose, options);
+  ASSERT_EQ(alone.size(), 1U);
+  EXPECT_NEAR(alone[0].first, 1.0, 1e-9);
+  EXPECT_NEAR(alone[0].total, 1.0, 0.05);
+}
+
+}  // namespace
+}  // namespace paracal

@@ -1,0 +1,174 @@
+#include "paracal/tolerance/sensitivity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "paracal/error.hpp"
+#include "paracal/tolerance/requirement.hpp"
+#include "paracal/tolerance/response.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
+
+std::vector<Characteristic> all_characteristics(const Robot& robot) {
+  std::vector<Characteristic> list;
+  for (const Quantity quantity : kQuantities) {
+    if (quantity == Quantity::rotation && !robot.slide()) continue;
+    list.push_back({quantity, false});
+    list.push_back({quantity, true});
+  }
+  return list;
+}
+
+class SensitivityLaw : public test::EveryRobot {};
+PARACAL_ON_EVERY_ROBOT(SensitivityLaw);
+
+/// Every row of the linear model against the exact machine, by central differences, each source of each limb.
+TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
+  test::Random random(1);
+  const std::vector<Characteristic> characteristics = all_characteristics(robot);
+  const Response response(robot, characteristics, {random.pose(robot), random.pose(robot)});
+  for (Eigen::Index column = 0; column < response.linear().cols(); ++column) {
+    const auto limb = static_cast<std::size_t>(column / kSources);
+    const auto source = static_cast<Source>(column % kSources);
+    const double step = unit(source) == Unit::mm ? 1e-3 : 1e-5;
+    SourceErrors plus, minus;
+    plus(limb, source) = step;
+    minus(limb, source) = -step;
+    Eigen::VectorXd ahead(response.rows()), behind(response.rows());
+    ASSERT_TRUE(response.exact(plus, ahead) && response.exact(minus, behind));
+    const Eigen::VectorXd difference = (ahead - behind) / (2.0 * step);
+    const double scale = std::max(response.linear().col(column).cwiseAbs().maxCoeff(), 1e-3);
+    EXPECT_LT((difference - response.linear().col(column)).cwiseAbs().maxCoeff(), 2e-4 * scale)
+        << name(source) << " of limb " << limb + 1;
+  }
+}
+
+TEST_P(SensitivityLaw, ContributorsAddUpToAll) {
+  test::Random random(2);
+  const LinearModel model(robot);
+  for (const Characteristic what : all_characteristics(robot)) {
+    const std::vector<Contributor> list = contributors(model.rows(random.pose(robot), what), *robot.tolerances());
+    double sum = 0.0;
+    for (const Contributor& one : list) {
+      sum += one.share;
+      if (!what.compensated || tilts_plate(one.source)) continue;
+      EXPECT_EQ(one.share, 0.0) << name(what);
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12) << name(what);
+  }
+}
+
+TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
+  test::Random random(3);
+  const LinearModel model(robot);
+  const Tolerances& tolerances = *robot.tolerances();
+  for (const Characteristic what : all_characteristics(robot)) {
+    for (const Criterion criterion : {Criterion::statistical, Criterion::worst_case}) {
+      const ValueAtPose worst = worst_spread(robot, what, tolerances, criterion);
+      EXPECT_NEAR(spread_at(model.rows(worst.pose, what), tolerances, criterion), worst.value, 1e-12 * worst.value);
+      for (int k = 0; k < 200; ++k) {
+        const double value = spread_at(model.rows(random.pose(robot), what), tolerances, criterion);
+        ASSERT_LE(value, worst.value * (1.0 + 1e-6)) << name(what) << ", " << name(criterion);
+      }
+    }
+  }
+}
+
+/// The rule integrates polynomials of the cylinder exactly.
+TEST_P(SensitivityLaw, RuleIntegratesOverTheCylinder) {
+  const Workspace& workspace = robot.workspace();
+  double all = 0.0, radius2 = 0.0, x2 = 0.0, z = 0.0, phi2 = 0.0;
+  for (const WeightedPose& point : cylinder_rule(robot, 0, true)) {
+    all += point.weight;
+    radius2 += point.weight * point.pose.position.head<2>().squaredNorm();
+    x2 += point.weight * std::pow(point.pose.position.x(), 2);
+    z += point.weight * point.pose.position.z();
+    phi2 += point.weight * std::pow(point.pose.rotation, 2);
+  }
+  EXPECT_NEAR(all, 1.0, 1e-12);
+  EXPECT_NEAR(radius2, 0.5 * std::pow(workspace.radius, 2), 1e-6);
+  EXPECT_NEAR(x2, 0.25 * std::pow(workspace.radius, 2), 1e-6);
+  EXPECT_NEAR(z, workspace.centre().z(), 1e-9);
+  EXPECT_NEAR(phi2, std::pow(workspace.max_rotation - workspace.min_rotation, 2) / 12.0, 1e-9);
+}
+
+/// The stated error of the quadrature holds against a rule with four times the points.
+TEST(GlobalSensitivity, StatesItsError) {
+  const Robot robot = catalogue::huang2016();
+  const GlobalSensitivity stated =
+      global_sensitivity(robot, {Quantity::tilt}, {.relative_error = 1e-2, .max_level = 2});
+  const GlobalSensitivity fine = mean_sensitivity(robot, {Quantity::tilt}, cylinder_rule(robot, 3, false));
+  for (Eigen::Index k = static_cast<Eigen::Index>(kPositionSourceCount); k < kSources; ++k) {
+    EXPECT_LE(std::abs(stated.mean(k) - fine.mean(k)), std::max(stated.error(k), 1e-9 * fine.mean(k)));
+  }
+}
+
+/// [huang2016, Fig. 5]: the order, and values of an independent program (mean over the cylinder at phi = 0).
+TEST(GlobalSensitivity, IsThePapers) {
+  const Robot robot = catalogue::huang2016();
+  const PerSource mean = (global_sensitivity(robot, {Quantity::tilt}).mean * paper_units(robot)).eval();
+  const auto of = [&](Source source) { return mean(static_cast<Eigen::Index>(index(source))); };
+  EXPECT_NEAR(of(Source::rod_difference), 1.258, 1e-3);
+  EXPECT_NEAR(of(Source::width_difference), 0.323, 1e-3);
+  EXPECT_NEAR(of(Source::alpha03), 1.094, 1e-3);
+  EXPECT_NEAR(of(Source::beta03), 0.516, 1e-3);
+  EXPECT_NEAR(of(Source::alpha2), 1.155, 1e-3);
+  EXPECT_NEAR(of(Source::beta2), 0.313, 2e-3);
+  for (std::size_t k = 0; k < kPositionSourceCount; ++k) EXPECT_EQ(mean(static_cast<Eigen::Index>(k)), 0.0);
+}
+
+TEST(GlobalSensitivity, RotationNeedsASlide) {
+  EXPECT_THROW(global_sensitivity(catalogue::rotary_delta(), {Quantity::rotation}), InvalidArgument);
+}
+
+/// Largest length over every corner of the tolerance box, one by one.
+double brute_force(const SourceRows& rows, const Tolerances& tolerances) {
+  std::vector<Eigen::VectorXd> generators;
+  for (Eigen::Index column = 0; column < rows.cols(); ++column) {
+    const double half_width = tolerances[static_cast<Source>(column % kSources)];
+    if (half_width > 0.0) generators.emplace_back(half_width * rows.col(column));
+  }
+  double largest = 0.0;
+  for (std::uint32_t corner = 0; corner < (1U << generators.size()); ++corner) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(rows.rows());
+    for (std::size_t k = 0; k < generators.size(); ++k) sum += (corner >> k & 1U ? 1.0 : -1.0) * generators[k];
+    largest = std::max(largest, sum.norm());
+  }
+  return largest;
+}
+
+TEST_P(SensitivityLaw, WorstCaseIsTheWorstCorner) {
+  test::Random random(4);
+  const LinearModel model(robot);
+  for (const Characteristic what : all_characteristics(robot)) {
+    for (int draw = 0; draw < 3; ++draw) {
+      Tolerances tolerances;  // few enough for all corners
+      for (const Source source : {Source::rod_difference, Source::alpha2, Source::beta03})
+        tolerances[source] = random.uniform(0.0, 1.0);
+      const SourceRows rows = model.rows(random.pose(robot), what);
+      const WorstCase worst = worst_case(rows, tolerances);
+      EXPECT_NEAR(worst.value, brute_force(rows, tolerances), 1e-9 * worst.value) << name(what);
+      PerSource half_widths;
+      for (const Source source : all_sources())
+        half_widths(static_cast<Eigen::Index>(index(source))) = tolerances[source];
+      EXPECT_NEAR((worst_case_weights(rows, worst.direction) * half_widths).sum(), worst.value, 1e-9 * worst.value);
+    }
+  }
+}
+
+TEST(Characteristics, NamesReadBack) {
+  for (const Quantity quantity : kQuantities) {
+    for (const bool compensated : {false, true}) {
+      EXPECT_EQ(characteristic_named(name({quantity, compensated})), (Characteristic{quantity, compensated}));
+    }
+  }
+  EXPECT_FALSE(characteristic_named("speed"));
+}
+
+}  // namespace
+}  // namespace paracal
