@@ -30,6 +30,16 @@ std::vector<PublishedHuang2016::Table3Row> table3(std::string_view state) {
   return rows;
 }
 
+std::array<double, kTiltSourceCount> table2() {
+  const CsvTable table(embedded("table2.csv"));
+  return {1e-3 * table.number(0, "rod_difference_over_c"),
+          1e-3 * table.number(0, "width_difference_over_c"),
+          1e-3 * table.number(0, "alpha03"),
+          1e-3 * table.number(0, "beta03"),
+          1e-3 * table.number(0, "alpha2"),
+          1e-3 * table.number(0, "beta2")};
+}
+
 /// Table 4 prints angles times the arm's length, in mm.
 SourceErrors table4() {
   const CsvTable table(embedded("table4.csv"));
@@ -59,6 +69,7 @@ PublishedHuang2016 published_huang2016() {
           .offsets = read_source_errors(embedded("offsets.toml"), 4),
           .before = table3("before"),
           .after = table3("after"),
+          .table2 = table2(),
           .table4 = table4(),
           .table5_before = table5("before"),
           .table5_after = table5("after")};

@@ -159,7 +159,7 @@ io::Json json_of(const Options& options, const Findings& found) {
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
     json["requirements"].push_back(requirement_json(found.analyses[k], batch.requirements[k], confidence));
   }
-  const io::Json& first = json["requirements"].front();
+  const io::Json first = json["requirements"].front();  // a copy: what is added to json may move it
   for (const char* key :
        {"worst_case", "rss_3sigma", "monte_carlo_3sigma", "monte_carlo_3sigma_interval", "contributors"}) {
     json[key] = first[key];

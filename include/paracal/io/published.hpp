@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct PublishedHuang2016 {
     PoseError error;
   };
   std::vector<Table3Row> before, after;  ///< Table 3, relative to home
+
+  std::array<double, kTiltSourceCount> table2;  ///< optimized tolerances of the tilt group, rad
 
   SourceErrors table4;                    ///< identified source errors; zero where Eq. (15) sets them to zero
   PoseError table5_before, table5_after;  ///< largest errors over the validation poses

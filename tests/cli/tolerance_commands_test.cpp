@@ -1,0 +1,192 @@
+// Tolerance design as a designer goes through it: sensitivities, an allocation that is written to a file, an analysis
+// of that file; and what each command refuses.
+
+#include <algorithm>
+
+#include "broken_input.hpp"
+#include "json_checks.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
+
+const std::vector<std::string> kTiltKeys{
+    "rod_difference_over_c", "width_difference_over_c", "alpha03", "beta03", "alpha2", "beta2"};
+
+const std::string kProblem =
+    "[[requirement]]\n"
+    "quantity = \"tilt\"\n"
+    "limit_rad = 0.001\n"
+    "[[requirement]]\n"
+    "quantity = \"position-compensated\"\n"
+    "limit_mm = 0.4\n"
+    "criterion = \"worst-case\"\n"
+    "[cost.rod_difference_mm]\n"
+    "B = 0.02\n"
+    "lower = 0.002\n"
+    "upper = 0.2\n"
+    "[cost.alpha2_deg]\n"
+    "law = \"grades\"\n"
+    "grade = [{ name = \"milled\", tolerance = 0.02, cost = 3 }, { name = \"ground\", tolerance = 0.005, cost = 8 }]\n"
+    "[cost.alpha03_deg]\n"
+    "law = \"exponential\"\n"
+    "B = 5.0\n"
+    "C = 0.01\n"
+    "lower = 0.002\n"
+    "upper = 0.1\n";
+
+class ToleranceCommands : public testing::Test {
+ protected:
+  json json_from(const std::string& command, int exit_code = kDone) const {
+    return json_of(folder.run(command + " --json"), exit_code);
+  }
+
+  const TemporaryFolder folder;
+};
+
+TEST_F(ToleranceCommands, SensitivityKeys) {
+  const json found = json_from("sensitivity");
+  for (const std::string& key : kTiltKeys) {
+    EXPECT_GT(found.at("global").at(key).get<double>(), 0.1) << key;
+    EXPECT_GE(found.at("global_error").at(key).get<double>(), 0.0) << key;
+    EXPECT_GE(found.at("largest").at(key).get<double>(), found.at("global").at(key).get<double>()) << key;
+  }
+  double sum = 0.0;
+  for (const json& one : found.at("contributors")) sum += one.at("share").get<double>();
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
+TEST_F(ToleranceCommands, SensitivityAtAPoseAndItsMap) {
+  const json found = json_from("sensitivity --quantity position-compensated --pose 0,0,-888,0 --map map.csv");
+  EXPECT_EQ(found.at("local").at("theta_offset").get<double>(), 0.0);
+  EXPECT_GT(found.at("local").at("alpha2").get<double>(), 0.0);
+  const std::string map = folder.read("map.csv");
+  EXPECT_EQ(std::ranges::count(map, '\n'), 1 + 5 * (1 + 20 * 72));
+  EXPECT_THAT(map, HasSubstr("x_mm,y_mm,z_mm,phi_deg,radius_mm,three_sigma_position_compensated_mm\n"));
+}
+
+TEST_F(ToleranceCommands, AllocateGivesTable2) {
+  const json found = json_from("tolerance allocate");
+  const std::vector<double> table2{0.22e-3, 0.90e-3, 0.26e-3, 0.52e-3, 0.25e-3, 0.84e-3};
+  for (std::size_t k = 0; k < kTiltKeys.size(); ++k) {
+    EXPECT_NEAR(found.at("tolerances").at(kTiltKeys[k]).get<double>() / table2[k], 1.0, 0.06) << kTiltKeys[k];
+  }
+  EXPECT_EQ(found.at("max_tilt_3sigma").get<double>(), 1e-3);
+  EXPECT_GT(found.at("cost").get<double>(), 0.0);
+}
+
+/// What allocate writes, analyze reads: with the true maximum the root of the sum of squares is the limit.
+TEST_F(ToleranceCommands, AnAllocationKeepsItsLimit) {
+  ASSERT_EQ(folder.run("tolerance allocate --bound true-maximum --max-tilt 0.002 --toml chosen.toml").exit_code, kDone);
+  const json found = json_from("tolerance analyze --tolerances chosen.toml --max-tilt 0.002");
+  EXPECT_NEAR(found.at("rss_3sigma").get<double>(), 2e-3, 1e-6);
+  EXPECT_GT(found.at("worst_case").get<double>(), 2e-3);
+  EXPECT_NEAR(found.at("monte_carlo_3sigma").get<double>(), 2e-3, 0.05e-3);
+  EXPECT_LE(found.at("yield").at("low").get<double>(), found.at("yield").at("value").get<double>());
+  EXPECT_THAT(found.at("contributors"), Not(IsEmpty()));
+}
+
+TEST_F(ToleranceCommands, AProblemOfSeveralRequirements) {
+  folder.write("problem.toml", kProblem);
+  const json found = json_from("tolerance allocate --problem problem.toml --toml chosen.toml");
+  EXPECT_EQ(found.at("status"), "optimal");
+  ASSERT_THAT(found.at("requirements"), SizeIs(2));
+  EXPECT_LE(found.at("requirements")[0].at("worst_rad").get<double>(), 1e-3 * (1 + 2e-6));
+  EXPECT_LE(found.at("requirements")[1].at("worst_mm").get<double>(), 0.4 * (1 + 2e-6));
+  const double alpha2 = found.at("half_widths").at("alpha2_deg").get<double>();
+  EXPECT_TRUE(alpha2 == 0.02 || alpha2 == 0.005) << alpha2;
+  const json analysis = json_from("tolerance analyze --tolerances chosen.toml --problem problem.toml");
+  EXPECT_THAT(analysis.at("requirements"), SizeIs(2));
+}
+
+TEST_F(ToleranceCommands, WhatCannotBeMadeIsAVerdict) {
+  const ProgramResult result = folder.run("tolerance allocate --least 0.0002 --least-is sigma");
+  EXPECT_EQ(result.exit_code, kVerdictIsNo);
+  EXPECT_THAT(result.out, HasSubstr("infeasible"));
+  EXPECT_EQ(folder.run("tolerance analyze --min-yield 0.9999999").exit_code, kVerdictIsNo);
+}
+
+TEST_F(ToleranceCommands, ThreadsDoNotChangeTheResult) {
+  const std::string command = "tolerance analyze --model exact --sigma-error 0.2 --sobol 32 --json --threads ";
+  const ProgramResult one = folder.run(command + "1"), two = folder.run(command + "2");
+  ASSERT_EQ(one.exit_code, kDone) << one.err;
+  EXPECT_EQ(one.out, two.out);
+  EXPECT_THAT(one.err, IsEmpty());
+}
+
+TEST_F(ToleranceCommands, MeasuredPartsReplaceTheDistribution) {
+  folder.write("parts.toml", "alpha2_deg = 0.02\n[measured]\nalpha2_deg = [0.01, 0.012, 0.011]\n");
+  const json shifted = json_from("tolerance analyze --tolerances parts.toml --sigma-error 0.1");
+  folder.write("parts.toml", "alpha2_deg = 0.02\n");
+  const json drawn = json_from("tolerance analyze --tolerances parts.toml --sigma-error 0.1");
+  EXPECT_LT(shifted.at("rss_3sigma").get<double>(), drawn.at("rss_3sigma").get<double>());
+  EXPECT_EQ(shifted.at("worst_case"), drawn.at("worst_case"));
+}
+
+TEST_F(ToleranceCommands, ARigidPlateHasNoRotation) {
+  const ProgramResult result = folder.run("sensitivity --robot rotary_delta --quantity rotation");
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.err, HasSubstr("slide"));
+  EXPECT_EQ(folder.run("tolerance allocate --robot rotary_delta").exit_code, kDone);
+}
+
+BrokenInput problem(const std::string& name, const std::string& old, const std::string& by,
+                    std::vector<std::string> message) {
+  return {name,
+          {{"problem.toml", replaced(kProblem, old, by)}},
+          "tolerance allocate --problem problem.toml",
+          kBadInputFile,
+          std::move(message)};
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Problem, BrokenInputTest,
+    testing::Values(
+        problem("no_problem", kProblem, "", {"problem.toml", "[[requirement]]"}),
+        problem("unknown_quantity", "\"tilt\"", "\"speed\"", {"problem.toml:2", "speed", "tilt"}),
+        problem("limit_negative", "limit_rad = 0.001", "limit_rad = -1", {"problem.toml", "limit_rad", "above 0"}),
+        problem("limit_of_another_unit", "limit_mm = 0.4", "limit_rad = 0.4", {"problem.toml", "limit_mm"}),
+        problem("unknown_criterion", "\"worst-case\"", "\"perhaps\"", {"problem.toml:7", "statistical", "perhaps"}),
+        problem("unknown_law", "\"exponential\"", "\"linear\"", {"problem.toml", "exponential", "linear"}),
+        problem("cost_missing", "B = 0.02\n", "", {"problem.toml", "cost.rod_difference_mm.B"}),
+        problem("cost_negative", "B = 5.0", "B = -5.0", {"problem.toml", "above 0"}),
+        problem("bounds_swapped", "upper = 0.1\n", "upper = 0.001\n", {"problem.toml", "upper"}),
+        problem("grade_without_cost", ", cost = 8", "", {"problem.toml", "cost"}),
+        problem("unit_forgotten_in_cost", "cost.rod_difference_mm", "cost.rod_difference",
+                {"problem.toml", "rod_difference"}),
+        BrokenInput{"no_costs",
+                    {{"problem.toml", "[[requirement]]\nquantity = \"tilt\"\nlimit_rad = 0.001\n"}},
+                    "tolerance allocate --problem problem.toml",
+                    kBadInputFile,
+                    {"problem.toml", "cost"}},
+        BrokenInput{"measured_is_text",
+                    {{"parts.toml", "[measured]\nalpha2_deg = \"wide\"\n"}},
+                    "tolerance analyze --tolerances parts.toml",
+                    kBadInputFile,
+                    {"parts.toml:2", "numbers"}},
+        BrokenInput{"measured_of_nothing",
+                    {{"parts.toml", "[measured]\nalpha9_deg = [1.0]\n"}},
+                    "tolerance analyze --tolerances parts.toml",
+                    kBadInputFile,
+                    {"parts.toml:2", "alpha9_deg"}}),
+    name_of);
+
+INSTANTIATE_TEST_SUITE_P(
+    ToleranceUsage, BrokenInputTest,
+    testing::Values(
+        BrokenInput{"tilt_zero", {}, "tolerance allocate --max-tilt 0", kWrongUsage, {"--max-tilt"}},
+        BrokenInput{"tilt_nan", {}, "tolerance analyze --max-tilt nan", kWrongUsage, {"--max-tilt"}},
+        BrokenInput{"unknown_bound", {}, "tolerance allocate --bound largest", kWrongUsage, {"--bound"}},
+        BrokenInput{"neither_half", {}, "tolerance", kWrongUsage, {}},
+        BrokenInput{"unknown_half", {}, "tolerance guess", kWrongUsage, {}},
+        BrokenInput{"sensitivity_of_nothing", {}, "sensitivity --quantity speed", kWrongUsage, {"speed"}},
+        BrokenInput{"sensitivity_out_of_reach", {}, "sensitivity --pose 5000,0,-888,0", kMathematicsSaysNo, {"reach"}},
+        BrokenInput{"confidence_one", {}, "tolerance analyze --confidence 1", kWrongUsage, {"--confidence"}},
+        BrokenInput{"sigma_error_zero", {}, "tolerance analyze --sigma-error 0", kWrongUsage, {"--sigma-error"}},
+        BrokenInput{"few_sobol_samples", {}, "tolerance analyze --sobol 2", kWrongUsage, {"--sobol"}}),
+    name_of);
+
+}  // namespace
+}  // namespace paracal::test
