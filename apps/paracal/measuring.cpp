@@ -3,19 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
+#include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
 namespace {
 
+constexpr double kLargest = 1e6;  // mm or deg: readings far from here are no numbers any more
+
 /// No instrument is outside of these, and weights far outside of them leave the range of numbers.
 void check_noise(const char* option, double value, const char* unit) {
-  constexpr double kSmallest = 1e-5, kLargest = 1e6;
+  constexpr double kSmallest = 1e-5;
   if (value >= kSmallest && value <= kLargest) return;
   throw WrongUsage(fmt::format("{}: expected {:g} to {:g} {}, got {:g}", option, kSmallest, kLargest, unit, value));
 }
@@ -124,6 +128,61 @@ void add_measuring_options(CLI::App& command, MeasuringOptions& options) {
   command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
       ->check(CLI::IsMember({"relative", "absolute"}))
       ->capture_default_str();
+}
+
+VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
+  for (const double coordinate : second) {
+    if (std::abs(coordinate) <= kLargest) continue;
+    throw WrongUsage(fmt::format("--second: expected numbers up to {:g} mm, got {}", kLargest, coordinate));
+  }
+  VirtualInstrument instrument{.noise = noise_mm,
+                               .repeatability = repeatability_mm,
+                               .repeats = repeats,
+                               .reads_rotation = reads_rotation,
+                               .rotation_noise = to_radians(rotation_noise_deg)};
+  if (!tracker_um.empty()) instrument.tracker = tracker_model(tracker_um);
+  if (!second.empty()) instrument.second = Eigen::Vector3d(second[0], second[1], second[2]);
+  return instrument;
+}
+
+void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
+  const CLI::Range believable(0.0, kLargest, "up to 1e6");
+  CLI::Option* noise = command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate read")
+                           ->check(non_negative_finite())
+                           ->check(believable)
+                           ->capture_default_str();
+  command
+      .add_option("--tracker-um", options.tracker_um,
+                  "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
+      ->delimiter(',')
+      ->expected(4)
+      ->check(non_negative_finite())
+      ->excludes(noise);
+  command
+      .add_option("--repeatability-mm", options.repeatability_mm, "standard deviation of a coordinate of the machine")
+      ->check(non_negative_finite())
+      ->check(believable)
+      ->capture_default_str();
+  command.add_option("--repeats", options.repeats, "visits of every pose")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      .add_option("--rotation-noise-deg", options.rotation_noise_deg,
+                  "standard deviation of a rotary encoder that reads phi")
+      ->check(non_negative_finite())
+      ->check(believable)
+      ->capture_default_str();
+  command.add_option("--second", options.second, "second reflector from the first, mm, in the plate's frame: x,y,z")
+      ->delimiter(',')
+      ->expected(3);
+}
+
+Tolerances read_priors(const io::TextFile& file) {
+  const Tolerances tolerances = io::read_tolerances(file);
+  if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
+    throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
+  }
+  return tolerances;
 }
 
 std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count) {

@@ -7,6 +7,8 @@
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/simulation.hpp"
+#include "paracal/io/file.hpp"
 
 namespace paracal::app {
 
@@ -32,6 +34,25 @@ void add_measuring_options(CLI::App& command, MeasuringOptions& options);
 
 /// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
 void add_noise_options(CLI::App& command, MeasuringOptions& options);
+
+/// The instrument of commands that measure virtual machines.
+struct InstrumentOptions {
+  double noise_mm = 0.0, repeatability_mm = 0.0, rotation_noise_deg = 0.0;
+  std::vector<double> tracker_um = {};
+  int repeats = 1;
+  std::vector<double> second = {};
+
+  /// @throws WrongUsage for numbers that no instrument has.
+  VirtualInstrument instrument(bool reads_rotation) const;
+};
+
+/// --noise-mm, --tracker-um, --repeatability-mm, --repeats, --rotation-noise-deg, --second, with the values of
+/// `options` as defaults.
+void add_instrument_options(CLI::App& command, InstrumentOptions& options);
+
+/// Half-widths (TOML) that are to be priors.
+/// @throws InputFileError where all are zero: there is then nothing that a fit could seek.
+Tolerances read_priors(const io::TextFile& file);
 
 /// "e_x2": e_x of limb 2; "e_x": of all limbs.
 /// @throws WrongUsage for anything else.

@@ -44,8 +44,7 @@ std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOpt
 }
 
 std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationOptions& options) {
-  const Tolerances tolerances = options.tolerances.value_or(
-      robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width)));
+  const Tolerances tolerances = options.tolerances.value_or(tolerances_of(robot));
   std::vector<SoughtSource> sought = select(robot, options, [](Source) { return true; });
   for (SoughtSource& one : sought) {
     if (!listed(options.free, one.limb, one.source)) one.prior_std = tolerances.std(one.source);

@@ -153,33 +153,6 @@ Json selectors_json(const std::vector<SourceSelector>& selectors) {
   return json;
 }
 
-Json options_json(const CalibrationOptions& options) {
-  Json json{{"method", options.method == Method::paper ? "paper" : "best"},
-            {"stage", options.stage == Stage::rough  ? "rough"
-                      : options.stage == Stage::fine ? "fine"
-                                                     : "auto"},
-            {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
-            {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
-            {"reflectors", options.reflectors == ReflectorMount::plate ? "plate" : "end-effector"},
-            {"distance_sigma_mm", options.noise.distance},
-            {"point_sigma_mm", options.noise.point},
-            {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
-            {"noise_is_known", options.noise_is_known},
-            {"fixed", selectors_json(options.fixed)},
-            {"free", selectors_json(options.free)},
-            {"exclude_outliers", options.exclude_outliers},
-            {"outlier_chance", options.outlier_chance},
-            {"largest_chance", options.largest_chance}};
-  if (const auto& tracker = options.noise.tracker) {
-    json["tracker"] = {{"transverse_mm", tracker->transverse},
-                       {"transverse_mm_per_m", tracker->transverse_per_m},
-                       {"radial_mm", tracker->radial},
-                       {"radial_mm_per_m", tracker->radial_per_m}};
-  }
-  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances);
-  return json;
-}
-
 /// One entry of a calibration's "parameters"; calls refuse(complaint) for anything else.
 ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, const auto& refuse) {
   const auto source = source_named(parameter.at("name").get<std::string>());
@@ -238,38 +211,71 @@ Json to_json(const PoseErrorSummary& summary) {
           {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
 }
 
-Json to_json(const Calibration& calibration, std::int64_t time) {
-  Json json{{"format", "paracal calibration 1"},
-            {"program", fmt::format("paracal {}", version())},
-            {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(time)))},
-            {"accepted", calibration.accepted()},
-            {"verdict", name(calibration.verdict)},
-            {"reasons", calibration.reasons},
-            {"notes", calibration.notes},
-            {"robot", to_json(calibration.robot)},
-            {"parameters", parameters_json(calibration)},
-            {"covariance", covariance_json(calibration)},
-            {"correlations", correlations_json(calibration)},
-            {"coverage_factor", kCoverageFactor},
-            {"rank", calibration.rank},
-            {"null_space", null_space_json(calibration)},
-            {"stages", stages_json(calibration)},
-            {"residual_rms_mm", calibration.after.rms_distance},
-            {"readings", calibration.readings},
-            {"noise_mm", calibration.noise},
-            {"degrees_of_freedom", calibration.degrees_of_freedom},
-            {"unit_weight_std", optional(calibration.unit_weight_std)},
-            {"fit_probability", optional(calibration.fit_probability)},
-            {"chance", optional(calibration.chance)},
-            {"before", to_json(calibration.before)},
-            {"after", to_json(calibration.after)},
-            {"residuals", residuals_json(calibration)},
-            {"suspects", suspects_json(calibration)},
-            {"frames", frames_json(calibration)},
-            {"options", options_json(calibration.options)}};
-  Json& inputs = json["inputs"] = Json::array();
-  for (const InputFile& file : calibration.files) inputs.push_back({{"file", file.name}, {"sha256", file.sha256}});
+Json to_json(const TrackerModel& tracker) {
+  return {{"transverse_mm", tracker.transverse},
+          {"transverse_mm_per_m", tracker.transverse_per_m},
+          {"radial_mm", tracker.radial},
+          {"radial_mm_per_m", tracker.radial_per_m}};
+}
+
+Json to_json(const CalibrationOptions& options) {
+  Json json{{"method", options.method == Method::paper ? "paper" : "best"},
+            {"stage", options.stage == Stage::rough  ? "rough"
+                      : options.stage == Stage::fine ? "fine"
+                                                     : "auto"},
+            {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
+            {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
+            {"reflectors", options.reflectors == ReflectorMount::plate ? "plate" : "end-effector"},
+            {"distance_sigma_mm", options.noise.distance},
+            {"point_sigma_mm", options.noise.point},
+            {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
+            {"noise_is_known", options.noise_is_known},
+            {"fixed", selectors_json(options.fixed)},
+            {"free", selectors_json(options.free)},
+            {"exclude_outliers", options.exclude_outliers},
+            {"outlier_chance", options.outlier_chance},
+            {"largest_chance", options.largest_chance}};
+  if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
+  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances);
   return json;
+}
+
+Json to_json(const std::vector<InputFile>& files) {
+  Json json = Json::array();
+  for (const InputFile& file : files) json.push_back({{"file", file.name}, {"sha256", file.sha256}});
+  return json;
+}
+
+Json to_json(const Calibration& calibration, std::int64_t time) {
+  return {{"format", "paracal calibration 1"},
+          {"program", fmt::format("paracal {}", version())},
+          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(time)))},
+          {"accepted", calibration.accepted()},
+          {"verdict", name(calibration.verdict)},
+          {"reasons", calibration.reasons},
+          {"notes", calibration.notes},
+          {"robot", to_json(calibration.robot)},
+          {"parameters", parameters_json(calibration)},
+          {"covariance", covariance_json(calibration)},
+          {"correlations", correlations_json(calibration)},
+          {"coverage_factor", kCoverageFactor},
+          {"rank", calibration.rank},
+          {"null_space", null_space_json(calibration)},
+          {"stages", stages_json(calibration)},
+          {"residual_rms_mm", calibration.after.rms_distance},
+          {"readings", calibration.readings},
+          {"noise_mm", calibration.noise},
+          {"degrees_of_freedom", calibration.degrees_of_freedom},
+          {"unit_weight_std", optional(calibration.unit_weight_std)},
+          {"fit_probability", optional(calibration.fit_probability)},
+          {"chance", optional(calibration.chance)},
+          {"before", to_json(calibration.before)},
+          {"after", to_json(calibration.after)},
+          {"residuals", residuals_json(calibration)},
+          {"suspects", suspects_json(calibration)},
+          {"frames", frames_json(calibration)},
+          {"options", to_json(calibration.options)},
+          {"inputs", to_json(calibration.files)}};
 }
 
 CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {

@@ -141,4 +141,8 @@ Machine checked_nominal(RobotDescription& description) {
 Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
 
+Tolerances tolerances_of(const Robot& robot) {
+  return robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width));
+}
+
 }  // namespace paracal

@@ -9,7 +9,7 @@
 
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
-#include "paracal/io/toml.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
@@ -44,15 +44,6 @@ void check_selection(const CalibrationOptions& options, std::size_t limb_count) 
   if (!seeks) throw WrongUsage("--fix: expected something to be left to seek, got every source error of the stage");
 }
 
-/// Without any tolerance there is no prior, and nothing that a fit could seek.
-Tolerances read_priors(const std::string& name) {
-  const Tolerances tolerances = io::read_tolerances(io::read_file(name));
-  if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
-    throw InputFileError(name, 0, "expected at least one tolerance above 0, got none");
-  }
-  return tolerances;
-}
-
 CalibrationOptions calibration_options(const Options& options, const Robot& robot) {
   CalibrationOptions calibration;
   calibration.method = options.method == "paper" ? Method::paper : Method::best;
@@ -64,7 +55,7 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.frame = options.measuring.frame_kind();
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.measuring.mount();
-  if (!options.tolerances.empty()) calibration.tolerances = read_priors(options.tolerances);
+  if (!options.tolerances.empty()) calibration.tolerances = read_priors(io::read_file(options.tolerances));
   calibration.fixed = source_selectors(options.fixed, robot.limb_count());
   calibration.free = source_selectors(options.free, robot.limb_count());
   calibration.exclude_outliers = !options.keep_outliers;

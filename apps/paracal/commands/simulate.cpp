@@ -16,16 +16,11 @@
 namespace paracal::app {
 namespace {
 
-constexpr double kLargest = 1e6;  // mm or deg: readings far from here are no numbers any more
-
 struct Options {
   std::string errors, poses, truth, frame = "robot";
-  MeasuringOptions noise;
-  double noise_mm = 0.0, repeatability_mm = 0.0, rotation_noise_deg = 0.0;
-  int repeats = 1;
+  InstrumentOptions instrument;
   std::uint64_t machine = 0;
   bool rotation = false;
-  std::vector<double> second;
 };
 
 /// Anywhere within some metres, turned anyhow: what "unknown frame" means.
@@ -39,8 +34,7 @@ RigidMotion random_frame(RandomStream& random) {
 
 SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream& random) {
   if (options.errors.empty()) {
-    return draw_errors(robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width)),
-                       robot.limb_count(), random);
+    return draw_errors(tolerances_of(robot), robot.limb_count(), random);
   }
   return io::read_source_errors(io::read_file(options.errors), robot.limb_count());
 }
@@ -50,19 +44,7 @@ void run(const Options& options, const Session& session) {
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
   const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.limb_count());
-  for (const double coordinate : options.second) {
-    if (std::abs(coordinate) <= kLargest) continue;
-    throw WrongUsage(fmt::format("--second: expected numbers up to {:g} mm, got {}", kLargest, coordinate));
-  }
-  VirtualInstrument instrument{.noise = options.noise_mm,
-                               .tracker = options.noise.noise().tracker,
-                               .repeatability = options.repeatability_mm,
-                               .repeats = options.repeats,
-                               .reads_rotation = options.rotation,
-                               .rotation_noise = to_radians(options.rotation_noise_deg)};
-  if (!options.second.empty()) {
-    instrument.second = Eigen::Vector3d(options.second[0], options.second[1], options.second[2]);
-  }
+  VirtualInstrument instrument = options.instrument.instrument(options.rotation);
   if (options.frame == "random") instrument.frame = random_frame(random);
   const Measurements measurements = simulate(robot, errors, stations, instrument, random);
   const std::string table = io::point_table(measurements);
@@ -99,34 +81,8 @@ void add_simulate(CLI::App& app, Session& session) {
       ->capture_default_str();
   command->add_option("--truth", options->truth, "write the machine's errors here (TOML)");
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
-  const CLI::Range believable(0.0, kLargest, "up to 1e6");
-  CLI::Option* noise = command->add_option("--noise-mm", options->noise_mm, "standard deviation of a coordinate read")
-                           ->check(non_negative_finite())
-                           ->check(believable)
-                           ->capture_default_str();
-  command
-      ->add_option("--tracker-um", options->noise.tracker_um,
-                   "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
-      ->delimiter(',')
-      ->expected(4)
-      ->check(non_negative_finite())
-      ->excludes(noise);
-  command
-      ->add_option("--repeatability-mm", options->repeatability_mm, "standard deviation of a coordinate of the machine")
-      ->check(non_negative_finite())
-      ->check(believable)
-      ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "visits of every pose")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
+  add_instrument_options(*command, options->instrument);
   command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
-  command->add_option("--rotation-noise-deg", options->rotation_noise_deg, "its standard deviation")
-      ->check(non_negative_finite())
-      ->check(believable)
-      ->capture_default_str();
-  command->add_option("--second", options->second, "second reflector from the first, mm, in the plate's frame: x,y,z")
-      ->delimiter(',')
-      ->expected(3);
   command->add_option("--frame", options->frame, "frame of the instrument")
       ->check(CLI::IsMember({"robot", "random"}))
       ->capture_default_str();

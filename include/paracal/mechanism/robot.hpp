@@ -62,4 +62,7 @@ class Robot {
   Machine nominal_;
 };
 
+/// The robot's own tolerances; generous ones where it states none.
+Tolerances tolerances_of(const Robot& robot);
+
 }  // namespace paracal
