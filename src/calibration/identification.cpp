@@ -233,6 +233,12 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
   }
   const bool fine = goes_fine(robot, measurements, options);
   const bool paper = options.method == Method::paper;
+  const std::vector<SoughtSource> sought =
+      paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options);
+  if (fine && sought.empty()) {
+    throw InvalidArgument(
+        "calibration: expected a source error to seek, got none that has a tolerance and is not fixed");
+  }
   const Measurements used = paper ? as_distances(measurements) : detail::as_points(measurements).value_or(measurements);
   Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
 
@@ -244,8 +250,7 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
     return calibration;
   }
   const SourceErrors offsets = rough.observation().errors(rough.fit().parameters);
-  StageFit stage(robot, used, options,
-                 paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options), offsets);
+  StageFit stage(robot, used, options, sought, offsets);
   if (paper) {
     stage.solve_by_pseudo_inverse();
   } else {

@@ -25,8 +25,8 @@ namespace paracal {
 /// Accepted when the fit converged, the parameters are determined, and an F test (chi-square where all sigmas are
 /// stated) finds the improvement unlikely to be chance.
 ///
-/// @throws InvalidArgument for readings that make no sense (see check()) and Unreachable for a station
-/// out of the robot's reach.
+/// @throws InvalidArgument for readings that make no sense (see check()) or nothing to seek, and Unreachable for a
+/// station out of the robot's reach.
 Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options = {});
 
 }  // namespace paracal
