@@ -2,6 +2,9 @@
 
 // The whole library but for JSON (paracal/io/json.hpp), which needs nlohmann-json.
 
+#include "paracal/batch/batch.hpp"
+#include "paracal/batch/production.hpp"
+#include "paracal/batch/tally.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
@@ -17,6 +20,7 @@
 #include "paracal/calibration/validation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/allocation_problem.hpp"
+#include "paracal/io/chunks.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "paracal/batch/batch.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/kinematics/error_model.hpp"
@@ -25,6 +26,22 @@ Json to_json(const Calibration& calibration, std::int64_t time);
 Json to_json(const PoseErrorSummary& summary);
 
 Json to_json(const Tolerances& tolerances);
+
+Json to_json(const TrackerModel& tracker);
+
+/// What was asked of a calibration.
+Json to_json(const CalibrationOptions& options);
+
+/// Everything that decides what the machines of a batch are, so that results of another batch, or of another version of
+/// the program, can be told apart. Numbers as they are inside the library (mm, rad), to the last bit.
+Json to_json(const Batch& batch);
+
+/// Yield, defects per million, fates, and what customers get before and after calibration; keys in docs/files.md.
+/// @param confidence  of the intervals.
+Json to_json(const Batch& batch, const Tally& tally, double confidence);
+
+/// Files with their hashes.
+Json to_json(const std::vector<InputFile>& files);
 
 /// What a calibration file says of the machine.
 struct CalibratedMachine {

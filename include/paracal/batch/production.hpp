@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/simulation.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/mechanism/tolerances.hpp"
+
+namespace paracal {
+
+/// What a customer gets, as the largest over the validation poses (home first).
+enum class Quantity : std::uint8_t {
+  distance,            ///< |d_rho|, mm
+  volumetric,          ///< d_v, mm
+  volumetric_aligned,  ///< |dr| after the rigid motion that fits best has been removed, mm
+  rotation,            ///< |d_phi|, rad; 0 for a rigid plate
+  tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate, rad
+};
+
+inline constexpr std::array kQuantities{Quantity::distance, Quantity::volumetric, Quantity::volumetric_aligned,
+                                        Quantity::rotation, Quantity::tilt};
+
+/// "distance", "volumetric", "volumetric_aligned", "rotation", "tilt".
+std::string_view name(Quantity quantity);
+
+/// Millimetres or radians.
+Unit unit(Quantity quantity);
+
+/// One value for each quantity.
+template <typename Value>
+class PerQuantity {
+ public:
+  Value& operator[](Quantity quantity) { return values_[static_cast<std::size_t>(quantity)]; }
+  const Value& operator[](Quantity quantity) const { return values_[static_cast<std::size_t>(quantity)]; }
+  bool operator==(const PerQuantity&) const = default;
+
+ private:
+  std::array<Value, kQuantities.size()> values_{};
+};
+
+/// Largest errors of one machine, mm and rad.
+using Accuracy = PerQuantity<double>;
+
+/// How one machine of a batch is made, measured, calibrated and judged.
+struct ProductionPlan {
+  Tolerances tolerances = {};           ///< of its parts
+  std::vector<Station> stations = {};   ///< to measure; home first
+  CalibrationOptions calibration = {};  ///< as the metrologist sets them
+  VirtualInstrument instrument = {};
+  std::vector<Station> validation = {};            ///< home first; their poses are asked of the controller
+  PerQuantity<std::optional<double>> limits = {};  ///< of the errors after calibration, mm and rad; empty: none
+};
+
+/// Standard deviation of a coordinate that a metrologist may count on: a third of the positioning repeatability in
+/// [huang2016, section 5.2], mm.
+inline constexpr double kUsualNoise = 0.017;
+
+/// The paper's scheme: home and nine points on each of two rims measured with kUsualNoise, 120 poses to validate; the
+/// tolerances are the metrologist's priors, too.
+ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances);
+
+/// The plan with its automatic choices made, once for all machines: readings alike in kind carry the same stage.
+/// @throws Unreachable when the nominal robot does not reach a station, InvalidArgument for measurements that make no
+/// sense or a plan without stations to measure and to validate.
+ProductionPlan settled(const Robot& robot, ProductionPlan plan);
+
+/// How the making of a machine ended.
+enum class Fate : std::uint8_t {
+  accepted,          ///< calibrated; its controller is compensated
+  rejected,          ///< as Verdict; the controller stays nominal
+  not_identifiable,  ///< likewise
+  not_converged,     ///< likewise, or the numbers left the range where they mean something
+  does_not_close,    ///< some pose cannot be taken, or asked for after calibration: scrap, without any accuracy
+};
+
+inline constexpr std::array kFates{Fate::accepted, Fate::rejected, Fate::not_identifiable, Fate::not_converged,
+                                   Fate::does_not_close};
+
+/// The enumerator as it is spelled.
+std::string_view name(Fate fate);
+
+struct [[nodiscard]] MachineOutcome {
+  Fate fate = Fate::does_not_close;
+  bool passes = false;  ///< keeps all limits; without limits: accepted
+  Accuracy before;      ///< with a nominal controller; zero for scrap
+  Accuracy after;       ///< with the controller that is delivered; zero for scrap
+
+  bool operator==(const MachineOutcome&) const = default;
+};
+
+/// One virtual machine from tolerances to what a customer gets: errors drawn, stations measured, calibrated, controller
+/// compensated, validated. Compensation is exact:
+///
+///   q = inverse(build(robot, identified errors), commanded pose),   pose taken = forward(build(robot, errors), q)
+///
+/// Everything random comes from stream `machine` of `seed`, so a machine does not depend on any other. What the numbers
+/// refuse is a fate, never an exception.
+/// @param plan  settled().
+MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint64_t seed, std::uint64_t machine);
+
+}  // namespace paracal

@@ -1,0 +1,171 @@
+#include "paracal/batch/production.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_error.hpp"
+#include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr int kFinePoints = 9;  // on each rim: the n at which O2 settles
+
+Fate fate_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::accepted:
+      return Fate::accepted;
+    case Verdict::rejected:
+      return Fate::rejected;
+    case Verdict::not_identifiable:
+      return Fate::not_identifiable;
+    case Verdict::not_converged:
+      break;
+  }
+  return Fate::not_converged;
+}
+
+/// What the metrologist hands over: errors for the controller to compensate, where the calibration was accepted.
+struct Delivery {
+  Fate fate = Fate::does_not_close;
+  std::optional<SourceErrors> compensated = {};
+};
+
+Delivery measure_and_calibrate(const Robot& robot, const ProductionPlan& plan, const SourceErrors& errors,
+                               RandomStream& random) {
+  try {
+    const Measurements readings = simulate(robot, errors, plan.stations, plan.instrument, random);
+    const Calibration calibration = calibrate(robot, readings, plan.calibration);
+    if (!calibration.accepted()) return {fate_of(calibration.verdict)};
+    return {Fate::accepted, calibration.errors()};
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Unreachable&) {
+    return {Fate::does_not_close};
+  } catch (const std::exception&) {  // readings, or statistics of them, that are no numbers any more
+    return {Fate::not_converged};
+  }
+}
+
+/// A first guess near the answer saves the search for one; where the iteration does not settle from there, the general
+/// start decides.
+ForwardResult plate_near(const Machine& machine, const Joints& joints, const PlateState& guess) {
+  const ForwardResult near = forward(machine, joints, {.start = guess});
+  return near.ok() ? near : forward(machine, joints);
+}
+
+/// Asks a controller for the validation poses.
+class Validator {
+ public:
+  Validator(const Robot& robot, const std::vector<Station>& stations, const SourceErrors& errors)
+      : robot_(robot),
+        stations_(stations),
+        actual_(build(robot, errors)),
+        tilts_(stations.size(), Eigen::Vector3d::Zero()) {}
+
+  /// @param believed  the machine that the controller computes with. Empty where a pose cannot be asked for or taken.
+  std::optional<Accuracy> operator()(const Machine& believed) {
+    std::vector<PosePair> pairs;
+    pairs.reserve(stations_.size());
+    Accuracy accuracy;
+    for (std::size_t k = 0; k < stations_.size(); ++k) {
+      const Pose& commanded = stations_[k].commanded;
+      const InverseResult asked = inverse(believed, commanded);
+      if (!asked.ok()) return std::nullopt;
+      const ForwardResult taken = plate_near(actual_, asked.joints, guess_at(k));
+      if (!taken.ok()) return std::nullopt;
+      tilts_[k] = taken.plate.tilt;
+      pairs.push_back({commanded, {taken.plate.position, actual_.rotation_of(taken.plate.slide)}});
+      accuracy[Quantity::tilt] = std::max(accuracy[Quantity::tilt], taken.plate.tilt.head<2>().norm());
+    }
+    const PoseErrorSummary largest = summarize(pairs, robot_.slide().has_value());
+    accuracy[Quantity::distance] = largest.max_abs_distance;
+    accuracy[Quantity::volumetric] = largest.max_volumetric;
+    accuracy[Quantity::volumetric_aligned] = largest.max_volumetric_aligned;
+    accuracy[Quantity::rotation] = largest.max_abs_rotation.value_or(0.0);
+    return accuracy;
+  }
+
+ private:
+  /// The commanded pose with the tilt that the machine last had there: joints that differ a little hardly change it.
+  PlateState guess_at(std::size_t k) const {
+    const Pose& commanded = stations_[k].commanded;
+    return {commanded.position, tilts_[k], actual_.slide_of(commanded.rotation)};
+  }
+
+  const Robot& robot_;
+  const std::vector<Station>& stations_;
+  Machine actual_;
+  std::vector<Eigen::Vector3d> tilts_;
+};
+
+bool keeps(const Accuracy& accuracy, const PerQuantity<std::optional<double>>& limits) {
+  return std::ranges::all_of(
+      kQuantities, [&](Quantity quantity) { return !limits[quantity] || accuracy[quantity] <= *limits[quantity]; });
+}
+
+bool any(const PerQuantity<std::optional<double>>& limits) {
+  return std::ranges::any_of(kQuantities, [&](Quantity quantity) { return limits[quantity].has_value(); });
+}
+
+}  // namespace
+
+std::string_view name(Quantity quantity) {
+  constexpr std::array<std::string_view, kQuantities.size()> kNames{"distance", "volumetric", "volumetric_aligned",
+                                                                    "rotation", "tilt"};
+  return kNames[static_cast<std::size_t>(quantity)];
+}
+
+Unit unit(Quantity quantity) {
+  return quantity == Quantity::rotation || quantity == Quantity::tilt ? Unit::rad : Unit::mm;
+}
+
+std::string_view name(Fate fate) {
+  constexpr std::array<std::string_view, kFates.size()> kNames{"accepted", "rejected", "not_identifiable",
+                                                               "not_converged", "does_not_close"};
+  return kNames[static_cast<std::size_t>(fate)];
+}
+
+ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
+  ProductionPlan plan{.tolerances = tolerances,
+                      .stations = fine_stations(robot, kFinePoints),
+                      .instrument = {.noise = kUsualNoise},
+                      .validation = validation_stations(robot)};
+  plan.calibration.tolerances = tolerances;
+  return plan;
+}
+
+ProductionPlan settled(const Robot& robot, ProductionPlan plan) {
+  if (plan.stations.empty() || plan.validation.empty()) {
+    throw InvalidArgument("batch: expected stations to measure and to validate, got none");
+  }
+  for (const Station& station : plan.validation) (void)believed_joints(robot, station);
+  RandomStream random(0);
+  const Measurements readings = simulate(robot, {}, plan.stations, plan.instrument, random);
+  const Calibration nominal = calibrate(robot, readings, plan.calibration);
+  if (plan.calibration.stage == Stage::automatic) {
+    plan.calibration.stage = nominal.stages.size() > 1 ? Stage::fine : Stage::rough;
+  }
+  return plan;
+}
+
+MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint64_t seed, std::uint64_t machine) {
+  RandomStream random(seed, machine);
+  const SourceErrors errors = draw_errors(plan.tolerances, robot.limb_count(), random);
+  const Delivery delivery = measure_and_calibrate(robot, plan, errors, random);
+  if (delivery.fate == Fate::does_not_close) return {};
+  Validator validate(robot, plan.validation, errors);
+  const std::optional<Accuracy> before = validate(robot.nominal());
+  const std::optional<Accuracy> after =
+      before && delivery.compensated ? validate(build(robot, *delivery.compensated)) : before;
+  if (!before || !after) return {};
+  const bool passes = any(plan.limits) ? keeps(*after, plan.limits) : delivery.fate == Fate::accepted;
+  return {delivery.fate, passes, *before, *after};
+}
+
+}  // namespace paracal

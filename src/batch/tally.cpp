@@ -1,0 +1,40 @@
+#include "paracal/batch/tally.hpp"
+
+#include <numeric>
+
+namespace paracal {
+
+std::uint64_t Tally::machines() const { return std::accumulate(fates.begin(), fates.end(), std::uint64_t{0}); }
+
+void Tally::add(const MachineOutcome& outcome) {
+  ++of(outcome.fate);
+  passed += outcome.passes ? 1 : 0;
+  if (outcome.fate == Fate::does_not_close) return;
+  for (const Quantity quantity : kQuantities) {
+    before[quantity].add(outcome.before[quantity]);
+    after[quantity].add(outcome.after[quantity]);
+  }
+}
+
+void Tally::add(const Tally& other) {
+  for (const Fate fate : kFates) of(fate) += other.of(fate);
+  passed += other.passed;
+  for (const Quantity quantity : kQuantities) {
+    before[quantity].add(other.before[quantity]);
+    after[quantity].add(other.after[quantity]);
+  }
+}
+
+Proportion yield(const Tally& tally, double confidence) {
+  const std::uint64_t machines = tally.machines();
+  return {static_cast<double>(tally.passed) / static_cast<double>(machines),
+          proportion_interval(tally.passed, machines, confidence)};
+}
+
+Proportion defects_per_million(const Proportion& yield) {
+  constexpr double kMillion = 1e6;
+  return {kMillion * (1.0 - yield.value),
+          {kMillion * (1.0 - yield.interval.high), kMillion * (1.0 - yield.interval.low)}};
+}
+
+}  // namespace paracal

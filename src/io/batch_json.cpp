@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include "names.hpp"
+#include "paracal/batch/tally.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+#include "paracal/version.hpp"
+
+namespace paracal::io {
+namespace {
+
+Json numbers(const auto& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(value);
+  return json;
+}
+
+/// to_json(Tolerances) is for reading: it rounds, and leaves the values of built parts out.
+Json exact(const Tolerances& tolerances) {
+  Json json{{"half_width", numbers(tolerances.half_width)},
+            {"distribution", distribution_name(tolerances.distribution)}};
+  for (const Source source : all_sources()) {
+    const std::vector<double>& measured = tolerances.measured[index(source)];
+    if (!measured.empty()) json["measured"][std::string(name(source))] = numbers(measured);
+  }
+  return json;
+}
+
+Json exact(const std::optional<Tolerances>& tolerances) { return tolerances ? exact(*tolerances) : Json(nullptr); }
+
+/// Too many numbers to read: how many, and a hash that tells them apart.
+Json digest(const std::vector<Station>& stations) {
+  Json all = Json::array();
+  for (const Station& station : stations) {
+    Json row = numbers(station.commanded.position);
+    row.push_back(station.commanded.rotation);
+    if (station.believed) row.push_back(numbers(*station.believed));
+    all.push_back(std::move(row));
+  }
+  return {{"count", stations.size()}, {"sha256", sha256(all.dump())}};
+}
+
+Json instrument_json(const VirtualInstrument& instrument) {
+  Json json{{"noise_mm", instrument.noise},
+            {"repeatability_mm", instrument.repeatability},
+            {"repeats", instrument.repeats},
+            {"reads_rotation", instrument.reads_rotation},
+            {"rotation_noise_rad", instrument.rotation_noise},
+            {"rotation", rows_json(instrument.frame.rotation)},
+            {"translation_mm", numbers(instrument.frame.translation)}};
+  if (instrument.tracker) json["tracker"] = to_json(*instrument.tracker);
+  if (instrument.second) json["second_reflector_mm"] = numbers(*instrument.second);
+  return json;
+}
+
+/// "tilt_rad", "distance_mm".
+std::string key_of(Quantity quantity, std::string_view angle_unit) {
+  return fmt::format("{}_{}", name(quantity), unit(quantity) == Unit::mm ? "mm" : angle_unit);
+}
+
+Json limits_json(const PerQuantity<std::optional<double>>& limits) {
+  Json json = Json::object();
+  for (const Quantity quantity : kQuantities) {
+    if (limits[quantity]) json[key_of(quantity, "rad")] = *limits[quantity];
+  }
+  return json;
+}
+
+Json pair(const Interval& interval, double factor) { return {factor * interval.low, factor * interval.high}; }
+
+Json statistics(const Histogram& histogram, double factor, double confidence) {
+  const auto percentile = [&](double share) { return factor * histogram.quantile(share); };
+  return {{"mean", factor * histogram.mean()},
+          {"std", factor * histogram.std()},
+          {"p50", percentile(0.5)},
+          {"p90", percentile(0.9)},
+          {"p95", percentile(0.95)},
+          {"p99", percentile(0.99)},
+          {"p99_73", percentile(0.9973)},
+          {"p95_interval", pair(histogram.quantile_interval(0.95, confidence), factor)}};
+}
+
+/// Rotations are stated in deg, tilt in rad, as everywhere.
+Json quantities_json(const Batch& batch, const Tally& tally, double confidence) {
+  Json json;
+  for (const Quantity quantity : kQuantities) {
+    const bool turned = quantity == Quantity::rotation;
+    Json& entry = json[key_of(quantity, turned ? "deg" : "rad")];
+    if (turned && !batch.robot.slide()) continue;
+    const double factor = turned ? to_degrees(1.0) : 1.0;
+    entry = {{"before", statistics(tally.before[quantity], factor, confidence)},
+             {"after", statistics(tally.after[quantity], factor, confidence)}};
+  }
+  return json;
+}
+
+Json proportion_json(const Proportion& proportion) {
+  return {{"value", proportion.value}, {"low", proportion.interval.low}, {"high", proportion.interval.high}};
+}
+
+}  // namespace
+
+Json to_json(const Batch& batch) {
+  const auto& [robot, plan, seed] = batch;
+  return {{"program", fmt::format("paracal {}", version())},
+          {"seed", seed},
+          {"robot", to_json(robot)},
+          {"limb_azimuth_rad", numbers(robot.geometry().limb_azimuth)},
+          {"rotation_rad", {robot.workspace().min_rotation, robot.workspace().max_rotation}},
+          {"robot_tolerances", exact(robot.tolerances())},
+          {"tolerances", exact(plan.tolerances)},
+          {"stations", digest(plan.stations)},
+          {"validation", digest(plan.validation)},
+          {"instrument", instrument_json(plan.instrument)},
+          {"calibration", to_json(plan.calibration)},
+          {"rotation_sigma_rad", plan.calibration.noise.rotation},
+          {"priors", exact(plan.calibration.tolerances)},
+          {"limits", limits_json(plan.limits)}};
+}
+
+Json to_json(const Batch& batch, const Tally& tally, double confidence) {
+  const Proportion share = yield(tally, confidence);
+  Json json{{"machines", tally.machines()}};
+  for (const Fate fate : kFates) json["fates"][std::string(name(fate))] = tally.of(fate);
+  json["passed"] = tally.passed;
+  json["yield"] = proportion_json(share);
+  json["yield"]["confidence"] = confidence;
+  json["dpmo"] = proportion_json(defects_per_million(share));
+  json["quantities"] = quantities_json(batch, tally, confidence);
+  return json;
+}
+
+}  // namespace paracal::io
