@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_validate(app, session);
   add_sensitivity(app, session);
   add_tolerance(app, session);
+  add_yield(app, session);
   add_reproduce(app, session);
   try {
     app.parse(argc, argv);

@@ -53,9 +53,13 @@ CLI::Validator non_negative_finite() {
   return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
 }
 
-Robot Session::robot() const {
+std::optional<std::filesystem::path> Session::robot_file() const {
   const std::filesystem::path path(robot_);
-  if (path.extension() == ".toml" || path.has_parent_path()) return io::read_robot(io::read_file(path));
+  return path.extension() == ".toml" || path.has_parent_path() ? std::optional(path) : std::nullopt;
+}
+
+Robot Session::robot() const {
+  if (const auto file = robot_file()) return io::read_robot(io::read_file(*file));
   try {
     return catalogue::find(robot_);
   } catch (const InvalidArgument& unknown) {

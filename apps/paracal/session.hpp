@@ -49,6 +49,8 @@ class Session {
 
   /// The robot that --robot names: a file when it has a folder or ends in .toml, a catalogue name otherwise.
   Robot robot() const;
+  /// Its file, where it is one.
+  std::optional<std::filesystem::path> robot_file() const;
 
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
@@ -82,5 +84,6 @@ void add_validate(CLI::App& app, Session& session);
 void add_sensitivity(CLI::App& app, Session& session);
 void add_tolerance(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
+void add_yield(CLI::App& app, Session& session);
 
 }  // namespace paracal::app

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -65,22 +66,40 @@ int exit_code_of(pid_t process) {
 }  // namespace
 
 ProgramResult run_program(const std::vector<std::string>& arguments, const Surroundings& where) {
-  const TemporaryFolder streams;
-  const std::filesystem::path out = streams.path() / "out", err = streams.path() / "err";
+  return RunningProgram(arguments, where).result();
+}
+
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const Surroundings& where) {
+  if (where.standard_output.empty()) out_ = streams_.path() / "out";
+  if (where.standard_error.empty()) err_ = streams_.path() / "err";
   SpawnActions actions;
   actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
-  actions.open(STDOUT_FILENO, where.standard_output.empty() ? out : where.standard_output, O_WRONLY | O_CREAT);
-  actions.open(STDERR_FILENO, err, O_WRONLY | O_CREAT);
+  actions.open(STDOUT_FILENO, out_.empty() ? where.standard_output : out_, O_WRONLY | O_CREAT);
+  actions.open(STDERR_FILENO, err_.empty() ? where.standard_error : err_, O_WRONLY | O_CREAT | O_NOCTTY);
   if (!where.folder.empty()) actions.change_folder(where.folder);
-  std::vector<std::string> command{PARACAL_PROGRAM};
+  std::vector<std::string> command(where.launcher);
+  command.emplace_back(PARACAL_PROGRAM);
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = environment_with(where.environment);
-  pid_t process = 0;
-  require(posix_spawn(&process, PARACAL_PROGRAM, actions.get(), nullptr, pointers(command).data(),
+  require(posix_spawn(&process_, command.front().c_str(), actions.get(), nullptr, pointers(command).data(),
                       pointers(environment).data()),
-          PARACAL_PROGRAM);
-  const int exit_code = exit_code_of(process);
-  return {exit_code, where.standard_output.empty() ? read_text(out) : "", read_text(err)};
+          command.front());
+}
+
+RunningProgram::~RunningProgram() {
+  if (process_ == 0) return;
+  kill(process_, SIGKILL);
+  (void)exit_code_of(process_);
+}
+
+void RunningProgram::send(int signal) const {
+  if (kill(process_, signal) != 0) require(errno, "kill");
+}
+
+ProgramResult RunningProgram::result() {
+  const int exit_code = exit_code_of(process_);
+  process_ = 0;
+  return {exit_code, out_.empty() ? "" : read_text(out_), err_.empty() ? "" : read_text(err_)};
 }
 
 std::vector<std::string> words(std::string_view text) {

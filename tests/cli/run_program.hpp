@@ -23,6 +23,8 @@ struct Surroundings {
   std::filesystem::path folder = {};           ///< current directory; empty: that of the tests
   std::vector<std::string> environment = {};   ///< NAME=value, beside the environment of the tests
   std::filesystem::path standard_output = {};  ///< empty: captured into ProgramResult::out
+  std::filesystem::path standard_error = {};   ///< empty: captured into ProgramResult::err
+  std::vector<std::string> launcher = {};      ///< a program, by its path, that starts paracal, with its arguments
 };
 
 /// Runs paracal to its end. Arguments reach it as they stand here: no shell is involved.
@@ -55,6 +57,24 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
+};
+
+/// paracal while it runs; killed where nobody waits for its end.
+class RunningProgram {
+ public:
+  explicit RunningProgram(const std::vector<std::string>& arguments, const Surroundings& where = {});
+  ~RunningProgram();
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  void send(int signal) const;
+  /// Waits for its end; once.
+  ProgramResult result();
+
+ private:
+  TemporaryFolder streams_;
+  std::filesystem::path out_, err_;  ///< empty: not captured
+  int process_ = 0;                  ///< 0: ended
 };
 
 }  // namespace paracal::test

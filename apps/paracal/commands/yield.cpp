@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iterator>
+#include <memory>
+
+#include "interruption.hpp"
+#include "launcher.hpp"
+#include "measuring.hpp"
+#include "paracal/io/chunks.hpp"
+#include "paracal/io/tables.hpp"
+#include "paracal/units.hpp"
+#include "progress_line.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+constexpr double kUsualRotationNoise = 0.3;  // deg: rotational repeatability in [huang2016, section 5.2]
+constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000'000;
+
+struct Options {
+  std::uint64_t machines = 0;
+  std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
+  std::uint64_t chunk = io::BatchOptions{}.chunk;
+  InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
+  std::optional<double> max_distance_mm, max_position_mm, max_rotation_deg, max_tilt_rad, min_yield;
+  double confidence = 0.95;
+};
+
+/// A batch with the files that it was described in.
+struct Order {
+  Batch batch;
+  std::vector<InputFile> inputs;
+};
+
+/// The metrologist knows the instrument, and corrects by the residuals.
+NoiseModel first_guess(const VirtualInstrument& instrument) {
+  constexpr double kSmallest = 1e-5;  // mm or rad: a perfect instrument is not believed
+  NoiseModel noise;
+  if (instrument.noise >= kSmallest) noise.point = instrument.noise;
+  if (instrument.rotation_noise >= kSmallest) noise.rotation = instrument.rotation_noise;
+  noise.tracker = instrument.tracker;
+  return noise;
+}
+
+PerQuantity<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
+  if (options.max_rotation_deg && !robot.slide()) {
+    throw WrongUsage(fmt::format("--max-rotation-deg: expected a robot that turns its plate, got {}", robot.name()));
+  }
+  PerQuantity<std::optional<double>> limits;
+  limits[Quantity::distance] = options.max_distance_mm;
+  limits[Quantity::volumetric_aligned] = options.max_position_mm;
+  if (options.max_rotation_deg) limits[Quantity::rotation] = to_radians(*options.max_rotation_deg);
+  limits[Quantity::tilt] = options.max_tilt_rad;
+  return limits;
+}
+
+/// Reads the inputs and keeps their hashes.
+Order order_of(const Options& options, const Session& session) {
+  Order order{.batch = {.robot = session.robot(), .plan = {}, .seed = session.seed()}, .inputs = {}};
+  const auto input = [&](const std::filesystem::path& name) {
+    io::TextFile file = io::read_file(name);
+    order.inputs.push_back({file.name, io::sha256(file.text)});
+    return file;
+  };
+  const Robot& robot = order.batch.robot;
+  if (const auto file = session.robot_file()) input(*file);
+  ProductionPlan plan = paper_production(
+      robot, options.tolerances.empty() ? tolerances_of(robot) : read_priors(input(options.tolerances)));
+  if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.limb_count());
+  plan.instrument = options.instrument.instrument(options.rotation != "none");
+  plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
+  plan.calibration.noise = first_guess(plan.instrument);
+  plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
+  plan.limits = limits_of(options, robot);
+  order.batch.plan = settled(robot, std::move(plan));
+  return order;
+}
+
+io::BatchResult make(const Options& options, const Session& session, const Batch& batch, io::Rank rank,
+                     const std::atomic<bool>& interrupted) {
+  ProgressLine line("machines", options.machines);
+  const auto progress = [&](std::uint64_t machines) {
+    if (rank.number == 0) line.show(machines);
+  };
+  const auto warning = [&](const std::string& text) {
+    line.clear();
+    std::fprintf(stderr, "paracal: %s\n", text.c_str());
+  };
+  return io::run_batch(batch,
+                       {.machines = options.machines,
+                        .chunk = options.chunk,
+                        .threads = session.threads(),
+                        .checkpoint = options.checkpoint,
+                        .rank = rank,
+                        .progress = progress,
+                        .warning = warning},
+                       interrupted);
+}
+
+// ---- what a person reads
+
+std::string percent(double share) { return fmt::format("{:.3f} %", 100.0 * share); }
+
+std::string spread_line(const Histogram& histogram, double factor, double confidence, std::string_view when) {
+  const Interval interval = histogram.quantile_interval(0.95, confidence);
+  std::string text = fmt::format("{:<8}", when);
+  const auto out = std::back_inserter(text);
+  for (const double share : {0.5, 0.9, 0.95, 0.99, 0.9973}) {
+    fmt::format_to(out, "{:>10.4g}", factor * histogram.quantile(share));
+  }
+  fmt::format_to(out, "   {:.4g} to {:.4g}\n", factor * interval.low, factor * interval.high);
+  return text;
+}
+
+/// What a quantity is called, and its unit.
+struct Label {
+  Quantity quantity;
+  const char* text;
+  double factor;
+};
+
+constexpr std::array kLabels{
+    Label{Quantity::distance, "distance, mm", 1.0}, Label{Quantity::volumetric, "position, mm", 1.0},
+    Label{Quantity::volumetric_aligned, "position aligned, mm", 1.0},
+    Label{Quantity::rotation, "rotation, deg", to_degrees(1.0)}, Label{Quantity::tilt, "tilt, rad", 1.0}};
+
+std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
+  std::string text = fmt::format(
+      "  largest error of a machine over {} poses: so many percent of the machines are within\n"
+      "  {:<22}{:8}{:>10}{:>10}{:>10}{:>10}{:>10}   {} interval of the 95 %\n",
+      batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
+      fmt::format("{:g} %", 100.0 * confidence));
+  for (const Label& label : kLabels) {
+    if (label.quantity == Quantity::rotation && !batch.robot.slide()) continue;
+    text += fmt::format("  {:<22}", label.text) +
+            spread_line(tally.before[label.quantity], label.factor, confidence, "before");
+    text += fmt::format("  {:<22}", "") + spread_line(tally.after[label.quantity], label.factor, confidence, "after");
+  }
+  return text;
+}
+
+std::string text_of(const Options& options, const Batch& batch, const io::BatchResult& result) {
+  const Tally& tally = result.tally;
+  std::string text =
+      fmt::format("batch of {} machines of {}, seed {}\n", tally.machines(), batch.robot.name(), batch.seed);
+  const auto out = std::back_inserter(text);
+  if (!result.complete) fmt::format_to(out, "  partial: stopped, {} machines were asked for\n", options.machines);
+  if (tally.machines() == 0) return text;
+  fmt::format_to(out,
+                 "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
+                 tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
+                 tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
+  const Proportion share = yield(tally, options.confidence), defects = defects_per_million(share);
+  fmt::format_to(out, "  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
+                 percent(share.value), percent(share.interval.low), percent(share.interval.high),
+                 100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
+  return text + accuracy_table(batch, tally, options.confidence);
+}
+
+// ---- what a program reads
+
+io::Json json_of(const Options& options, const Order& order, const io::BatchResult& result) {
+  io::Json json{{"machines_asked", options.machines}, {"partial", !result.complete}};
+  json.update(io::to_json(order.batch, result.tally, options.confidence));
+  if (options.min_yield) json["min_yield"] = *options.min_yield;
+  json["batch"] = io::to_json(order.batch);
+  json["inputs"] = io::to_json(order.inputs);
+  return json;
+}
+
+void run(const Options& options, Session& session) {
+  const io::Rank rank = launched_rank();
+  if (rank.size > 1 && options.checkpoint.empty()) {
+    throw WrongUsage(
+        fmt::format("{} ranks: expected --checkpoint DIR, a folder that all of them see, got none", rank.size));
+  }
+  const std::atomic<bool>& interrupted = flag_of_interruption();
+  const Order order = order_of(options, session);
+  const io::BatchResult result = make(options, session, order.batch, rank, interrupted);
+  const bool enough = !options.min_yield || yield(result.tally, options.confidence).interval.low >= *options.min_yield;
+  if (!result.complete || (rank.number == 0 && !enough)) session.exit_code = kVerdictIsNo;
+  if (rank.number != 0) return;
+  session.json() ? session.print_json(json_of(options, order, result))
+                 : session.print(text_of(options, order.batch, result));
+}
+
+void add_limits(CLI::App& command, Options& options) {
+  const auto add = [&](const char* name, std::optional<double>& limit, const char* what) {
+    command.add_option(name, limit, what)->check(positive_finite())->group("Limits after calibration");
+  };
+  add("--max-distance-mm", options.max_distance_mm, "of the error of the distance to home");
+  add("--max-position-mm", options.max_position_mm, "of the position error after the best alignment");
+  add("--max-rotation-deg", options.max_rotation_deg, "of the rotation error relative to home");
+  add("--max-tilt-rad", options.max_tilt_rad, "of the tilt of the plate");
+  command
+      .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
+      ->check(non_negative_finite())
+      ->check(CLI::Range(0.0, 1.0))
+      ->group("Limits after calibration");
+}
+
+}  // namespace
+
+void add_yield(CLI::App& app, Session& session) {
+  CLI::App* command =
+      session.add_command(app, "yield", "Design tolerances",
+                          "build, calibrate and validate a batch of virtual machines: what customers get");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--machines", options->machines, "how many")
+      ->required()
+      ->check(CLI::Range(std::uint64_t{1}, kMostMachines));
+  command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
+  command->add_option("--poses", options->poses,
+                      "poses to measure (CSV); default: the paper's, home and two rims of 9");
+  command->add_option("--method", options->method, "of the calibration, as in calibrate")
+      ->check(CLI::IsMember({"best", "paper"}))
+      ->capture_default_str();
+  command
+      ->add_option("--rotation", options->rotation,
+                   "a rotary encoder reads phi: not at all, relative to home, or absolute")
+      ->check(CLI::IsMember({"none", "relative", "absolute"}))
+      ->capture_default_str();
+  add_instrument_options(*command, options->instrument);
+  add_limits(*command, *options);
+  command->add_option("--confidence", options->confidence, "of the intervals")
+      ->check(positive_finite())
+      ->check(CLI::Range(0.01, 0.999999))
+      ->capture_default_str();
+  command->add_option("--checkpoint", options->checkpoint,
+                      "folder that keeps finished chunks: resumes a run, and joins the ranks of mpirun or srun");
+  command->add_option("--chunk", options->chunk, "machines a chunk: what a process that dies costs")
+      ->check(CLI::Range(std::uint64_t{1}, kLargestChunk))
+      ->capture_default_str();
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <atomic>
+
+namespace paracal::app {
+
+/// From now on Ctrl-C (SIGINT) and SIGTERM set a flag, so that a long command can end with what it has. The second time
+/// they end the program at once.
+/// @returns the flag; true once a signal came.
+const std::atomic<bool>& flag_of_interruption();
+
+}  // namespace paracal::app

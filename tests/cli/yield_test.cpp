@@ -1,0 +1,410 @@
+// A batch of virtual machines as its user meets it: figures, the same bytes however the work is spread, and what is
+// left when a process is interrupted, killed, or finds a folder that is not its own.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+#include <regex>
+#include <thread>
+
+#include "json_checks.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::Not;
+
+#ifdef PARACAL_SANITIZED
+constexpr int kMachines = 9, kChunk = 2;
+#else
+constexpr int kMachines = 37, kChunk = 5;
+#endif
+constexpr int kEndless = 100000000;  // machines
+
+std::string yield_of(int machines, const std::string& options = "") {
+  return fmt::format("yield --machines {} --max-position-mm 0.05 --seed 3 --json {}", machines, options);
+}
+
+/// The same with a checkpoint folder.
+std::string kept_yield(int machines, const std::string& options = "") {
+  return yield_of(machines, fmt::format("--checkpoint folder --chunk {} {}", kChunk, options));
+}
+
+class Yield : public testing::Test {
+ protected:
+  /// What one process says, without a folder and with one thread.
+  static const std::string& undisturbed() {
+    static const std::string bytes = run_program(words(yield_of(kMachines, "--threads 1"))).out;
+    return bytes;
+  }
+
+  std::unique_ptr<RunningProgram> start(const std::string& command, std::vector<std::string> environment = {}) const {
+    return std::make_unique<RunningProgram>(
+        words(command), Surroundings{.folder = folder.path(), .environment = std::move(environment)});
+  }
+
+  std::set<std::string> chunks() const {
+    std::set<std::string> names;
+    const std::filesystem::path path = folder.path() / "folder";
+    if (!std::filesystem::exists(path)) return names;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      const std::string name = entry.path().filename();
+      if (name.starts_with("machines-") && name.ends_with(".json")) names.insert(name);
+    }
+    return names;
+  }
+
+  /// Waits until a running batch has finished something.
+  void wait_for_chunks(std::size_t count) const {
+    wait_until([&] { return chunks().size() >= count; });
+  }
+  void wait_for(const std::string& file) const {
+    wait_until([&] { return std::filesystem::exists(folder.path() / "folder" / file); });
+  }
+
+  template <typename Condition>
+  static void wait_until(Condition&& condition) {
+    for (int k = 0; k < 6000 && !condition(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(condition());
+  }
+
+  void expect_undisturbed(const ProgramResult& result) const {
+    EXPECT_EQ(result.exit_code, kDone);
+    EXPECT_THAT(result.err, IsEmpty());
+    EXPECT_TRUE(result.out == undisturbed()) << result.out;
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Yield, SaysWhatCustomersGet) {
+  const json object = json::parse(undisturbed());
+  ASSERT_TRUE(has_keys(object, "machines machines_asked partial fates passed yield dpmo quantities batch inputs"));
+  EXPECT_EQ(object["machines"], kMachines);
+  EXPECT_EQ(object["partial"], false);
+  ASSERT_TRUE(has_keys(object["fates"], "accepted rejected not_identifiable not_converged does_not_close"));
+  EXPECT_EQ(object["fates"]["accepted"], kMachines);
+  ASSERT_TRUE(has_keys(object["yield"], "value low high confidence"));
+  EXPECT_EQ(object["yield"]["value"], object["passed"].get<double>() / kMachines);
+  EXPECT_LT(object["yield"]["low"], object["yield"]["value"]);
+  EXPECT_NEAR(object["dpmo"]["value"], 1e6 * (1.0 - object["yield"]["value"].get<double>()), 1e-6);
+  ASSERT_TRUE(has_keys(object["quantities"], "distance_mm volumetric_mm volumetric_aligned_mm rotation_deg tilt_rad"));
+  for (const auto& [name, quantity] : object["quantities"].items()) {
+    SCOPED_TRACE(name);
+    for (const char* when : {"before", "after"}) {
+      ASSERT_TRUE(has_keys(quantity[when], "mean std p50 p90 p95 p99 p99_73 p95_interval"));
+      EXPECT_LE(quantity[when]["p50"], quantity[when]["p95"]);
+      EXPECT_LE(quantity[when]["p95_interval"][0], quantity[when]["p95"]);
+      EXPECT_GE(quantity[when]["p95_interval"][1], quantity[when]["p95"]);
+    }
+  }
+  EXPECT_LT(object["quantities"]["volumetric_aligned_mm"]["after"]["p95"], 0.2);
+  EXPECT_GT(object["quantities"]["volumetric_aligned_mm"]["before"]["p50"], 1.0);
+}
+
+TEST_F(Yield, PeopleReadATable) {
+  const ProgramResult result = folder.run(fmt::format("yield --machines {} --max-tilt-rad 0.01", kChunk));
+  EXPECT_EQ(result.exit_code, kDone);
+  EXPECT_THAT(result.err, IsEmpty());
+  EXPECT_THAT(result.out, AllOf(HasSubstr(fmt::format("{} accepted", kChunk)), HasSubstr("yield 100.000 %"),
+                                HasSubstr("defects per million"), HasSubstr("99.73 %"), HasSubstr("tilt, rad")));
+}
+
+TEST_F(Yield, ARigidPlateHasNoRotation) {
+  const json object = json_of(folder.run("yield --machines 2 --robot rotary_delta --json"));
+  EXPECT_TRUE(object["quantities"]["rotation_deg"].is_null());
+  EXPECT_EQ(folder.run("yield --machines 2 --robot rotary_delta --max-rotation-deg 1").exit_code, kWrongUsage);
+}
+
+TEST_F(Yield, NamesItsInputs) {
+  folder.write("tolerances.toml", "rod_mean_mm = 0.3\nalpha2_deg = 0.01\n");
+  folder.write("robot.toml", run_program({"robot"}).out);
+  const json object = json_of(folder.run("yield --machines 2 --robot robot.toml --tolerances tolerances.toml --json"));
+  ASSERT_EQ(object["inputs"].size(), 2U);
+  EXPECT_EQ(object["inputs"][0]["file"], "robot.toml");
+  EXPECT_EQ(object["inputs"][1]["file"], "tolerances.toml");
+  EXPECT_EQ(object["inputs"][1]["sha256"].get<std::string>().size(), 64U);
+}
+
+/// The lower bound decides: 2 of 2 machines prove little.
+TEST_F(Yield, IsJudged) {
+  EXPECT_EQ(folder.run("yield --machines 2 --max-tilt-rad 0.01 --min-yield 0.1").exit_code, kDone);
+  EXPECT_EQ(folder.run("yield --machines 2 --max-tilt-rad 0.01 --min-yield 0.9").exit_code, kVerdictIsNo);
+}
+
+// ---- the same bytes
+
+TEST_F(Yield, DoesNotDependOnThreadsOrChunks) {
+  for (const char* options : {"--threads 2", "--threads 0 --chunk 7", "--threads 1 --chunk 1000"}) {
+    SCOPED_TRACE(options);
+    expect_undisturbed(folder.run(yield_of(kMachines, options)));
+  }
+}
+
+TEST_F(Yield, IsResumedAndExtended) {
+  EXPECT_EQ(folder.run(kept_yield(2 * kChunk)).exit_code, kDone);
+  const auto first = std::filesystem::last_write_time(folder.path() / "folder" / *chunks().begin());
+  expect_undisturbed(folder.run(kept_yield(kMachines)));
+  expect_undisturbed(folder.run(kept_yield(kMachines, "--threads 1")));
+  EXPECT_EQ(std::filesystem::last_write_time(folder.path() / "folder" / *chunks().begin()), first) << "was made again";
+  EXPECT_EQ(folder.run(kept_yield(2 * kChunk)).out, folder.run(yield_of(2 * kChunk)).out);
+}
+
+/// NAME=value of a launcher's environment.
+std::vector<std::string> environment(const std::string& rank_name, const std::string& size_name, int rank, int size) {
+  return {fmt::format("{}={}", rank_name, rank), fmt::format("{}={}", size_name, size)};
+}
+
+class EveryLauncher : public Yield, public testing::WithParamInterface<std::pair<std::string, std::string>> {};
+
+INSTANTIATE_TEST_SUITE_P(Launchers, EveryLauncher,
+                         testing::Values(std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
+                                         std::pair("PMI_RANK", "PMI_SIZE"), std::pair("SLURM_PROCID", "SLURM_NTASKS")),
+                         [](const auto& one) { return one.param.first; });
+
+TEST_P(EveryLauncher, SpreadsABatchOverRanks) {
+  const auto& [rank_name, size_name] = GetParam();
+  std::vector<int> sizes{2};
+  if (rank_name.starts_with("OMPI")) sizes = {1, 2, 4};
+  for (const int size : sizes) {
+    SCOPED_TRACE(size);
+    std::filesystem::remove_all(folder.path() / "folder");
+    std::vector<std::unique_ptr<RunningProgram>> others;
+    for (int rank = 1; rank < size; ++rank) {
+      others.push_back(start(kept_yield(kMachines, "--threads 1"), environment(rank_name, size_name, rank, size)));
+    }
+    expect_undisturbed(
+        start(kept_yield(kMachines, "--threads 1"), environment(rank_name, size_name, 0, size))->result());
+    for (const auto& other : others) {
+      const ProgramResult result = other->result();
+      EXPECT_EQ(result.exit_code, kDone);
+      EXPECT_THAT(result.out + result.err, IsEmpty());
+    }
+  }
+}
+
+TEST_P(EveryLauncher, NeedsAFolderForMoreThanOneRank) {
+  const auto& [rank_name, size_name] = GetParam();
+  const ProgramResult alone = start(yield_of(2), environment(rank_name, size_name, 1, 2))->result();
+  EXPECT_EQ(alone.exit_code, kWrongUsage);
+  EXPECT_THAT(alone.err, AllOf(HasSubstr("2 ranks"), HasSubstr("--checkpoint")));
+  for (const auto& [rank, size] : {std::pair(2, 2), std::pair(-1, 2)}) {
+    const ProgramResult nonsense = start(kept_yield(2), environment(rank_name, size_name, rank, size))->result();
+    EXPECT_EQ(nonsense.exit_code, kWrongUsage);
+    EXPECT_THAT(nonsense.err, HasSubstr(rank_name));
+  }
+}
+
+TEST_F(Yield, RunsUnderMpirun) {
+  const std::string mpirun = "/usr/bin/mpirun";
+  if (!std::filesystem::exists(mpirun)) GTEST_SKIP() << "no " << mpirun;
+  for (const int ranks : {1, 2, 4}) {
+    SCOPED_TRACE(ranks);
+    std::filesystem::remove_all(folder.path() / "folder");
+    RunningProgram program(
+        words(kept_yield(kMachines, "--threads 1")),
+        {.folder = folder.path(),
+         .launcher = {mpirun, "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)}});
+    expect_undisturbed(program.result());
+  }
+}
+
+TEST_F(Yield, AKilledRunIsResumed) {
+  const auto killed = start(kept_yield(kEndless));
+  wait_for_chunks(2);
+  killed->send(SIGKILL);
+  EXPECT_EQ(killed->result().exit_code, -SIGKILL);
+  const int machines = kChunk * (static_cast<int>(chunks().size()) + 2) + 1;
+  EXPECT_EQ(folder.run(kept_yield(machines)).out, folder.run(yield_of(machines)).out);
+}
+
+TEST_F(Yield, ADeadRankCostsItsChunk) {
+  const auto dead = start(kept_yield(kEndless, "--threads 1"), environment("PMI_RANK", "PMI_SIZE", 1, 2));
+  wait_for_chunks(1);
+  dead->send(SIGKILL);
+  EXPECT_EQ(dead->result().exit_code, -SIGKILL);
+  expect_undisturbed(start(kept_yield(kMachines), environment("PMI_RANK", "PMI_SIZE", 0, 2))->result());
+}
+
+// ---- interrupted
+
+TEST_F(Yield, InterruptedItSaysThatItIsPartial) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    SCOPED_TRACE(signal);
+    std::filesystem::remove_all(folder.path() / "folder");
+    const auto program = start(kept_yield(kEndless));
+    wait_for_chunks(2);
+    program->send(signal);
+    const json object = json_of(program->result(), kVerdictIsNo);
+    EXPECT_EQ(object["partial"], true);
+    EXPECT_EQ(object["machines_asked"], kEndless);
+    const int made = object["machines"];
+    EXPECT_GE(made, 2 * kChunk);
+    EXPECT_EQ(made % kChunk, 0);
+    const json whole = json_of(folder.run(yield_of(made)));
+    EXPECT_EQ(object["quantities"], whole["quantities"]);
+  }
+}
+
+TEST_F(Yield, InterruptedAtOnceItHasNothing) {
+  const auto program = start(yield_of(kEndless, "--checkpoint folder --chunk 1000000"));
+  wait_for("batch.json");
+  program->send(SIGINT);
+  const json object = json_of(program->result(), kVerdictIsNo);
+  EXPECT_EQ(object["partial"], true);
+  EXPECT_EQ(object["machines"], 0);
+  EXPECT_TRUE(object["yield"]["value"].is_null());
+}
+
+// ---- progress
+
+/// A terminal that a program writes to and the test reads.
+class Terminal {
+ public:
+  Terminal() : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
+    if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0) throw std::runtime_error("no terminal");
+    path_ = ptsname(master_);
+    slave_ = open(path_.c_str(), O_RDWR | O_NOCTTY);  // so that what was written is kept until it is read
+  }
+  ~Terminal() {
+    close(slave_);
+    close(master_);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  const std::string& path() const { return path_; }
+  std::string written() const {
+    std::string text(4096, '\0');
+    const ssize_t size = read(master_, text.data(), text.size());
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+    return text;
+  }
+
+ private:
+  int master_, slave_;
+  std::string path_;
+};
+
+TEST_F(Yield, ShowsItsProgressOnATerminalOnly) {
+  const Terminal terminal;
+  const ProgramResult result = run_program(words(yield_of(kMachines, fmt::format("--chunk {}", kChunk))),
+                                           {.folder = folder.path(), .standard_error = terminal.path()});
+  EXPECT_TRUE(result.out == undisturbed());
+  const std::string shown = terminal.written();
+  EXPECT_THAT(shown, AllOf(HasSubstr(fmt::format("{} of {} machines", kChunk, kMachines)), HasSubstr("a second"),
+                           HasSubstr("to go"), Not(HasSubstr("\n"))));
+  EXPECT_TRUE(shown.ends_with("\r\033[K")) << "is not cleared";
+}
+
+// ---- folders and numbers that cannot be meant
+
+TEST_F(Yield, ADamagedChunkIsNamedAndMadeAgain) {
+  const std::string command = kept_yield(kMachines);
+  expect_undisturbed(folder.run(command));
+  const std::string name = "folder/" + *std::next(chunks().begin());
+  const std::string good = folder.read(name);
+  std::string other_digit = good;
+  const std::size_t digit = good.find("\"passed\":") + 9;
+  other_digit[digit] = good[digit] == '1' ? '2' : '1';
+  for (const std::string& damaged : {good.substr(0, good.size() / 2), std::string(), std::string("[]"), other_digit}) {
+    folder.write(name, damaged);
+    const ProgramResult result = folder.run(command);
+    EXPECT_EQ(result.exit_code, kDone);
+    EXPECT_TRUE(result.out == undisturbed());
+    EXPECT_THAT(result.err, AllOf(HasSubstr(name), HasSubstr("expected"), HasSubstr("got"), HasSubstr("made again")));
+    EXPECT_EQ(folder.read(name), good);
+  }
+}
+
+TEST_F(Yield, RefusesTheFolderOfAnotherBatch) {
+  EXPECT_EQ(folder.run(kept_yield(kChunk)).exit_code, kDone);
+  const auto expect_refused = [&](const std::string& command, const std::string& expected) {
+    const ProgramResult result = folder.run(command);
+    EXPECT_EQ(result.exit_code, kBadInputFile) << command;
+    EXPECT_THAT(result.out, IsEmpty());
+    EXPECT_THAT(result.err, AllOf(HasSubstr("folder/batch.json"), HasSubstr(expected)));
+  };
+  const std::string kept = " --checkpoint folder --chunk " + std::to_string(kChunk);
+  const std::string machines = "yield --machines 2 --max-position-mm 0.05";
+  expect_refused(machines + " --seed 4" + kept, "expected seed 4, got 3");
+  expect_refused(machines + " --seed 3 --checkpoint folder --chunk 3", "expected chunk 3, got");
+  expect_refused(machines + " --seed 3 --noise-mm 0.02" + kept, "expected instrument/noise_mm 0.02, got 0.017");
+  expect_refused("yield --machines 2 --seed 3" + kept, "limits/volumetric_aligned_mm");
+  expect_refused(machines + " --seed 3 --robot rotary_delta" + kept, "expected robot/name \"rotary_delta\"");
+  folder.write("folder/batch.json", "{");
+  expect_refused(kept_yield(kChunk), "expected the description of a batch");
+}
+
+TEST_F(Yield, RefusesAChunkOfAnotherBatch) {
+  EXPECT_EQ(folder.run(kept_yield(kChunk)).exit_code, kDone);
+  const std::string name = *chunks().begin();
+  EXPECT_EQ(folder.run(fmt::format("yield --machines {0} --chunk {0} --seed 9 --checkpoint other", kChunk)).exit_code,
+            kDone);
+  folder.write("folder/" + name, folder.read("other/" + name));
+  const ProgramResult result = folder.run(kept_yield(kChunk));
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("folder/" + name), HasSubstr("expected a chunk of batch"), HasSubstr("got")));
+}
+
+TEST_F(Yield, RefusesAFolderThatCannotBeWritten) {
+  folder.write("file", "");
+  for (const char* name : {"file", "file/below", "/proc/nowhere"}) {
+    const ProgramResult result = folder.run(fmt::format("yield --machines 2 --checkpoint {}", name));
+    EXPECT_EQ(result.exit_code, kWrongUsage) << name;
+    EXPECT_THAT(result.err, AllOf(HasSubstr(name), HasSubstr("cannot be written")));
+    EXPECT_THAT(result.out, IsEmpty());
+  }
+}
+
+TEST_F(Yield, RefusesNumbersThatCannotBeMeant) {
+  for (const char* options : {"",
+                              "--machines 0",
+                              "--machines -1",
+                              "--machines 1.5",
+                              "--machines nan",
+                              "--machines 1e99",
+                              "--machines 2 --chunk 0",
+                              "--machines 2 --chunk 99999999",
+                              "--machines 2 --noise-mm -1",
+                              "--machines 2 --noise-mm nan",
+                              "--machines 2 --noise-mm inf",
+                              "--machines 2 --confidence 1",
+                              "--machines 2 --confidence nan",
+                              "--machines 2 --min-yield 1.1",
+                              "--machines 2 --max-tilt-rad 0",
+                              "--machines 2 --max-distance-mm nan",
+                              "--machines 2 --repeats 0",
+                              "--machines 2 --method guess",
+                              "--machines 2 --rotation some",
+                              "--machines 2 --second 1,2",
+                              "--machines 2 --second nan,0,0",
+                              "--machines 2 --tracker-um 1,2,3",
+                              "--machines 2 --threads -1"}) {
+    SCOPED_TRACE(options);
+    const ProgramResult result = folder.run(std::string("yield ") + options);
+    EXPECT_EQ(result.exit_code, kWrongUsage);
+    EXPECT_THAT(result.err, Not(IsEmpty()));
+    EXPECT_THAT(result.out, IsEmpty());
+  }
+}
+
+TEST_F(Yield, RefusesFilesThatCannotBeMeant) {
+  folder.write("none.toml", "rod_mean_mm = 0\n");
+  folder.write("far.csv", "pose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-888,0\nfar,5000,0,-888,0\n");
+  EXPECT_EQ(folder.run("yield --machines 2 --tolerances none.toml").exit_code, kBadInputFile);
+  folder.write("perfect.toml", std::regex_replace(run_program({"robot"}).out, std::regex("(\\[tolerances\\])[^]*"),
+                                                  "$1\nrod_mean_mm = 0\n"));
+  EXPECT_EQ(folder.run("yield --machines 2 --robot perfect.toml").exit_code, kBadInputFile);
+  EXPECT_EQ(folder.run("yield --machines 2 --tolerances missing.toml").exit_code, kBadInputFile);
+  EXPECT_EQ(folder.run("yield --machines 2 --poses far.csv").exit_code, kMathematicsSaysNo);
+}
+
+}  // namespace
+}  // namespace paracal::test
