@@ -1,6 +1,7 @@
 #include "paracal/batch/batch.hpp"
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,9 +11,9 @@ namespace paracal {
 namespace {
 
 /// More than there are cores would wait for one another.
-int arena_size(unsigned threads) {
-  const int cores = tbb::this_task_arena::max_concurrency();
-  return threads == 0 ? cores : static_cast<int>(std::min(threads, static_cast<unsigned>(cores)));
+unsigned worker_count(unsigned threads) {
+  const auto cores = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
+  return threads == 0 ? cores : std::min(threads, cores);
 }
 
 }  // namespace
@@ -20,13 +21,15 @@ int arena_size(unsigned threads) {
 std::optional<Tally> run_chunk(const Batch& batch, MachineRange range, unsigned threads,
                                const std::atomic<bool>& stop) {
   std::vector<MachineOutcome> outcomes(range.count);
-  tbb::task_arena arena(arena_size(threads));
-  arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t k) {
-      if (stop.load(std::memory_order_relaxed)) return;
+  // As many tasks as workers, each taking the next machine: a limit on threads without an arena a chunk, of which TBB
+  // keeps some memory for every one.
+  std::atomic<std::uint64_t> next = 0;
+  const auto work = [&](unsigned /*worker*/) {
+    for (std::uint64_t k = next++; k < range.count && !stop.load(std::memory_order_relaxed); k = next++) {
       outcomes[k] = produce(batch.robot, batch.plan, batch.seed, range.first + k);
-    });
-  });
+    }
+  };
+  tbb::parallel_for(0U, worker_count(threads), work, tbb::simple_partitioner());
   if (stop.load()) return std::nullopt;
   Tally tally;
   for (const MachineOutcome& outcome : outcomes) tally.add(outcome);
