@@ -29,8 +29,9 @@ std::string compiler() {
 }  // namespace
 
 std::string host_description() {
-  return fmt::format("paracal  {}\nCPU      {}, {} logical cores; one thread is used\ncompiler {}\nbuild    {}\n",
-                     version(), cpu_model(), std::thread::hardware_concurrency(), compiler(), PARACAL_BENCHMARK_BUILD);
+  return fmt::format(
+      "paracal  {}\nCPU      {}, {} logical cores; one thread is used unless stated\ncompiler {}\nbuild    {}\n",
+      version(), cpu_model(), std::thread::hardware_concurrency(), compiler(), PARACAL_BENCHMARK_BUILD);
 }
 
 }  // namespace paracal::benchmark
