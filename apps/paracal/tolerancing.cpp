@@ -13,7 +13,7 @@ namespace paracal::app {
 
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
   if (!file.empty()) return io::read_tolerances(io::read_file(file));
-  return robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width));
+  return paracal::tolerances_of(robot);
 }
 
 Shown shown(Quantity quantity, double value) {

@@ -81,13 +81,13 @@ class Validator {
       if (!taken.ok()) return std::nullopt;
       tilts_[k] = taken.plate.tilt;
       pairs.push_back({commanded, {taken.plate.position, actual_.rotation_of(taken.plate.slide)}});
-      accuracy[Quantity::tilt] = std::max(accuracy[Quantity::tilt], taken.plate.tilt.head<2>().norm());
+      accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], taken.plate.tilt.head<2>().norm());
     }
     const PoseErrorSummary largest = summarize(pairs, robot_.slide().has_value());
-    accuracy[Quantity::distance] = largest.max_abs_distance;
-    accuracy[Quantity::volumetric] = largest.max_volumetric;
-    accuracy[Quantity::volumetric_aligned] = largest.max_volumetric_aligned;
-    accuracy[Quantity::rotation] = largest.max_abs_rotation.value_or(0.0);
+    accuracy[ErrorKind::distance] = largest.max_abs_distance;
+    accuracy[ErrorKind::volumetric] = largest.max_volumetric;
+    accuracy[ErrorKind::volumetric_aligned] = largest.max_volumetric_aligned;
+    accuracy[ErrorKind::rotation] = largest.max_abs_rotation.value_or(0.0);
     return accuracy;
   }
 
@@ -104,26 +104,24 @@ class Validator {
   std::vector<Eigen::Vector3d> tilts_;
 };
 
-bool keeps(const Accuracy& accuracy, const PerQuantity<std::optional<double>>& limits) {
-  return std::ranges::all_of(
-      kQuantities, [&](Quantity quantity) { return !limits[quantity] || accuracy[quantity] <= *limits[quantity]; });
+bool keeps(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits) {
+  return std::ranges::all_of(kErrorKinds,
+                             [&](ErrorKind kind) { return !limits[kind] || accuracy[kind] <= *limits[kind]; });
 }
 
-bool any(const PerQuantity<std::optional<double>>& limits) {
-  return std::ranges::any_of(kQuantities, [&](Quantity quantity) { return limits[quantity].has_value(); });
+bool any(const PerErrorKind<std::optional<double>>& limits) {
+  return std::ranges::any_of(kErrorKinds, [&](ErrorKind kind) { return limits[kind].has_value(); });
 }
 
 }  // namespace
 
-std::string_view name(Quantity quantity) {
-  constexpr std::array<std::string_view, kQuantities.size()> kNames{"distance", "volumetric", "volumetric_aligned",
+std::string_view name(ErrorKind kind) {
+  constexpr std::array<std::string_view, kErrorKinds.size()> kNames{"distance", "volumetric", "volumetric_aligned",
                                                                     "rotation", "tilt"};
-  return kNames[static_cast<std::size_t>(quantity)];
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
-Unit unit(Quantity quantity) {
-  return quantity == Quantity::rotation || quantity == Quantity::tilt ? Unit::rad : Unit::mm;
-}
+Unit unit(ErrorKind kind) { return kind == ErrorKind::rotation || kind == ErrorKind::tilt ? Unit::rad : Unit::mm; }
 
 std::string_view name(Fate fate) {
   constexpr std::array<std::string_view, kFates.size()> kNames{"accepted", "rejected", "not_identifiable",

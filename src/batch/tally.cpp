@@ -10,18 +10,18 @@ void Tally::add(const MachineOutcome& outcome) {
   ++of(outcome.fate);
   passed += outcome.passes ? 1 : 0;
   if (outcome.fate == Fate::does_not_close) return;
-  for (const Quantity quantity : kQuantities) {
-    before[quantity].add(outcome.before[quantity]);
-    after[quantity].add(outcome.after[quantity]);
+  for (const ErrorKind kind : kErrorKinds) {
+    before[kind].add(outcome.before[kind]);
+    after[kind].add(outcome.after[kind]);
   }
 }
 
 void Tally::add(const Tally& other) {
   for (const Fate fate : kFates) of(fate) += other.of(fate);
   passed += other.passed;
-  for (const Quantity quantity : kQuantities) {
-    before[quantity].add(other.before[quantity]);
-    after[quantity].add(other.after[quantity]);
+  for (const ErrorKind kind : kErrorKinds) {
+    before[kind].add(other.before[kind]);
+    after[kind].add(other.after[kind]);
   }
 }
 

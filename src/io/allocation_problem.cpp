@@ -40,7 +40,7 @@ Requirement requirement_of(Section section) {
     if (criterion != "statistical" && criterion != "worst-case") {
       section.fail(*node, fmt::format("expected \"statistical\" or \"worst-case\", got \"{}\"", criterion));
     }
-    requirement.criterion = criterion == "statistical" ? Criterion::statistical : Criterion::worst_case;
+    requirement.criterion = criterion == "statistical" ? Spread::statistical : Spread::worst_case;
   }
   section.refuse_others();
   return requirement;

@@ -54,14 +54,14 @@ Json instrument_json(const VirtualInstrument& instrument) {
 }
 
 /// "tilt_rad", "distance_mm".
-std::string key_of(Quantity quantity, std::string_view angle_unit) {
-  return fmt::format("{}_{}", name(quantity), unit(quantity) == Unit::mm ? "mm" : angle_unit);
+std::string key_of(ErrorKind kind, std::string_view angle_unit) {
+  return fmt::format("{}_{}", name(kind), unit(kind) == Unit::mm ? "mm" : angle_unit);
 }
 
-Json limits_json(const PerQuantity<std::optional<double>>& limits) {
+Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
   Json json = Json::object();
-  for (const Quantity quantity : kQuantities) {
-    if (limits[quantity]) json[key_of(quantity, "rad")] = *limits[quantity];
+  for (const ErrorKind kind : kErrorKinds) {
+    if (limits[kind]) json[key_of(kind, "rad")] = *limits[kind];
   }
   return json;
 }
@@ -83,13 +83,13 @@ Json statistics(const Histogram& histogram, double factor, double confidence) {
 /// Rotations are stated in deg, tilt in rad, as everywhere.
 Json quantities_json(const Batch& batch, const Tally& tally, double confidence) {
   Json json;
-  for (const Quantity quantity : kQuantities) {
-    const bool turned = quantity == Quantity::rotation;
-    Json& entry = json[key_of(quantity, turned ? "deg" : "rad")];
+  for (const ErrorKind kind : kErrorKinds) {
+    const bool turned = kind == ErrorKind::rotation;
+    Json& entry = json[key_of(kind, turned ? "deg" : "rad")];
     if (turned && !batch.robot.slide()) continue;
     const double factor = turned ? to_degrees(1.0) : 1.0;
-    entry = {{"before", statistics(tally.before[quantity], factor, confidence)},
-             {"after", statistics(tally.after[quantity], factor, confidence)}};
+    entry = {{"before", statistics(tally.before[kind], factor, confidence)},
+             {"after", statistics(tally.after[kind], factor, confidence)}};
   }
   return json;
 }

@@ -38,10 +38,10 @@ Histogram histogram_of(const Json& json) {
 
 Json tally_json(const Tally& tally) {
   Json json{{"fates", tally.fates}, {"passed", tally.passed}};
-  for (const Quantity quantity : kQuantities) {
-    const std::string key(name(quantity));
-    json["before"][key] = histogram_json(tally.before[quantity]);
-    json["after"][key] = histogram_json(tally.after[quantity]);
+  for (const ErrorKind kind : kErrorKinds) {
+    const std::string key(name(kind));
+    json["before"][key] = histogram_json(tally.before[kind]);
+    json["after"][key] = histogram_json(tally.after[kind]);
   }
   return json;
 }
@@ -50,10 +50,10 @@ Tally tally_of(const Json& json) {
   Tally tally;
   tally.fates = json.at("fates").get<decltype(tally.fates)>();
   tally.passed = json.at("passed").get<std::uint64_t>();
-  for (const Quantity quantity : kQuantities) {
-    const std::string key(name(quantity));
-    tally.before[quantity] = histogram_of(json.at("before").at(key));
-    tally.after[quantity] = histogram_of(json.at("after").at(key));
+  for (const ErrorKind kind : kErrorKinds) {
+    const std::string key(name(kind));
+    tally.before[kind] = histogram_of(json.at("before").at(key));
+    tally.after[kind] = histogram_of(json.at("after").at(key));
   }
   return tally;
 }

@@ -65,7 +65,7 @@ void check(const AllocationProblem& problem) {
 
 /// d cost / d limit of a cut's requirement, per unit of its multiplier: its sides are divided by the limit (squared).
 double limit_slope(const Requirement& requirement) {
-  return (requirement.criterion == Criterion::statistical ? 2.0 : 1.0) / requirement.limit;
+  return (requirement.criterion == Spread::statistical ? 2.0 : 1.0) / requirement.limit;
 }
 
 class Allocator {
@@ -181,7 +181,7 @@ void scale_tilt_group(Tolerances& tolerances, double factor) {
 double largest_three_sigma(const Robot& robot, Bound bound, const GlobalSensitivity& global,
                            const Tolerances& tolerances) {
   if (bound == Bound::sum_of_maxima) return 3.0 * sigma_of(global.largest.square(), variances(tolerances));
-  return worst_spread(robot, {Quantity::tilt}, tolerances, Criterion::statistical).value;
+  return worst_spread(robot, {Quantity::tilt}, tolerances, Spread::statistical).value;
 }
 
 /// Means good to half a percent: the search for the worst pose is no better, and a slider can be dragged.
@@ -237,7 +237,7 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
     const double sigma = allocation.tolerances.std(source) / paper_units(robot)(place(source));
     allocation.cost += 1.0 / sigma / static_cast<double>(kTiltSourceCount);
   }
-  const ValueAtPose worst = worst_spread(robot, tilt, allocation.tolerances, Criterion::statistical);
+  const ValueAtPose worst = worst_spread(robot, tilt, allocation.tolerances, Spread::statistical);
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
   check_least(robot, problem, allocation);

@@ -34,8 +34,8 @@ std::vector<RequirementAnalysis> analyze(const Robot& robot, const Tolerances& t
   for (const Requirement& requirement : requirements) {
     const Characteristic what = requirement.characteristic;
     RequirementAnalysis one{.requirement = requirement,
-                            .worst_case = worst_spread(robot, what, tolerances, Criterion::worst_case),
-                            .three_sigma = worst_spread(robot, what, tolerances, Criterion::statistical),
+                            .worst_case = worst_spread(robot, what, tolerances, Spread::worst_case),
+                            .three_sigma = worst_spread(robot, what, tolerances, Spread::statistical),
                             .contributors = {}};
     one.contributors = contributors(model.rows(one.three_sigma.pose, what), tolerances);
     list.push_back(std::move(one));

@@ -122,7 +122,7 @@ Cut cut_at(const Robot& robot, const AllocationProblem& problem, std::size_t req
            const Eigen::VectorXd& at) {
   const Requirement& wanted = problem.requirements[requirement];
   const SourceRows rows = LinearModel(robot).rows(pose, wanted.characteristic);
-  const bool statistical = wanted.criterion == Criterion::statistical;
+  const bool statistical = wanted.criterion == Spread::statistical;
   const auto count = static_cast<Eigen::Index>(problem.variables.size());
   Cut cut{.requirement = requirement, .criterion = wanted.criterion, .weight = Eigen::VectorXd::Zero(count)};
   const PerSource weights =

@@ -14,12 +14,12 @@ namespace paracal::detail {
 /// divided by the limit (squared), less what the fixed tolerances take.
 struct Cut {
   std::size_t requirement = 0;
-  Criterion criterion = Criterion::statistical;
+  Spread criterion = Spread::statistical;
   Eigen::VectorXd weight;
   double room = 1.0;
 
-  double h(double tolerance) const { return criterion == Criterion::statistical ? tolerance * tolerance : tolerance; }
-  double h_slope(double tolerance) const { return criterion == Criterion::statistical ? 2.0 * tolerance : 1.0; }
+  double h(double tolerance) const { return criterion == Spread::statistical ? tolerance * tolerance : tolerance; }
+  double h_slope(double tolerance) const { return criterion == Spread::statistical ? 2.0 * tolerance : 1.0; }
   double value(const Eigen::VectorXd& tolerance) const;
 };
 

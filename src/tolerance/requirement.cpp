@@ -76,9 +76,7 @@ std::vector<Eigen::Vector3d> starts_of(const Generators& generators, Eigen::Inde
 
 }  // namespace
 
-std::string_view name(Criterion criterion) {
-  return criterion == Criterion::statistical ? "statistical" : "worst-case";
-}
+std::string_view name(Spread criterion) { return criterion == Spread::statistical ? "statistical" : "worst-case"; }
 
 WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances) {
   const Generators generators = generators_of(rows, tolerances);
@@ -100,13 +98,13 @@ PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& dire
   return weights;
 }
 
-double spread_at(const SourceRows& rows, const Tolerances& tolerances, Criterion criterion) {
-  if (criterion == Criterion::worst_case) return worst_case(rows, tolerances).value;
+double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion) {
+  if (criterion == Spread::worst_case) return worst_case(rows, tolerances).value;
   return 3.0 * sigma_of(squared_sensitivities(rows), variances(tolerances));
 }
 
 ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
-                         Criterion criterion) {
+                         Spread criterion) {
   const LinearModel model(robot);
   return detail::largest_in_workspace(
       robot, [&](const Pose& pose) { return spread_at(model.rows(pose, characteristic), tolerances, criterion); });

@@ -21,16 +21,16 @@ const std::atomic<bool> kNeverStop = false;
 Batch a_batch() {
   Batch batch{.robot = catalogue::huang2016(), .plan = {}, .seed = 3};
   batch.plan = settled(batch.robot, paper_production(batch.robot, tolerances_of(batch.robot)));
-  batch.plan.limits[Quantity::volumetric_aligned] = 0.05;
+  batch.plan.limits[ErrorKind::volumetric_aligned] = 0.05;
   return batch;
 }
 
 void expect_same(const Tally& one, const Tally& other) {
   EXPECT_EQ(one.fates, other.fates);
   EXPECT_EQ(one.passed, other.passed);
-  for (const Quantity quantity : kQuantities) {
-    EXPECT_EQ(one.before[quantity].counts(), other.before[quantity].counts()) << name(quantity);
-    EXPECT_EQ(one.after[quantity].counts(), other.after[quantity].counts()) << name(quantity);
+  for (const ErrorKind kind : kErrorKinds) {
+    EXPECT_EQ(one.before[kind].counts(), other.before[kind].counts()) << name(kind);
+    EXPECT_EQ(one.after[kind].counts(), other.after[kind].counts()) << name(kind);
   }
 }
 
@@ -42,7 +42,7 @@ TEST(Batch, IsTheSumOfItsMachines) {
     one_by_one.add(produce(batch.robot, batch.plan, batch.seed, 100 + machine));
   }
   EXPECT_EQ(one_by_one.machines(), count);
-  EXPECT_EQ(one_by_one.before[Quantity::tilt].total(), count);
+  EXPECT_EQ(one_by_one.before[ErrorKind::tilt].total(), count);
   for (const unsigned threads : {1U, 2U, 64U, 0U}) {
     const std::optional<Tally> chunk = run_chunk(batch, {100, count}, threads, kNeverStop);
     ASSERT_TRUE(chunk.has_value());
@@ -113,7 +113,7 @@ TEST(Tally, ScrapHasNoAccuracy) {
   Tally tally;
   tally.add(MachineOutcome{});
   EXPECT_EQ(tally.of(Fate::does_not_close), 1U);
-  EXPECT_EQ(tally.after[Quantity::distance].total(), 0U);
+  EXPECT_EQ(tally.after[ErrorKind::distance].total(), 0U);
   EXPECT_EQ(tally.passed, 0U);
 }
 

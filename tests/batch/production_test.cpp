@@ -39,9 +39,9 @@ TEST_P(Production, NoErrorsStayNone) {
   plan.instrument.noise = 0.0;
   const MachineOutcome outcome = make(plan, 0);
   EXPECT_NE(outcome.fate, Fate::does_not_close);
-  for (const Quantity quantity : kQuantities) {
-    EXPECT_NEAR(outcome.before[quantity], 0.0, 1e-8) << name(quantity);
-    EXPECT_NEAR(outcome.after[quantity], 0.0, 1e-5) << name(quantity);
+  for (const ErrorKind kind : kErrorKinds) {
+    EXPECT_NEAR(outcome.before[kind], 0.0, 1e-8) << name(kind);
+    EXPECT_NEAR(outcome.after[kind], 0.0, 1e-5) << name(kind);
   }
 }
 
@@ -59,15 +59,15 @@ Accuracy accuracy_from_scratch(const Robot& robot, const SourceErrors& errors, c
     meant.col(k) = pose.position;
     taken.col(k) = plate.position;
     turned(k) = actual.rotation_of(plate.slide) - pose.rotation;
-    accuracy[Quantity::tilt] = std::max(accuracy[Quantity::tilt], std::hypot(plate.tilt.x(), plate.tilt.y()));
+    accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], std::hypot(plate.tilt.x(), plate.tilt.y()));
   }
   const Eigen::Matrix3Xd commanded_way = meant.colwise() - meant.col(0), way = taken.colwise() - taken.col(0);
   const Eigen::Matrix4d motion = Eigen::umeyama(taken, meant, false);
   const Eigen::Matrix3Xd aligned = (motion.topLeftCorner<3, 3>() * taken).colwise() + motion.topRightCorner<3, 1>();
-  accuracy[Quantity::distance] = (way.colwise().norm() - commanded_way.colwise().norm()).cwiseAbs().maxCoeff();
-  accuracy[Quantity::volumetric] = (way - commanded_way).colwise().norm().maxCoeff();
-  accuracy[Quantity::volumetric_aligned] = (aligned - meant).colwise().norm().maxCoeff();
-  accuracy[Quantity::rotation] = (turned.array() - turned(0)).abs().maxCoeff();
+  accuracy[ErrorKind::distance] = (way.colwise().norm() - commanded_way.colwise().norm()).cwiseAbs().maxCoeff();
+  accuracy[ErrorKind::volumetric] = (way - commanded_way).colwise().norm().maxCoeff();
+  accuracy[ErrorKind::volumetric_aligned] = (aligned - meant).colwise().norm().maxCoeff();
+  accuracy[ErrorKind::rotation] = (turned.array() - turned(0)).abs().maxCoeff();
   return accuracy;
 }
 
@@ -84,9 +84,9 @@ TEST_P(Production, IsWhatItSays) {
     EXPECT_TRUE(outcome.passes);
     const Accuracy before = accuracy_from_scratch(robot, errors, {}, plan.validation),
                    after = accuracy_from_scratch(robot, errors, calibration.errors(), plan.validation);
-    for (const Quantity quantity : kQuantities) {
-      EXPECT_NEAR(outcome.before[quantity], before[quantity], 1e-8) << name(quantity);
-      EXPECT_NEAR(outcome.after[quantity], after[quantity], 1e-8) << name(quantity);
+    for (const ErrorKind kind : kErrorKinds) {
+      EXPECT_NEAR(outcome.before[kind], before[kind], 1e-8) << name(kind);
+      EXPECT_NEAR(outcome.after[kind], after[kind], 1e-8) << name(kind);
     }
   }
 }
@@ -108,11 +108,11 @@ TEST_P(Production, PositionErrorsVanish) {
   plan.instrument.noise = 0.0;
   const MachineOutcome outcome = make(plan, 1);
   EXPECT_EQ(outcome.fate, Fate::accepted);
-  EXPECT_GT(outcome.before[Quantity::volumetric_aligned], 1.0);
-  EXPECT_LT(outcome.after[Quantity::volumetric_aligned], 1e-3);
-  EXPECT_LT(outcome.after[Quantity::distance], 1e-3);
-  EXPECT_NEAR(outcome.before[Quantity::tilt], 0.0, 1e-9);
-  EXPECT_NEAR(outcome.after[Quantity::tilt], 0.0, 1e-9);
+  EXPECT_GT(outcome.before[ErrorKind::volumetric_aligned], 1.0);
+  EXPECT_LT(outcome.after[ErrorKind::volumetric_aligned], 1e-3);
+  EXPECT_LT(outcome.after[ErrorKind::distance], 1e-3);
+  EXPECT_NEAR(outcome.before[ErrorKind::tilt], 0.0, 1e-9);
+  EXPECT_NEAR(outcome.after[ErrorKind::tilt], 0.0, 1e-9);
 }
 
 /// Only tight parts limit the tilt: a controller that moves the plate by millimetres changes it by their product with
@@ -121,9 +121,9 @@ TEST_P(Production, CompensationLeavesTheTilt) {
   const ProductionPlan plan = paper();
   for (std::uint64_t machine = 0; machine < 5; ++machine) {
     const MachineOutcome outcome = make(plan, machine);
-    EXPECT_GT(outcome.before[Quantity::tilt], 1e-5);
-    EXPECT_NEAR(outcome.after[Quantity::tilt] / outcome.before[Quantity::tilt], 1.0, 0.05);
-    EXPECT_LT(outcome.after[Quantity::volumetric_aligned], 0.2 * outcome.before[Quantity::volumetric_aligned]);
+    EXPECT_GT(outcome.before[ErrorKind::tilt], 1e-5);
+    EXPECT_NEAR(outcome.after[ErrorKind::tilt] / outcome.before[ErrorKind::tilt], 1.0, 0.05);
+    EXPECT_LT(outcome.after[ErrorKind::volumetric_aligned], 0.2 * outcome.before[ErrorKind::volumetric_aligned]);
   }
 }
 
@@ -135,20 +135,20 @@ TEST_P(Production, ARejectedCalibrationIsNotUsed) {
   EXPECT_NE(outcome.fate, Fate::does_not_close);
   EXPECT_FALSE(outcome.passes);
   EXPECT_EQ(outcome.after, outcome.before);
-  plan.limits[Quantity::distance] = 1e3;
+  plan.limits[ErrorKind::distance] = 1e3;
   EXPECT_TRUE(make(plan, 2).passes) << "a machine that keeps the limits uncalibrated is a good machine";
 }
 
 TEST_P(Production, EveryLimitCounts) {
   ProductionPlan plan = paper();
   const MachineOutcome outcome = make(plan, 3);
-  for (const Quantity quantity : kQuantities) {
-    if (quantity == Quantity::rotation && !robot.slide()) continue;
+  for (const ErrorKind kind : kErrorKinds) {
+    if (kind == ErrorKind::rotation && !robot.slide()) continue;
     plan.limits = {};
-    plan.limits[quantity] = outcome.after[quantity];
-    EXPECT_TRUE(make(plan, 3).passes) << name(quantity);
-    plan.limits[quantity] = 0.999 * outcome.after[quantity];
-    EXPECT_FALSE(make(plan, 3).passes) << name(quantity);
+    plan.limits[kind] = outcome.after[kind];
+    EXPECT_TRUE(make(plan, 3).passes) << name(kind);
+    plan.limits[kind] = 0.999 * outcome.after[kind];
+    EXPECT_FALSE(make(plan, 3).passes) << name(kind);
   }
 }
 

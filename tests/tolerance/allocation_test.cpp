@@ -78,7 +78,7 @@ AllocationProblem mixed_problem(const Robot& robot) {
                     {{Source::e_x, Source::e_y, Source::e_z}, curve(CostLaw::reciprocal, 0.1, 1), 0.01, 3.0}},
       .rest = *robot.tolerances(),
       .requirements = {{{Quantity::tilt}, 1e-3},
-                       {{Quantity::position, true}, 0.4, Criterion::worst_case},
+                       {{Quantity::position, true}, 0.4, Spread::worst_case},
                        {{Quantity::position}, 2.5}}};
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) problem.rest[source] *= 0.05;  // a set-up jig: tight enough for the limit on position

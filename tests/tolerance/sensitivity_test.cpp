@@ -68,7 +68,7 @@ TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
   const LinearModel model(robot);
   const Tolerances& tolerances = *robot.tolerances();
   for (const Characteristic what : all_characteristics(robot)) {
-    for (const Criterion criterion : {Criterion::statistical, Criterion::worst_case}) {
+    for (const Spread criterion : {Spread::statistical, Spread::worst_case}) {
       const ValueAtPose worst = worst_spread(robot, what, tolerances, criterion);
       EXPECT_NEAR(spread_at(model.rows(worst.pose, what), tolerances, criterion), worst.value, 1e-12 * worst.value);
       for (int k = 0; k < 200; ++k) {

@@ -111,7 +111,7 @@ void run(const Options& options, const Session& session) {
     const Pose pose{{options.pose[0], options.pose[1], options.pose[2]}, to_radians(options.pose[3])};
     found.local = squared_sensitivities(model.rows(pose, found.what)).sqrt();
   }
-  found.worst = worst_spread(robot, found.what, tolerances, Criterion::statistical);
+  found.worst = worst_spread(robot, found.what, tolerances, Spread::statistical);
   found.contributors = contributors(model.rows(found.worst.pose, found.what), tolerances);
   if (!options.map.empty()) {
     io::write_file(options.map,

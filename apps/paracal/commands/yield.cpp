@@ -44,15 +44,15 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
   return noise;
 }
 
-PerQuantity<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
+PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
   if (options.max_rotation_deg && !robot.slide()) {
     throw WrongUsage(fmt::format("--max-rotation-deg: expected a robot that turns its plate, got {}", robot.name()));
   }
-  PerQuantity<std::optional<double>> limits;
-  limits[Quantity::distance] = options.max_distance_mm;
-  limits[Quantity::volumetric_aligned] = options.max_position_mm;
-  if (options.max_rotation_deg) limits[Quantity::rotation] = to_radians(*options.max_rotation_deg);
-  limits[Quantity::tilt] = options.max_tilt_rad;
+  PerErrorKind<std::optional<double>> limits;
+  limits[ErrorKind::distance] = options.max_distance_mm;
+  limits[ErrorKind::volumetric_aligned] = options.max_position_mm;
+  if (options.max_rotation_deg) limits[ErrorKind::rotation] = to_radians(*options.max_rotation_deg);
+  limits[ErrorKind::tilt] = options.max_tilt_rad;
   return limits;
 }
 
@@ -114,17 +114,17 @@ std::string spread_line(const Histogram& histogram, double factor, double confid
   return text;
 }
 
-/// What a quantity is called, and its unit.
+/// What an error is called, and its unit.
 struct Label {
-  Quantity quantity;
+  ErrorKind kind;
   const char* text;
   double factor;
 };
 
 constexpr std::array kLabels{
-    Label{Quantity::distance, "distance, mm", 1.0}, Label{Quantity::volumetric, "position, mm", 1.0},
-    Label{Quantity::volumetric_aligned, "position aligned, mm", 1.0},
-    Label{Quantity::rotation, "rotation, deg", to_degrees(1.0)}, Label{Quantity::tilt, "tilt, rad", 1.0}};
+    Label{ErrorKind::distance, "distance, mm", 1.0}, Label{ErrorKind::volumetric, "position, mm", 1.0},
+    Label{ErrorKind::volumetric_aligned, "position aligned, mm", 1.0},
+    Label{ErrorKind::rotation, "rotation, deg", to_degrees(1.0)}, Label{ErrorKind::tilt, "tilt, rad", 1.0}};
 
 std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
   std::string text = fmt::format(
@@ -133,10 +133,10 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
   for (const Label& label : kLabels) {
-    if (label.quantity == Quantity::rotation && !batch.robot.slide()) continue;
-    text += fmt::format("  {:<22}", label.text) +
-            spread_line(tally.before[label.quantity], label.factor, confidence, "before");
-    text += fmt::format("  {:<22}", "") + spread_line(tally.after[label.quantity], label.factor, confidence, "after");
+    if (label.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    text +=
+        fmt::format("  {:<22}", label.text) + spread_line(tally.before[label.kind], label.factor, confidence, "before");
+    text += fmt::format("  {:<22}", "") + spread_line(tally.after[label.kind], label.factor, confidence, "after");
   }
   return text;
 }

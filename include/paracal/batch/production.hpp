@@ -15,7 +15,7 @@
 namespace paracal {
 
 /// What a customer gets, as the largest over the validation poses (home first).
-enum class Quantity : std::uint8_t {
+enum class ErrorKind : std::uint8_t {
   distance,            ///< |d_rho|, mm
   volumetric,          ///< d_v, mm
   volumetric_aligned,  ///< |dr| after the rigid motion that fits best has been removed, mm
@@ -23,29 +23,29 @@ enum class Quantity : std::uint8_t {
   tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate, rad
 };
 
-inline constexpr std::array kQuantities{Quantity::distance, Quantity::volumetric, Quantity::volumetric_aligned,
-                                        Quantity::rotation, Quantity::tilt};
+inline constexpr std::array kErrorKinds{ErrorKind::distance, ErrorKind::volumetric, ErrorKind::volumetric_aligned,
+                                        ErrorKind::rotation, ErrorKind::tilt};
 
 /// "distance", "volumetric", "volumetric_aligned", "rotation", "tilt".
-std::string_view name(Quantity quantity);
+std::string_view name(ErrorKind kind);
 
 /// Millimetres or radians.
-Unit unit(Quantity quantity);
+Unit unit(ErrorKind kind);
 
-/// One value for each quantity.
+/// One value for each kind.
 template <typename Value>
-class PerQuantity {
+class PerErrorKind {
  public:
-  Value& operator[](Quantity quantity) { return values_[static_cast<std::size_t>(quantity)]; }
-  const Value& operator[](Quantity quantity) const { return values_[static_cast<std::size_t>(quantity)]; }
-  bool operator==(const PerQuantity&) const = default;
+  Value& operator[](ErrorKind kind) { return values_[static_cast<std::size_t>(kind)]; }
+  const Value& operator[](ErrorKind kind) const { return values_[static_cast<std::size_t>(kind)]; }
+  bool operator==(const PerErrorKind&) const = default;
 
  private:
-  std::array<Value, kQuantities.size()> values_{};
+  std::array<Value, kErrorKinds.size()> values_{};
 };
 
 /// Largest errors of one machine, mm and rad.
-using Accuracy = PerQuantity<double>;
+using Accuracy = PerErrorKind<double>;
 
 /// How one machine of a batch is made, measured, calibrated and judged.
 struct ProductionPlan {
@@ -53,8 +53,8 @@ struct ProductionPlan {
   std::vector<Station> stations = {};   ///< to measure; home first
   CalibrationOptions calibration = {};  ///< as the metrologist sets them
   VirtualInstrument instrument = {};
-  std::vector<Station> validation = {};            ///< home first; their poses are asked of the controller
-  PerQuantity<std::optional<double>> limits = {};  ///< of the errors after calibration, mm and rad; empty: none
+  std::vector<Station> validation = {};             ///< home first; their poses are asked of the controller
+  PerErrorKind<std::optional<double>> limits = {};  ///< of the errors after calibration, mm and rad; empty: none
 };
 
 /// Standard deviation of a coordinate that a metrologist may count on: a third of the positioning repeatability in

@@ -13,7 +13,7 @@ namespace paracal {
 struct Tally {
   std::array<std::uint64_t, kFates.size()> fates{};
   std::uint64_t passed = 0;
-  PerQuantity<Histogram> before, after;  ///< of all machines but scrap, mm and rad
+  PerErrorKind<Histogram> before, after;  ///< of all machines but scrap, mm and rad
 
   std::uint64_t& of(Fate fate) { return fates[static_cast<std::size_t>(fate)]; }
   std::uint64_t of(Fate fate) const { return fates[static_cast<std::size_t>(fate)]; }

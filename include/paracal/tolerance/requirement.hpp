@@ -6,7 +6,7 @@
 
 namespace paracal {
 
-enum class Criterion : std::uint8_t {
+enum class Spread : std::uint8_t {
   statistical,  ///< 3 sigma, root of the sum of squares  [huang2016, Eq. (11)]
   worst_case,   ///< every part at the worst end of its tolerance at once
 };
@@ -15,11 +15,11 @@ enum class Criterion : std::uint8_t {
 struct Requirement {
   Characteristic characteristic = {};
   double limit = 1e-3;  ///< mm or rad
-  Criterion criterion = Criterion::statistical;
+  Spread criterion = Spread::statistical;
 };
 
 /// "statistical", "worst-case".
-std::string_view name(Criterion criterion);
+std::string_view name(Spread criterion);
 
 /// The worst that parts within their drawings can do at a pose: a machine, and the direction in which it is worst.
 ///
@@ -37,10 +37,10 @@ WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances);
 PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& direction);
 
 /// 3 sigma or the worst case at a pose.
-double spread_at(const SourceRows& rows, const Tolerances& tolerances, Criterion criterion);
+double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion);
 
 /// Where that is largest in the workspace.
 ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
-                         Criterion criterion);
+                         Spread criterion);
 
 }  // namespace paracal
