@@ -28,10 +28,9 @@ std::string compiler() {
 
 }  // namespace
 
-std::string host_description() {
-  return fmt::format(
-      "paracal  {}\nCPU      {}, {} logical cores; one thread is used unless stated\ncompiler {}\nbuild    {}\n",
-      version(), cpu_model(), std::thread::hardware_concurrency(), compiler(), PARACAL_BENCHMARK_BUILD);
+std::string host_description(std::string_view use) {
+  return fmt::format("paracal  {}\nCPU      {}, {} logical cores; {}\ncompiler {}\nbuild    {}\n", version(),
+                     cpu_model(), std::thread::hardware_concurrency(), use, compiler(), PARACAL_BENCHMARK_BUILD);
 }
 
 }  // namespace paracal::benchmark

@@ -175,7 +175,7 @@ std::string robot_toml(const Robot& robot) {
   fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
                  workspace.radius, workspace.height, workspace.top_z,
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
-  if (robot.tolerances()) text += "\n" + tolerances_toml(*robot.tolerances());
+  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances()));
   return text;
 }
 
