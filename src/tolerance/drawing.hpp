@@ -24,11 +24,17 @@ class Drawing {
   struct Pair {
     std::uint64_t number = 0;                 ///< of normal_pair()
     std::array<Eigen::Index, 2> row{-1, -1};  ///< where its two numbers go; -1: nowhere
-    std::array<Source, 2> source{};
   };
+
+  /// Turns standard normal numbers into source errors: source_error() of each, but without a call a number where all
+  /// are normal.
+  void spread(Eigen::Ref<Eigen::MatrixXd> errors) const;
 
   const Tolerances* tolerances_;
   std::vector<Pair> pairs_;
+  std::vector<Source> sources_;  ///< a row of the errors
+  Eigen::ArrayXd half_widths_;   ///< of them
+  bool all_normal_ = false;
   Eigen::MatrixXd matrix_;
 };
 
