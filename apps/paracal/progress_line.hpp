@@ -18,6 +18,8 @@ class ProgressLine {
 
   /// The first call tells what was there before this process began.
   void show(std::uint64_t done);
+  /// The total is known better now.
+  void expect(std::uint64_t total) { total_ = total; }
   /// Makes room for a message.
   void clear() const;
 

@@ -14,9 +14,9 @@
 namespace paracal {
 namespace {
 
-constexpr std::uint64_t kChunk = 128;        // machines: their responses stay in the cache
-constexpr std::uint64_t kFirstRound = 1024;  // machines before the first look at the spread
-constexpr std::uint64_t kLargestRound = 1024 * kChunk;
+constexpr std::uint64_t kChunk = 128;          // machines: their responses stay in the cache
+constexpr std::uint64_t kFirstRound = 1024;    // machines before the first look at the spread
+constexpr std::uint64_t kSlice = 64 * kChunk;  // machines between two looks at whether to go on
 
 /// Sums over the machines of a chunk, a column a requirement: they depend on the order of adding, so every chunk keeps
 /// its own and the chunks are added in order.
@@ -78,11 +78,18 @@ class Sampler {
 
   /// Draws so many machines more.
   void draw(std::uint64_t more) {
-    while (more > 0) {
-      const std::uint64_t slice = std::min(more, kLargestRound);
-      draw_slice(slice);
-      more -= slice;
-    }
+    const std::uint64_t chunks = (more + kChunk - 1) / kChunk;
+    std::vector<Sums> sums(chunks, empty_sums());
+    tbb::enumerable_thread_specific<Counts> counts(Counts(requirements_.size()));
+    arena_.execute([&] {
+      tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
+        const std::uint64_t first = chunk * kChunk, last = std::min(first + kChunk, more);
+        run_chunk(machines_ + first, last - first, sums[chunk], counts.local());
+      });
+    });
+    for (const Sums& one : sums) sums_.add(one);
+    for (const Counts& one : counts) counts_.add(one);
+    machines_ += more;
   }
 
   /// Machines after which every sigma should be known as well as asked.
@@ -115,21 +122,6 @@ class Sampler {
   Eigen::Index pose_count() const { return static_cast<Eigen::Index>(response_.poses().size()); }
 
   Sums empty_sums() const { return {response_.rows(), pose_count(), static_cast<Eigen::Index>(requirements_.size())}; }
-
-  void draw_slice(std::uint64_t slice) {
-    const std::uint64_t chunks = (slice + kChunk - 1) / kChunk;
-    std::vector<Sums> sums(chunks, empty_sums());
-    tbb::enumerable_thread_specific<Counts> counts(Counts(requirements_.size()));
-    arena_.execute([&] {
-      tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
-        const std::uint64_t first = chunk * kChunk, last = std::min(first + kChunk, slice);
-        run_chunk(machines_ + first, last - first, sums[chunk], counts.local());
-      });
-    });
-    for (const Sums& one : sums) sums_.add(one);
-    for (const Counts& one : counts) counts_.add(one);
-    machines_ += slice;
-  }
 
   void run_chunk(std::uint64_t first, std::uint64_t count, Sums& sums, Counts& counts) const {
     Eigen::MatrixXd components(response_.rows(), static_cast<Eigen::Index>(count));
@@ -237,11 +229,12 @@ MonteCarlo monte_carlo(const Robot& robot, const Tolerances& tolerances, const s
   std::uint64_t wanted = std::min(kFirstRound, options.max_machines);
   while (sampler.machines() < wanted) {
     // At most four times as many before the next look: the first estimate of what is needed is rough.
-    const std::uint64_t next =
-        std::min({wanted, 4 * std::max(sampler.machines(), kFirstRound), sampler.machines() + 8 * kLargestRound});
-    sampler.draw(next - sampler.machines());
+    const std::uint64_t next = std::min(wanted, 4 * std::max(sampler.machines(), kFirstRound));
+    while (sampler.machines() < next) {
+      sampler.draw(std::min(next - sampler.machines(), kSlice));
+      if (progress && !progress(sampler.machines(), wanted)) return sampler.result();
+    }
     wanted = std::min(std::max(sampler.expected(), sampler.machines()), options.max_machines);
-    if (progress && !progress(sampler.machines(), wanted)) break;
   }
   return sampler.result();
 }

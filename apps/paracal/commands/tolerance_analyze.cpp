@@ -4,10 +4,12 @@
 #include <iterator>
 #include <memory>
 
+#include "interruption.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/tolerance/analysis.hpp"
+#include "progress_line.hpp"
 #include "tolerance.hpp"
 #include "tolerancing.hpp"
 
@@ -28,6 +30,7 @@ constexpr std::array<double, 4> kPercentiles{0.5, 0.9, 0.95, 0.99};
 struct Findings {
   std::vector<RequirementAnalysis> analyses;
   MonteCarlo batch = {};
+  bool partial = false;  ///< stopped by its user
   std::vector<SobolIndex> sobol = {};
   std::vector<LinearityPoint> linearity = {};
 };
@@ -45,7 +48,18 @@ std::vector<Pose> poses_of(const Robot& robot, const std::vector<RequirementAnal
   return poses;
 }
 
+/// Shows how far the drawing of machines is; an interruption ends it.
+Progress watched(const std::atomic<bool>& interrupted) {
+  const auto line = std::make_shared<ProgressLine>("machines", 0);
+  return [line, &interrupted](std::uint64_t done, std::uint64_t expected) {
+    line->expect(expected);
+    line->show(done);
+    return !interrupted;
+  };
+}
+
 Findings find(const Options& options, const Robot& robot, const Session& session) {
+  const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   const std::vector<Requirement> requirements = requirements_of(options, tolerances);
   Findings found{.analyses = analyze(robot, tolerances, requirements)};
@@ -54,7 +68,9 @@ Findings find(const Options& options, const Robot& robot, const Session& session
   sampling.model = options.model == "exact" ? Model::exact : Model::linear;
   sampling.seed = session.seed();
   sampling.threads = session.threads();
-  found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling);
+  found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling, watched(interrupted));
+  found.partial = interrupted;
+  if (found.partial) return found;
   const RequirementAnalysis& first = found.analyses.front();
   if (options.sobol > 0) {
     found.sobol = sobol_indices(robot, tolerances, first.requirement.characteristic, first.three_sigma.pose,
@@ -84,11 +100,11 @@ std::string sobol_text(const std::vector<SobolIndex>& indices) {
 std::string text_of(const Options& options, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
-  std::string text =
-      fmt::format("{} machines ({} model), {}\n", batch.machines, options.model,
-                  batch.converged ? fmt::format("every sigma known to {:g} % at {:g} % confidence",
-                                                100.0 * options.monte_carlo.sigma_error, 100.0 * confidence)
-                                  : std::string("fewer than sigma was to be known from"));
+  std::string text = fmt::format(
+      "{} machines ({} model), {}\n", batch.machines, options.model,
+      batch.converged ? fmt::format("every sigma known to {:g} % at {:g} % confidence",
+                                    100.0 * options.monte_carlo.sigma_error, 100.0 * confidence)
+                      : std::string(found.partial ? "partial: stopped" : "fewer than sigma was to be known from"));
   const auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
     const RequirementAnalysis& one = found.analyses[k];

@@ -54,7 +54,7 @@ struct [[nodiscard]] MonteCarlo {
   Interval yield_interval(double confidence) const { return proportion_interval(passed, machines, confidence); }
 };
 
-/// Called between rounds with the machines done so far and those that the present spread asks for; false stops.
+/// Called now and then with the machines done so far and those that the present spread asks for; false stops.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t expected)>;
 
 /// Draws machines until every sigma is known as well as asked: machine m is draw_errors() with stream m of the seed, so
