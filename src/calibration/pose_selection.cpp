@@ -88,12 +88,16 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   return problem;
 }
 
-/// Exchange of poses where a candidate has Rows rows. The quadratic forms of every candidate k,
-/// near_k = A_k C A_k^T and far_k = A_k C B C A_k^T, are kept with C.
+constexpr int kMostRows = 7;  // two points and a rotation
+
+/// Exchange of poses where a candidate has Rows rows (Dynamic: as many as the problem says). The quadratic forms of
+/// every candidate k, near_k = A_k C A_k^T and far_k = A_k C B C A_k^T, are kept with C.
 template <int Rows>
 class Exchange {
  public:
-  using Small = Eigen::Matrix<double, Rows, Rows>;
+  static constexpr int kMost = Rows == Eigen::Dynamic ? kMostRows : Rows;
+  using Small = Eigen::Matrix<double, Rows, Rows, Eigen::ColMajor, kMost, kMost>;
+  using Tall = Eigen::Matrix<double, Eigen::Dynamic, Rows, Eigen::ColMajor, Eigen::Dynamic, kMost>;
 
   Exchange(const Problem& problem, Criterion criterion) : problem_(&problem), criterion_(criterion) {
     covariance_ = Eigen::MatrixXd::Identity(problem.weighted.rows(), problem.weighted.rows());
@@ -169,7 +173,9 @@ class Exchange {
 
  private:
   static std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
-  auto of(Eigen::Index k) const { return problem_->weighted.template middleCols<Rows>(Rows * k); }
+  Eigen::Index rows() const { return problem_->rows; }
+  Small identity() const { return Small::Identity(rows(), rows()); }
+  auto of(Eigen::Index k) const { return problem_->weighted.template middleCols<Rows>(rows() * k, rows()); }
   bool is_chosen(Eigen::Index k) const { return std::ranges::find(chosen_, k) != chosen_.end(); }
 
   Eigen::MatrixXd visible_covariance() const { return problem_->visible.transpose() * covariance_ * problem_->visible; }
@@ -188,34 +194,36 @@ class Exchange {
 
   /// How much the criterion shrinks when a pose with these forms is added.
   double gain_of(const Small& near, const Small& far) const {
-    const Eigen::LLT<Small> one_more(Small::Identity() + near);
+    const Eigen::LLT<Small> one_more(identity() + near);
     if (criterion_ == Criterion::volume) return 2.0 * one_more.matrixLLT().diagonal().array().log().sum();
     return one_more.solve(far).trace();
   }
 
   /// Takes pose s in (sign = 1) or out (-1): C -> C - sign U N U^T,  U = C A_s^T,  N = (I + sign A_s C A_s^T)^-1.
   void move(Eigen::Index s, double sign) {
-    const Small inner = sign * (Small::Identity() + sign * near_[index(s)]).inverse();  // sign N
-    const Eigen::Matrix<double, Eigen::Dynamic, Rows> u = covariance_ * of(s);
+    const Small inner = sign * (identity() + sign * near_[index(s)]).inverse();  // sign N
+    const Tall u = covariance_ * of(s);
     const bool linear = criterion_ != Criterion::volume;
     // far_k = A_k C B C A_k^T needs A_k C B U besides A_k U.
-    Eigen::Matrix<double, Eigen::Dynamic, Rows> v;
-    Small between = Small::Zero();
+    Tall v;
+    Small between = Small::Zero(rows(), rows());
     if (linear) {
       v = covariance_ * (goal_ * u);
       between = u.transpose() * goal_ * u;
     }
-    const Eigen::Matrix<double, Eigen::Dynamic, Rows> x = problem_->weighted.transpose() * u;
-    Eigen::Matrix<double, Eigen::Dynamic, Rows> y;
+    const Tall x = problem_->weighted.transpose() * u;
+    Tall y;
     if (linear) y = problem_->weighted.transpose() * v;
     for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
-      const Small xk = x.template middleRows<Rows>(Rows * k);
+      const Small xk = x.template middleRows<Rows>(rows() * k, rows());
       const Small step = xk * inner;
       near_[index(k)].noalias() -= step * xk.transpose();
       if (!linear) continue;
-      const Small yk = y.template middleRows<Rows>(Rows * k);
+      const Small yk = y.template middleRows<Rows>(rows() * k, rows());
       const Small mixed = step * yk.transpose();
-      far_[index(k)] += step * between * step.transpose() - mixed - mixed.transpose();
+      const Small changed = step * between;
+      far_[index(k)].noalias() += changed * step.transpose();
+      far_[index(k)] -= mixed + mixed.transpose();
     }
     covariance_ -= u * inner * u.transpose();
     covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
@@ -283,16 +291,9 @@ Selection select_stations(const Robot& robot, const std::vector<Station>& candid
   calibration.tolerances = options.tolerances;
   const PoseSpread spread(robot, {}, detail::all_with_priors(robot, calibration), workspace_stations(robot));
   problem.goal = goal_of(robot, options, problem, spread);
-  switch (problem.rows) {
-    case 3:
-      return run<3>(robot, candidates, options, problem, spread);
-    case 4:
-      return run<4>(robot, candidates, options, problem, spread);
-    case 6:
-      return run<6>(robot, candidates, options, problem, spread);
-    default:
-      return run<7>(robot, candidates, options, problem, spread);
-  }
+  // Points alone are the usual case; a size of its own for every other would take minutes to compile.
+  if (problem.rows == 3) return run<3>(robot, candidates, options, problem, spread);
+  return run<Eigen::Dynamic>(robot, candidates, options, problem, spread);
 }
 
 }  // namespace paracal
