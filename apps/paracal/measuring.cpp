@@ -178,7 +178,7 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
 }
 
 Tolerances read_priors(const io::TextFile& file) {
-  const Tolerances tolerances = io::read_tolerances(file);
+  Tolerances tolerances = io::read_tolerances(file);
   if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
     throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
   }

@@ -42,9 +42,11 @@ std::vector<Requirement> requirements_of(const Options& options, const Tolerance
 
 /// The poses of the validation plan with all rotations, and those that are worst.
 std::vector<Pose> poses_of(const Robot& robot, const std::vector<RequirementAnalysis>& analyses) {
+  const std::vector<Station> stations = workspace_stations(robot);
   std::vector<Pose> poses;
+  poses.reserve(analyses.size() + stations.size());
   for (const RequirementAnalysis& one : analyses) poses.push_back(one.three_sigma.pose);
-  for (const Station& station : workspace_stations(robot)) poses.push_back(station.commanded);
+  for (const Station& station : stations) poses.push_back(station.commanded);
   return poses;
 }
 
