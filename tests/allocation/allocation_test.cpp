@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "paracal/compensation/parameter_buffer.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -38,6 +40,25 @@ TEST_P(AllocationLaw, PoseEvaluationsDoNotAllocate) {
   EXPECT_EQ(count([&] { good = good && forward(machine, joints).ok(); }), 0u);
   EXPECT_EQ(count([&] { good = good && error_model(robot, pose).ok(); }), 0u);
   EXPECT_EQ(count([&] { good = good && exact_jacobian(machine, forward(machine, joints).plate, joints).ok; }), 0u);
+  EXPECT_TRUE(good);
+}
+
+TEST_P(AllocationLaw, CompensationDoesNotAllocate) {
+  const auto parameters = compensator_parameters(robot, random.realistic_errors(robot));
+  ParameterBuffer<double> buffer(parameters);
+  ParameterReader<double> reader(buffer);
+  CompensatorJoints<double> compensated{};
+  CompensatorTilt<double> tilt;
+  bool good = true;
+  for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware, CompensationWay::exact}) {
+    EXPECT_EQ(count([&] {
+                buffer.publish(parameters);
+                const CompensationStatus status =
+                    compensate(reader.latest(), way, compensator_pose(pose), compensated, &tilt);
+                good = good && status == CompensationStatus::ok;
+              }),
+              0u);
+  }
   EXPECT_TRUE(good);
 }
 

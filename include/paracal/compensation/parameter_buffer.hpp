@@ -1,0 +1,116 @@
+#pragma once
+
+// New parameters for a control thread that never stops: double buffer with counted publications. Standard library
+// alone.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "paracal/compensation/compensator.hpp"
+
+namespace paracal {
+
+/// Two slots of parameters. One thread publishes into the slot that is not in use; any number of readers copy the
+/// other. Only a reader that is overtaken by two publications while it copies can see a mixture, and the counts tell it
+/// so.
+///
+///   publish n:  begun = n;  slot[n mod 2] = parameters;  published = n
+///   read:       n = published;  copy slot[n mod 2];  good unless begun has come to n + 2
+///
+/// The slots are atomic words, stored with release and loaded with acquire: whoever has seen a word of publication n +
+/// 2 also sees begun = n + 2. Neither side ever waits.
+template <typename Scalar>
+class ParameterBuffer {
+ public:
+  using Parameters = CompensatorParameters<Scalar>;
+
+  /// @param parameters  of the robot; until something is published, readers get them without errors.
+  explicit ParameterBuffer(const Parameters& parameters) noexcept : nominal_(without_errors(parameters)) {
+    store(nominal_, 0);
+  }
+
+  /// One thread at a time. Real-time: yes.
+  void publish(const Parameters& parameters) noexcept {
+    const std::uint32_t number = published_.load(std::memory_order_relaxed) + 1;
+    begun_.store(number, std::memory_order_relaxed);
+    store(parameters, number);
+    published_.store(number, std::memory_order_release);
+  }
+
+  /// Takes all corrections back: publishes the nominal robot.
+  void fall_back() noexcept { publish(nominal_); }
+
+  const Parameters& nominal() const noexcept { return nominal_; }
+
+  /// Copies what was published last, in one try.
+  /// @param parameters  set when the copy is whole; else it holds a mixture.
+  /// @param number      of the publication that was copied.
+  /// @returns whether it is whole. Real-time: yes.
+  [[nodiscard]] bool copy(Parameters& parameters, std::uint32_t& number) const noexcept {
+    number = published_.load(std::memory_order_acquire);
+    load(parameters, number);
+    // Counts may wrap: only their difference means something.
+    return begun_.load(std::memory_order_relaxed) - number < 2;
+  }
+
+  /// Number of publications so far.
+  std::uint32_t published() const noexcept { return published_.load(std::memory_order_acquire); }
+
+ private:
+  using Word = std::uint32_t;  // lock-free on small controllers too
+  static_assert(std::is_trivially_copyable_v<Parameters>);
+  static_assert(sizeof(Parameters) % sizeof(Word) == 0);
+  static_assert(std::atomic<Word>::is_always_lock_free);
+  static constexpr std::size_t kWords = sizeof(Parameters) / sizeof(Word);
+
+  void store(const Parameters& parameters, std::uint32_t number) noexcept {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(&parameters);
+    for (std::size_t k = 0; k < kWords; ++k) {
+      Word word = 0;
+      std::memcpy(&word, bytes + k * sizeof(Word), sizeof(Word));
+      slots_[number % 2][k].store(word, std::memory_order_release);
+    }
+  }
+
+  void load(Parameters& parameters, std::uint32_t number) const noexcept {
+    auto* bytes = reinterpret_cast<unsigned char*>(&parameters);
+    for (std::size_t k = 0; k < kWords; ++k) {
+      const Word word = slots_[number % 2][k].load(std::memory_order_acquire);
+      std::memcpy(bytes + k * sizeof(Word), &word, sizeof(Word));
+    }
+  }
+
+  Parameters nominal_;
+  std::array<std::array<std::atomic<Word>, kWords>, 2> slots_{};
+  std::atomic<std::uint32_t> begun_{0}, published_{0};
+};
+
+/// The control thread's own copy: always whole. It starts with the nominal robot and keeps what it has whenever the
+/// publisher is too quick for one try; the next cycle tries again.
+template <typename Scalar>
+class ParameterReader {
+ public:
+  explicit ParameterReader(const ParameterBuffer<Scalar>& buffer) noexcept
+      : buffer_(&buffer), current_(buffer.nominal()) {}
+
+  /// To be called once a cycle; copies only when something new was published. Real-time: yes, wait-free.
+  const CompensatorParameters<Scalar>& latest() noexcept {
+    std::uint32_t number = 0;
+    if (buffer_->published() != seen_ && buffer_->copy(fresh_, number)) {
+      current_ = fresh_;
+      seen_ = number;
+    }
+    return current_;
+  }
+
+ private:
+  const ParameterBuffer<Scalar>* buffer_;
+  CompensatorParameters<Scalar> current_, fresh_{};
+  std::uint32_t seen_ = 0;
+};
+
+}  // namespace paracal

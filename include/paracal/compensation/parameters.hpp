@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+
+#include "paracal/compensation/compensator.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/mechanism/source_errors.hpp"
+
+namespace paracal {
+
+/// What the compensator of a machine with these (identified) errors has to know, mm and rad, rounded to Scalar last.
+/// Instantiated for double and float. Real-time: no; make them before the control thread needs them.
+template <typename Scalar = double>
+CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+
+extern template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+
+/// A pose of the library as the compensator takes it.
+template <typename Scalar = double>
+CompensatorPose<Scalar> compensator_pose(const Pose& pose) {
+  return {static_cast<Scalar>(pose.position.x()), static_cast<Scalar>(pose.position.y()),
+          static_cast<Scalar>(pose.position.z()), static_cast<Scalar>(pose.rotation)};
+}
+
+/// Compensated joints as the library takes them.
+Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints);
+
+/// The pose to ask of a closed controller, one that computes with the nominal robot: its nominal inverse gives these
+/// joints. It is the nominal forward kinematics of the corrected joints.
+/// @returns nothing where the nominal robot does not close with these joints.
+std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints);
+
+}  // namespace paracal

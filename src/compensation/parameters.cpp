@@ -1,0 +1,72 @@
+#include "paracal/compensation/parameters.hpp"
+
+#include "paracal/kinematics/error_model.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/machine.hpp"
+
+namespace paracal {
+namespace {
+
+static_assert(kCompensatorLimbs == kMaxLimbs);
+
+template <typename Scalar>
+CompensatorVector<Scalar> rounded(const Eigen::Vector3d& v) {
+  return {static_cast<Scalar>(v.x()), static_cast<Scalar>(v.y()), static_cast<Scalar>(v.z())};
+}
+
+template <typename Scalar>
+CompensatorLimb<Scalar> compensator_limb(const Machine& machine, const Limb& limb) {
+  CompensatorLimb<Scalar> constants;
+  constants.base = rounded<Scalar>(limb.base);
+  constants.radial = rounded<Scalar>(limb.frame.col(0));
+  constants.normal = rounded<Scalar>(limb.frame.col(1));
+  constants.axis = rounded<Scalar>(limb.frame.col(2));
+  constants.plate = rounded<Scalar>(limb.plate);
+  constants.slide = rounded<Scalar>(limb.slide_sign * machine.pinion_radius * machine.slide_axis);
+  constants.elbow_half = rounded<Scalar>(0.5 * limb.elbow_width * limb.elbow_frame.col(2));
+  constants.plate_half = rounded<Scalar>(0.5 * limb.plate_width * limb.plate_frame.col(2));
+  constants.rod = {static_cast<Scalar>(limb.rod[0]), static_cast<Scalar>(limb.rod[1])};
+  constants.arm = static_cast<Scalar>(limb.arm);
+  constants.joint_offset = static_cast<Scalar>(limb.joint_offset);
+  return constants;
+}
+
+}  // namespace
+
+template <typename Scalar>
+CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors) {
+  const Machine identified = build(robot, errors);
+  CompensatorParameters<Scalar> parameters;
+  parameters.limb_count = static_cast<std::uint32_t>(identified.limb_count);
+  parameters.tilts_plate = identified.tilts_plate ? 1 : 0;
+  for (std::size_t i = 0; i < identified.limb_count; ++i) {
+    parameters.identified[i] = compensator_limb<Scalar>(identified, identified.limbs[i]);
+    parameters.nominal[i] = compensator_limb<Scalar>(robot.nominal(), robot.nominal().limbs[i]);
+    for (const Source source : all_sources()) {
+      const auto error = static_cast<Scalar>(paper_scale(robot, source) * errors(i, source));
+      if (tilts_plate(source)) {
+        parameters.tilt_errors[i][index(source) - kPositionSourceCount] = error;
+      } else {
+        parameters.position_errors[i][index(source)] = error;
+      }
+    }
+  }
+  return parameters;
+}
+
+template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+
+Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints) {
+  Joints vector(static_cast<Eigen::Index>(robot.limb_count()));
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) vector(static_cast<Eigen::Index>(i)) = joints[i];
+  return vector;
+}
+
+std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints) {
+  const ForwardResult nominal = forward(robot.nominal(), joints);
+  if (!nominal.ok()) return std::nullopt;
+  return Pose{nominal.plate.position, robot.nominal().rotation_of(nominal.plate.slide)};
+}
+
+}  // namespace paracal

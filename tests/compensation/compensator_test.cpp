@@ -1,0 +1,260 @@
+// Laws of the compensator that runs in a controller, on every robot of the catalogue and many machines.
+
+#include "paracal/compensation/compensator.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <utility>
+
+#include "paracal/compensation/parameters.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal {
+namespace {
+
+constexpr int kPosesPerMachine = 1000;
+
+/// What is left between the commanded pose and the one that the machine takes, as far as joints could help.
+struct Remainder {
+  double position = 0.0;  ///< mm
+  double slide = 0.0;     ///< mm
+};
+
+Remainder remainder_of(const Machine& machine, const Pose& pose, const PlateState& plate) {
+  return {(plate.position - pose.position).norm(), std::abs(plate.slide - machine.slide_of(pose.rotation))};
+}
+
+class CompensatorLaw : public test::EveryRobot {
+ protected:
+  /// Machines in turn with the errors of [huang2016, Table 4], with some drawn from the tolerances, and without tilt.
+  SourceErrors errors_of(int number) {
+    if (number % 3 == 0) return test::table4_machine(robot, number);
+    SourceErrors errors = random.realistic_errors(robot);
+    if (number % 3 == 1) return errors;
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (const Source source : all_sources()) {
+        if (tilts_plate(source)) errors(limb, source) = 0.0;
+      }
+    }
+    return errors;
+  }
+
+  template <typename Task>
+  void for_each_pose(Task&& task) {
+    for (int number = 0; number < test::machines(100); ++number) {
+      const SourceErrors errors = errors_of(number);
+      const Machine machine = build(robot, errors);
+      const auto parameters = compensator_parameters(robot, errors);
+      for (int k = 0; k < kPosesPerMachine; ++k) task(machine, parameters, errors, random.pose(robot));
+    }
+  }
+
+  test::Random random;
+};
+
+TEST_P(CompensatorLaw, ExactLeavesNothing) {
+  Remainder worst;
+  double worst_tilt = 0.0;
+  for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
+    CompensatorJoints<double> joints{};
+    CompensatorTilt<double> tilt{};
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints, &tilt),
+              CompensationStatus::ok);
+    const ForwardResult actual = forward(machine, compensated_joints(robot, joints));
+    ASSERT_TRUE(actual.ok());
+    const Remainder remainder = remainder_of(machine, pose, actual.plate);
+    worst.position = std::max(worst.position, remainder.position);
+    worst.slide = std::max(worst.slide, remainder.slide);
+    worst_tilt =
+        std::max(worst_tilt, std::hypot(tilt.eps_x - actual.plate.tilt.x(), tilt.eps_y - actual.plate.tilt.y()));
+  });
+  RecordProperty("position_mm", fmt::format("{:.2g}", worst.position));
+  EXPECT_LT(worst.position, 1e-6);
+  EXPECT_LT(worst.slide, 1e-6);
+  EXPECT_LT(worst_tilt, 1e-9);
+}
+
+TEST_P(CompensatorLaw, ExactIsTheInverseOfTheMachine) {
+  double worst = 0.0;
+  for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
+    CompensatorJoints<double> joints{};
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints), CompensationStatus::ok);
+    const InverseResult expected = inverse(machine, pose);
+    ASSERT_TRUE(expected.ok());
+    worst = std::max(worst, (compensated_joints(robot, joints) - expected.joints).cwiseAbs().maxCoeff());
+  });
+  EXPECT_LE(worst, 1e-12);
+}
+
+/// After rough calibration, errors as in Table 4: the ways are worth what docs/controllers.md says.
+TEST_P(CompensatorLaw, LinearWaysLeaveLittle) {
+  double uncompensated = 0.0, linear = 0.0, tilt_aware = 0.0;
+  for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
+    const auto left_by = [&](const auto& machine_parameters, CompensationWay way) {
+      CompensatorJoints<double> joints{};
+      EXPECT_EQ(compensate(machine_parameters, way, compensator_pose(pose), joints), CompensationStatus::ok);
+      return remainder_of(machine, pose, forward(machine, compensated_joints(robot, joints)).plate).position;
+    };
+    uncompensated = std::max(uncompensated, left_by(without_errors(parameters), CompensationWay::exact));
+    linear = std::max(linear, left_by(parameters, CompensationWay::linear));
+    tilt_aware = std::max(tilt_aware, left_by(parameters, CompensationWay::tilt_aware));
+  });
+  RecordProperty("uncompensated_mm", std::to_string(uncompensated));
+  RecordProperty("linear_mm", std::to_string(linear));
+  RecordProperty("tilt_aware_mm", std::to_string(tilt_aware));
+  EXPECT_GT(uncompensated, 1.0);
+  EXPECT_LT(linear, 0.3);
+  EXPECT_LT(tilt_aware, 0.03);
+}
+
+/// To first order the tilt-aware way is exact: errors ten times smaller leave a hundredth.
+TEST_P(CompensatorLaw, TheTiltAwareRemainderIsOfSecondOrder) {
+  const SourceErrors full = errors_of(1);
+  SourceErrors tenth;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) tenth(limb, source) = 0.1 * full(limb, source);
+  }
+  for (int k = 0; k < 100; ++k) {
+    const Pose pose = random.pose(robot);
+    const auto off = [&](const SourceErrors& errors) {
+      const auto parameters = compensator_parameters(robot, errors);
+      CompensatorJoints<double> exact{}, linear{};
+      EXPECT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), exact), CompensationStatus::ok);
+      EXPECT_EQ(compensate(parameters, CompensationWay::tilt_aware, compensator_pose(pose), linear),
+                CompensationStatus::ok);
+      return (compensated_joints(robot, exact) - compensated_joints(robot, linear)).norm();
+    };
+    EXPECT_LT(off(tenth), 0.02 * off(full) + 1e-12);
+  }
+}
+
+/// In float the constants alone are rounded by up to 6e-8 of their size: 0.03 um to 0.06 um in a metre.
+TEST_P(CompensatorLaw, FloatIsGoodToMicrometres) {
+  for (const CompensationWay way : {CompensationWay::exact, CompensationWay::tilt_aware, CompensationWay::linear}) {
+    double worst = 0.0;
+    for (int number = 0; number < 10; ++number) {
+      const SourceErrors errors = errors_of(number);
+      const auto fine = compensator_parameters(robot, errors);
+      const auto coarse = compensator_parameters<float>(robot, errors);
+      for (int k = 0; k < kPosesPerMachine; ++k) {
+        const Pose pose = random.pose(robot);
+        CompensatorJoints<double> expected{};
+        CompensatorJoints<float> joints{};
+        ASSERT_EQ(compensate(fine, way, compensator_pose(pose), expected), CompensationStatus::ok);
+        ASSERT_EQ(compensate(coarse, way, compensator_pose<float>(pose), joints), CompensationStatus::ok);
+        for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+          worst = std::max(worst, std::abs(static_cast<double>(joints[i]) - expected[i]));
+        }
+      }
+    }
+    RecordProperty(fmt::format("float_rad_{}", static_cast<int>(way)), fmt::format("{:.2g}", worst));
+    EXPECT_LT(worst, 2e-6) << static_cast<int>(way);
+  }
+}
+
+TEST_P(CompensatorLaw, WithoutErrorsEveryWayIsTheNominalInverse) {
+  const auto parameters = without_errors(compensator_parameters(robot, errors_of(1)));
+  for (int k = 0; k < 100; ++k) {
+    const Pose pose = random.pose(robot);
+    for (const CompensationWay way : {CompensationWay::exact, CompensationWay::tilt_aware, CompensationWay::linear}) {
+      CompensatorJoints<double> joints{};
+      CompensatorTilt<double> tilt{1.0, 1.0};
+      ASSERT_EQ(Compensator(parameters, way).compensate(compensator_pose(pose), joints, &tilt), CompensationStatus::ok);
+      EXPECT_LE((compensated_joints(robot, joints) - inverse(robot.nominal(), pose).joints).cwiseAbs().maxCoeff(),
+                1e-14);
+      EXPECT_EQ(std::pair(tilt.eps_x, tilt.eps_y), std::pair(0.0, 0.0));
+    }
+  }
+}
+
+/// A closed controller turns the corrected target into the corrected joints.
+TEST_P(CompensatorLaw, TheTargetsNominalInverseGivesTheJoints) {
+  const auto parameters = compensator_parameters(robot, errors_of(1));
+  for (int k = 0; k < 100; ++k) {
+    CompensatorJoints<double> joints{};
+    const CompensatorPose<double> pose = compensator_pose(random.pose(robot));
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, pose, joints), CompensationStatus::ok);
+    const Joints corrected = compensated_joints(robot, joints);
+    const std::optional<Pose> target = corrected_target(robot, corrected);
+    ASSERT_TRUE(target);
+    EXPECT_TRUE(robot.slide() || target->rotation == 0.0);
+    EXPECT_LE((inverse(robot.nominal(), *target).joints - corrected).cwiseAbs().maxCoeff(), 1e-11);
+  }
+}
+
+// ---- what a controller must survive
+
+constexpr CompensatorJoints<double> kLast{0.1, 0.2, 0.3, 0.4};
+
+TEST_P(CompensatorLaw, ABadPoseLeavesTheLastJoints) {
+  const auto parameters = compensator_parameters(robot, errors_of(1));
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const double phi = robot.slide() ? 0.1 : 0.0;
+  const std::vector<std::pair<CompensatorPose<double>, CompensationStatus>> cases{
+      {{nan, 0, -900, phi}, CompensationStatus::not_finite},
+      {{0, 0, -900, nan}, CompensationStatus::not_finite},
+      {{0, -infinity, -900, phi}, CompensationStatus::not_finite},
+      {{0, 0, -5000, phi}, CompensationStatus::unreachable},
+      {{1e300, 0, -900, phi}, CompensationStatus::unreachable},
+      {{3000, 0, -900, phi}, CompensationStatus::unreachable}};
+  for (const CompensationWay way : {CompensationWay::exact, CompensationWay::tilt_aware, CompensationWay::linear}) {
+    for (const auto& [pose, status] : cases) {
+      CompensatorJoints<double> joints = kLast;
+      CompensatorTilt<double> tilt{5.0, 6.0};
+      EXPECT_EQ(compensate(parameters, way, pose, joints, &tilt), status) << pose.x << " " << pose.z;
+      EXPECT_EQ(joints, kLast);
+      EXPECT_EQ(tilt.eps_x, 5.0);
+    }
+  }
+}
+
+TEST_P(CompensatorLaw, ARigidPlateDoesNotTurn) {
+  const auto parameters = compensator_parameters(robot, errors_of(1));
+  const Eigen::Vector3d home = robot.workspace().centre();
+  CompensatorJoints<double> joints = kLast;
+  const CompensationStatus status =
+      compensate(parameters, CompensationWay::exact, {home.x(), home.y(), home.z(), 0.1}, joints);
+  EXPECT_EQ(status, robot.slide() ? CompensationStatus::ok : CompensationStatus::unreachable);
+  EXPECT_EQ(joints == kLast, !robot.slide());
+}
+
+/// Any bits as a pose, and as parameters too.
+template <typename Scalar, typename Bits>
+void survive(const CompensatorParameters<Scalar>& good, int calls) {
+  std::mt19937_64 engine(3);
+  const auto any = [&] { return std::bit_cast<Scalar>(static_cast<Bits>(engine())); };
+  const auto some = [&] { return engine() % 2 == 0 ? any() : static_cast<Scalar>(engine() % 2000) - Scalar(1000); };
+  CompensatorParameters<Scalar> parameters = good;
+  for (int call = 0; call < calls; ++call) {
+    if (call % 8 == 0) parameters = good;
+    parameters.identified[engine() % 4].arm = call % 3 == 0 ? any() : good.identified[0].arm;
+    parameters.identified[engine() % 4].base[engine() % 3] = call % 5 == 0 ? any() : Scalar(100);
+    const CompensatorPose<Scalar> pose{some(), some(), some(), parameters.limb_count == 4 ? some() : Scalar(0)};
+    CompensatorJoints<Scalar> joints{};
+    CompensatorTilt<Scalar> tilt{};
+    const auto way = static_cast<CompensationWay>(engine() % 3);
+    const CompensationStatus status = compensate(call % 2 == 0 ? good : parameters, way, pose, joints, &tilt);
+    if (status != CompensationStatus::ok) continue;
+    for (const Scalar joint : joints) ASSERT_TRUE(std::isfinite(joint));
+    ASSERT_TRUE(std::isfinite(tilt.eps_x) && std::isfinite(tilt.eps_y));
+  }
+}
+
+TEST_P(CompensatorLaw, RandomBitsNeverGiveNonsenseAsGood) {
+  const int calls = test::machines(200'000);
+  survive<double, std::uint64_t>(compensator_parameters(robot, errors_of(1)), calls);
+  survive<float, std::uint32_t>(compensator_parameters<float>(robot, errors_of(1)), calls);
+}
+
+PARACAL_ON_EVERY_ROBOT(CompensatorLaw);
+
+}  // namespace
+}  // namespace paracal

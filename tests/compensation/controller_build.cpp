@@ -1,0 +1,20 @@
+// The compensator as a controller may compile it: these headers first and alone, without exceptions and without
+// run-time types. That this file compiles is the test.
+
+#include "paracal/compensation/parameter_buffer.hpp"
+
+#include <utility>
+
+#if defined(EIGEN_CORE_H) || defined(__cpp_exceptions) || defined(__cpp_rtti)
+#error "expected the standard library alone, -fno-exceptions and -fno-rtti"
+#endif
+
+template class paracal::Compensator<double>;
+template class paracal::Compensator<float>;
+template class paracal::ParameterBuffer<double>;
+template class paracal::ParameterBuffer<float>;
+template class paracal::ParameterReader<double>;
+template class paracal::ParameterReader<float>;
+
+using Compensator = paracal::Compensator<double>;
+static_assert(noexcept(std::declval<const Compensator&>().compensate({}, std::declval<std::array<double, 4>&>())));

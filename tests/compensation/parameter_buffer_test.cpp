@@ -1,0 +1,100 @@
+#include "paracal/compensation/parameter_buffer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "paracal/compensation/parameters.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+
+namespace paracal {
+namespace {
+
+using Parameters = CompensatorParameters<double>;
+
+bool same(const Parameters& one, const Parameters& other) { return std::memcmp(&one, &other, sizeof one) == 0; }
+
+/// Parameters that show a mixture: every word says which publication it belongs to.
+Parameters stamped(std::uint32_t stamp) {
+  Parameters parameters;
+  auto* bytes = reinterpret_cast<unsigned char*>(&parameters);
+  for (std::size_t k = 0; k < sizeof parameters; k += sizeof stamp) std::memcpy(bytes + k, &stamp, sizeof stamp);
+  return parameters;
+}
+
+std::uint32_t stamp_of(const Parameters& parameters) { return parameters.limb_count; }
+
+class ParameterBufferTest : public testing::Test {
+ protected:
+  static Parameters some_machine() {
+    SourceErrors errors;
+    errors(1, Source::e_x) = 0.5;
+    errors(2, Source::alpha2) = 1e-4;
+    return compensator_parameters(catalogue::huang2016(), errors);
+  }
+
+  Parameters machine = some_machine();
+  ParameterBuffer<double> buffer{machine};
+  ParameterReader<double> reader{buffer};
+};
+
+TEST_F(ParameterBufferTest, StartsWithTheNominalRobot) {
+  EXPECT_TRUE(same(reader.latest(), compensator_parameters(catalogue::huang2016(), SourceErrors())));
+}
+
+TEST_F(ParameterBufferTest, GivesWhatWasPublishedLast) {
+  buffer.publish(stamped(1));
+  buffer.publish(machine);
+  EXPECT_TRUE(same(reader.latest(), machine));
+  EXPECT_TRUE(same(reader.latest(), machine));
+}
+
+TEST_F(ParameterBufferTest, FallsBackToTheNominalRobot) {
+  buffer.publish(machine);
+  EXPECT_TRUE(same(reader.latest(), machine));
+  buffer.fall_back();
+  EXPECT_TRUE(same(reader.latest(), without_errors(machine)));
+}
+
+/// One thread publishes as fast as it can, two others read: never a mixture, never an older one after a newer one.
+TEST_F(ParameterBufferTest, IsNeverTorn) {
+#ifdef PARACAL_SANITIZED
+  constexpr std::uint32_t kPublications = 5'000;
+#else
+  constexpr std::uint32_t kPublications = 100'000;
+#endif
+  std::atomic<bool> done = false;
+  std::atomic<int> torn = 0, backwards = 0, seen = 0;
+  buffer.publish(stamped(1));
+  const auto read = [&] {
+    ParameterReader<double> own(buffer);
+    std::uint32_t last = 0;
+    while (!done) {
+      const Parameters& parameters = own.latest();
+      const std::uint32_t stamp = stamp_of(parameters);
+      if (same(parameters, buffer.nominal())) continue;
+      torn += same(parameters, stamped(stamp)) ? 0 : 1;
+      backwards += stamp < last ? 1 : 0;
+      seen += stamp != last ? 1 : 0;
+      last = stamp;
+    }
+  };
+  std::thread one(read), other(read);
+  for (std::uint32_t k = 2; k < kPublications; ++k) {
+    buffer.publish(stamped(k));
+    if (k % 16 == 0) std::this_thread::yield();
+  }
+  while (seen < 2) std::this_thread::yield();
+  done = true;
+  one.join();
+  other.join();
+  EXPECT_EQ(torn, 0);
+  EXPECT_EQ(backwards, 0);
+  buffer.publish(machine);
+  EXPECT_TRUE(same(reader.latest(), machine));
+}
+
+}  // namespace
+}  // namespace paracal
