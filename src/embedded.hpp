@@ -13,5 +13,7 @@ struct EmbeddedFile {
 
 /// The files of data/huang2016.
 std::span<const EmbeddedFile> published_data();
+/// The files of src/compensation/templates.
+std::span<const EmbeddedFile> export_templates();
 
 }  // namespace paracal::detail

@@ -34,6 +34,8 @@ int main(int argc, char** argv) {
   add_sensitivity(app, session);
   add_tolerance(app, session);
   add_yield(app, session);
+  add_compensate(app, session);
+  add_export(app, session);
   add_reproduce(app, session);
   try {
     app.parse(argc, argv);

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::app {
 
@@ -76,15 +80,53 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
-  if (errors_file.empty()) return robot.nominal();
+SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
   const io::TextFile file = io::read_file(errors_file);
   const bool is_calibration = lower_case(std::filesystem::path(errors_file).extension()) == ".json";
-  return build(robot, is_calibration ? io::read_calibration(file, robot).errors
-                                     : io::read_source_errors(file, robot.limb_count()));
+  return is_calibration ? io::read_calibration(file, robot).errors : io::read_source_errors(file, robot.limb_count());
+}
+
+Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
+  return errors_file.empty() ? robot.nominal() : build(robot, read_errors(robot, errors_file));
+}
+
+std::string pose_text(const std::string& name, const Pose& pose) {
+  const Eigen::Vector3d& r = pose.position;
+  return fmt::format("pose {} at ({:g}, {:g}, {:g}) mm, {:g} deg", name, r.x(), r.y(), r.z(),
+                     to_degrees(pose.rotation));
+}
+
+io::Json joints_json(const std::vector<io::NamedJoints>& rows) {
+  io::Json names = io::Json::array(), joints = io::Json::array();
+  for (const io::NamedJoints& row : rows) {
+    names.push_back(row.name);
+    io::Json degrees = io::Json::array();
+    for (const double joint : row.joints) degrees.push_back(to_degrees(joint));
+    joints.push_back(degrees);
+  }
+  return {{"names", names}, {"joints_deg", joints}};
 }
 
 void Session::print(std::string_view text) const { out_.empty() ? print_summary(text) : io::write_file(out_, text); }
+
+namespace {
+
+std::int64_t seconds_of(std::string_view text) {
+  constexpr std::int64_t kYear9999 = 253402300799;
+  std::int64_t seconds = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kYear9999) {
+    throw WrongUsage(fmt::format("SOURCE_DATE_EPOCH: expected seconds since 1970, got \"{}\"", text));
+  }
+  return seconds;
+}
+
+}  // namespace
+
+std::int64_t now() {
+  if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH")) return seconds_of(fixed);
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
 
 void print_summary(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;

@@ -9,6 +9,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
+#include "paracal/io/tables.hpp"
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
 
@@ -32,11 +33,23 @@ CLI::Validator positive_finite();
 /// Accepts finite numbers from zero.
 CLI::Validator non_negative_finite();
 
-/// Machine that --errors describes: source errors (TOML) or a calibration (JSON); the nominal one without a file.
+/// Source errors of a file: source errors (TOML) or a calibration (JSON).
+SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
+
+/// Machine that --errors describes, as read_errors; the nominal one without a file.
 Machine machine_as_built(const Robot& robot, const std::string& errors_file);
+
+/// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
+std::string pose_text(const std::string& name, const Pose& pose);
 
 /// Standard deviations over the workspace, under the keys of poses and identifiability.
 io::Json workspace_json(const WorkspaceUncertainty& spread);
+
+/// Seconds since 1970, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
+std::int64_t now();
+
+/// {names, joints_deg: [[q1, ...], ...]}
+io::Json joints_json(const std::vector<io::NamedJoints>& rows);
 
 /// Prints what goes to standard output even with --out.
 void print_summary(std::string_view text);
@@ -85,5 +98,7 @@ void add_sensitivity(CLI::App& app, Session& session);
 void add_tolerance(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
 void add_yield(CLI::App& app, Session& session);
+void add_compensate(CLI::App& app, Session& session);
+void add_export(CLI::App& app, Session& session);
 
 }  // namespace paracal::app

@@ -114,6 +114,16 @@ std::string joint_table(const std::vector<NamedJoints>& rows) {
   return text;
 }
 
+std::string pose_table(const std::vector<NamedPose>& rows) {
+  std::string text = "pose,x_mm,y_mm,z_mm,phi_deg\n";
+  for (const NamedPose& row : rows) {
+    const Eigen::Vector3d& r = row.pose.position;
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{}\n", quoted(row.name), r.x(), r.y(), r.z(),
+                   to_degrees(row.pose.rotation));
+  }
+  return text;
+}
+
 std::string plate_table(const std::vector<NamedPlate>& rows) {
   std::string text = "pose,x_mm,y_mm,z_mm,phi_deg,tilt_x_rad,tilt_y_rad,tilt_z_rad,residual_mm\n";
   for (const NamedPlate& row : rows) {

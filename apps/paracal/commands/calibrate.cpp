@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <chrono>
-#include <cstdlib>
 #include <iterator>
 #include <memory>
 
@@ -63,22 +60,6 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   return calibration;
 }
 
-std::int64_t seconds_of(std::string_view text) {
-  constexpr std::int64_t kYear9999 = 253402300799;
-  std::int64_t seconds = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kYear9999) {
-    throw WrongUsage(fmt::format("SOURCE_DATE_EPOCH: expected seconds since 1970, got \"{}\"", text));
-  }
-  return seconds;
-}
-
-/// Now, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
-std::int64_t date() {
-  if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH")) return seconds_of(fixed);
-  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
 std::string residual_table(const Calibration& calibration) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -105,7 +86,7 @@ void run(const Options& options, Session& session) {
   CalibrationOptions wanted = calibration_options(options, robot);
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);
-  const io::Json file = io::to_json(calibration, date());
+  const io::Json file = io::to_json(calibration, now());
   if (!session.out().empty()) session.print_json(file);
   if (session.json()) {
     if (session.out().empty()) session.print_json(file);

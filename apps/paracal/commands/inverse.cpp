@@ -18,14 +18,12 @@ struct Options {
 Joints joints_at(const Machine& machine, const Station& station) {
   const InverseResult result = inverse(machine, station.commanded);
   if (result.ok()) return result.joints;
-  const Eigen::Vector3d& r = station.commanded.position;
   std::string why = "the machine is singular there";
   if (result.status == InverseStatus::unreachable) {
     why = result.unreachable_limb < 0 ? "a rigid plate does not turn: expected phi = 0 deg"
                                       : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
   }
-  throw MathematicsSaysNo(fmt::format("pose {} at ({:g}, {:g}, {:g}) mm, {:g} deg: {}", station.name, r.x(), r.y(),
-                                      r.z(), to_degrees(station.commanded.rotation), why));
+  throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
 }
 
 void run(const Options& options, const Session& session) {
@@ -35,14 +33,7 @@ void run(const Options& options, const Session& session) {
     rows.push_back({station.name, joints_at(machine, station)});
   }
   if (!session.json()) return session.print(io::joint_table(rows));
-  io::Json names = io::Json::array(), joints = io::Json::array();
-  for (const io::NamedJoints& row : rows) {
-    names.push_back(row.name);
-    io::Json degrees = io::Json::array();
-    for (const double joint : row.joints) degrees.push_back(to_degrees(joint));
-    joints.push_back(degrees);
-  }
-  session.print_json(io::Json{{"names", names}, {"joints_deg", joints}});
+  session.print_json(joints_json(rows));
 }
 
 }  // namespace

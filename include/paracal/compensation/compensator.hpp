@@ -272,14 +272,15 @@ void add_limb(NewtonSystem<Scalar, N>& system, std::size_t number, const Compens
 }
 
 /// From the joints of the level plate to those of the tilted one: the same iteration as inverse
-/// (kinematics/inverse.hpp). It gains about five digits a step; three steps are usual, 20 the most.
+/// (kinematics/inverse.hpp). It gains three to five digits a step; 20 steps are the most.
 template <std::size_t N, typename Scalar>
 CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const CompensatorPose<Scalar>& pose,
                           CompensatorJoints<Scalar>& joints, Vector<Scalar>& tilt) noexcept {
   constexpr int kMaxIterations = 20;
-  // rad, of the last step in the joints; for float a little above its rounding
+  // rad, of the last step in the joints: a step more would be smaller by three digits or more; in float it would be
+  // rounding.
   constexpr Scalar kRounding = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
-  constexpr Scalar kTolerance = kRounding > Scalar(1e-11) ? kRounding : Scalar(1e-11);
+  constexpr Scalar kTolerance = kRounding > Scalar(1e-10) ? kRounding : Scalar(1e-10);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const PlateFrame<Scalar> frame = plate_frame(tilt);
     NewtonSystem<Scalar, N> system;

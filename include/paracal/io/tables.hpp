@@ -32,6 +32,12 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, st
 Measurements read_distances(const std::filesystem::path& distances, const std::filesystem::path& poses,
                             std::size_t limb_count = 0);
 
+/// A pose with the name of its row.
+struct NamedPose {
+  std::string name;
+  Pose pose;
+};
+
 /// Exact pose of one row of a joint table.
 struct NamedPlate {
   std::string name;
@@ -39,9 +45,10 @@ struct NamedPlate {
   double rotation = 0.0;  ///< phi, rad
 };
 
-/// Tables as text that the readers above accept again; the pose table also has tilt_x_rad, tilt_y_rad, tilt_z_rad,
-/// residual_mm.
+/// Tables as text that the readers above accept again; the table of plates also has tilt_x_rad, tilt_y_rad,
+/// tilt_z_rad, residual_mm.
 std::string joint_table(const std::vector<NamedJoints>& rows);
+std::string pose_table(const std::vector<NamedPose>& rows);
 std::string plate_table(const std::vector<NamedPlate>& rows);
 
 }  // namespace paracal::io

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/mechanism/source_errors.hpp"
+
+namespace paracal {
+
+/// Where the errors of an export come from, to be found again from the controller.
+struct ExportOrigin {
+  std::string calibration;  ///< file name
+  std::string sha256;       ///< of that file
+  std::string date;         ///< of the export, ISO 8601
+};
+
+/// A compensator as one C99 header for freestanding targets: the exact way of compensator.hpp with the constants of
+/// this machine, and a self-test vector with a function that runs it. It needs sqrt, sin, cos and atan2.
+/// @throws Unreachable when the machine does not reach the centre of the robot's workspace.
+std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+
+}  // namespace paracal

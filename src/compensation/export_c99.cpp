@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+#include "embedded.hpp"
+#include "paracal/compensation/export.hpp"
+#include "paracal/compensation/parameters.hpp"
+#include "paracal/error.hpp"
+#include "paracal/version.hpp"
+
+namespace paracal {
+namespace {
+
+/// Text that cannot end a comment or a string.
+std::string harmless(std::string text) {
+  const auto is_harmful = [](unsigned char c) {
+    return std::isprint(c) == 0 || c == '"' || c == '\\' || c == '*' || c == '?' || c == '$';
+  };
+  std::ranges::replace_if(text, is_harmful, '_');
+  return text;
+}
+
+std::string braced(const auto& numbers) { return fmt::format("{{{}}}", fmt::join(numbers, ", ")); }
+
+std::string limb_constants(const CompensatorParameters<double>& parameters) {
+  std::string text;
+  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
+    const CompensatorLimb<double>& limb = parameters.identified[i];
+    text += fmt::format(
+        "    {{{},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {}, {}, {}}},\n",
+        braced(limb.base), braced(limb.radial), braced(limb.normal), braced(limb.axis), braced(limb.plate),
+        braced(limb.slide), braced(limb.elbow_half), braced(limb.plate_half), braced(limb.rod), limb.arm,
+        limb.joint_offset);
+  }
+  return text;
+}
+
+struct SelfTest {
+  int count = 0;
+  std::string vector;
+};
+
+/// The centre of the workspace and its rims, as far as the machine reaches.
+SelfTest self_test(const Robot& robot, const CompensatorParameters<double>& parameters) {
+  std::vector<Pose> poses{{robot.workspace().centre(), 0.0}};
+  std::ranges::copy(robot.workspace().rim(3), std::back_inserter(poses));
+  SelfTest test;
+  for (const Pose& pose : poses) {
+    CompensatorJoints<double> joints{};
+    const CompensatorPose<double> wanted = compensator_pose(pose);
+    if (compensate(parameters, CompensationWay::exact, wanted, joints) != CompensationStatus::ok) {
+      if (test.count == 0) throw Unreachable("the calibrated machine does not reach the centre of its workspace");
+      continue;
+    }
+    ++test.count;
+    const std::vector<double> used(joints.begin(), joints.begin() + parameters.limb_count);
+    test.vector +=
+        fmt::format("    {{{}, {}}},\n", braced(std::array{wanted.x, wanted.y, wanted.z, wanted.phi}), braced(used));
+  }
+  return test;
+}
+
+std::string_view c99_template() {
+  const auto files = detail::export_templates();
+  return std::ranges::find(files, "compensator_c99.h", &detail::EmbeddedFile::name)->text;
+}
+
+/// The text with every $KEY$ replaced by its value.
+std::string filled(std::string_view text, const std::vector<std::pair<std::string_view, std::string>>& values) {
+  std::string result;
+  for (std::size_t at = text.find('$'); at != std::string_view::npos; at = text.find('$')) {
+    const std::size_t end = text.find('$', at + 1);
+    const std::string_view key = text.substr(at + 1, end - at - 1);
+    result += text.substr(0, at);
+    result += std::ranges::find(values, key, &std::pair<std::string_view, std::string>::first)->second;
+    text.remove_prefix(end + 1);
+  }
+  return result.append(text);
+}
+
+}  // namespace
+
+std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
+  const SelfTest test = self_test(robot, parameters);
+  return filled(c99_template(), {{"PROGRAM", fmt::format("paracal {}", version())},
+                                 {"ROBOT", harmless(robot.name())},
+                                 {"CALIBRATION", harmless(origin.calibration)},
+                                 {"SHA256", origin.sha256},
+                                 {"DATE", origin.date},
+                                 {"LIMBS", std::to_string(parameters.limb_count)},
+                                 {"TILTS_PLATE", std::to_string(parameters.tilts_plate)},
+                                 {"LIMB_CONSTANTS", limb_constants(parameters)},
+                                 {"TESTS", std::to_string(test.count)},
+                                 {"TEST_VECTOR", test.vector}});
+}
+
+}  // namespace paracal

@@ -1,0 +1,250 @@
+/* Compensator of one machine, written by $PROGRAM$. Do not edit: export again.
+ *
+ *   robot        $ROBOT$
+ *   calibration  $CALIBRATION$
+ *   SHA-256      $SHA256$
+ *   date         $DATE$
+ *   units        mm and rad; poses in the base frame: origin at the base centre, z up
+ *   way          exact: inverse of the identified machine with all its errors
+ *
+ * Use:
+ *
+ *   double joints[PARACAL_LIMBS] = {where the machine stands, rad};
+ *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, 0) != PARACAL_OK) stop on path, joints are the last good
+ *
+ * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
+ *
+ * C99, freestanding, no state, no allocation, bounded time. The four functions below are all it needs.
+ */
+#ifndef PARACAL_COMPENSATOR_H
+#define PARACAL_COMPENSATOR_H
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "unreachable poses are told by numbers that are not finite: compile without -ffinite-math-only"
+#endif
+
+double sqrt(double);
+double sin(double);
+double cos(double);
+double atan2(double, double);
+
+#define PARACAL_ROBOT "$ROBOT$"
+#define PARACAL_CALIBRATION_SHA256 "$SHA256$"
+#define PARACAL_DATE "$DATE$"
+#define PARACAL_LIMBS $LIMBS$
+#define PARACAL_TILTS_PLATE $TILTS_PLATE$ /* 1: errors of the parallelograms are known, the closed form is refined */
+#define PARACAL_UNKNOWNS (PARACAL_LIMBS + 3)
+
+enum paracal_status {
+  PARACAL_OK = 0,
+  PARACAL_UNREACHABLE = 1, /* an arm and its rods do not meet there, or a rigid plate is asked to turn */
+  PARACAL_NOT_FINITE = 2,  /* the pose holds NaN or infinity */
+  PARACAL_SINGULAR = 3     /* the machine does not hold the plate there */
+};
+
+/* One limb, errors included [huang2016, Eq. (1)]. */
+struct paracal_limb {
+  double base[3], radial[3], normal[3], axis[3]; /* b_i and u_0, v_0, w_0, in the base frame */
+  double plate[3], slide[3];                     /* a_i, and its motion a rad of phi, in the plate frame */
+  double elbow_half[3], plate_half[3];           /* half the short sides: along u_1, v_1, w_0; in the plate frame */
+  double rod[2], arm, joint_offset;
+};
+
+static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
+$LIMB_CONSTANTS$};
+
+/* Both are false for NaN. */
+static inline int paracal_is_finite(double value) { return value - value == 0.0; }
+static inline double paracal_abs(double value) { return value < 0.0 ? -value : value; }
+
+static inline double paracal_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* out = x a + y b + z c */
+static inline void paracal_combine(const double weights[3], const double a[3], const double b[3], const double c[3],
+                                   double out[3]) {
+  int k;
+  for (k = 0; k < 3; ++k) out[k] = weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k];
+}
+
+static inline void paracal_cross(const double a[3], const double b[3], double out[3]) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Triangle of arm and mean rod, elbow outward; plate level: A cos(th) + B sin(th) = K. NaN when out of reach. */
+static inline double paracal_level_joint(const struct paracal_limb* limb, const double pose[4]) {
+  double d[3], a, b, k, w, rod;
+  int i;
+  for (i = 0; i < 3; ++i) d[i] = pose[i] + (limb->plate[i] + pose[3] * limb->slide[i]) - limb->base[i];
+  a = 2.0 * limb->arm * paracal_dot(d, limb->radial);
+  b = 2.0 * limb->arm * paracal_dot(d, limb->normal);
+  rod = 0.5 * (limb->rod[0] + limb->rod[1]);
+  k = paracal_dot(d, d) + limb->arm * limb->arm - rod * rod;
+  w = sqrt(a * a + b * b - k * k);
+  if (!(b < 0.0)) w = -w;
+  return atan2(b * k + a * w, a * k - b * w) - limb->joint_offset;
+}
+
+#if PARACAL_TILTS_PLATE
+
+/* Columns x, y, z of R = Rot(x, t0) Rot(y, t1) Rot(z, t2), and the axes of the three angles. */
+struct paracal_frame {
+  double x[3], y[3], z[3], axes[3][3];
+};
+
+static inline void paracal_plate_frame(const double tilt[3], struct paracal_frame* frame) {
+  const double ca = cos(tilt[0]), sa = sin(tilt[0]), cb = cos(tilt[1]), sb = sin(tilt[1]), cg = cos(tilt[2]),
+               sg = sin(tilt[2]);
+  const struct paracal_frame value = {{cb * cg, ca * sg + sa * sb * cg, sa * sg - ca * sb * cg},
+                                      {-cb * sg, ca * cg - sa * sb * sg, sa * cg + ca * sb * sg},
+                                      {sb, -sa * cb, ca * cb},
+                                      {{1.0, 0.0, 0.0}, {0.0, ca, sa}, {sb, -sa * cb, ca * cb}}};
+  *frame = value;
+}
+
+/* Adds both rods of limb i to J^T (f + J_q dq + J_tilt dtilt) = 0; the last column is the right-hand side. */
+static inline void paracal_add_limb(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOWNS + 1], int i, const double pose[4],
+                                    const struct paracal_frame* frame, double joint) {
+  const struct paracal_limb* limb = &paracal_limbs[i];
+  const double c = cos(joint + limb->joint_offset), s = sin(joint + limb->joint_offset);
+  const double along_u1[3] = {c, s, 0.0}, along_v1[3] = {-s, c, 0.0};
+  double u1[3], v1[3], half[3], slide[3];
+  int j, k, r;
+  paracal_combine(along_u1, limb->radial, limb->normal, limb->axis, u1);
+  paracal_combine(along_v1, limb->radial, limb->normal, limb->axis, v1);
+  paracal_combine(limb->elbow_half, u1, v1, limb->axis, half);
+  paracal_combine(limb->slide, frame->x, frame->y, frame->z, slide);
+  for (j = 0; j < 2; ++j) {
+    const double side = j == 0 ? 1.0 : -1.0;
+    double hinge[3], on_plate[3], lever[3], n[3], moment[3], motion[3], gradient[PARACAL_UNKNOWNS], length, by_joint;
+    for (k = 0; k < 3; ++k) {
+      hinge[k] = limb->arm * u1[k] + side * half[k];
+      on_plate[k] = limb->plate[k] + pose[3] * limb->slide[k] + side * limb->plate_half[k];
+    }
+    paracal_combine(on_plate, frame->x, frame->y, frame->z, lever);
+    for (k = 0; k < 3; ++k) n[k] = pose[k] - limb->base[k] + lever[k] - hinge[k];
+    length = sqrt(paracal_dot(n, n));
+    for (k = 0; k < 3; ++k) n[k] /= length;
+    paracal_cross(lever, n, moment);
+    paracal_cross(limb->axis, hinge, motion);
+    by_joint = -paracal_dot(n, motion);
+    for (k = 0; k < 3; ++k) {
+      gradient[k] = n[k];
+      gradient[PARACAL_LIMBS + k] = paracal_dot(frame->axes[k], moment);
+    }
+    if (PARACAL_LIMBS == 4) gradient[3] = paracal_dot(n, slide);
+    for (r = 0; r < PARACAL_UNKNOWNS; ++r) {
+      rows[r][i] += gradient[r] * by_joint;
+      for (k = PARACAL_LIMBS; k < PARACAL_UNKNOWNS; ++k) rows[r][k] += gradient[r] * gradient[k];
+      rows[r][PARACAL_UNKNOWNS] -= gradient[r] * (length - limb->rod[j]);
+    }
+  }
+}
+
+/* Elimination with the largest pivot of each column; not finite where the rows are singular. */
+static inline void paracal_solve(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOWNS + 1], double out[PARACAL_UNKNOWNS]) {
+  int k, r, c;
+  for (k = 0; k < PARACAL_UNKNOWNS; ++k) {
+    int pivot = k;
+    for (r = k + 1; r < PARACAL_UNKNOWNS; ++r) {
+      if (paracal_abs(rows[r][k]) > paracal_abs(rows[pivot][k])) pivot = r;
+    }
+    for (c = 0; c <= PARACAL_UNKNOWNS; ++c) {
+      const double other = rows[pivot][c];
+      rows[pivot][c] = rows[k][c];
+      rows[k][c] = other;
+    }
+    for (r = k + 1; r < PARACAL_UNKNOWNS; ++r) {
+      const double factor = rows[r][k] / rows[k][k];
+      for (c = k + 1; c <= PARACAL_UNKNOWNS; ++c) rows[r][c] -= factor * rows[k][c];
+    }
+  }
+  for (k = PARACAL_UNKNOWNS - 1; k >= 0; --k) {
+    out[k] = rows[k][PARACAL_UNKNOWNS];
+    for (c = k + 1; c < PARACAL_UNKNOWNS; ++c) out[k] -= rows[k][c] * out[c];
+    out[k] /= rows[k][k];
+  }
+}
+
+/* Newton on joints and tilt, position and slide held on the pose. It gains three to five digits a step; 20 steps are
+ * the most. */
+static inline int paracal_settle(const double pose[4], double joints[PARACAL_LIMBS], double tilt[3]) {
+  int iteration, i, k, r;
+  for (iteration = 0; iteration < 20; ++iteration) {
+    double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOWNS + 1], step[PARACAL_UNKNOWNS], largest = 0.0;
+    struct paracal_frame frame;
+    for (r = 0; r < PARACAL_UNKNOWNS; ++r) {
+      for (k = 0; k <= PARACAL_UNKNOWNS; ++k) rows[r][k] = 0.0;
+    }
+    paracal_plate_frame(tilt, &frame);
+    for (i = 0; i < PARACAL_LIMBS; ++i) paracal_add_limb(rows, i, pose, &frame, joints[i]);
+    paracal_solve(rows, step);
+    for (k = 0; k < PARACAL_UNKNOWNS; ++k) {
+      if (!paracal_is_finite(step[k])) return PARACAL_SINGULAR;
+    }
+    for (i = 0; i < PARACAL_LIMBS; ++i) {
+      joints[i] += step[i];
+      if (paracal_abs(step[i]) > largest) largest = paracal_abs(step[i]);
+    }
+    for (k = 0; k < 3; ++k) tilt[k] += step[PARACAL_LIMBS + k];
+    if (largest < 1e-10) return PARACAL_OK;
+  }
+  return PARACAL_SINGULAR;
+}
+
+#endif
+
+/* Joint coordinates (rad) that bring the plate centre to x, y, z (mm) and the end-effector to phi (rad; 0 for a rigid
+ * plate). joints_rad, and tilt_rad where it is not 0 (the tilt about x and y that remains), are written when the result
+ * is PARACAL_OK and left as they are otherwise. Returns a paracal_status. */
+static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, double phi_rad,
+                                     double joints_rad[PARACAL_LIMBS], double tilt_rad[2]) {
+  const double pose[4] = {x_mm, y_mm, z_mm, phi_rad};
+  double joints[PARACAL_LIMBS], tilt[3] = {0.0, 0.0, 0.0};
+  int i;
+  for (i = 0; i < 4; ++i) {
+    if (!paracal_is_finite(pose[i])) return PARACAL_NOT_FINITE;
+  }
+  if (PARACAL_LIMBS == 3 && (phi_rad < 0.0 || phi_rad > 0.0)) return PARACAL_UNREACHABLE;
+  for (i = 0; i < PARACAL_LIMBS; ++i) {
+    joints[i] = paracal_level_joint(&paracal_limbs[i], pose);
+    if (!paracal_is_finite(joints[i])) return PARACAL_UNREACHABLE;
+  }
+#if PARACAL_TILTS_PLATE
+  if (paracal_settle(pose, joints, tilt) != PARACAL_OK) return PARACAL_SINGULAR;
+#endif
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints_rad[i] = joints[i];
+  if (tilt_rad) {
+    tilt_rad[0] = tilt[0];
+    tilt_rad[1] = tilt[1];
+  }
+  return PARACAL_OK;
+}
+
+/* Poses, and the joints that the library found for them. */
+struct paracal_test {
+  double pose[4];
+  double joints[PARACAL_LIMBS];
+};
+
+static const struct paracal_test paracal_tests[$TESTS$] = {
+$TEST_VECTOR$};
+
+/* 0: every joint within 1e-9 deg; otherwise the number, from 1, of the first pose that is not. */
+static inline int paracal_self_test(void) {
+  int k, i;
+  for (k = 0; k < $TESTS$; ++k) {
+    const struct paracal_test* test = &paracal_tests[k];
+    double joints[PARACAL_LIMBS];
+    if (paracal_compensate(test->pose[0], test->pose[1], test->pose[2], test->pose[3], joints, 0) != PARACAL_OK) {
+      return k + 1;
+    }
+    for (i = 0; i < PARACAL_LIMBS; ++i) {
+      if (!(paracal_abs(joints[i] - test->joints[i]) < 1.7e-11)) return k + 1;
+    }
+  }
+  return 0;
+}
+
+#endif
