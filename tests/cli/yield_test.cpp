@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <memory>
-#include <regex>
 #include <thread>
 
 #include "json_checks.hpp"
@@ -399,8 +398,8 @@ TEST_F(Yield, RefusesFilesThatCannotBeMeant) {
   folder.write("none.toml", "rod_mean_mm = 0\n");
   folder.write("far.csv", "pose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-888,0\nfar,5000,0,-888,0\n");
   EXPECT_EQ(folder.run("yield --machines 2 --tolerances none.toml").exit_code, kBadInputFile);
-  folder.write("perfect.toml", std::regex_replace(run_program({"robot"}).out, std::regex("(\\[tolerances\\])[^]*"),
-                                                  "$1\nrod_mean_mm = 0\n"));
+  const std::string robot = run_program({"robot"}).out;
+  folder.write("perfect.toml", robot.substr(0, robot.find("[tolerances]")) + "[tolerances]\nrod_mean_mm = 0\n");
   EXPECT_EQ(folder.run("yield --machines 2 --robot perfect.toml").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run("yield --machines 2 --tolerances missing.toml").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run("yield --machines 2 --poses far.csv").exit_code, kMathematicsSaysNo);
