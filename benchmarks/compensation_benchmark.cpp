@@ -86,6 +86,7 @@ void report_times(const Task& task) {
       {"inverse of the library, all errors", each_pose(tilted_inverse)},
   };
   std::vector<Pass> passes;
+  passes.reserve(candidates.size());
   for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);
   const auto seconds = interleave(passes, kRounds);
   fmt::print("{:<36}{:>10}{:>10}{:>24}\n", "one pose, ns", "median", "p99", "of the nominal inverse");

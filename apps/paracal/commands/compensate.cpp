@@ -57,6 +57,7 @@ Compensated compensated(const Robot& robot, const Compensator<double>& compensat
 
 io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
   std::vector<io::NamedJoints> joints;
+  joints.reserve(rows.size());
   for (const Compensated& row : rows) joints.push_back({row.name, row.joints});
   io::Json targets = io::Json::array(), tilts = io::Json::array();
   for (const Compensated& row : rows) {
