@@ -81,7 +81,7 @@ int component_count(Quantity quantity) {
   }
 }
 
-LinearModel::LinearModel(const Robot& robot) : robot_(&robot), home_(model_at(home_of(robot))), scale_{} {
+LinearModel::LinearModel(const Robot& robot) : robot_(&robot), home_(model_at(home_of(robot))) {
   for (const Source source : all_sources()) scale_[index(source)] = paper_scale(robot, source);
 }
 

@@ -56,6 +56,7 @@ struct Counts {
 
 std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements) {
   std::vector<Characteristic> list;
+  list.reserve(requirements.size());
   for (const Requirement& requirement : requirements) list.push_back(requirement.characteristic);
   return list;
 }

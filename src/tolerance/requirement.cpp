@@ -70,7 +70,7 @@ std::vector<Eigen::Vector3d> starts_of(const Generators& generators, Eigen::Inde
   if (components == 1) return starts;
   for (const auto& generator : generators.colwise()) starts.emplace_back(generator);
   for (int octant = 0; octant < 4; ++octant)
-    starts.emplace_back(1.0, (octant & 1) ? -1.0 : 1.0, (octant & 2) ? -1.0 : 1.0);
+    starts.emplace_back(1.0, (octant & 1) != 0 ? -1.0 : 1.0, (octant & 2) != 0 ? -1.0 : 1.0);
   return starts;
 }
 

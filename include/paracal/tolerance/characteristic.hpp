@@ -38,7 +38,7 @@ struct Characteristic {
 
 /// "tilt", "position", "position-compensated", ...
 std::string name(Characteristic characteristic);
-std::optional<Characteristic> characteristic_named(std::string_view name);
+std::optional<Characteristic> characteristic_named(std::string_view wanted);
 Unit unit(Quantity quantity);
 int component_count(Quantity quantity);
 
@@ -60,7 +60,7 @@ class LinearModel {
 
   const Robot* robot_;
   ErrorModel home_;
-  std::array<double, kSourceCount> scale_;
+  std::array<double, kSourceCount> scale_{};
 };
 
 /// The pose as commanded, and where a machine really puts its plate.

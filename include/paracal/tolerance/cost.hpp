@@ -39,6 +39,6 @@ struct CostCurve {
 
 /// "reciprocal", "reciprocal-square", "exponential", "power", "grades".
 std::string_view name(CostLaw law);
-std::optional<CostLaw> cost_law_named(std::string_view name);
+std::optional<CostLaw> cost_law_named(std::string_view wanted);
 
 }  // namespace paracal
