@@ -14,9 +14,11 @@
 namespace paracal {
 namespace {
 
-constexpr std::uint64_t kChunk = 128;          // machines: their responses stay in the cache
-constexpr std::uint64_t kFirstRound = 1024;    // machines before the first look at the spread
-constexpr std::uint64_t kSlice = 64 * kChunk;  // machines between two looks at whether to go on
+constexpr std::uint64_t kChunk = 128;        // machines: their responses stay in the cache
+constexpr std::uint64_t kFirstRound = 1024;  // machines before the first look at the spread
+
+/// Machines between two looks at whether to go on: about a second of either model.
+constexpr std::uint64_t slice_of(Model model) { return (model == Model::exact ? 64 : 4096) * kChunk; }
 
 /// Sums over the machines of a chunk, a column a requirement: they depend on the order of adding, so every chunk keeps
 /// its own and the chunks are added in order.
@@ -232,7 +234,7 @@ MonteCarlo monte_carlo(const Robot& robot, const Tolerances& tolerances, const s
     // At most four times as many before the next look: the first estimate of what is needed is rough.
     const std::uint64_t next = std::min(wanted, 4 * std::max(sampler.machines(), kFirstRound));
     while (sampler.machines() < next) {
-      sampler.draw(std::min(next - sampler.machines(), kSlice));
+      sampler.draw(std::min(next - sampler.machines(), slice_of(options.model)));
       if (progress && !progress(sampler.machines(), wanted)) return sampler.result();
     }
     wanted = std::min(std::max(sampler.expected(), sampler.machines()), options.max_machines);
