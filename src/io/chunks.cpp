@@ -151,13 +151,12 @@ class ChunkFolder {
   /// @throws Damaged, and InputFileError for a chunk of another batch.
   Tally read(MachineRange range) const {
     const TextFile file = read_file(file_of(range));
-    const Damaged damaged(fmt::format("{}: expected a chunk of a batch, got something else", file.name));
     try {
       return tally_of(content_of(file, range));
     } catch (const Json::exception&) {
-      throw damaged;
+      throw Damaged(not_a_chunk(file));
     } catch (const std::out_of_range&) {  // a bin that no histogram has
-      throw damaged;
+      throw Damaged(not_a_chunk(file));
     }
   }
 
@@ -166,6 +165,9 @@ class ChunkFolder {
     return fmt::format("{}{:012}-{}.json", kPrefix, range.first, range.count);
   }
   std::filesystem::path file_of(MachineRange range) const { return path_ / name_of(range); }
+  static std::string not_a_chunk(const TextFile& file) {
+    return fmt::format("{}: expected a chunk of a batch, got something else", file.name);
+  }
 
   static void require_same(const TextFile& header, const Json& expected) {
     const Json got = Json::parse(header.text, nullptr, false);
