@@ -38,15 +38,6 @@ struct Candidate {
   Pass pass;
 };
 
-SourceErrors without_tilt(SourceErrors errors) {
-  for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
-    for (const Source source : all_sources()) {
-      if (tilts_plate(source)) errors(limb, source) = 0.0;
-    }
-  }
-  return errors;
-}
-
 /// One call of a compensator; joints live outside, as in a controller.
 template <typename Scalar>
 struct Call {
@@ -72,7 +63,7 @@ Pass each_pose(One one) {
 }
 
 void report_times(const Task& task) {
-  const SourceErrors level = without_tilt(task.errors);
+  const SourceErrors level = without_tilt_group(task.errors);
   const auto nominal_inverse = [&task](std::size_t k) { keep(inverse(task.robot.nominal(), task.poses[k])); };
   const auto tilted_inverse = [&task](std::size_t k) { keep(inverse(task.machine, task.poses[k])); };
   const std::vector<Candidate> candidates{
@@ -142,7 +133,8 @@ void report_slowest_calls(const Task& task, std::int64_t calls) {
              static_cast<double>(calls));
   report_slowest(
       "nothing but the clock", [](std::size_t) {}, calls);
-  report_slowest("exact, position group", Call<double>(task, without_tilt(task.errors), CompensationWay::exact), calls);
+  report_slowest("exact, position group", Call<double>(task, without_tilt_group(task.errors), CompensationWay::exact),
+                 calls);
   report_slowest("exact, all errors", Call<double>(task, task.errors, CompensationWay::exact), calls);
 }
 

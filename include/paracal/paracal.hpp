@@ -27,6 +27,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/kinematics/drive.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"

@@ -8,8 +8,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_error.hpp"
 #include "paracal/error.hpp"
-#include "paracal/kinematics/forward.hpp"
-#include "paracal/kinematics/inverse.hpp"
+#include "paracal/kinematics/drive.hpp"
 
 namespace paracal {
 namespace {
@@ -52,13 +51,6 @@ Delivery measure_and_calibrate(const Robot& robot, const ProductionPlan& plan, c
   }
 }
 
-/// A first guess near the answer saves the search for one; where the iteration does not settle from there, the general
-/// start decides.
-ForwardResult plate_near(const Machine& machine, const Joints& joints, const PlateState& guess) {
-  const ForwardResult near = forward(machine, joints, {.start = guess});
-  return near.ok() ? near : forward(machine, joints);
-}
-
 /// Asks a controller for the validation poses.
 class Validator {
  public:
@@ -75,13 +67,11 @@ class Validator {
     Accuracy accuracy;
     for (std::size_t k = 0; k < stations_.size(); ++k) {
       const Pose& commanded = stations_[k].commanded;
-      const InverseResult asked = inverse(believed, commanded);
-      if (!asked.ok()) return std::nullopt;
-      const ForwardResult taken = plate_near(actual_, asked.joints, guess_at(k));
-      if (!taken.ok()) return std::nullopt;
-      tilts_[k] = taken.plate.tilt;
-      pairs.push_back({commanded, {taken.plate.position, actual_.rotation_of(taken.plate.slide)}});
-      accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], taken.plate.tilt.head<2>().norm());
+      const std::optional<PlateState> taken = drive(actual_, believed, commanded, guess_at(k));
+      if (!taken) return std::nullopt;
+      tilts_[k] = taken->tilt;
+      pairs.push_back({commanded, {taken->position, actual_.rotation_of(taken->slide)}});
+      accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], taken->tilt.head<2>().norm());
     }
     const PoseErrorSummary largest = summarize(pairs, robot_.slide().has_value());
     accuracy[ErrorKind::distance] = largest.max_abs_distance;

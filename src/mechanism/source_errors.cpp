@@ -39,4 +39,13 @@ std::optional<Source> source_named(std::string_view name) {
   return static_cast<Source>(found - kSources.begin());
 }
 
+SourceErrors without_tilt_group(SourceErrors errors) {
+  for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
+    for (const Source source : all_sources()) {
+      if (tilts_plate(source)) errors(limb, source) = 0.0;
+    }
+  }
+  return errors;
+}
+
 }  // namespace paracal

@@ -2,31 +2,14 @@
 
 #include <algorithm>
 
-#include "paracal/kinematics/forward.hpp"
-#include "paracal/kinematics/inverse.hpp"
+#include "paracal/kinematics/drive.hpp"
 
 namespace paracal {
 namespace {
 
-/// Where `machine` puts its plate when a controller that believes `believed` is sent to a pose.
+/// Where `machine` goes; the commanded pose is within millimetres of the answer.
 std::optional<PlateState> reached(const Machine& machine, const Machine& believed, const Pose& pose) {
-  const InverseResult joints = inverse(believed, pose);
-  if (!joints.ok()) return std::nullopt;
-  // The commanded pose is within millimetres of the answer.
-  const PlateState start{.position = pose.position, .slide = machine.slide_of(pose.rotation)};
-  const ForwardResult result = forward(machine, joints.joints, {.start = start});
-  if (!result.ok()) return std::nullopt;
-  return result.plate;
-}
-
-SourceErrors position_group(const SourceErrors& errors, std::size_t limbs) {
-  SourceErrors position = errors;
-  for (std::size_t limb = 0; limb < limbs; ++limb) {
-    for (const Source source : all_sources()) {
-      if (tilts_plate(source)) position(limb, source) = 0.0;
-    }
-  }
-  return position;
+  return drive(machine, believed, pose, {.position = pose.position, .slide = machine.slide_of(pose.rotation)});
 }
 
 }  // namespace
@@ -75,7 +58,7 @@ bool Response::exact(const SourceErrors& errors, Eigen::Ref<Eigen::VectorXd> com
   };
   if (wants(false) && !add_exact(machine, robot_->nominal(), false, components)) return false;
   if (!wants(true)) return true;
-  return add_exact(machine, build(*robot_, position_group(errors, robot_->limb_count())), true, components);
+  return add_exact(machine, build(*robot_, without_tilt_group(errors)), true, components);
 }
 
 }  // namespace paracal

@@ -37,14 +37,8 @@ class CompensatorLaw : public test::EveryRobot {
   /// Machines in turn with the errors of [huang2016, Table 4], with some drawn from the tolerances, and without tilt.
   SourceErrors errors_of(int number) {
     if (number % 3 == 0) return test::table4_machine(robot, number);
-    SourceErrors errors = random.realistic_errors(robot);
-    if (number % 3 == 1) return errors;
-    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) {
-        if (tilts_plate(source)) errors(limb, source) = 0.0;
-      }
-    }
-    return errors;
+    const SourceErrors errors = random.realistic_errors(robot);
+    return number % 3 == 1 ? errors : without_tilt_group(errors);
   }
 
   template <typename Task>

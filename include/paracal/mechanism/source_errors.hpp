@@ -74,4 +74,7 @@ class BasicSourceErrors {
 
 using SourceErrors = BasicSourceErrors<double>;
 
+/// The position group alone: the tilt group set to zero.
+SourceErrors without_tilt_group(SourceErrors errors);
+
 }  // namespace paracal

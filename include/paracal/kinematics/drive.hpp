@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "paracal/kinematics/closure.hpp"
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/pose.hpp"
+
+namespace paracal {
+
+/// Where a machine puts its plate when its controller, which computes with another machine, is sent to a pose:
+///
+///   forward(actual, inverse(believed, commanded))
+///
+/// @param guess  near the answer: it saves the search for one. Where the iteration does not settle from there, the
+/// general start of forward() decides.
+/// @returns empty when the believed machine does not reach the pose, or the actual one does not close there.
+/// Real-time: yes (no allocation, no exception, bounded loop).
+std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
+                                const PlateState& guess) noexcept;
+
+}  // namespace paracal

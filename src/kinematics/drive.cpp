@@ -1,0 +1,18 @@
+#include "paracal/kinematics/drive.hpp"
+
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+
+namespace paracal {
+
+std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
+                                const PlateState& guess) noexcept {
+  const InverseResult asked = inverse(believed, commanded);
+  if (!asked.ok()) return std::nullopt;
+  ForwardResult taken = forward(actual, asked.joints, {.start = guess});
+  if (!taken.ok()) taken = forward(actual, asked.joints);
+  if (!taken.ok()) return std::nullopt;
+  return taken.plate;
+}
+
+}  // namespace paracal
