@@ -24,5 +24,5 @@ int main() {
               1e3 * own.tolerances[Source::alpha2]);
   std::printf("%llu machines: 3 sigma of tilt %.3f (1e-3 rad), yield at the worst pose %.2f %%\n",
               static_cast<unsigned long long>(batch.machines), 3e3 * batch.requirements.front().at_worst().sigma,
-              100.0 * batch.yield());
+              100.0 * batch.yield().value);
 }

@@ -177,6 +177,23 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
       ->expected(3);
 }
 
+void add_indices(io::Json& json, const Observability& o) {
+  json["O1"] = o.O1;
+  json["O2"] = o.O2;
+  json["O3"] = o.O3;
+  json["O4"] = o.O4;
+  json["O5"] = o.O5;
+}
+
+io::Json workspace_json(const WorkspaceUncertainty& spread) {
+  return {{"rms_distance_mm", spread.rms_distance},
+          {"max_distance_mm", spread.max_distance},
+          {"rms_aligned_mm", spread.rms_aligned},
+          {"max_aligned_mm", spread.max_aligned},
+          {"rms_rotation_deg", to_degrees(spread.rms_rotation)},
+          {"max_rotation_deg", to_degrees(spread.max_rotation)}};
+}
+
 Tolerances read_priors(const io::TextFile& file) {
   Tolerances tolerances = io::read_tolerances(file);
   if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/json.hpp"
 
 namespace paracal::app {
 
@@ -49,6 +52,12 @@ struct InstrumentOptions {
 /// --noise-mm, --tracker-um, --repeatability-mm, --repeats, --rotation-noise-deg, --second, with the values of
 /// `options` as defaults.
 void add_instrument_options(CLI::App& command, InstrumentOptions& options);
+
+/// O1 ... O5.
+void add_indices(io::Json& json, const Observability& indices);
+
+/// Standard deviations over the workspace.
+io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Half-widths (TOML) that are to be priors.
 /// @throws InputFileError where all are zero: there is then nothing that a fit could seek.

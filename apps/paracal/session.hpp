@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/tables.hpp"
@@ -41,9 +40,6 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file);
 
 /// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
 std::string pose_text(const std::string& name, const Pose& pose);
-
-/// Standard deviations over the workspace, under the keys of poses and identifiability.
-io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Seconds since 1970, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
 std::int64_t now();

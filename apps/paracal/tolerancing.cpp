@@ -45,8 +45,7 @@ io::Json tilt_group_json(const PerSource& values) {
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) continue;
     const bool over_width = source == Source::rod_difference || source == Source::width_difference;
-    json[fmt::format("{}{}", name(source), over_width ? "_over_c" : "")] =
-        values(static_cast<Eigen::Index>(index(source)));
+    json[fmt::format("{}{}", name(source), over_width ? "_over_c" : "")] = values(place(source));
   }
   return json;
 }

@@ -26,15 +26,7 @@ void Tally::add(const Tally& other) {
 }
 
 Proportion yield(const Tally& tally, double confidence) {
-  const std::uint64_t machines = tally.machines();
-  return {static_cast<double>(tally.passed) / static_cast<double>(machines),
-          proportion_interval(tally.passed, machines, confidence)};
-}
-
-Proportion defects_per_million(const Proportion& yield) {
-  constexpr double kMillion = 1e6;
-  return {kMillion * (1.0 - yield.value),
-          {kMillion * (1.0 - yield.interval.high), kMillion * (1.0 - yield.interval.low)}};
+  return proportion(tally.passed, tally.machines(), confidence);
 }
 
 }  // namespace paracal

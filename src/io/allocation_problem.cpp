@@ -120,10 +120,8 @@ DesignVariable variable_of(Section section, std::vector<Source> sources) {
 
 std::vector<DesignVariable> variables_of(Section section) {
   std::vector<DesignVariable> variables;
-  for (const Source source : all_sources()) {
-    if (source == Source::e_y || source == Source::e_z) continue;
-    const std::string key = is_e(source) ? "e_mm" : file_key(source);
-    std::optional<Section> cost = section.optional_table(key);
+  for (const Source source : tolerance_sources()) {
+    std::optional<Section> cost = section.optional_table(tolerance_key(source));
     if (!cost) continue;
     std::vector<Source> sources{source};
     if (is_e(source)) sources = {Source::e_x, Source::e_y, Source::e_z};

@@ -15,7 +15,7 @@ Json numbers(const auto& values) {
   return json;
 }
 
-/// to_json(Tolerances) is for reading: it rounds, and leaves the values of built parts out.
+/// To the last bit; to_json(Tolerances) is for reading and rounds.
 Json exact(const Tolerances& tolerances) {
   Json json{{"half_width", numbers(tolerances.half_width)},
             {"distribution", distribution_name(tolerances.distribution)}};
@@ -66,8 +66,6 @@ Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
   return json;
 }
 
-Json pair(const Interval& interval, double factor) { return {factor * interval.low, factor * interval.high}; }
-
 Json statistics(const Histogram& histogram, double factor, double confidence) {
   const auto percentile = [&](double share) { return factor * histogram.quantile(share); };
   return {{"mean", factor * histogram.mean()},
@@ -77,7 +75,7 @@ Json statistics(const Histogram& histogram, double factor, double confidence) {
           {"p95", percentile(0.95)},
           {"p99", percentile(0.99)},
           {"p99_73", percentile(0.9973)},
-          {"p95_interval", pair(histogram.quantile_interval(0.95, confidence), factor)}};
+          {"p95_interval", interval_json(histogram.quantile_interval(0.95, confidence), factor)}};
 }
 
 /// Rotations are stated in deg, tilt in rad, as everywhere.
@@ -94,11 +92,15 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
   return json;
 }
 
-Json proportion_json(const Proportion& proportion) {
+}  // namespace
+
+Json to_json(const Proportion& proportion) {
   return {{"value", proportion.value}, {"low", proportion.interval.low}, {"high", proportion.interval.high}};
 }
 
-}  // namespace
+Json interval_json(const Interval& interval, double factor) {
+  return Json::array({factor * interval.low, factor * interval.high});
+}
 
 Json to_json(const Batch& batch) {
   const auto& [robot, plan, seed] = batch;
@@ -123,9 +125,9 @@ Json to_json(const Batch& batch, const Tally& tally, double confidence) {
   Json json{{"machines", tally.machines()}};
   for (const Fate fate : kFates) json["fates"][std::string(name(fate))] = tally.of(fate);
   json["passed"] = tally.passed;
-  json["yield"] = proportion_json(share);
+  json["yield"] = to_json(share);
   json["yield"]["confidence"] = confidence;
-  json["dpmo"] = proportion_json(defects_per_million(share));
+  json["dpmo"] = to_json(defects_per_million(share));
   json["quantities"] = quantities_json(batch, tally, confidence);
   return json;
 }

@@ -21,16 +21,14 @@ Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
 
 Json to_json(const Tolerances& tolerances) {
   Json json;
-  for (const Source source : all_sources()) {
-    if (source == Source::e_y || source == Source::e_z) continue;
-    json[is_e(source) ? "e_mm" : file_key(source)] = tidy(to_file_unit(source, tolerances[source]));
+  for (const Source source : tolerance_sources()) {
+    json[tolerance_key(source)] = tidy(to_file_unit(source, tolerances[source]));
   }
   json["distribution"] = distribution_name(tolerances.distribution);
-  for (const Source source : all_sources()) {
-    const std::string key = is_e(source) ? "e_mm" : file_key(source);
-    const std::vector<double>& values = tolerances.measured[index(source)];
-    if (values.empty() || source == Source::e_y || source == Source::e_z) continue;
-    for (const double value : values) json["measured"][key].push_back(tidy(to_file_unit(source, value)));
+  for (const Source source : tolerance_sources()) {
+    for (const double value : tolerances.measured[index(source)]) {
+      json["measured"][tolerance_key(source)].push_back(tidy(to_file_unit(source, value)));
+    }
   }
   return json;
 }

@@ -19,6 +19,16 @@ std::string_view file_unit(Source source) { return unit(source) == Unit::rad ? "
 
 std::string file_key(Source source) { return fmt::format("{}_{}", name(source), file_unit(source)); }
 
+std::string tolerance_key(Source source) { return is_e(source) ? "e_mm" : file_key(source); }
+
+std::vector<Source> tolerance_sources() {
+  std::vector<Source> sources;
+  for (const Source source : all_sources()) {
+    if (source != Source::e_y && source != Source::e_z) sources.push_back(source);
+  }
+  return sources;
+}
+
 double to_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_degrees(value) : value; }
 
 double from_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_radians(value) : value; }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "paracal/mechanism/source_errors.hpp"
 #include "paracal/mechanism/tolerances.hpp"
@@ -19,6 +20,12 @@ std::string_view file_unit(Source source);
 
 /// Name with unit, e.g. "theta_offset_deg".
 std::string file_key(Source source);
+
+/// The key under which tolerances state a source: e_mm for the three of e, file_key() for the rest.
+std::string tolerance_key(Source source);
+
+/// One source a tolerance key, in column order: e_x stands for all of e.
+std::vector<Source> tolerance_sources();
 
 double to_file_unit(Source source, double value);
 double from_file_unit(Source source, double value);

@@ -73,7 +73,7 @@ Tolerances tolerances_of(Section section) {
     return value;
   };
   for (const Source source : all_sources()) {
-    tolerances[source] = from_file_unit(source, half_width(is_e(source) ? "e_mm" : file_key(source)));
+    tolerances[source] = from_file_unit(source, half_width(tolerance_key(source)));
   }
   if (const toml::node* node = section.find("distribution")) {
     const std::string name = section.text("distribution");
@@ -86,7 +86,7 @@ Tolerances tolerances_of(Section section) {
   }
   if (auto measured = section.optional_table("measured")) {
     for (const Source source : all_sources()) {
-      const std::string key = is_e(source) ? "e_mm" : file_key(source);
+      const std::string key = tolerance_key(source);
       if (!measured->find(key)) continue;
       for (const double value : measured->numbers(key)) {
         tolerances.measured[index(source)].push_back(from_file_unit(source, value));
@@ -144,9 +144,8 @@ Robot read_robot(const TextFile& file) {
 
 std::string tolerances_toml(const Tolerances& tolerances) {
   std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
-  for (const Source source : all_sources()) {
-    if (source == Source::e_y || source == Source::e_z) continue;
-    const std::string key = is_e(source) ? "e_mm" : file_key(source);
+  for (const Source source : tolerance_sources()) {
+    const std::string key = tolerance_key(source);
     text += fmt::format("{} = {}\n", key, tidy(to_file_unit(source, tolerances[source])));
     std::vector<double> values;
     for (const double value : tolerances.measured[index(source)]) values.push_back(tidy(to_file_unit(source, value)));

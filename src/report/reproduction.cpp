@@ -95,7 +95,7 @@ void add_table2(const Robot& robot, const io::PublishedHuang2016& published, std
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) continue;
     const double paper = published.table2[index(source) - kPositionSourceCount];
-    const double unit_size = paper_units(robot)(static_cast<Eigen::Index>(index(source)));
+    const double unit_size = paper_units(robot)(place(source));
     rows.push_back({fmt::format("table2.{}", name(source)), fmt::format("tolerance of {} (3 sigma)", name(source)),
                     "1e-3 rad", 1e3 * paper, 1e3 * ours[source] / unit_size, 0.06e3 * paper});
   }
@@ -105,9 +105,7 @@ void add_table2(const Robot& robot, const io::PublishedHuang2016& published, std
 /// largest on the rim.
 void add_tilt_figures(const Robot& robot, std::vector<ReproductionRow>& rows) {
   const PerSource mean = global_sensitivity(robot, {Quantity::tilt}).mean * paper_units(robot);
-  const auto rank = [&](Source source) {
-    return 1.0 + static_cast<double>((mean > mean(static_cast<Eigen::Index>(index(source)))).count());
-  };
+  const auto rank = [&](Source source) { return 1.0 + static_cast<double>((mean > mean(place(source))).count()); };
   const auto add = [&](Source source, double paper) {
     rows.push_back({fmt::format("figure5.{}", name(source)), fmt::format("rank of {} in tilt", name(source)), "1",
                     paper, rank(source), 0.0});

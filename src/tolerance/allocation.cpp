@@ -20,8 +20,6 @@ using detail::with;
 constexpr double kViolation = 1e-6;  // of a limit
 constexpr int kLargestRounds = 40;
 
-Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
-
 bool any_grades(const AllocationProblem& problem) {
   return std::ranges::any_of(problem.variables, [](const auto& v) { return v.cost.law == CostLaw::grades; });
 }
@@ -159,45 +157,25 @@ class Allocator {
   Allocation allocation_;
 };
 
-/// Tolerances in the ratio of equal influence, the tightest 1 in the paper's units.
-Tolerances equal_influence(const Robot& robot, const GlobalSensitivity& global, const Tolerances& rest) {
-  const PerSource mean = global.mean * paper_units(robot);  // per unit of dp_e
-  const double largest = mean.tail<ErrorModel::kTilt>().maxCoeff();
-  Tolerances tolerances = rest;
+/// The tilt group of these half-widths, mm and rad, beside the rest.
+Tolerances with_tilt_group(Tolerances rest, const PerSource& half_widths) {
+  rest.distribution = Distribution::normal;
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) continue;
-    tolerances.measured[index(source)].clear();
-    tolerances[source] = largest / mean(place(source)) * paper_units(robot)(place(source));
+    rest.measured[index(source)].clear();
+    rest[source] = half_widths(place(source));
   }
-  return tolerances;
-}
-
-void scale_tilt_group(Tolerances& tolerances, double factor) {
-  for (const Source source : all_sources()) {
-    if (tilts_plate(source)) tolerances[source] *= factor;
-  }
-}
-
-double largest_three_sigma(const Robot& robot, Bound bound, const GlobalSensitivity& global,
-                           const Tolerances& tolerances) {
-  if (bound == Bound::sum_of_maxima) return 3.0 * sigma_of(global.largest.square(), variances(tolerances));
-  return worst_spread(robot, {Quantity::tilt}, tolerances, Spread::statistical).value;
+  return rest;
 }
 
 /// Means good to half a percent: the search for the worst pose is no better, and a slider can be dragged.
 constexpr GlobalSensitivityOptions kQuick{.relative_error = 5e-3, .max_level = 2};
 
-void check_least(const Robot& robot, const EqualInfluence& problem, Allocation& allocation) {
-  if (!problem.least) return;
-  double tightest = 0.0;
-  for (const Source source : all_sources()) {
-    if (!tilts_plate(source)) continue;
-    const double in_paper_units = allocation.tolerances[source] / paper_units(robot)(place(source));
-    tightest = tightest == 0.0 ? in_paper_units : std::min(tightest, in_paper_units);
-  }
+/// @param tightest  tolerance, in the paper's units.
+void check_least(const EqualInfluence& problem, double tightest, Allocation& allocation) {
   const bool of_sigma = problem.least_reading == LeastReading::sigma;
   const double reached = of_sigma ? tightest / 3.0 : tightest;
-  if (reached >= *problem.least) return;
+  if (!problem.least || reached >= *problem.least) return;
   allocation.status = AllocationStatus::infeasible;
   allocation.reason = fmt::format("the tightest {} would be {:.3g} rad, below what can be made, {:.3g} rad",
                                   of_sigma ? "sigma" : "tolerance", reached, *problem.least);
@@ -227,20 +205,21 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
   const GlobalSensitivity global = problem.bound == Bound::sum_of_maxima
                                        ? mean_sensitivity(robot, tilt, cartesian_grid(robot))
                                        : global_sensitivity(robot, tilt, kQuick);
+  const PerSource units = paper_units(robot), mean = global.mean * units;
+  // Half-widths of equal influence in the paper's units, the tightest 1; of the tilt group (nothing else tilts).
+  const PerSource ratio = mean.maxCoeff() / mean;
+  const Tolerances at_one = with_tilt_group(problem.rest, ratio * units);
+  ValueAtPose worst = worst_spread(robot, tilt, at_one, Spread::statistical);
+  const double tilt_at_one =
+      problem.bound == Bound::sum_of_maxima ? 3.0 * sigma_of(global.largest.square(), variances(at_one)) : worst.value;
+  const double tightest = problem.max_tilt / tilt_at_one;  // tilt grows in proportion
+  worst.value *= tightest;
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
-  allocation.tolerances = equal_influence(robot, global, problem.rest);
-  allocation.tolerances.distribution = Distribution::normal;
-  const double at_unit = largest_three_sigma(robot, problem.bound, global, allocation.tolerances);
-  scale_tilt_group(allocation.tolerances, problem.max_tilt / at_unit);
-  for (const Source source : all_sources()) {
-    if (!tilts_plate(source)) continue;
-    const double sigma = allocation.tolerances.std(source) / paper_units(robot)(place(source));
-    allocation.cost += 1.0 / sigma / static_cast<double>(kTiltSourceCount);
-  }
-  const ValueAtPose worst = worst_spread(robot, tilt, allocation.tolerances, Spread::statistical);
+  allocation.tolerances = with_tilt_group(problem.rest, tightest * ratio * units);
+  allocation.cost = (3.0 / (tightest * ratio.tail<ErrorModel::kTilt>())).mean();
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
-  check_least(robot, problem, allocation);
+  check_least(problem, tightest, allocation);
   return allocation;
 }
 

@@ -13,8 +13,6 @@ constexpr double kBinds = 1e-6;       // of the limit
 constexpr double kStationary = 1e-6;  // of the cost
 constexpr int kAttempts = 20;
 
-Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
-
 /// sigma of a source error over its half-width.
 double sigma_share(const Tolerances& tolerances, Source source) {
   Tolerances one;

@@ -14,7 +14,7 @@ using Generators =
 PerSource largest_errors(const Tolerances& tolerances) {
   PerSource largest;
   for (const Source source : all_sources()) {
-    largest(static_cast<Eigen::Index>(index(source))) = tolerances.largest(source);
+    largest(place(source)) = tolerances.largest(source);
   }
   return largest;
 }

@@ -14,11 +14,13 @@ PerSource squared_sensitivities(const SourceRows& rows) {
   return sum;
 }
 
+PerSource half_widths(const Tolerances& tolerances) {
+  return Eigen::Map<const PerSource>(tolerances.half_width.data());
+}
+
 PerSource variances(const Tolerances& tolerances) {
   PerSource variances;
-  for (const Source source : all_sources()) {
-    variances(static_cast<Eigen::Index>(index(source))) = std::pow(tolerances.std(source), 2);
-  }
+  for (const Source source : all_sources()) variances(place(source)) = std::pow(tolerances.std(source), 2);
   return variances;
 }
 
@@ -55,7 +57,7 @@ GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characte
 PerSource paper_units(const Robot& robot) {
   PerSource factor = PerSource::Ones();
   for (const Source source : all_sources()) {
-    if (tilts_plate(source)) factor(static_cast<Eigen::Index>(index(source))) = 1.0 / paper_scale(robot, source);
+    if (tilts_plate(source)) factor(place(source)) = 1.0 / paper_scale(robot, source);
   }
   return factor;
 }
@@ -66,7 +68,7 @@ std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& 
   std::vector<Contributor> list;
   if (!(whole > 0.0)) return list;
   for (const Source source : all_sources()) {
-    list.push_back({source, parts(static_cast<Eigen::Index>(index(source))) / whole});
+    list.push_back({source, parts(place(source)) / whole});
   }
   std::ranges::stable_sort(list, std::ranges::greater(), &Contributor::share);
   return list;

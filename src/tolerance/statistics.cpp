@@ -31,6 +31,16 @@ Interval proportion_interval(std::uint64_t hits, std::uint64_t trials, double co
   return {Binomial::find_lower_bound_on_p(n, k, risk), Binomial::find_upper_bound_on_p(n, k, risk)};
 }
 
+Proportion proportion(std::uint64_t hits, std::uint64_t trials, double confidence) {
+  return {static_cast<double>(hits) / static_cast<double>(trials), proportion_interval(hits, trials, confidence)};
+}
+
+Proportion defects_per_million(const Proportion& yield) {
+  constexpr double kMillion = 1e6;
+  return {kMillion * (1.0 - yield.value),
+          {kMillion * (1.0 - yield.interval.high), kMillion * (1.0 - yield.interval.low)}};
+}
+
 void Histogram::add(double value) { add(bin_of(value), 1); }
 
 void Histogram::add(const Histogram& other) {

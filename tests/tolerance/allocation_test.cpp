@@ -12,14 +12,6 @@
 namespace paracal {
 namespace {
 
-Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
-
-PerSource in_paper_units(const Robot& robot, const Tolerances& tolerances) {
-  PerSource values;
-  for (const Source source : all_sources()) values(place(source)) = tolerances[source];
-  return values / paper_units(robot);
-}
-
 /// [huang2016, Table 2], 1e-3 rad.
 constexpr std::array<double, kTiltSourceCount> kTable2{0.22, 0.90, 0.26, 0.52, 0.25, 0.84};
 
@@ -27,7 +19,7 @@ TEST(EqualInfluence, ReproducesTable2) {
   const Robot robot = catalogue::huang2016();
   const Allocation allocation = allocate(robot, EqualInfluence{});
   ASSERT_TRUE(allocation.ok());
-  const PerSource paper = in_paper_units(robot, allocation.tolerances);
+  const PerSource paper = half_widths(allocation.tolerances) / paper_units(robot);
   for (std::size_t k = 0; k < kTiltSourceCount; ++k) {
     const double ours = 1e3 * paper(static_cast<Eigen::Index>(kPositionSourceCount + k));
     EXPECT_NEAR(ours / kTable2[k], 1.0, 0.06) << k;

@@ -133,7 +133,9 @@ TEST(MonteCarlo, YieldGoesWithTheLimit) {
   const Robot robot = catalogue::huang2016();
   const std::vector<Pose> poses = workspace_poses(robot, 10);
   const auto yield = [&](double limit) {
-    return monte_carlo(robot, *robot.tolerances(), {{{Quantity::tilt}, limit}}, poses, {.sigma_error = 0.05}).yield();
+    return monte_carlo(robot, *robot.tolerances(), {{{Quantity::tilt}, limit}}, poses, {.sigma_error = 0.05})
+        .yield()
+        .value;
   };
   EXPECT_EQ(yield(1.0), 1.0);
   EXPECT_EQ(yield(1e-9), 0.0);

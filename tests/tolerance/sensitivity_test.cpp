@@ -112,7 +112,7 @@ TEST(GlobalSensitivity, StatesItsError) {
 TEST(GlobalSensitivity, IsThePapers) {
   const Robot robot = catalogue::huang2016();
   const PerSource mean = (global_sensitivity(robot, {Quantity::tilt}).mean * paper_units(robot)).eval();
-  const auto of = [&](Source source) { return mean(static_cast<Eigen::Index>(index(source))); };
+  const auto of = [&](Source source) { return mean(place(source)); };
   EXPECT_NEAR(of(Source::rod_difference), 1.258, 1e-3);
   EXPECT_NEAR(of(Source::width_difference), 0.323, 1e-3);
   EXPECT_NEAR(of(Source::alpha03), 1.094, 1e-3);
@@ -153,10 +153,8 @@ TEST_P(SensitivityLaw, WorstCaseIsTheWorstCorner) {
       const SourceRows rows = model.rows(random.pose(robot), what);
       const WorstCase worst = worst_case(rows, tolerances);
       EXPECT_NEAR(worst.value, brute_force(rows, tolerances), 1e-9 * worst.value) << name(what);
-      PerSource half_widths;
-      for (const Source source : all_sources())
-        half_widths(static_cast<Eigen::Index>(index(source))) = tolerances[source];
-      EXPECT_NEAR((worst_case_weights(rows, worst.direction) * half_widths).sum(), worst.value, 1e-9 * worst.value);
+      EXPECT_NEAR((worst_case_weights(rows, worst.direction) * half_widths(tolerances)).sum(), worst.value,
+                  1e-9 * worst.value);
     }
   }
 }

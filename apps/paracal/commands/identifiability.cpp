@@ -93,7 +93,6 @@ std::string text_of(const Identifiability& seen, const std::vector<Promise>& lis
 }
 
 io::Json json_of(const Identifiability& seen, const std::vector<Promise>& list, const WorkspaceUncertainty& spread) {
-  const Observability& o = seen.indices;
   io::Json json{{"rank", seen.rank}, {"rows", seen.rows}, {"parameters", io::Json::array()}};
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
@@ -110,11 +109,7 @@ io::Json json_of(const Identifiability& seen, const std::vector<Promise>& list, 
         {{"text", direction.text}, {"direction", io::rows_json(direction.direction.transpose())[0]}});
   }
   json["singular_values"] = io::rows_json(seen.singular_values.transpose())[0];
-  json["O1"] = o.O1;
-  json["O2"] = o.O2;
-  json["O3"] = o.O3;
-  json["O4"] = o.O4;
-  json["O5"] = o.O5;
+  add_indices(json, seen.indices);
   json["workspace_std"] = workspace_json(spread);
   return json;
 }
@@ -132,15 +127,6 @@ void run(const Options& options, const Session& session) {
 }
 
 }  // namespace
-
-io::Json workspace_json(const WorkspaceUncertainty& spread) {
-  return {{"rms_distance_mm", spread.rms_distance},
-          {"max_distance_mm", spread.max_distance},
-          {"rms_aligned_mm", spread.rms_aligned},
-          {"max_aligned_mm", spread.max_aligned},
-          {"rms_rotation_deg", to_degrees(spread.rms_rotation)},
-          {"max_rotation_deg", to_degrees(spread.max_rotation)}};
-}
 
 void add_identifiability(CLI::App& app, Session& session) {
   CLI::App* command = session.add_command(app, "identifiability", "Calibrate a machine",

@@ -44,14 +44,6 @@ io::Json poses_json(const std::vector<Station>& stations) {
   return json;
 }
 
-void add_indices(io::Json& json, const Observability& o) {
-  json["O1"] = o.O1;
-  json["O2"] = o.O2;
-  json["O3"] = o.O3;
-  json["O4"] = o.O4;
-  json["O5"] = o.O5;
-}
-
 void run_paper_plan(const Options& options, Session& session) {
   if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "paracal/io/file.hpp"
-#include "paracal/io/tables.hpp"
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
@@ -51,7 +50,7 @@ std::string text_of(const Robot& robot, const Findings& found) {
                                  name(found.what), found.global.poses, found.local ? ", and at the pose" : "");
   const auto out = std::back_inserter(text);
   for (const Source source : all_sources()) {
-    const auto k = static_cast<Eigen::Index>(index(source));
+    const Eigen::Index k = place(source);
     if (found.global.largest(k) == 0.0) continue;
     const bool over_width = tilt && unit_size(k) != 1.0;
     const std::string unit = tilt ? "rad per rad"
@@ -71,31 +70,27 @@ std::string text_of(const Robot& robot, const Findings& found) {
   return text;
 }
 
-io::Json per_source_json(const PerSource& values, double factor) {
+/// By source: of tilt in the paper's units under the contract's six keys, of anything else per mm or rad.
+io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
+  if (quantity == Quantity::tilt) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
   for (const Source source : all_sources()) {
-    json[std::string(name(source))] = factor * values(static_cast<Eigen::Index>(index(source)));
+    json[std::string(name(source))] = shown(quantity, values(place(source))).value;
   }
   return json;
 }
 
 io::Json json_of(const Robot& robot, const Findings& found) {
-  const double factor = shown(found.what.quantity, 1.0).value;
-  io::Json json{{"quantity", name(found.what)}, {"poses", found.global.poses}};
-  if (found.what.quantity == Quantity::tilt) {
-    const PerSource units = paper_units(robot);
-    json["global"] = tilt_group_json(found.global.mean * units);
-    json["global_error"] = tilt_group_json(found.global.error * units);
-    json["largest"] = tilt_group_json(found.global.largest * units);
-    if (found.local) json["local"] = tilt_group_json(*found.local * units);
-  } else {
-    json["global"] = per_source_json(found.global.mean, factor);
-    json["global_error"] = per_source_json(found.global.error, factor);
-    json["largest"] = per_source_json(found.global.largest, factor);
-    if (found.local) json["local"] = per_source_json(*found.local, factor);
-  }
+  const Quantity quantity = found.what.quantity;
+  const auto of = [&](const PerSource& values) { return per_source_json(robot, quantity, values); };
+  io::Json json{{"quantity", name(found.what)},
+                {"poses", found.global.poses},
+                {"global", of(found.global.mean)},
+                {"global_error", of(found.global.error)},
+                {"largest", of(found.global.largest)}};
+  if (found.local) json["local"] = of(*found.local);
   json["worst"] = pose_json(found.worst.pose);
-  json["worst"]["three_sigma_" + json_key(found.what)] = factor * found.worst.value;
+  json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors);
   return json;
 }

@@ -38,20 +38,13 @@ Allocation allocated(const Options& options, const Robot& robot) {
                      .rest = rest});
 }
 
-/// The tilt group's half-widths in the paper's units, rad.
-PerSource half_widths(const Robot& robot, const Tolerances& tolerances) {
-  PerSource values;
-  for (const Source source : all_sources()) values(static_cast<Eigen::Index>(index(source))) = tolerances[source];
-  return values / paper_units(robot);
-}
-
 std::string text_of(const Options& options, const Robot& robot, const Allocation& allocation) {
   std::string text =
       fmt::format("{}{}{}\n", name(allocation.status), allocation.reason.empty() ? "" : ": ", allocation.reason);
   const auto out = std::back_inserter(text);
   if (!is_general(options)) {
     fmt::format_to(out, "tolerances of the tilt group (half-widths, 3 sigma), 1e-3 rad\n");
-    const io::Json group = tilt_group_json(half_widths(robot, allocation.tolerances));
+    const io::Json group = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
     for (const auto& [key, value] : group.items()) {
       fmt::format_to(out, "  {:<25}{:>8.3f}\n", key, 1e3 * value.get<double>());
     }
@@ -70,7 +63,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
 
 io::Json json_of(const Options& options, const Robot& robot, const Allocation& allocation) {
   io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
-  json["tolerances"] = tilt_group_json(half_widths(robot, allocation.tolerances));
+  json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
   if (!is_general(options)) {
     json["bound"] = options.bound;
     json["max_tilt_3sigma"] = options.max_tilt;

@@ -128,9 +128,9 @@ std::string text_of(const Options& options, const Findings& found) {
     }
     fmt::format_to(out, "\n{}", pareto(one.contributors));
   }
-  const Interval interval = batch.yield_interval(confidence);
-  fmt::format_to(out, "\nyield {:.3f} % [{:.3f}, {:.3f}], {:.0f} defects per million\n", 100.0 * batch.yield(),
-                 100.0 * interval.low, 100.0 * interval.high, 1e6 * (1.0 - batch.yield()));
+  const Proportion yield = batch.yield(confidence);
+  fmt::format_to(out, "\nyield {:.3f} % [{:.3f}, {:.3f}], {:.0f} defects per million\n", 100.0 * yield.value,
+                 100.0 * yield.interval.low, 100.0 * yield.interval.high, defects_per_million(yield).value);
   if (batch.not_closed > 0) fmt::format_to(out, "{} machines do not close somewhere\n", batch.not_closed);
   if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol);
   if (!found.linearity.empty()) text += "\nthe linear model against the exact one, tolerances times a factor\n";
@@ -138,10 +138,6 @@ std::string text_of(const Options& options, const Findings& found) {
     fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
   }
   return text;
-}
-
-io::Json interval_json(const Interval& interval, double factor = 1.0) {
-  return io::Json::array({factor * interval.low, factor * interval.high});
 }
 
 io::Json requirement_json(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
@@ -156,7 +152,7 @@ io::Json requirement_json(const RequirementAnalysis& one, const RequirementStati
                 {"rss_3sigma", factor * one.three_sigma.value},
                 {"rss_pose", pose_json(one.three_sigma.pose)},
                 {"monte_carlo_3sigma", 3.0 * factor * worst.sigma},
-                {"monte_carlo_3sigma_interval", interval_json(worst.interval, 3.0 * factor)},
+                {"monte_carlo_3sigma_interval", io::interval_json(worst.interval, 3.0 * factor)},
                 {"monte_carlo_pose", pose_json(worst.pose)},
                 {"cpk", drawn.cpk()},
                 {"passed", drawn.passed},
@@ -165,7 +161,7 @@ io::Json requirement_json(const RequirementAnalysis& one, const RequirementStati
     json["largest_on_a_machine"][fmt::format("p{:g}", 100.0 * share)] = factor * drawn.largest.quantile(share);
   }
   json["largest_on_a_machine"]["p95_interval"] =
-      interval_json(drawn.largest.quantile_interval(0.95, confidence), factor);
+      io::interval_json(drawn.largest.quantile_interval(0.95, confidence), factor);
   return json;
 }
 
@@ -182,17 +178,14 @@ io::Json json_of(const Options& options, const Findings& found) {
        {"worst_case", "rss_3sigma", "monte_carlo_3sigma", "monte_carlo_3sigma_interval", "contributors"}) {
     json[key] = first[key];
   }
-  const Interval interval = batch.yield_interval(confidence);
-  json["yield"] = {{"value", batch.yield()}, {"low", interval.low}, {"high", interval.high}};
-  json["dpmo"] = {{"value", 1e6 * (1.0 - batch.yield())},
-                  {"low", 1e6 * (1.0 - interval.high)},
-                  {"high", 1e6 * (1.0 - interval.low)}};
+  json["yield"] = io::to_json(batch.yield(confidence));
+  json["dpmo"] = io::to_json(defects_per_million(batch.yield(confidence)));
   for (const SobolIndex& one : found.sobol) {
     json["sobol"].push_back({{"name", name(one.source)},
                              {"first", one.first},
-                             {"first_interval", interval_json(one.first_interval)},
+                             {"first_interval", io::interval_json(one.first_interval)},
                              {"total", one.total},
-                             {"total_interval", interval_json(one.total_interval)}});
+                             {"total_interval", io::interval_json(one.total_interval)}});
   }
   for (const LinearityPoint& point : found.linearity) {
     json["linearity"].push_back(
@@ -205,7 +198,7 @@ void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
   const bool enough =
-      !options.min_yield || found.batch.yield_interval(options.monte_carlo.confidence).low >= *options.min_yield;
+      !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
   if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
   session.json() ? session.print_json(json_of(options, found)) : session.print(text_of(options, found));
 }

@@ -23,16 +23,7 @@ struct Tally {
   void add(const Tally& other);
 };
 
-/// A share of machines, with its interval at a stated confidence.
-struct Proportion {
-  double value = 0.0;  ///< NaN without machines
-  Interval interval;
-};
-
 /// Share of the machines that pass  [clopper-pearson1934].
 Proportion yield(const Tally& tally, double confidence);
-
-/// Defects per million machines: 10^6 (1 - yield).
-Proportion defects_per_million(const Proportion& yield);
 
 }  // namespace paracal

@@ -40,6 +40,11 @@ Json to_json(const Batch& batch);
 /// @param confidence  of the intervals.
 Json to_json(const Batch& batch, const Tally& tally, double confidence);
 
+/// {value, low, high}
+Json to_json(const Proportion& proportion);
+/// [low, high], each times the factor to the unit of the key.
+Json interval_json(const Interval& interval, double factor = 1.0);
+
 /// Files with their hashes.
 Json to_json(const std::vector<InputFile>& files);
 

@@ -50,8 +50,8 @@ struct [[nodiscard]] MonteCarlo {
   std::vector<RequirementStatistics> requirements = {};
   std::uint64_t passed = 0;  ///< machines that keep all limits
 
-  double yield() const { return static_cast<double>(passed) / static_cast<double>(machines); }
-  Interval yield_interval(double confidence) const { return proportion_interval(passed, machines, confidence); }
+  /// Share of the machines that keep all limits.
+  Proportion yield(double confidence = 0.95) const { return proportion(passed, machines, confidence); }
 };
 
 /// Called now and then with the machines done so far and those that the present spread asks for; false stops.

@@ -13,6 +13,12 @@ namespace paracal {
 /// One number a source error, equal for all limbs.
 using PerSource = Eigen::Array<double, static_cast<int>(kSourceCount), 1>;
 
+/// Where a source's number stands.
+constexpr Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
+
+/// T of every source, mm or rad.
+PerSource half_widths(const Tolerances& tolerances);
+
 /// Squared local sensitivities of a characteristic at a pose  [huang2016, Eq. (11)]:
 ///
 ///   mu_k^2 = sum over limbs i and components j of g_ijk^2,   sigma^2 = sum_k mu_k^2 sigma^2(dp_k)

@@ -16,6 +16,18 @@ struct Interval {
 /// @param confidence  two-sided, below 1.
 Interval proportion_interval(std::uint64_t hits, std::uint64_t trials, double confidence);
 
+/// A share of machines, with its interval at a stated confidence.
+struct Proportion {
+  double value = 0.0;  ///< NaN without machines
+  Interval interval;
+};
+
+/// hits / trials with proportion_interval().
+Proportion proportion(std::uint64_t hits, std::uint64_t trials, double confidence);
+
+/// Defects per million machines: 10^6 (1 - yield).
+Proportion defects_per_million(const Proportion& yield);
+
 /// Counts of magnitudes in bins a 256th of an octave wide, from 2^-40 to 2^24 (mm or rad), everything below in the
 /// first bin and above in the last: any number of values in constant memory, quantiles known to 0.2 %. All of it is
 /// whole numbers, so that parts add up to the same whole in any order.
