@@ -1,9 +1,9 @@
-# paracal_embed(NAME FOLDER OUTPUT): a C++ file that holds every .csv, .toml and .h file of FOLDER as text, so that an installed program
+# paracal_embed(NAME FOLDER OUTPUT): a C++ file that holds every .csv, .toml, .h and .comp file of FOLDER as text, so that an installed program
 # carries its published data and the templates of its exports. Declares
 #   std::span<const EmbeddedFile> paracal::detail::NAME();      see src/embedded.hpp
 function(paracal_embed name folder output)
   file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.csv ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.toml
-       ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.h)
+       ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.h ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.comp)
   set(entries "")
   foreach(path IN LISTS files)
     get_filename_component(file_name ${path} NAME)

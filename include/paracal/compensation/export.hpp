@@ -15,8 +15,14 @@ struct ExportOrigin {
 };
 
 /// A compensator as one C99 header for freestanding targets: the exact way of compensator.hpp with the constants of
-/// this machine, and a self-test vector with a function that runs it. It needs sqrt, sin, cos and atan2.
+/// this machine, the way back from joints to pose, and a self-test vector with a function that runs it. It needs sqrt,
+/// sin, cos and atan2.
 /// @throws Unreachable when the machine does not reach the centre of the robot's workspace.
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+
+/// The same as a component of LinuxCNC, to be built by halcompile from a file named paracal_kins.comp: kinematics
+/// (forward and inverse) and, for trying, a HAL function between pins.
+/// @throws as c99_header.
+std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 
 }  // namespace paracal

@@ -13,6 +13,7 @@
  *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, 0) != PARACAL_OK) stop on path, joints are the last good
  *
  * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
+ * Where the machine stands: paracal_forward(joints, pose) gives the pose of joints.
  *
  * C99, freestanding, no state, no allocation, bounded time. The four functions below are all it needs.
  */
@@ -86,6 +87,32 @@ static inline double paracal_level_joint(const struct paracal_limb* limb, const 
   return atan2(b * k + a * w, a * k - b * w) - limb->joint_offset;
 }
 
+/* Elimination with the largest pivot of each column on `size` rows of size + 1; not finite where they are singular. */
+static inline void paracal_solve(int size, double* rows, double* out) {
+  const int width = size + 1;
+  int k, r, c;
+  for (k = 0; k < size; ++k) {
+    int pivot = k;
+    for (r = k + 1; r < size; ++r) {
+      if (paracal_abs(rows[r * width + k]) > paracal_abs(rows[pivot * width + k])) pivot = r;
+    }
+    for (c = 0; c < width; ++c) {
+      const double other = rows[pivot * width + c];
+      rows[pivot * width + c] = rows[k * width + c];
+      rows[k * width + c] = other;
+    }
+    for (r = k + 1; r < size; ++r) {
+      const double factor = rows[r * width + k] / rows[k * width + k];
+      for (c = k + 1; c < width; ++c) rows[r * width + c] -= factor * rows[k * width + c];
+    }
+  }
+  for (k = size - 1; k >= 0; --k) {
+    out[k] = rows[k * width + size];
+    for (c = k + 1; c < size; ++c) out[k] -= rows[k * width + c] * out[c];
+    out[k] /= rows[k * width + k];
+  }
+}
+
 #if PARACAL_TILTS_PLATE
 
 /* Columns x, y, z of R = Rot(x, t0) Rot(y, t1) Rot(z, t2), and the axes of the three angles. */
@@ -142,31 +169,6 @@ static inline void paracal_add_limb(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOW
   }
 }
 
-/* Elimination with the largest pivot of each column; not finite where the rows are singular. */
-static inline void paracal_solve(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOWNS + 1], double out[PARACAL_UNKNOWNS]) {
-  int k, r, c;
-  for (k = 0; k < PARACAL_UNKNOWNS; ++k) {
-    int pivot = k;
-    for (r = k + 1; r < PARACAL_UNKNOWNS; ++r) {
-      if (paracal_abs(rows[r][k]) > paracal_abs(rows[pivot][k])) pivot = r;
-    }
-    for (c = 0; c <= PARACAL_UNKNOWNS; ++c) {
-      const double other = rows[pivot][c];
-      rows[pivot][c] = rows[k][c];
-      rows[k][c] = other;
-    }
-    for (r = k + 1; r < PARACAL_UNKNOWNS; ++r) {
-      const double factor = rows[r][k] / rows[k][k];
-      for (c = k + 1; c <= PARACAL_UNKNOWNS; ++c) rows[r][c] -= factor * rows[k][c];
-    }
-  }
-  for (k = PARACAL_UNKNOWNS - 1; k >= 0; --k) {
-    out[k] = rows[k][PARACAL_UNKNOWNS];
-    for (c = k + 1; c < PARACAL_UNKNOWNS; ++c) out[k] -= rows[k][c] * out[c];
-    out[k] /= rows[k][k];
-  }
-}
-
 /* Newton on joints and tilt, position and slide held on the pose. It gains three to five digits a step; 20 steps are
  * the most. */
 static inline int paracal_settle(const double pose[4], double joints[PARACAL_LIMBS], double tilt[3]) {
@@ -179,7 +181,7 @@ static inline int paracal_settle(const double pose[4], double joints[PARACAL_LIM
     }
     paracal_plate_frame(tilt, &frame);
     for (i = 0; i < PARACAL_LIMBS; ++i) paracal_add_limb(rows, i, pose, &frame, joints[i]);
-    paracal_solve(rows, step);
+    paracal_solve(PARACAL_UNKNOWNS, &rows[0][0], step);
     for (k = 0; k < PARACAL_UNKNOWNS; ++k) {
       if (!paracal_is_finite(step[k])) return PARACAL_SINGULAR;
     }
@@ -231,17 +233,81 @@ struct paracal_test {
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* 0: every joint within 1e-9 deg; otherwise the number, from 1, of the first pose that is not. */
+/* One row of Newton's equations for the pose: n (dX + slide dphi) = n (w_0 x L u_1) dq, n the direction of the mean rod.
+ * Errors of the tilt group change these rows by their own size alone, so the iteration still settles quickly. */
+static inline void paracal_forward_row(const struct paracal_limb* limb, const double pose[4], double joint, double change,
+                                       double row[PARACAL_LIMBS + 1]) {
+  const double c = cos(joint + limb->joint_offset), s = sin(joint + limb->joint_offset);
+  double n[3], motion[3];
+  int k;
+  for (k = 0; k < 3; ++k) {
+    n[k] = pose[k] + limb->plate[k] + pose[3] * limb->slide[k] - limb->base[k] -
+           limb->arm * (c * limb->radial[k] + s * limb->normal[k]);
+    motion[k] = limb->arm * (c * limb->normal[k] - s * limb->radial[k]);
+  }
+  for (k = 0; k < 3; ++k) row[k] = n[k];
+  if (PARACAL_LIMBS == 4) row[3] = paracal_dot(n, limb->slide);
+  row[PARACAL_LIMBS] = paracal_dot(n, motion) * change;
+}
+
+/* The pose (mm, rad) that the identified machine takes with these joints (rad): the inverse of paracal_compensate, by
+ * Newton from `pose`, or from the centre of the workspace where that cannot be taken; at most 50 steps, halved where they
+ * leave the machine's reach. `pose` is written when the result is PARACAL_OK and left as it is otherwise. */
+static inline int paracal_forward(const double joints_rad[PARACAL_LIMBS], double pose[4]) {
+  double at[4], joints[PARACAL_LIMBS], next[4], step[PARACAL_LIMBS] = {0.0}, fraction = 1.0, largest;
+  int count, i, k;
+  for (k = 0; k < PARACAL_LIMBS; ++k) {
+    if (!paracal_is_finite(joints_rad[k])) return PARACAL_NOT_FINITE;
+  }
+  for (k = 0; k < 4; ++k) at[k] = pose[k];
+  if (paracal_compensate(at[0], at[1], at[2], at[3], joints, 0) != PARACAL_OK) {
+    for (k = 0; k < 4; ++k) at[k] = paracal_tests[0].pose[k];
+    if (paracal_compensate(at[0], at[1], at[2], at[3], joints, 0) != PARACAL_OK) return PARACAL_SINGULAR;
+  }
+  for (count = 0; count < 50; ++count) {
+    if (fraction >= 1.0) {
+      double rows[PARACAL_LIMBS][PARACAL_LIMBS + 1];
+      for (i = 0; i < PARACAL_LIMBS; ++i) {
+        paracal_forward_row(&paracal_limbs[i], at, joints[i], joints_rad[i] - joints[i], rows[i]);
+      }
+      paracal_solve(PARACAL_LIMBS, &rows[0][0], step);
+    }
+    largest = 0.0;
+    for (k = 0; k < 4; ++k) {
+      next[k] = at[k] + (k < PARACAL_LIMBS ? fraction * step[k] : 0.0);
+      if (paracal_abs(next[k] - at[k]) > largest) largest = paracal_abs(next[k] - at[k]);
+      if (!paracal_is_finite(next[k])) return PARACAL_SINGULAR;
+    }
+    if (paracal_compensate(next[0], next[1], next[2], next[3], joints, 0) != PARACAL_OK) {
+      fraction *= 0.5;
+      continue;
+    }
+    fraction = 1.0;
+    for (k = 0; k < 4; ++k) at[k] = next[k];
+    if (largest < 1e-9) {
+      for (k = 0; k < 4; ++k) pose[k] = at[k];
+      return PARACAL_OK;
+    }
+  }
+  return PARACAL_UNREACHABLE;
+}
+
+/* 0: every joint within 1e-9 deg, and back from the joints within 1e-6 mm; otherwise the number, from 1, of the first
+ * pose that is not. */
 static inline int paracal_self_test(void) {
   int k, i;
   for (k = 0; k < $TESTS$; ++k) {
     const struct paracal_test* test = &paracal_tests[k];
-    double joints[PARACAL_LIMBS];
+    double joints[PARACAL_LIMBS], pose[4] = {0.0, 0.0, 0.0, 0.0};
     if (paracal_compensate(test->pose[0], test->pose[1], test->pose[2], test->pose[3], joints, 0) != PARACAL_OK) {
       return k + 1;
     }
     for (i = 0; i < PARACAL_LIMBS; ++i) {
       if (!(paracal_abs(joints[i] - test->joints[i]) < 1.7e-11)) return k + 1;
+    }
+    if (paracal_forward(joints, pose) != PARACAL_OK) return k + 1;
+    for (i = 0; i < 4; ++i) {
+      if (!(paracal_abs(pose[i] - test->pose[i]) < 1e-6)) return k + 1;
     }
   }
   return 0;

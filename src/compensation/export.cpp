@@ -64,19 +64,31 @@ SelfTest self_test(const Robot& robot, const CompensatorParameters<double>& para
   return test;
 }
 
-std::string_view c99_template() {
+std::string_view export_template(std::string_view name) {
   const auto files = detail::export_templates();
-  return std::ranges::find(files, "compensator_c99.h", &detail::EmbeddedFile::name)->text;
+  return std::ranges::find(files, name, &detail::EmbeddedFile::name)->text;
+}
+
+using Values = std::vector<std::pair<std::string_view, std::string>>;
+
+/// What the head of every export says.
+Values head(const Robot& robot, const ExportOrigin& origin) {
+  return {{"PROGRAM", fmt::format("paracal {}", version())},
+          {"ROBOT", harmless(robot.name())},
+          {"CALIBRATION", harmless(origin.calibration)},
+          {"SHA256", origin.sha256},
+          {"DATE", origin.date},
+          {"LIMBS", std::to_string(robot.limb_count())}};
 }
 
 /// The text with every $KEY$ replaced by its value.
-std::string filled(std::string_view text, const std::vector<std::pair<std::string_view, std::string>>& values) {
+std::string filled(std::string_view text, const Values& values) {
   std::string result;
   for (std::size_t at = text.find('$'); at != std::string_view::npos; at = text.find('$')) {
     const std::size_t end = text.find('$', at + 1);
     const std::string_view key = text.substr(at + 1, end - at - 1);
     result += text.substr(0, at);
-    result += std::ranges::find(values, key, &std::pair<std::string_view, std::string>::first)->second;
+    result += std::ranges::find(values, key, &Values::value_type::first)->second;
     text.remove_prefix(end + 1);
   }
   return result.append(text);
@@ -86,17 +98,20 @@ std::string filled(std::string_view text, const std::vector<std::pair<std::strin
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
-  const SelfTest test = self_test(robot, parameters);
-  return filled(c99_template(), {{"PROGRAM", fmt::format("paracal {}", version())},
-                                 {"ROBOT", harmless(robot.name())},
-                                 {"CALIBRATION", harmless(origin.calibration)},
-                                 {"SHA256", origin.sha256},
-                                 {"DATE", origin.date},
-                                 {"LIMBS", std::to_string(parameters.limb_count)},
-                                 {"TILTS_PLATE", std::to_string(parameters.tilts_plate)},
-                                 {"LIMB_CONSTANTS", limb_constants(parameters)},
-                                 {"TESTS", std::to_string(test.count)},
-                                 {"TEST_VECTOR", test.vector}});
+  SelfTest test = self_test(robot, parameters);
+  Values values = head(robot, origin);
+  values.emplace_back("TILTS_PLATE", std::to_string(parameters.tilts_plate));
+  values.emplace_back("LIMB_CONSTANTS", limb_constants(parameters));
+  values.emplace_back("TESTS", std::to_string(test.count));
+  values.emplace_back("TEST_VECTOR", std::move(test.vector));
+  return filled(export_template("compensator_c99.h"), values);
+}
+
+std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  Values values = head(robot, origin);
+  values.emplace_back("LAST_JOINT", std::to_string(robot.limb_count() - 1));
+  values.emplace_back("C99", c99_header(robot, errors, origin));
+  return filled(export_template("paracal_kins.comp"), values);
 }
 
 }  // namespace paracal

@@ -1,0 +1,114 @@
+component paracal_kins "Kinematics of one calibrated parallel robot, written by $PROGRAM$";
+
+description
+"""
+Joint angles that bring the identified machine to a pose, all its errors corrected. Do not edit: export again.
+
+robot        $ROBOT$
+calibration  $CALIBRATION$
+SHA-256      $SHA256$
+date         $DATE$
+units        mm and deg; base frame of the robot: origin at the base centre, z up
+joints       0 to $LAST_JOINT$ are the arms; further joints are the axes that the robot does not move
+
+Build it with: halcompile --install paracal_kins.comp
+
+As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree.
+
+As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
+
+While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than 1e-9 deg.
+""";
+
+pin in float command.x "wanted position of the plate centre, mm";
+pin in float command.y;
+pin in float command.z;
+pin in float command.c "wanted rotation of the end-effector, deg (0 for a rigid plate)";
+pin out float joint.#[$LIMBS$] "joint angles to command, deg; the last good ones while status is not 0";
+pin out float tilt.x "tilt of the plate about x that remains, deg";
+pin out float tilt.y "and about y";
+pin out signed status "0 ok, 1 unreachable, 2 not finite, 3 singular";
+
+option singleton yes;
+option period no;
+option extra_setup yes;
+function compensate "from command to joint, tilt and status";
+license "GPL"; // what LinuxCNC asks of its modules; this file may be used under GPL-2.0-or-later as well as Apache-2.0
+;;
+
+#include "rtapi_math.h"
+#include "kinematics.h"
+
+$C99$
+#define PARACAL_DEGREES 57.295779513082320877
+
+FUNCTION(compensate) {
+  double joints_rad[PARACAL_LIMBS], tilt_rad[2];
+  int i;
+  status = paracal_compensate(command_x, command_y, command_z, command_c / PARACAL_DEGREES, joints_rad, tilt_rad);
+  if (status != PARACAL_OK) return;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = joints_rad[i] * PARACAL_DEGREES;
+  tilt_x = tilt_rad[0] * PARACAL_DEGREES;
+  tilt_y = tilt_rad[1] * PARACAL_DEGREES;
+}
+
+EXTRA_SETUP() {
+  const int failed = paracal_self_test();
+  (void)__comp_inst, (void)prefix, (void)extra_arg;
+  if (failed) rtapi_print_msg(RTAPI_MSG_ERR, "paracal_kins: pose %d of the self-test failed\n", failed);
+  return failed ? -1 : 0;
+}
+
+/* Axes of the controller that the robot does not move, in the order of their joints. */
+static double* paracal_other_axis(EmcPose* pose, int number) {
+#if PARACAL_LIMBS == 4
+  double* const axes[] = {&pose->a, &pose->b, &pose->u, &pose->v, &pose->w};
+#else
+  double* const axes[] = {&pose->a, &pose->b, &pose->c, &pose->u, &pose->v, &pose->w};
+#endif
+  return number < (int)(sizeof axes / sizeof axes[0]) ? axes[number] : 0;
+}
+
+KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
+
+/* Leaves the joints as they are, the last good ones, where the pose cannot be taken. */
+int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INVERSE_FLAGS* iflags,
+                      KINEMATICS_FORWARD_FLAGS* fflags) {
+  const double phi_rad = PARACAL_LIMBS == 4 ? world->c / PARACAL_DEGREES : 0.0;
+  double joints_rad[PARACAL_LIMBS];
+  EmcPose others = *world;
+  double* axis;
+  int i;
+  (void)iflags, (void)fflags;
+  if (paracal_compensate(world->tran.x, world->tran.y, world->tran.z, phi_rad, joints_rad, 0) != PARACAL_OK) return -1;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = joints_rad[i] * PARACAL_DEGREES;
+  for (i = 0; (axis = paracal_other_axis(&others, i)) != 0; ++i) joints[PARACAL_LIMBS + i] = *axis;
+  return 0;
+}
+
+int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FORWARD_FLAGS* fflags,
+                      KINEMATICS_INVERSE_FLAGS* iflags) {
+  double joints_rad[PARACAL_LIMBS], pose[4];
+  double* axis;
+  int i;
+  (void)iflags, (void)fflags;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints_rad[i] = joints[i] / PARACAL_DEGREES;
+  pose[0] = world->tran.x;
+  pose[1] = world->tran.y;
+  pose[2] = world->tran.z;
+  pose[3] = PARACAL_LIMBS == 4 ? world->c / PARACAL_DEGREES : 0.0;
+  if (paracal_forward(joints_rad, pose) != PARACAL_OK) return -1;
+  world->tran.x = pose[0];
+  world->tran.y = pose[1];
+  world->tran.z = pose[2];
+  if (PARACAL_LIMBS == 4) world->c = pose[3] * PARACAL_DEGREES;
+  for (i = 0; (axis = paracal_other_axis(world, i)) != 0; ++i) *axis = joints[PARACAL_LIMBS + i];
+  return 0;
+}
+
+#ifdef KINS_NOT_SWITCHABLE
+KINS_NOT_SWITCHABLE
+#endif
+EXPORT_SYMBOL(kinematicsType);
+EXPORT_SYMBOL(kinematicsForward);
+EXPORT_SYMBOL(kinematicsInverse);
