@@ -109,6 +109,11 @@ Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b, Scalar fact
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
 }
 
+template <typename Scalar>
+Vector<Scalar> scaled(const Vector<Scalar>& a, Scalar factor) noexcept {
+  return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
 /// x a + y b + z c
 template <typename Scalar>
 Vector<Scalar> combination(const Vector<Scalar>& weights, const Vector<Scalar>& a, const Vector<Scalar>& b,
@@ -147,25 +152,41 @@ ArmDirection<Scalar> close_triangle(const CompensatorLimb<Scalar>& limb, const V
   const Scalar b = diameter * dot(d, limb.normal);
   const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
   const Scalar k = dot(d, d) + limb.arm * limb.arm - rod * rod;
-  const Scalar w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
+  using std::copysign, std::sqrt;
+  const Scalar w = copysign(sqrt(a * a + b * b - k * k), -b);
   return {a * k - b * w, b * k + a * w};
 }
 
-/// Closed form for all limbs, plate level.
+template <typename Scalar, std::size_t N>
+using Arms = std::array<ArmDirection<Scalar>, N>;
+
+/// Closed form for all limbs, plate level. All triangles before the first arctangent: the short chains of arithmetic
+/// then overlap, limb with limb.
+template <std::size_t N, typename Scalar>
+Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
+                           const CompensatorPose<Scalar>& pose) noexcept {
+  const Vector<Scalar> position{pose.x, pose.y, pose.z};
+  Arms<Scalar, N> arms;
+  for (std::size_t i = 0; i < N; ++i) {
+    const Vector<Scalar> joint_at_plate = sum(position, plate_joint(limbs[i], pose.phi));
+    arms[i] = close_triangle(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
+  }
+  return arms;
+}
+
+/// Joint coordinates to command for arms in these directions.
+template <typename Scalar, std::size_t N>
+void joints_of(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs, const Arms<Scalar, N>& arms,
+               CompensatorJoints<Scalar>& joints) noexcept {
+  using std::atan2;
+  for (std::size_t i = 0; i < N; ++i) joints[i] = atan2(arms[i].sine, arms[i].cosine) - limbs[i].joint_offset;
+}
+
 /// @returns whether every limb reaches; joints are then finite.
 template <std::size_t N, typename Scalar>
 bool level_inverse(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
                    const CompensatorPose<Scalar>& pose, CompensatorJoints<Scalar>& joints) noexcept {
-  const Vector<Scalar> position{pose.x, pose.y, pose.z};
-  // All triangles before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
-  std::array<ArmDirection<Scalar>, N> direction;
-  for (std::size_t i = 0; i < N; ++i) {
-    const Vector<Scalar> joint_at_plate = sum(position, plate_joint(limbs[i], pose.phi));
-    direction[i] = close_triangle(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
-  }
-  for (std::size_t i = 0; i < N; ++i) {
-    joints[i] = std::atan2(direction[i].sine, direction[i].cosine) - limbs[i].joint_offset;
-  }
+  joints_of(limbs, level_arms<N>(limbs, pose), joints);
   return all_finite(joints, N);
 }
 
@@ -193,107 +214,226 @@ std::array<Scalar, Size> solve(std::array<std::array<Scalar, Size + 1>, Size>& r
   return solution;
 }
 
-/// R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z) and the axes about which the three angles turn, in {O}.
+/// cos and sin by their series, to 3e-17 for angles within 0.1 rad.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by_series(Scalar angle) noexcept {
+  const Scalar one(1), u = angle * angle;
+  return {one - u / Scalar(2) * (one - u / Scalar(12) * (one - u / Scalar(30) * (one - u / Scalar(56)))),
+          angle * (one - u / Scalar(6) * (one - u / Scalar(20) * (one - u / Scalar(42) * (one - u / Scalar(72)))))};
+}
+
+/// cos and sin of an angle that is nearly always small.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
+  if (std::abs(angle) <= Scalar(0.1)) return turn_by_series(angle);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+/// Columns of R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
 template <typename Scalar>
 struct PlateFrame {
-  Vector<Scalar> x, y, z;  ///< columns of R
-  std::array<Vector<Scalar>, 3> axes;
+  Vector<Scalar> x, y, z;
 
   Vector<Scalar> turned(const Vector<Scalar>& v) const noexcept { return combination(v, x, y, z); }
 };
 
 template <typename Scalar>
 PlateFrame<Scalar> plate_frame(const Vector<Scalar>& tilt) noexcept {
-  const Scalar ca = std::cos(tilt[0]), sa = std::sin(tilt[0]);
-  const Scalar cb = std::cos(tilt[1]), sb = std::sin(tilt[1]);
-  const Scalar cg = std::cos(tilt[2]), sg = std::sin(tilt[2]);
-  const Vector<Scalar> z{sb, -sa * cb, ca * cb};
+  const auto [ca, sa] = turn_by(tilt[0]);
+  const auto [cb, sb] = turn_by(tilt[1]);
+  const auto [cg, sg] = turn_by(tilt[2]);
   return {{cb * cg, ca * sg + sa * sb * cg, sa * sg - ca * sb * cg},
-          {-cb * sg, ca * cg - sa * sb * sg, sa * cg + ca * sb * sg},
-          z,
-          {Vector<Scalar>{Scalar(1), Scalar(0), Scalar(0)}, Vector<Scalar>{Scalar(0), ca, sa}, z}};
+          {-(cb * sg), ca * cg - sa * sb * sg, sa * cg + ca * sb * sg},
+          {sb, -(sa * cb), ca * cb}};
 }
 
-/// An elbow as its rods see it, mm, in {O}, from the base joint: its centre L u_1, and from there to the hinge of
-/// rod 1.
-template <typename Scalar>
-struct ElbowPosition {
-  Vector<Scalar> centre, half;
+/// Where arms and plate are while the tilt is sought; position and slide of the plate are held on the pose.
+template <typename Scalar, std::size_t N>
+struct TiltedPose {
+  Arms<Scalar, N> arms;            ///< of unit length
+  std::array<Scalar, N> turned{};  ///< by how much since the level plate, rad
+  Vector<Scalar> tilt{};           ///< rad
 };
 
-template <typename Scalar>
-ElbowPosition<Scalar> elbow_at(const CompensatorLimb<Scalar>& limb, Scalar joint) noexcept {
-  const Scalar c = std::cos(joint + limb.joint_offset), s = std::sin(joint + limb.joint_offset);
-  const Vector<Scalar> u1 = combination({c, s, Scalar(0)}, limb.radial, limb.normal, limb.axis);
-  const Vector<Scalar> v1 = combination({-s, c, Scalar(0)}, limb.radial, limb.normal, limb.axis);
-  return {sum({}, u1, limb.arm), combination(limb.elbow_half, u1, v1, limb.axis)};
+template <typename Scalar, std::size_t N>
+TiltedPose<Scalar, N> level_pose(const Arms<Scalar, N>& arms) noexcept {
+  using std::sqrt;
+  TiltedPose<Scalar, N> state;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [c, s] = arms[i];
+    const Scalar scale = Scalar(1) / sqrt(c * c + s * s);
+    state.arms[i] = {c * scale, s * scale};
+  }
+  return state;
 }
 
-/// Newton's equations for the joints and the tilt of N limbs, position and slide held on the pose:
-///
-///   J^T (f + J_q dq + J_tilt dtilt) = 0        N + 3 equations in N + 3 unknowns
-///
-/// f_j = |rod_j| - l_j, J = df / d(position, slide, tilt); the last column of a row is the right-hand side.
-template <typename Scalar, std::size_t N>
-struct NewtonSystem {
-  std::array<std::array<Scalar, N + 4>, N + 3> rows{};
+/// What the rods exert on the plate if each is a spring of tension f = |rod| - l. The plate is where the least-squares
+/// closure says when force, moment and the force along the slide are zero (J^T f = 0, J = df / d(plate)).
+template <typename Scalar>
+struct Pull {
+  Vector<Scalar> force{}, moment{};
+  Scalar slide{};
+};
 
-  /// @param gradient  row of J;  @param by_joint  derivative by the joint of that limb.
-  void add_rod(std::size_t limb, const std::array<Scalar, N + 3>& gradient, Scalar by_joint, Scalar residual) noexcept {
-    for (std::size_t r = 0; r < N + 3; ++r) {
-      rows[r][limb] += gradient[r] * by_joint;
-      for (std::size_t k = N; k < N + 3; ++k) rows[r][k] += gradient[r] * gradient[k];
-      rows[r][N + 3] -= gradient[r] * residual;
+template <typename Scalar, std::size_t N>
+Pull<Scalar> pull_of_rods(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
+                          const CompensatorPose<Scalar>& pose, const TiltedPose<Scalar, N>& state) noexcept {
+  using std::sqrt;
+  const PlateFrame<Scalar> frame = plate_frame(state.tilt);
+  Pull<Scalar> pull;
+  for (std::size_t i = 0; i < N; ++i) {
+    const CompensatorLimb<Scalar>& limb = limbs[i];
+    const auto [c, s] = state.arms[i];
+    const Vector<Scalar> u1 = sum(scaled(limb.radial, c), limb.normal, s);
+    const Vector<Scalar> v1 = sum(scaled(limb.normal, c), limb.radial, -s);
+    const Vector<Scalar> elbow = sum(limb.base, u1, limb.arm);
+    const Vector<Scalar> elbow_half = combination(limb.elbow_half, u1, v1, limb.axis);
+    const Vector<Scalar> centre = frame.turned(plate_joint(limb, pose.phi));
+    const Vector<Scalar> plate_half = frame.turned(limb.plate_half);
+    const Vector<Scalar> mean_rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow, Scalar(-1));
+    const Vector<Scalar> half_rod = sum(plate_half, elbow_half, Scalar(-1));
+    Vector<Scalar> both{};
+    for (std::size_t j = 0; j < 2; ++j) {
+      const Scalar side = j == 0 ? Scalar(1) : Scalar(-1);
+      const Vector<Scalar> rod = sum(mean_rod, half_rod, side);
+      const Scalar length = sqrt(dot(rod, rod));
+      const Vector<Scalar> tension = scaled(rod, (length - limb.rod[j]) / length);
+      both = sum(both, tension);
+      pull.moment = sum(pull.moment, cross(sum(centre, plate_half, side), tension));
     }
+    pull.force = sum(pull.force, both);
+    pull.slide = pull.slide + dot(frame.turned(limb.slide), both);
   }
-};
-
-/// Adds both rods of a limb.
-template <typename Scalar, std::size_t N>
-void add_limb(NewtonSystem<Scalar, N>& system, std::size_t number, const CompensatorLimb<Scalar>& limb,
-              const CompensatorPose<Scalar>& pose, const PlateFrame<Scalar>& frame, Scalar joint) noexcept {
-  const ElbowPosition<Scalar> elbow = elbow_at(limb, joint);
-  const Vector<Scalar> centre = plate_joint(limb, pose.phi);
-  const Vector<Scalar> position_from_base = sum({pose.x, pose.y, pose.z}, limb.base, Scalar(-1));
-  const Vector<Scalar> slide = frame.turned(limb.slide);
-  for (std::size_t j = 0; j < 2; ++j) {
-    const Scalar side = j == 0 ? Scalar(1) : Scalar(-1);
-    const Vector<Scalar> hinge = sum(elbow.centre, elbow.half, side);
-    const Vector<Scalar> lever = frame.turned(sum(centre, limb.plate_half, side));
-    const Vector<Scalar> rod = sum(sum(position_from_base, lever), hinge, Scalar(-1));
-    const Scalar length = std::sqrt(dot(rod, rod));
-    const Vector<Scalar> n = sum({}, rod, Scalar(1) / length);
-    const Vector<Scalar> moment = cross(lever, n);
-    std::array<Scalar, N + 3> gradient{n[0], n[1], n[2]};
-    if constexpr (N == 4) gradient[3] = dot(n, slide);
-    for (std::size_t k = 0; k < 3; ++k) gradient[N + k] = dot(frame.axes[k], moment);
-    system.add_rod(number, gradient, -dot(n, cross(limb.axis, hinge)), length - limb.rod[j]);
-  }
+  return pull;
 }
 
-/// From the joints of the level plate to those of the tilted one: the same iteration as inverse
-/// (kinematics/inverse.hpp). It gains three to five digits a step; 20 steps are the most.
+/// Changes of the mean of both rods by which a limb answers a force on the plate: the vectors dual to its motions
+/// (n, n . slide), so that each limb's is orthogonal to the motions of all others.
+template <typename Scalar>
+struct DualMotion {
+  Vector<Scalar> force;
+  Scalar slide{};
+};
+
+template <typename Scalar>
+std::array<DualMotion<Scalar>, 3> dual_motions(const std::array<DualMotion<Scalar>, 3>& m) noexcept {
+  std::array<DualMotion<Scalar>, 3> dual;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector<Scalar> normal = cross(m[(i + 1) % 3].force, m[(i + 2) % 3].force);
+    dual[i] = {scaled(normal, Scalar(1) / dot(normal, m[i].force)), Scalar(0)};
+  }
+  return dual;
+}
+
+template <typename Scalar>
+std::array<DualMotion<Scalar>, 4> dual_motions(const std::array<DualMotion<Scalar>, 4>& m) noexcept {
+  std::array<DualMotion<Scalar>, 4> dual;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& [a, alpha] = m[(i + 1) % 4];
+    const auto& [b, beta] = m[(i + 2) % 4];
+    const auto& [c, gamma] = m[(i + 3) % 4];
+    const Vector<Scalar> bc = cross(b, c);
+    const Vector<Scalar> force = sum(sum(scaled(bc, alpha), cross(c, a), beta), cross(a, b), gamma);
+    const Scalar slide = -dot(a, bc);
+    const Scalar scale = Scalar(1) / (dot(force, m[i].force) + slide * m[i].slide);
+    dual[i] = {scaled(force, scale), slide * scale};
+  }
+  return dual;
+}
+
+/// How arms and plate answer a pull, rods of a limb taken as parallel: J^T (f + J_q dq + J_tilt dtilt) = 0 then falls
+/// apart into limbs and three equations for the tilt. Made once, at the level plate; errors of the tilt group change
+/// it by their own size, so each step leaves that share (a thousandth) of what there was.
+template <typename Scalar, std::size_t N>
+struct Answer {
+  std::array<DualMotion<Scalar>, N> dual;
+  std::array<Vector<Scalar>, N> moment;   ///< plate joint x n
+  std::array<Scalar, N> by_joint;         ///< change of the rods a rad of the arm, mm
+  std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n
+};
+
+template <typename Scalar, std::size_t N>
+Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
+                            const CompensatorPose<Scalar>& pose, const Arms<Scalar, N>& arms) noexcept {
+  using std::sqrt;
+  Answer<Scalar, N> answer;
+  std::array<DualMotion<Scalar>, N> motions;
+  std::array<Vector<Scalar>, 3> tilt{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const CompensatorLimb<Scalar>& limb = limbs[i];
+    const auto [c, s] = arms[i];
+    const Vector<Scalar> centre = plate_joint(limb, pose.phi);
+    const Vector<Scalar> elbow = sum(sum(limb.base, limb.radial, limb.arm * c), limb.normal, limb.arm * s);
+    const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow, Scalar(-1));
+    const Vector<Scalar> n = scaled(rod, Scalar(1) / sqrt(dot(rod, rod)));
+    motions[i] = {n, dot(n, limb.slide)};
+    answer.moment[i] = cross(centre, n);
+    answer.by_joint[i] = limb.arm * (s * dot(n, limb.radial) - c * dot(n, limb.normal));
+    const Vector<Scalar> h = cross(limb.plate_half, n);
+    for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, h[k]);
+  }
+  answer.dual = dual_motions(motions);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector<Scalar> normal = cross(tilt[(k + 1) % 3], tilt[(k + 2) % 3]);
+    answer.by_tilt[k] = scaled(normal, Scalar(0.5) / dot(normal, tilt[k]));
+  }
+  return answer;
+}
+
+/// One step towards equilibrium.
+/// @returns by how much each arm turns and the plate tilts, rad.
+template <typename Scalar, std::size_t N>
+std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
+                               const CompensatorPose<Scalar>& pose, const Answer<Scalar, N>& answer,
+                               TiltedPose<Scalar, N>& state) noexcept {
+  const Pull<Scalar> pull = pull_of_rods(limbs, pose, state);
+  std::array<Scalar, N> both;  // change of the sum of a limb's rods
+  Vector<Scalar> moment = pull.moment;
+  for (std::size_t i = 0; i < N; ++i) {
+    both[i] = -(dot(answer.dual[i].force, pull.force) + answer.dual[i].slide * pull.slide);
+    moment = sum(moment, answer.moment[i], both[i]);
+  }
+  const Vector<Scalar> tilt =
+      scaled(combination(moment, answer.by_tilt[0], answer.by_tilt[1], answer.by_tilt[2]), Scalar(-1));
+  state.tilt = sum(state.tilt, tilt);
+  std::array<Scalar, N + 3> changes;
+  for (std::size_t i = 0; i < N; ++i) {
+    const Scalar turn = (Scalar(0.5) * both[i] - dot(answer.moment[i], tilt)) / answer.by_joint[i];
+    const auto [c, s] = turn_by(turn);
+    const auto [cosine, sine] = state.arms[i];
+    state.arms[i] = {cosine * c - sine * s, sine * c + cosine * s};
+    state.turned[i] = state.turned[i] + turn;
+    changes[i] = turn;
+  }
+  for (std::size_t k = 0; k < 3; ++k) changes[N + k] = tilt[k];
+  return changes;
+}
+
+/// What a step may leave, rad: each of the next would be smaller by the factor between the last two.
+template <typename Scalar>
+inline constexpr Scalar kSettled = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
+
+/// From the joints of the level plate to those of the tilted one, which inverse (kinematics/inverse.hpp) finds by
+/// Newton's iteration; 20 steps are the most, three or four the rule.
 template <std::size_t N, typename Scalar>
 CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const CompensatorPose<Scalar>& pose,
-                          CompensatorJoints<Scalar>& joints, Vector<Scalar>& tilt) noexcept {
-  constexpr int kMaxIterations = 20;
-  // rad, of the last step in the joints: a step more would be smaller by three digits or more; in float it would be
-  // rounding.
-  constexpr Scalar kRounding = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
-  constexpr Scalar kTolerance = kRounding > Scalar(1e-10) ? kRounding : Scalar(1e-10);
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const PlateFrame<Scalar> frame = plate_frame(tilt);
-    NewtonSystem<Scalar, N> system;
-    for (std::size_t i = 0; i < N; ++i) add_limb(system, i, parameters.identified[i], pose, frame, joints[i]);
-    const std::array<Scalar, N + 3> step = solve(system.rows);
-    if (!all_finite(step)) return CompensationStatus::singular;
+                          const Arms<Scalar, N>& level, CompensatorJoints<Scalar>& joints,
+                          Vector<Scalar>& tilt) noexcept {
+  constexpr int kMaxSteps = 20;
+  TiltedPose<Scalar, N> state = level_pose(level);
+  const Answer<Scalar, N> answer = answer_at(parameters.identified, pose, state.arms);
+  Scalar before(1);
+  for (int count = 0; count < kMaxSteps; ++count) {
+    const std::array<Scalar, N + 3> changes = step(parameters.identified, pose, answer, state);
+    if (!all_finite(changes)) break;
     Scalar largest{};
-    for (std::size_t i = 0; i < N; ++i) {
-      joints[i] += step[i];
-      largest = std::abs(step[i]) > largest ? std::abs(step[i]) : largest;
+    for (const Scalar change : changes) largest = std::abs(change) > largest ? std::abs(change) : largest;
+    if (largest <= before && largest * largest <= kSettled<Scalar> * before) {
+      for (std::size_t i = 0; i < N; ++i) joints[i] += state.turned[i];
+      tilt = state.tilt;
+      return all_finite(joints, N) && all_finite(tilt) ? CompensationStatus::ok : CompensationStatus::singular;
     }
-    for (std::size_t k = 0; k < 3; ++k) tilt[k] += step[N + k];
-    if (largest < kTolerance) return all_finite(joints, N) ? CompensationStatus::ok : CompensationStatus::singular;
+    before = largest;
   }
   return CompensationStatus::singular;
 }
@@ -301,8 +441,10 @@ CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const
 template <std::size_t N, typename Scalar>
 CompensationStatus exact(const CompensatorParameters<Scalar>& parameters, const CompensatorPose<Scalar>& pose,
                          CompensatorJoints<Scalar>& joints, Vector<Scalar>& tilt) noexcept {
-  if (!level_inverse<N>(parameters.identified, pose, joints)) return CompensationStatus::unreachable;
-  return parameters.tilts_plate != 0 ? settle<N>(parameters, pose, joints, tilt) : CompensationStatus::ok;
+  const Arms<Scalar, N> arms = level_arms<N>(parameters.identified, pose);
+  joints_of(parameters.identified, arms, joints);
+  if (!all_finite(joints, N)) return CompensationStatus::unreachable;
+  return parameters.tilts_plate != 0 ? settle(parameters, pose, arms, joints, tilt) : CompensationStatus::ok;
 }
 
 /// Rows of the linear error model of one limb at a pose, nominal [huang2016, Eq. (4)].
