@@ -18,10 +18,12 @@
 #include "host.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/path.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "rotarydeltakins.hpp"
 #include "support/virtual_machines.hpp"
 #include "task.hpp"
 
@@ -62,11 +64,31 @@ Pass each_pose(One one) {
   };
 }
 
+/// All poses of the task by one call, in the lanes of vector registers.
+Pass path_pass(const Task& task, const SourceErrors& errors) {
+  std::vector<CompensatorPose<double>> poses;
+  for (const Pose& pose : task.poses) poses.push_back(compensator_pose(pose));
+  return [parameters = compensator_parameters(task.robot, errors), poses,
+          joints = std::vector<CompensatorJoints<double>>(kPoses),
+          statuses = std::vector<CompensationStatus>(kPoses)]() mutable {
+    compensate_path(parameters, poses, joints, statuses);
+    keep(joints);
+  };
+}
+
+/// Both must mean the same robot: on its axis all joints are equal, however they are numbered.
+void check_opponent(const Robot& robot, const RotaryDeltaKins& opponent) {
+  const double z = robot.workspace().centre().z();
+  const double ours = to_degrees(inverse(robot.nominal(), {{0.0, 0.0, z}, 0.0}).joints(0));
+  const double theirs = opponent.inverse(0.0, 0.0, z)[0];
+  fmt::print("joints on the axis at z = {} mm: ours {:.9f} deg, rotarydeltakins {:.9f} deg\n\n", z, ours, theirs);
+}
+
 void report_times(const Task& task) {
   const SourceErrors level = without_tilt_group(task.errors);
   const auto nominal_inverse = [&task](std::size_t k) { keep(inverse(task.robot.nominal(), task.poses[k])); };
   const auto tilted_inverse = [&task](std::size_t k) { keep(inverse(task.machine, task.poses[k])); };
-  const std::vector<Candidate> candidates{
+  std::vector<Candidate> candidates{
       {"nominal inverse of the library", each_pose(nominal_inverse)},
       {"exact, position group", each_pose(Call<double>(task, level, CompensationWay::exact))},
       {"exact, position group, float", each_pose(Call<float>(task, level, CompensationWay::exact))},
@@ -74,8 +96,17 @@ void report_times(const Task& task) {
       {"tilt-aware (Eq. 8), all errors", each_pose(Call<double>(task, task.errors, CompensationWay::tilt_aware))},
       {"exact, all errors", each_pose(Call<double>(task, task.errors, CompensationWay::exact))},
       {"exact, all errors, float", each_pose(Call<float>(task, task.errors, CompensationWay::exact))},
+      {"path in lanes, position group", path_pass(task, level)},
+      {"path in lanes, all errors", path_pass(task, task.errors)},
       {"inverse of the library, all errors", each_pose(tilted_inverse)},
   };
+  if (const std::shared_ptr<RotaryDeltaKins> opponent = RotaryDeltaKins::of(task.robot)) {
+    check_opponent(task.robot, *opponent);
+    candidates.push_back({"LinuxCNC rotarydeltakins, nominal", each_pose([&task, opponent](std::size_t k) {
+                            const Eigen::Vector3d& at = task.poses[k].position;
+                            keep(opponent->inverse(at.x(), at.y(), at.z()));
+                          })});
+  }
   std::vector<Pass> passes;
   passes.reserve(candidates.size());
   for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);

@@ -21,6 +21,7 @@
 #include "paracal/compensation/compensator.hpp"
 #include "paracal/compensation/parameter_buffer.hpp"
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/path.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/chunks.hpp"

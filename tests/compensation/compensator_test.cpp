@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/path.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "support/robots.hpp"
@@ -218,6 +219,40 @@ TEST_P(CompensatorLaw, ARigidPlateDoesNotTurn) {
       compensate(parameters, CompensationWay::exact, {home.x(), home.y(), home.z(), 0.1}, joints);
   EXPECT_EQ(status, robot.slide() ? CompensationStatus::ok : CompensationStatus::unreachable);
   EXPECT_EQ(joints == kLast, !robot.slide());
+}
+
+/// Lanes do as one call after the other does, bad poses among good ones included, whatever their number.
+TEST_P(CompensatorLaw, APathIsItsPoses) {
+  for (const std::size_t size : {0, 1, 7, 8, 9, 1003}) {
+    for (int number = 0; number < 9; ++number) {
+      const auto parameters = compensator_parameters(robot, errors_of(number));
+      std::vector<CompensatorPose<double>> poses;
+      for (std::size_t k = 0; k < size; ++k) {
+        poses.push_back(compensator_pose(random.pose(robot)));
+        if (k % 11 == 3) poses.back().z = k % 2 == 0 ? -5000.0 : std::nan("");
+        if (k % 13 == 4) poses.back().phi = 0.3;
+      }
+      std::vector<CompensatorJoints<double>> joints(size, kLast), expected(size, kLast);
+      std::vector<CompensatorTilt<double>> tilts(size), expected_tilts(size);
+      std::vector<CompensationStatus> statuses(size);
+      compensate_path(parameters, poses, joints, statuses, tilts);
+      for (std::size_t k = 0; k < size; ++k) {
+        ASSERT_EQ(statuses[k],
+                  compensate(parameters, CompensationWay::exact, poses[k], expected[k], &expected_tilts[k]));
+        const double tolerance = parameters.tilts_plate != 0 ? 1e-12 : 2e-15;
+        for (std::size_t i = 0; i < kCompensatorLimbs; ++i) EXPECT_NEAR(joints[k][i], expected[k][i], tolerance);
+        EXPECT_NEAR(tilts[k].eps_x, expected_tilts[k].eps_x, 1e-10);
+        EXPECT_NEAR(tilts[k].eps_y, expected_tilts[k].eps_y, 1e-10);
+      }
+    }
+  }
+}
+
+TEST_P(CompensatorLaw, APathWithoutRoomForItsJointsIsRefused) {
+  const std::vector<CompensatorPose<double>> poses(2);
+  std::vector<CompensatorJoints<double>> joints(1);
+  std::vector<CompensationStatus> statuses(2);
+  EXPECT_THROW(compensate_path(compensator_parameters(robot, {}), poses, joints, statuses), std::invalid_argument);
 }
 
 /// Any bits as a pose, and as parameters too.
