@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +65,22 @@ Pass each_pose(One one) {
   };
 }
 
+/// U of each pose, whatever the covariance.
+Pass uncertainty_pass(const Task& task) {
+  std::vector<CompensatorPose<double>> poses;
+  for (const Pose& pose : task.poses) poses.push_back(compensator_pose(pose));
+  CompensatorCovariance<double> covariance{};
+  for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k][k] = 1e-6;
+  return [parameters = compensator_parameters(task.robot, task.errors), poses,
+          covariance = std::make_shared<const CompensatorCovariance<double>>(covariance)] {
+    CompensatorUncertainty<double> uncertainty;
+    for (const CompensatorPose<double>& pose : poses) {
+      keep(stated_uncertainty(parameters, *covariance, pose, uncertainty));
+      keep(uncertainty);
+    }
+  };
+}
+
 /// All poses of the task by one call, in the lanes of vector registers.
 Pass path_pass(const Task& task, const SourceErrors& errors) {
   std::vector<CompensatorPose<double>> poses;
@@ -98,6 +115,7 @@ void report_times(const Task& task) {
       {"exact, all errors, float", each_pose(Call<float>(task, task.errors, CompensationWay::exact))},
       {"path in lanes, position group", path_pass(task, level)},
       {"path in lanes, all errors", path_pass(task, task.errors)},
+      {"stated uncertainty", uncertainty_pass(task)},
       {"inverse of the library, all errors", each_pose(tilted_inverse)},
   };
   if (const std::shared_ptr<RotaryDeltaKins> opponent = RotaryDeltaKins::of(task.robot)) {

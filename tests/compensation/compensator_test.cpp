@@ -8,9 +8,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <random>
 #include <utility>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/compensation/path.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -185,6 +187,64 @@ TEST_P(CompensatorLaw, TheTargetsNominalInverseGivesTheJoints) {
   }
 }
 
+// ---- stated uncertainty
+
+/// Some covariance of all errors, correlated between limbs and groups; standard deviations of a tenth of the
+/// tolerances.
+KnownErrors known_with_covariance(const Robot& robot, const SourceErrors& errors, test::Random& random) {
+  KnownErrors known{errors, {}, {}};
+  const Tolerances tolerances = tolerances_of(robot);
+  std::vector<double> stds;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      known.parameters.push_back({limb, source});
+      stds.push_back(0.1 * tolerances.std(source));
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(stds.size());
+  Eigen::MatrixXd root(n, n);
+  for (Eigen::Index r = 0; r < n; ++r) {
+    for (Eigen::Index c = 0; c < n; ++c) root(r, c) = stds[static_cast<std::size_t>(r)] * random.uniform(-1.0, 1.0);
+  }
+  known.covariance = root * root.transpose();
+  return known;
+}
+
+/// The linear model at the nominal machine against the exact derivative at the identified one.
+TEST_P(CompensatorLaw, TheStatedUncertaintyIsThePredictions) {
+  double worst = 0.0;
+  for (int number = 0; number < test::machines(20); ++number) {
+    const KnownErrors known = known_with_covariance(robot, test::table4_machine(robot, number), random);
+    const auto parameters = compensator_parameters(robot, known.errors);
+    const auto covariance = compensator_covariance(robot, known.parameters, known.covariance);
+    for (int k = 0; k < 20; ++k) {
+      const CompensatorPose<double> pose = compensator_pose(random.pose(robot));
+      CompensatorJoints<double> joints{};
+      CompensatorUncertainty<double> stated;
+      ASSERT_EQ(compensate(parameters, CompensationWay::exact, pose, joints), CompensationStatus::ok);
+      ASSERT_EQ(stated_uncertainty(parameters, covariance, pose, stated), CompensationStatus::ok);
+      const Eigen::Matrix4d expected = predict(robot, known, compensated_joints(robot, joints)).covariance;
+      const Eigen::Vector4d U = 2.0 * expected.diagonal().cwiseSqrt();
+      const Eigen::Vector4d difference = Eigen::Vector4d(stated.x, stated.y, stated.z, stated.phi) - U;
+      worst = std::max(worst, difference.head<3>().cwiseAbs().maxCoeff() / U.head<3>().maxCoeff());
+      EXPECT_LE(std::abs(difference(3)), 0.03 * U(3));
+    }
+  }
+  RecordProperty("share", fmt::format("{:.2g}", worst));
+  EXPECT_LT(worst, 0.03);
+  EXPECT_GT(worst, 0.0);
+}
+
+TEST_P(CompensatorLaw, WhereThereIsNoPoseThereIsNoUncertainty) {
+  const auto parameters = compensator_parameters(robot, errors_of(1));
+  const CompensatorCovariance<double> covariance{};
+  CompensatorUncertainty<double> stated{1.0, 2.0, 3.0, 4.0};
+  EXPECT_EQ(stated_uncertainty(parameters, covariance, {0, 0, -5000, 0}, stated), CompensationStatus::unreachable);
+  EXPECT_EQ(stated_uncertainty(parameters, covariance, {0, std::nan(""), -900, 0}, stated),
+            CompensationStatus::not_finite);
+  EXPECT_EQ(stated.x, 1.0);
+}
+
 // ---- what a controller must survive
 
 constexpr CompensatorJoints<double> kLast{0.1, 0.2, 0.3, 0.4};
@@ -262,6 +322,10 @@ void survive(const CompensatorParameters<Scalar>& good, int calls) {
   const auto any = [&] { return std::bit_cast<Scalar>(static_cast<Bits>(engine())); };
   const auto some = [&] { return engine() % 2 == 0 ? any() : static_cast<Scalar>(engine() % 2000) - Scalar(1000); };
   CompensatorParameters<Scalar> parameters = good;
+  const auto covariance = std::make_unique<CompensatorCovariance<Scalar>>();
+  for (auto& row : *covariance) {
+    for (Scalar& one : row) one = some();
+  }
   for (int call = 0; call < calls; ++call) {
     if (call % 8 == 0) parameters = good;
     parameters.identified[engine() % 4].arm = call % 3 == 0 ? any() : good.identified[0].arm;
@@ -271,6 +335,11 @@ void survive(const CompensatorParameters<Scalar>& good, int calls) {
     CompensatorTilt<Scalar> tilt{};
     const auto way = static_cast<CompensationWay>(engine() % 3);
     const CompensationStatus status = compensate(call % 2 == 0 ? good : parameters, way, pose, joints, &tilt);
+    CompensatorUncertainty<Scalar> stated;
+    if (stated_uncertainty(parameters, *covariance, pose, stated) == CompensationStatus::ok) {
+      ASSERT_TRUE(std::isfinite(stated.x) && std::isfinite(stated.y) && std::isfinite(stated.z));
+      ASSERT_TRUE(std::isfinite(stated.phi));
+    }
     if (status != CompensationStatus::ok) continue;
     for (const Scalar joint : joints) ASSERT_TRUE(std::isfinite(joint));
     ASSERT_TRUE(std::isfinite(tilt.eps_x) && std::isfinite(tilt.eps_y));
@@ -281,6 +350,26 @@ TEST_P(CompensatorLaw, RandomBitsNeverGiveNonsenseAsGood) {
   const int calls = test::machines(200'000);
   survive<double, std::uint64_t>(compensator_parameters(robot, errors_of(1)), calls);
   survive<float, std::uint32_t>(compensator_parameters<float>(robot, errors_of(1)), calls);
+}
+
+TEST_P(CompensatorLaw, RandomBitsInAPathAreJudgedAsAlone) {
+  std::mt19937_64 engine(4);
+  const auto parameters = compensator_parameters(robot, errors_of(1));
+  std::vector<CompensatorPose<double>> poses(static_cast<std::size_t>(test::machines(20'000)));
+  for (CompensatorPose<double>& pose : poses) {
+    pose = compensator_pose(random.pose(robot));
+    for (double* one : {&pose.x, &pose.y, &pose.z, &pose.phi}) {
+      if (engine() % 8 == 0) *one = std::bit_cast<double>(engine());
+    }
+  }
+  std::vector<CompensatorJoints<double>> joints(poses.size(), kLast);
+  std::vector<CompensationStatus> statuses(poses.size());
+  compensate_path(parameters, poses, joints, statuses);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    CompensatorJoints<double> expected = kLast;
+    ASSERT_EQ(statuses[k], compensate(parameters, CompensationWay::exact, poses[k], expected));
+    for (std::size_t i = 0; i < kCompensatorLimbs; ++i) ASSERT_NEAR(joints[k][i], expected[i], 1e-9);
+  }
 }
 
 PARACAL_ON_EVERY_ROBOT(CompensatorLaw);

@@ -2,6 +2,7 @@
 // run-time types. That this file compiles is the test.
 
 #include "paracal/compensation/parameter_buffer.hpp"
+#include "paracal/compensation/stated_uncertainty.hpp"
 
 #include <utility>
 
@@ -18,3 +19,10 @@ template class paracal::ParameterReader<float>;
 
 using Compensator = paracal::Compensator<double>;
 static_assert(noexcept(std::declval<const Compensator&>().compensate({}, std::declval<std::array<double, 4>&>())));
+static_assert(noexcept(paracal::stated_uncertainty(std::declval<const paracal::CompensatorParameters<float>&>(),
+                                                   std::declval<const paracal::CompensatorCovariance<float>&>(), {},
+                                                   std::declval<paracal::CompensatorUncertainty<float>&>())));
+template paracal::CompensationStatus paracal::stated_uncertainty(const CompensatorParameters<double>&,
+                                                                 const CompensatorCovariance<double>&,
+                                                                 const CompensatorPose<double>&,
+                                                                 CompensatorUncertainty<double>&) noexcept;

@@ -190,28 +190,15 @@ bool level_inverse(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>&
   return all_finite(joints, N);
 }
 
-/// Solves rows [A | b] by elimination with the largest pivot of each column.
-/// @returns the solution; not finite where A is singular.
-template <typename Scalar, std::size_t Size>
-std::array<Scalar, Size> solve(std::array<std::array<Scalar, Size + 1>, Size>& rows) noexcept {
-  for (std::size_t k = 0; k < Size; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t r = k + 1; r < Size; ++r) {
-      if (std::abs(rows[r][k]) > std::abs(rows[pivot][k])) pivot = r;
-    }
-    if (pivot != k) rows[k].swap(rows[pivot]);
-    for (std::size_t r = k + 1; r < Size; ++r) {
-      const Scalar factor = rows[r][k] / rows[k][k];
-      for (std::size_t c = k + 1; c <= Size; ++c) rows[r][c] -= factor * rows[k][c];
-    }
+/// Rows of the inverse of a symmetric matrix; not finite where it is singular.
+template <typename Scalar>
+std::array<Vector<Scalar>, 3> inverse_of_symmetric(const std::array<Vector<Scalar>, 3>& rows) noexcept {
+  std::array<Vector<Scalar>, 3> inverse;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector<Scalar> normal = cross(rows[(k + 1) % 3], rows[(k + 2) % 3]);
+    inverse[k] = scaled(normal, Scalar(1) / dot(normal, rows[k]));
   }
-  std::array<Scalar, Size> solution{};
-  for (std::size_t k = Size; k-- > 0;) {
-    Scalar rest = rows[k][Size];
-    for (std::size_t c = k + 1; c < Size; ++c) rest -= rows[k][c] * solution[c];
-    solution[k] = rest / rows[k][k];
-  }
-  return solution;
+  return inverse;
 }
 
 /// cos and sin by their series, to 3e-17 for angles within 0.1 rad.
@@ -307,36 +294,36 @@ Pull<Scalar> pull_of_rods(const std::array<CompensatorLimb<Scalar>, kCompensator
   return pull;
 }
 
-/// Changes of the mean of both rods by which a limb answers a force on the plate: the vectors dual to its motions
-/// (n, n . slide), so that each limb's is orthogonal to the motions of all others.
+/// Change of a limb's mean rod by motions of the plate: n by its position, n . slide by phi (mm a rad). Their dual has
+/// the same shape: how the plate moves if this limb's rod alone changes by 1 mm, the others being orthogonal to it.
 template <typename Scalar>
-struct DualMotion {
-  Vector<Scalar> force;
-  Scalar slide{};
+struct RodMotion {
+  Vector<Scalar> position{};
+  Scalar phi{};
 };
 
 template <typename Scalar>
-std::array<DualMotion<Scalar>, 3> dual_motions(const std::array<DualMotion<Scalar>, 3>& m) noexcept {
-  std::array<DualMotion<Scalar>, 3> dual;
+std::array<RodMotion<Scalar>, 3> dual_motions(const std::array<RodMotion<Scalar>, 3>& m) noexcept {
+  std::array<RodMotion<Scalar>, 3> dual;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vector<Scalar> normal = cross(m[(i + 1) % 3].force, m[(i + 2) % 3].force);
-    dual[i] = {scaled(normal, Scalar(1) / dot(normal, m[i].force)), Scalar(0)};
+    const Vector<Scalar> normal = cross(m[(i + 1) % 3].position, m[(i + 2) % 3].position);
+    dual[i] = {scaled(normal, Scalar(1) / dot(normal, m[i].position)), Scalar(0)};
   }
   return dual;
 }
 
 template <typename Scalar>
-std::array<DualMotion<Scalar>, 4> dual_motions(const std::array<DualMotion<Scalar>, 4>& m) noexcept {
-  std::array<DualMotion<Scalar>, 4> dual;
+std::array<RodMotion<Scalar>, 4> dual_motions(const std::array<RodMotion<Scalar>, 4>& m) noexcept {
+  std::array<RodMotion<Scalar>, 4> dual;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto& [a, alpha] = m[(i + 1) % 4];
     const auto& [b, beta] = m[(i + 2) % 4];
     const auto& [c, gamma] = m[(i + 3) % 4];
     const Vector<Scalar> bc = cross(b, c);
-    const Vector<Scalar> force = sum(sum(scaled(bc, alpha), cross(c, a), beta), cross(a, b), gamma);
-    const Scalar slide = -dot(a, bc);
-    const Scalar scale = Scalar(1) / (dot(force, m[i].force) + slide * m[i].slide);
-    dual[i] = {scaled(force, scale), slide * scale};
+    const Vector<Scalar> position = sum(sum(scaled(bc, alpha), cross(c, a), beta), cross(a, b), gamma);
+    const Scalar phi = -dot(a, bc);
+    const Scalar scale = Scalar(1) / (dot(position, m[i].position) + phi * m[i].phi);
+    dual[i] = {scaled(position, scale), phi * scale};
   }
   return dual;
 }
@@ -346,7 +333,7 @@ std::array<DualMotion<Scalar>, 4> dual_motions(const std::array<DualMotion<Scala
 /// it by their own size, so each step leaves that share (a thousandth) of what there was.
 template <typename Scalar, std::size_t N>
 struct Answer {
-  std::array<DualMotion<Scalar>, N> dual;
+  std::array<RodMotion<Scalar>, N> dual;
   std::array<Vector<Scalar>, N> moment;   ///< plate joint x n
   std::array<Scalar, N> by_joint;         ///< change of the rods a rad of the arm, mm
   std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n
@@ -357,7 +344,7 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
                             const CompensatorPose<Scalar>& pose, const Arms<Scalar, N>& arms) noexcept {
   using std::sqrt;
   Answer<Scalar, N> answer;
-  std::array<DualMotion<Scalar>, N> motions;
+  std::array<RodMotion<Scalar>, N> motions;
   std::array<Vector<Scalar>, 3> tilt{};
   for (std::size_t i = 0; i < N; ++i) {
     const CompensatorLimb<Scalar>& limb = limbs[i];
@@ -370,13 +357,10 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
     answer.moment[i] = cross(centre, n);
     answer.by_joint[i] = limb.arm * (s * dot(n, limb.radial) - c * dot(n, limb.normal));
     const Vector<Scalar> h = cross(limb.plate_half, n);
-    for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, h[k]);
+    for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, Scalar(2) * h[k]);
   }
   answer.dual = dual_motions(motions);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vector<Scalar> normal = cross(tilt[(k + 1) % 3], tilt[(k + 2) % 3]);
-    answer.by_tilt[k] = scaled(normal, Scalar(0.5) / dot(normal, tilt[k]));
-  }
+  answer.by_tilt = inverse_of_symmetric(tilt);
   return answer;
 }
 
@@ -390,7 +374,7 @@ std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompen
   std::array<Scalar, N> both;  // change of the sum of a limb's rods
   Vector<Scalar> moment = pull.moment;
   for (std::size_t i = 0; i < N; ++i) {
-    both[i] = -(dot(answer.dual[i].force, pull.force) + answer.dual[i].slide * pull.slide);
+    both[i] = -(dot(answer.dual[i].position, pull.force) + answer.dual[i].phi * pull.slide);
     moment = sum(moment, answer.moment[i], both[i]);
   }
   const Vector<Scalar> tilt =
@@ -450,42 +434,50 @@ CompensationStatus exact(const CompensatorParameters<Scalar>& parameters, const 
 /// Rows of the linear error model of one limb at a pose, nominal [huang2016, Eq. (4)].
 template <typename Scalar>
 struct LinearLimb {
-  Scalar position_error;      ///< B_d dp_d, mm
-  Scalar tilt_error;          ///< B_e dp_e, rad
+  std::array<Scalar, 8> B_d;  ///< of dp_d (CompensatorParameters::position_errors)
+  std::array<Scalar, 6> B_e;  ///< of dp_e (CompensatorParameters::tilt_errors)
   Vector<Scalar> A_de, A_ee;  ///< mm and 1
   Scalar by_joint;            ///< B_m, mm a rad
+  Vector<Scalar> rod;         ///< l, unit vector
 };
 
 template <typename Scalar>
-LinearLimb<Scalar> linear_limb(const CompensatorParameters<Scalar>& parameters, std::size_t i,
-                               const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
-  const CompensatorLimb<Scalar>& limb = parameters.nominal[i];
-  const std::array<Scalar, 8>& p = parameters.position_errors[i];
-  const std::array<Scalar, 6>& e = parameters.tilt_errors[i];
+LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorPose<Scalar>& pose,
+                               Scalar joint) noexcept {
   const Scalar c = std::cos(joint), s = std::sin(joint);
   const Vector<Scalar> u1 = combination({c, s, Scalar(0)}, limb.radial, limb.normal, limb.axis);
   const Vector<Scalar> v1 = combination({-s, c, Scalar(0)}, limb.radial, limb.normal, limb.axis);
   const Vector<Scalar> a = plate_joint(limb, pose.phi);
   const Vector<Scalar> elbow = sum(limb.base, u1, limb.arm);
   const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, a), elbow, Scalar(-1));
-  const Vector<Scalar> l = sum({}, rod, Scalar(1) / std::sqrt(dot(rod, rod)));
+  const Vector<Scalar> l = scaled(rod, Scalar(1) / std::sqrt(dot(rod, rod)));
   const Scalar lu = dot(l, u1), lv = dot(l, v1), lw = dot(l, limb.axis);
-  return {p[0] * lv + dot({p[1], p[2], p[3]}, l) + p[4] * lu + (p[5] * s - p[6] * c) * lw + p[7],
-          e[0] + e[1] * lw - e[2] * dot(l, limb.normal) + e[3] * dot(l, limb.radial) - e[4] * lv + e[5] * lu,
-          cross(a, l), cross(limb.axis, l), limb.arm * lv};
+  return {{lv, l[0], l[1], l[2], lu, s * lw, -(c * lw), Scalar(1)},
+          {Scalar(1), lw, -dot(l, limb.normal), dot(l, limb.radial), -lv, lu},
+          cross(a, l),
+          cross(limb.axis, l),
+          limb.arm * lv,
+          l};
 }
 
-/// epsilon = A_ee^+ B_e dp_e, rad [huang2016, Eq. (6)].
+template <typename Scalar, std::size_t Size>
+Scalar inner(const std::array<Scalar, Size>& a, const std::array<Scalar, Size>& b) noexcept {
+  Scalar value{};
+  for (std::size_t k = 0; k < Size; ++k) value += a[k] * b[k];
+  return value;
+}
+
+/// A_ee^+ a limb: epsilon = sum of its columns, each times B_e dp_e of its limb, rad [huang2016, Eq. (6)].
 template <std::size_t N, typename Scalar>
-Vector<Scalar> linear_tilt(const std::array<LinearLimb<Scalar>, N>& limbs) noexcept {
-  std::array<std::array<Scalar, 4>, 3> normal{};  // [A_ee^T A_ee | A_ee^T B_e dp_e]
+std::array<Vector<Scalar>, N> tilt_by_limb(const std::array<LinearLimb<Scalar>, N>& limbs) noexcept {
+  std::array<Vector<Scalar>, 3> normal{};  // A_ee^T A_ee
   for (const LinearLimb<Scalar>& limb : limbs) {
-    for (std::size_t r = 0; r < 3; ++r) {
-      for (std::size_t c = 0; c < 3; ++c) normal[r][c] += limb.A_ee[r] * limb.A_ee[c];
-      normal[r][3] += limb.A_ee[r] * limb.tilt_error;
-    }
+    for (std::size_t r = 0; r < 3; ++r) normal[r] = sum(normal[r], limb.A_ee, limb.A_ee[r]);
   }
-  return solve(normal);
+  const std::array<Vector<Scalar>, 3> inverse = inverse_of_symmetric(normal);
+  std::array<Vector<Scalar>, N> columns;
+  for (std::size_t i = 0; i < N; ++i) columns[i] = combination(limbs[i].A_ee, inverse[0], inverse[1], inverse[2]);
+  return columns;
 }
 
 /// q = q_nominal - B_m^-1 (B_d dp_d - A_de epsilon)    [huang2016, Eq. (8)]; without epsilon Eqs. (22), (23).
@@ -494,11 +486,14 @@ CompensationStatus linear(const CompensatorParameters<Scalar>& parameters, const
                           bool tilt_aware, CompensatorJoints<Scalar>& joints, Vector<Scalar>& tilt) noexcept {
   if (!level_inverse<N>(parameters.nominal, pose, joints)) return CompensationStatus::unreachable;
   std::array<LinearLimb<Scalar>, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = linear_limb(parameters, i, pose, joints[i]);
-  if (parameters.tilts_plate != 0) tilt = linear_tilt<N>(limbs);
+  for (std::size_t i = 0; i < N; ++i) limbs[i] = linear_limb(parameters.nominal[i], pose, joints[i]);
+  if (parameters.tilts_plate != 0) {
+    const std::array<Vector<Scalar>, N> columns = tilt_by_limb<N>(limbs);
+    for (std::size_t i = 0; i < N; ++i) tilt = sum(tilt, columns[i], inner(limbs[i].B_e, parameters.tilt_errors[i]));
+  }
   for (std::size_t i = 0; i < N; ++i) {
     const Scalar coupling = tilt_aware ? dot(limbs[i].A_de, tilt) : Scalar(0);
-    joints[i] -= (limbs[i].position_error - coupling) / limbs[i].by_joint;
+    joints[i] -= (inner(limbs[i].B_d, parameters.position_errors[i]) - coupling) / limbs[i].by_joint;
   }
   return all_finite(joints, N) && all_finite(tilt) ? CompensationStatus::ok : CompensationStatus::singular;
 }
@@ -509,6 +504,15 @@ CompensationStatus compensate(const CompensatorParameters<Scalar>& parameters, C
                               Vector<Scalar>& tilt) noexcept {
   if (way == CompensationWay::exact) return exact<N>(parameters, pose, joints, tilt);
   return linear<N>(parameters, pose, way == CompensationWay::tilt_aware, joints, tilt);
+}
+
+/// Whether a pose may be asked for at all.
+template <typename Scalar>
+CompensationStatus asked(const CompensatorParameters<Scalar>& parameters,
+                         const CompensatorPose<Scalar>& pose) noexcept {
+  if (!all_finite(std::array{pose.x, pose.y, pose.z, pose.phi})) return CompensationStatus::not_finite;
+  const bool turns = parameters.limb_count == 4 || pose.phi == Scalar(0);
+  return turns ? CompensationStatus::ok : CompensationStatus::unreachable;
 }
 
 }  // namespace compensation_detail
@@ -527,15 +531,12 @@ template <typename Scalar>
 [[nodiscard]] CompensationStatus compensate(const CompensatorParameters<Scalar>& parameters, CompensationWay way,
                                             const CompensatorPose<Scalar>& pose, CompensatorJoints<Scalar>& joints,
                                             CompensatorTilt<Scalar>* tilt = nullptr) noexcept {
-  using compensation_detail::all_finite;
-  if (!all_finite(std::array{pose.x, pose.y, pose.z, pose.phi})) return CompensationStatus::not_finite;
-  const bool has_slide = parameters.limb_count == 4;
-  if (!has_slide && pose.phi != Scalar(0)) return CompensationStatus::unreachable;
+  CompensationStatus status = compensation_detail::asked(parameters, pose);
+  if (status != CompensationStatus::ok) return status;
   CompensatorJoints<Scalar> answer{};
   CompensatorVector<Scalar> remaining{};
-  const CompensationStatus status = has_slide
-                                        ? compensation_detail::compensate<4>(parameters, way, pose, answer, remaining)
-                                        : compensation_detail::compensate<3>(parameters, way, pose, answer, remaining);
+  status = parameters.limb_count == 4 ? compensation_detail::compensate<4>(parameters, way, pose, answer, remaining)
+                                      : compensation_detail::compensate<3>(parameters, way, pose, answer, remaining);
   if (status != CompensationStatus::ok) return status;
   joints = answer;
   if (tilt != nullptr) *tilt = {remaining[0], remaining[1]};

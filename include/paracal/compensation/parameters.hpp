@@ -1,8 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <vector>
 
-#include "paracal/compensation/compensator.hpp"
+#include "paracal/compensation/stated_uncertainty.hpp"
+#include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
@@ -15,6 +18,24 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
 
 extern template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+
+/// Covariance of identified errors as the compensator takes it.
+/// @param parameters  what the rows belong to: anything with `limb` (from 0) and `source`, as of a Calibration.
+/// @param covariance  of these, mm and rad.
+template <typename Parameter>
+CompensatorCovariance<double> compensator_covariance(const Robot& robot, const std::vector<Parameter>& parameters,
+                                                     const Eigen::MatrixXd& covariance) {
+  CompensatorCovariance<double> scaled{};
+  const auto at = [](const Parameter& one) { return one.limb * kCompensatorErrors + index(one.source); };
+  for (std::size_t r = 0; r < parameters.size(); ++r) {
+    for (std::size_t c = 0; c < parameters.size(); ++c) {
+      scaled[at(parameters[r])][at(parameters[c])] =
+          paper_scale(robot, parameters[r].source) * paper_scale(robot, parameters[c].source) *
+          covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+    }
+  }
+  return scaled;
+}
 
 /// A pose of the library as the compensator takes it.
 template <typename Scalar = double>
