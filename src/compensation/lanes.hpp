@@ -45,6 +45,8 @@ inline Lanes sqrt(const Lanes& a) {
 
 inline Lanes abs(const Lanes& a) { return choose(a.values < 0.0, -a, a); }
 
+inline Lanes::Mask is_finite(const Lanes& a) { return abs(a).values <= std::numeric_limits<double>::max(); }
+
 /// Of signs other than those of zeros.
 inline Lanes copysign(const Lanes& size, const Lanes& sign) {
   const Lanes positive = abs(size);

@@ -51,7 +51,7 @@ void settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
       largest = choose(abs(change).values > largest.values, abs(change), largest);
       sum = sum + change;
     }
-    const Lanes::Mask finite = (sum - sum).values == 0.0;
+    const Lanes::Mask finite = is_finite(sum);
     settled |= finite & (largest.values <= before.values) &
                ((largest * largest).values <= (Lanes(compensation_detail::kSettled<double>) * before).values);
     bool done = true;
@@ -70,7 +70,7 @@ void solve(const Limbs& limbs, bool tilts_plate, Block& block) {
   compensation_detail::joints_of(limbs, arms, block.joints);
   block.good = block.pose.phi.values == (N == 4 ? block.pose.phi : Lanes(0.0)).values;
   if (tilts_plate) settle<N>(limbs, arms, block);
-  for (std::size_t i = 0; i < N; ++i) block.good &= (block.joints[i] - block.joints[i]).values == 0.0;
+  for (std::size_t i = 0; i < N; ++i) block.good &= is_finite(block.joints[i]);
 }
 
 PARACAL_FOR_EVERY_WIDTH

@@ -85,7 +85,7 @@ CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& param
       add(2 * i + 1, 2 * j + 1, quadratic(covariance, tilt_row, tilt_column, limbs[i].B_e, limbs[j].B_e));
     }
   }
-  for (Scalar& one : variance) one = one > Scalar(0) ? std::sqrt(one) : one - one;  // rounding below zero; NaN stays
+  for (Scalar& one : variance) one = std::sqrt(one < Scalar(0) ? Scalar(0) : one);  // rounding below zero; NaN stays
   if (!all_finite(variance)) return CompensationStatus::singular;
   constexpr Scalar kCoverage(2);
   uncertainty = {kCoverage * variance[0], kCoverage * variance[1], kCoverage * variance[2], kCoverage * variance[3]};
