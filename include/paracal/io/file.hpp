@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -12,12 +14,39 @@ struct TextFile {
   std::string text;
 };
 
+/// A file's text as it comes, for files that are not held in memory.
+struct TextStream {
+  std::string name;
+  std::istream& text;
+};
+
+/// @throws InputFileError when the file cannot be opened.
+std::ifstream open_file(const std::filesystem::path& path);
+
 /// @throws InputFileError when the file cannot be read.
 TextFile read_file(const std::filesystem::path& path);
 
-/// Writes the file whole or not at all: into a neighbour first, which is then renamed over it.
+/// A file that comes to be whole or not at all: pieces go into a neighbour, which commit() renames over it. What is not
+/// committed is gone with this object, and what stood at `path` is still there.
 /// A link stays and its target is replaced, keeping its mode; pipes and devices are written into.
-/// @throws Error when the folder cannot be written; what stood at `path` is then still there.
+class OutputFile {
+ public:
+  /// @throws Error when the folder cannot be written; so do the others.
+  explicit OutputFile(const std::filesystem::path& path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  void write(std::string_view text);
+  void commit();
+
+ private:
+  std::filesystem::path target_;
+  std::string neighbour_ = {};  ///< empty: pipes and devices cannot be replaced by a file; empty again once renamed
+  int descriptor_ = -1;
+};
+
+/// One text as an OutputFile.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// SHA-256 in hexadecimal.
