@@ -9,13 +9,11 @@
 #include "embedded.hpp"
 #include "paracal/compensation/export.hpp"
 #include "paracal/compensation/parameters.hpp"
-#include "paracal/error.hpp"
+#include "paracal/compensation/self_test.hpp"
 #include "paracal/version.hpp"
 
 namespace paracal {
-namespace {
 
-/// Text that cannot end a comment or a string.
 std::string harmless(std::string text) {
   const auto is_harmful = [](unsigned char c) {
     return std::isprint(c) == 0 || c == '"' || c == '\\' || c == '*' || c == '?' || c == '$';
@@ -23,6 +21,8 @@ std::string harmless(std::string text) {
   std::ranges::replace_if(text, is_harmful, '_');
   return text;
 }
+
+namespace {
 
 std::string braced(const auto& numbers) { return fmt::format("{{{}}}", fmt::join(numbers, ", ")); }
 
@@ -39,29 +39,13 @@ std::string limb_constants(const CompensatorParameters<double>& parameters) {
   return text;
 }
 
-struct SelfTest {
-  int count = 0;
-  std::string vector;
-};
-
-/// The centre of the workspace and its rims, as far as the machine reaches.
-SelfTest self_test(const Robot& robot, const CompensatorParameters<double>& parameters) {
-  std::vector<Pose> poses{{robot.workspace().centre(), 0.0}};
-  std::ranges::copy(robot.workspace().rim(3), std::back_inserter(poses));
-  SelfTest test;
-  for (const Pose& pose : poses) {
-    CompensatorJoints<double> joints{};
-    const CompensatorPose<double> wanted = compensator_pose(pose);
-    if (compensate(parameters, CompensationWay::exact, wanted, joints) != CompensationStatus::ok) {
-      if (test.count == 0) throw Unreachable("the calibrated machine does not reach the centre of its workspace");
-      continue;
-    }
-    ++test.count;
-    const std::vector<double> used(joints.begin(), joints.begin() + parameters.limb_count);
-    test.vector +=
-        fmt::format("    {{{}, {}}},\n", braced(std::array{wanted.x, wanted.y, wanted.z, wanted.phi}), braced(used));
+std::string test_vector(const std::vector<SelfTestCase>& cases) {
+  std::string text;
+  for (const auto& [pose, joints] : cases) {
+    const Eigen::Vector3d& r = pose.position;
+    text += fmt::format("    {{{}, {}}},\n", braced(std::array{r.x(), r.y(), r.z(), pose.rotation}), braced(joints));
   }
-  return test;
+  return text;
 }
 
 std::string_view export_template(std::string_view name) {
@@ -98,12 +82,12 @@ std::string filled(std::string_view text, const Values& values) {
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
-  SelfTest test = self_test(robot, parameters);
+  const std::vector<SelfTestCase> cases = self_test(robot, parameters);
   Values values = head(robot, origin);
   values.emplace_back("TILTS_PLATE", std::to_string(parameters.tilts_plate));
   values.emplace_back("LIMB_CONSTANTS", limb_constants(parameters));
-  values.emplace_back("TESTS", std::to_string(test.count));
-  values.emplace_back("TEST_VECTOR", std::move(test.vector));
+  values.emplace_back("TESTS", std::to_string(cases.size()));
+  values.emplace_back("TEST_VECTOR", test_vector(cases));
   return filled(export_template("compensator_c99.h"), values);
 }
 

@@ -57,14 +57,23 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
 template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 
+template CompensationStatus compensate(const CompensatorParameters<double>& parameters, CompensationWay way,
+                                       const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,
+                                       CompensatorTilt<double>* tilt) noexcept;
+
 Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints) {
   Joints vector(static_cast<Eigen::Index>(robot.limb_count()));
   for (std::size_t i = 0; i < robot.limb_count(); ++i) vector(static_cast<Eigen::Index>(i)) = joints[i];
   return vector;
 }
 
-std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints) {
-  const ForwardResult nominal = forward(robot.nominal(), joints);
+std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const std::optional<Pose>& start) {
+  ForwardOptions options;
+  if (start) {
+    options.start.emplace().position = start->position;
+    options.start->slide = robot.nominal().slide_of(start->rotation);
+  }
+  const ForwardResult nominal = forward(robot.nominal(), joints, options);
   if (!nominal.ok()) return std::nullopt;
   return Pose{nominal.plate.position, robot.nominal().rotation_of(nominal.plate.slide)};
 }

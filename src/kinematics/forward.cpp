@@ -76,7 +76,9 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  result.plate = options.start ? *options.start : level_start<N>(machine, elbows, default_start<N>(machine, elbows));
+  result.plate = options.start ? *options.start : default_start<N>(machine, elbows);
+  // From a good guess, that of a machine which tilts its plate is as far away as the level one.
+  if (!options.start || !machine.tilts_plate) result.plate = level_start<N>(machine, elbows, result.plate);
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
   double last_step = 0.0;
   while (result.iterations < options.max_iterations) {

@@ -14,6 +14,9 @@ struct ExportOrigin {
   std::string date;         ///< of the export, ISO 8601
 };
 
+/// Text, as a file's name, that cannot end a comment or a string of any target.
+std::string harmless(std::string text);
+
 /// A compensator as one C99 header for freestanding targets: the exact way of compensator.hpp with the constants of
 /// this machine, the way back from joints to pose, and a self-test vector with a function that runs it. It needs sqrt,
 /// sin, cos and atan2.

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "paracal/compensation/compensator.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+
+/// One line of the self-test vector that every export carries: what the target must compute on the controller.
+struct SelfTestCase {
+  Pose pose;      ///< commanded; mm, rad
+  Joints joints;  ///< corrected by the exact way, rad
+};
+
+/// The centre of the workspace and its rims, as far as the machine reaches.
+/// @throws Unreachable when it does not reach the centre.
+std::vector<SelfTestCase> self_test(const Robot& robot, const CompensatorParameters<double>& parameters);
+
+}  // namespace paracal
