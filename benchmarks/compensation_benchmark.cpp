@@ -1,5 +1,5 @@
 // The compensator of a controller: its time beside the nominal inverse of the same run, its slowest calls, and what
-// each way leaves over.
+// each way leaves over; and the speed of the filter that corrects programs.
 //
 // Reports and never judges: the exit status is 0 whatever the figures. Candidates take turns in many short rounds, as
 // in kinematics_benchmark.cpp. The slowest calls are timed one by one and hold whatever the operating system does
@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "filter_report.hpp"
 #include "host.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/compensation/parameters.hpp"
@@ -280,5 +281,7 @@ int main(int argc, char** argv) {
     report_slowest_calls(task, calls);
     fmt::print("\n");
     report_left_over(task);
+    fmt::print("\n");
+    report_filter(task);
   }
 }

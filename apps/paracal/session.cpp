@@ -133,9 +133,11 @@ void print_summary(std::string_view text) {
   if (!written) throw Error("standard output: cannot be written");
 }
 
-void Session::print_json(const io::Json& json) const {
+std::string json_text(const io::Json& json) {
   // File names may hold bytes that are no UTF-8, which JSON cannot.
-  print(json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n");
+  return json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n";
 }
+
+void Session::print_json(const io::Json& json) const { print(json_text(json)); }
 
 }  // namespace paracal::app

@@ -47,6 +47,9 @@ std::int64_t now();
 /// {names, joints_deg: [[q1, ...], ...]}
 io::Json joints_json(const std::vector<io::NamedJoints>& rows);
 
+/// A JSON object as it is printed.
+std::string json_text(const io::Json& json);
+
 /// Prints what goes to standard output even with --out.
 void print_summary(std::string_view text);
 

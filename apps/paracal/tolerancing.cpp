@@ -28,13 +28,6 @@ std::string json_key(Characteristic characteristic) {
   return fmt::format("{}_{}", key, shown(characteristic.quantity, 0.0).unit);
 }
 
-io::Json pose_json(const Pose& pose) {
-  return {{"x_mm", pose.position.x()},
-          {"y_mm", pose.position.y()},
-          {"z_mm", pose.position.z()},
-          {"phi_deg", to_degrees(pose.rotation)}};
-}
-
 std::string pose_text(const Pose& pose) {
   return fmt::format("({:.0f}, {:.0f}, {:.0f}) mm, {:.0f} deg", pose.position.x() + 0.0, pose.position.y() + 0.0,
                      pose.position.z(), to_degrees(pose.rotation) + 0.0);

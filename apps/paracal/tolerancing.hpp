@@ -22,7 +22,6 @@ Shown shown(Quantity quantity, double value);
 /// "tilt_rad", "position_compensated_mm", "rotation_deg".
 std::string json_key(Characteristic characteristic);
 
-io::Json pose_json(const Pose& pose);
 /// "(500, 0, -1013) mm, 180 deg"
 std::string pose_text(const Pose& pose);
 

@@ -7,6 +7,15 @@
 #include "session.hpp"
 #include "tolerancing.hpp"
 
+namespace paracal {
+
+// The library's, built for speed. One built here, for a short build, would take its place in the whole program.
+extern template CompensationStatus compensate(const CompensatorParameters<double>& parameters, CompensationWay way,
+                                              const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,
+                                              CompensatorTilt<double>* tilt) noexcept;
+
+}  // namespace paracal
+
 namespace paracal::app {
 namespace {
 
@@ -61,7 +70,7 @@ io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
   for (const Compensated& row : rows) joints.push_back({row.name, row.joints});
   io::Json targets = io::Json::array(), tilts = io::Json::array();
   for (const Compensated& row : rows) {
-    targets.push_back(pose_json(row.target));
+    targets.push_back(io::to_json(row.target));
     tilts.push_back({{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}});
   }
   io::Json json = joints_json(joints);

@@ -7,6 +7,8 @@
 #include <map>
 #include <memory>
 
+#include "export_filter.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -15,34 +17,76 @@ namespace {
 struct Options {
   std::string calibration;
   std::string target;
+  FilterOptions filter;
 };
 
 using Writer = std::string (*)(const Robot&, const SourceErrors&, const ExportOrigin&);
-const std::map<std::string, Writer> kTargets{{"c99", c99_header}, {"linuxcnc", linuxcnc_component}};
+/// Targets that are a text made of the calibration alone.
+const std::map<std::string, Writer> kTexts{{"c99", c99_header}, {"linuxcnc", linuxcnc_component}};
 
-void run(const Options& options, const Session& session) {
+void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                 const Session& session) {
+  const std::string text = kTexts.at(target)(robot, errors, origin);
+  if (!session.json()) return session.print(text);
+  io::Json json{{"target", target}};
+  json.update(io::to_json(robot, origin));
+  json["text"] = text;
+  session.print_json(json);
+}
+
+void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, const Session& session) {
+  const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
+  io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
+  json.update(io::to_json(robot, origin));
+  json.update(io::to_json(parameters));
+  json["self_test"] = io::to_json(self_test(robot, parameters));
+  session.print_json(json);
+}
+
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const io::TextFile file = io::read_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
                             .sha256 = io::sha256(file.text),
                             .date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(now())))};
-  const std::string text = kTargets.at(options.target)(robot, errors, origin);
-  session.json()
-      ? session.print_json(
-            {{"target", options.target}, {"calibration_sha256", origin.sha256}, {"date", origin.date}, {"text", text}})
-      : session.print(text);
+  if (options.target == "gcode" || options.target == "csv") {
+    return filter_file(options.target, options.filter, robot, errors, origin, session);
+  }
+  if (!options.filter.is_empty()) {
+    throw WrongUsage("--input, --origin, --start and --header: expected with --target gcode or csv alone");
+  }
+  options.target == "json" ? export_json(robot, errors, origin, session)
+                           : export_text(options.target, robot, errors, origin, session);
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "export", "Compensate a machine", "the compensator for a controller");
+  CLI::App* command = session.add_command(app, "export", "Compensate a machine",
+                                          "the compensator for a controller, or files with corrected targets");
   const auto options = std::make_shared<Options>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
-  command->add_option("--target", options->target, "c99: one freestanding C99 header; linuxcnc: paracal_kins.comp")
+  command
+      ->add_option("--target", options->target,
+                   "c99: one freestanding C99 header; linuxcnc: a kinematics component (paracal_kins.comp); json: the "
+                   "compensator's parameters; gcode, csv: a program or a "
+                   "pose table with corrected targets")
       ->required()
-      ->check(CLI::IsMember(kTargets));
+      ->check(CLI::IsMember({"c99", "linuxcnc", "json", "gcode", "csv"}));
+  command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
+  command
+      ->add_option("--origin", options->filter.origin,
+                   "gcode: x,y,z in mm of the program's origin in the robot's frame")
+      ->delimiter(',')
+      ->expected(3);
+  command
+      ->add_option("--start", options->filter.start,
+                   "gcode: x,y,z,phi in mm and deg where the program's coordinates stand before its first line")
+      ->delimiter(',')
+      ->expected(3, 4);
+  command->add_flag("--header", options->filter.header,
+                    "gcode, csv: say first, in comments, where the targets come from");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -89,7 +89,7 @@ io::Json json_of(const Robot& robot, const Findings& found) {
                 {"global_error", of(found.global.error)},
                 {"largest", of(found.global.largest)}};
   if (found.local) json["local"] = of(*found.local);
-  json["worst"] = pose_json(found.worst.pose);
+  json["worst"] = io::to_json(found.worst.pose);
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors);
   return json;

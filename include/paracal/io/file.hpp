@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iosfwd>
 #include <string>
 #include <string_view>
 

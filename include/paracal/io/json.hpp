@@ -5,7 +5,10 @@
 
 #include "paracal/batch/batch.hpp"
 #include "paracal/calibration/calibration.hpp"
+#include "paracal/compensation/export.hpp"
+#include "paracal/compensation/self_test.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/target_filter.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
@@ -47,6 +50,21 @@ Json interval_json(const Interval& interval, double factor = 1.0);
 
 /// Files with their hashes.
 Json to_json(const std::vector<InputFile>& files);
+
+/// Where an export comes from: robot, calibration, calibration_sha256, date, program.
+Json to_json(const Robot& robot, const ExportOrigin& origin);
+
+/// All that a compensator knows, mm and deg; keys in docs/files.md.
+Json to_json(const CompensatorParameters<double>& parameters);
+
+/// [{pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}, ...]
+Json to_json(const std::vector<SelfTestCase>& cases);
+
+/// lines, corrected, passed: [{reason, count, first_line}]
+Json to_json(const FilterSummary& summary);
+
+/// x_mm, y_mm, z_mm, phi_deg
+Json to_json(const Pose& pose);
 
 /// What a calibration file says of the machine.
 struct CalibratedMachine {

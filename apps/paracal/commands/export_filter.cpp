@@ -1,0 +1,155 @@
+#include "export_filter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <optional>
+
+#include "paracal/io/file.hpp"
+#include "paracal/io/target_filter.hpp"
+#include "paracal/units.hpp"
+#include "paracal/version.hpp"
+
+namespace paracal::app {
+namespace {
+
+void require_finite(const char* option, const std::vector<double>& numbers) {
+  for (const double number : numbers) {
+    if (!std::isfinite(number)) throw WrongUsage(fmt::format("{}: expected finite numbers, got {}", option, number));
+  }
+}
+
+io::GcodeFrame frame_of(const FilterOptions& options) {
+  require_finite("--origin", options.origin);
+  require_finite("--start", options.start);
+  io::GcodeFrame frame;
+  if (const auto& r = options.origin; !r.empty()) frame.origin = {r[0], r[1], r[2]};
+  if (const auto& r = options.start; !r.empty()) {
+    frame.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
+  }
+  return frame;
+}
+
+/// What the controller must be told for some poses, to try the chain of program, post-processor and controller.
+struct TargetTest {
+  SelfTestCase wanted;
+  Pose target;
+};
+
+std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
+  std::vector<TargetTest> tests;
+  for (const SelfTestCase& wanted : self_test(correction.robot(), correction.compensator().parameters())) {
+    if (const std::optional<Pose> target = correction.target(wanted.pose)) tests.push_back({wanted, *target});
+  }
+  return tests;
+}
+
+io::Json tests_json(const std::vector<TargetTest>& tests) {
+  io::Json json = io::Json::array();
+  for (const auto& [wanted, target] : tests) {
+    io::Json one = io::to_json(std::vector{wanted})[0];
+    one["target"] = io::to_json(target);
+    json.push_back(one);
+  }
+  return json;
+}
+
+std::vector<std::string> header_lines(const Robot& robot, const ExportOrigin& origin,
+                                      const std::vector<TargetTest>& tests) {
+  std::vector<std::string> lines{
+      fmt::format("corrected targets by paracal {}: do not correct again", version()),
+      fmt::format("robot {}", harmless(robot.name())),
+      fmt::format("calibration {}", harmless(origin.calibration)),
+      fmt::format("SHA-256 {}", origin.sha256),
+      fmt::format("date {}", origin.date),
+      "self-test in mm and deg, robot frame: x y z phi wanted = told to the controller",
+  };
+  const auto text = [](const Pose& pose) {
+    const Eigen::Vector3d& r = pose.position;
+    return fmt::format("{:.4f} {:.4f} {:.4f} {:.5f}", r.x(), r.y(), r.z(), to_degrees(pose.rotation));
+  };
+  for (const auto& [wanted, target] : tests) lines.push_back(text(wanted.pose) + " = " + text(target));
+  return lines;
+}
+
+/// Puts comment lines before the first line; behind a byte-order mark or a line of G-code that only holds %.
+class HeaderSink {
+ public:
+  HeaderSink(io::TextSink out, std::string_view comment, std::vector<std::string> lines)
+      : out_(std::move(out)), comment_(comment), lines_(std::move(lines)) {}
+
+  void operator()(std::string_view text) {
+    if (!lines_.empty()) {
+      const std::size_t first_end = std::min(text.find('\n'), text.size());
+      const std::string_view line_end = text.substr(0, first_end).ends_with('\r') ? "\r\n" : "\n";
+      const std::size_t kept = text.starts_with(kMark) ? kMark.size()
+                               : text.starts_with('%') ? std::min(first_end + 1, text.size())
+                                                       : 0;
+      out_(text.substr(0, kept));
+      text.remove_prefix(kept);
+      for (const std::string& line : lines_) out_(fmt::format("{} {}{}", comment_, line, line_end));
+      lines_.clear();
+    }
+    out_(text);
+  }
+
+ private:
+  static constexpr std::string_view kMark = "\xEF\xBB\xBF";
+
+  io::TextSink out_;
+  std::string_view comment_;
+  std::vector<std::string> lines_;
+};
+
+std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
+  std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
+  for (const io::PassedThrough& one : summary.passed) {
+    text += fmt::format("  passed through: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
+  }
+  return text;
+}
+
+}  // namespace
+
+void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
+                 const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
+  if (session.json() && session.out().empty()) {
+    throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
+  }
+  const bool is_gcode = target == "gcode";
+  if (!is_gcode && !(options.origin.empty() && options.start.empty())) {
+    throw WrongUsage("--origin and --start: expected with --target gcode alone");
+  }
+  const io::GcodeFrame frame = frame_of(options);
+  const TargetCorrection correction(robot, errors);
+  const std::vector<TargetTest> tests = target_tests(correction);
+
+  const bool is_standard_input = options.input.empty() || options.input == "-";
+  std::ifstream file;
+  if (!is_standard_input) file = io::open_file(options.input);
+  const io::TextStream in{is_standard_input ? "standard input" : options.input,
+                          is_standard_input ? std::cin : static_cast<std::istream&>(file)};
+  std::optional<io::OutputFile> out;
+  if (!session.out().empty()) out.emplace(session.out());
+  io::TextSink sink = [&out](std::string_view text) { out ? out->write(text) : print_summary(text); };
+  if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
+
+  const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, frame, session.threads())
+                                             : io::filter_pose_table(in, sink, correction, session.threads());
+  if (out) out->commit();
+  if (session.json()) {
+    io::Json json{{"target", target}, {"input", in.name}};
+    json.update(io::to_json(robot, origin));
+    json.update(io::to_json(summary));
+    json["origin_mm"] = {frame.origin.x(), frame.origin.y(), frame.origin.z()};
+    json["self_test"] = tests_json(tests);
+    print_summary(json_text(json));
+  } else {
+    fmt::print(stderr, "{}", summary_text(in.name, summary));
+  }
+  if (!summary.complete()) session.exit_code = kVerdictIsNo;
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "paracal/compensation/export.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+
+/// Options of targets that rewrite a file, `gcode` and `csv`.
+struct FilterOptions {
+  std::string input;                ///< empty or "-": standard input
+  std::vector<double> origin = {};  ///< x, y, z, mm
+  std::vector<double> start = {};   ///< x, y, z, phi, mm and deg
+  bool header = false;
+
+  bool is_empty() const { return input.empty() && origin.empty() && start.empty() && !header; }
+};
+
+/// Corrects the targets of a file on its way to --out or standard output, and says what it did.
+void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
+                 const SourceErrors& errors, const ExportOrigin& origin, Session& session);
+
+}  // namespace paracal::app

@@ -1,0 +1,80 @@
+#include "filter_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <streambuf>
+
+#include "interleaved_timing.hpp"
+#include "paracal/io/target_filter.hpp"
+#include "paracal/units.hpp"
+#include "peak_memory.hpp"
+
+namespace paracal::benchmark {
+namespace {
+
+constexpr int kRounds = 5;
+constexpr double kMegabyte = 1e6;
+
+/// A line a pose, all axes, as post-processors write them.
+std::string block_of_lines(const Task& task, std::string_view before) {
+  std::string text;
+  for (const Pose& pose : task.poses) {
+    const Eigen::Vector3d& r = pose.position;
+    fmt::format_to(std::back_inserter(text), "{}G1 X{:.3f} Y{:.3f} Z{:.3f} C{:.3f} F6000\n", before, r.x(), r.y(),
+                   r.z(), to_degrees(pose.rotation));
+  }
+  return text;
+}
+
+/// The same lines again and again, as a stream that takes no memory.
+class Repeated : public std::streambuf {
+ public:
+  Repeated(std::string block, double bytes) : block_(std::move(block)), left_(bytes) {}
+
+ protected:
+  int_type underflow() override {
+    if (left_ <= 0.0) return traits_type::eof();
+    left_ -= static_cast<double>(block_.size());
+    setg(block_.data(), block_.data(), block_.data() + block_.size());
+    return traits_type::to_int_type(block_.front());
+  }
+
+ private:
+  std::string block_;
+  double left_;
+};
+
+/// @returns how many bytes came out.
+std::size_t filter(const TargetCorrection& correction, const std::string& block, double bytes, unsigned threads) {
+  Repeated source(block, bytes);
+  std::istream stream(&source);
+  std::size_t written = 0;
+  keep(io::filter_gcode(
+      {"", stream}, [&](std::string_view text) { written += text.size(); }, correction, {}, threads));
+  return written;
+}
+
+}  // namespace
+
+void report_filter(const Task& task) {
+  const TargetCorrection all(task.robot, task.errors), level(task.robot, without_tilt_group(task.errors));
+  const std::string lines = block_of_lines(task, ""), comments = block_of_lines(task, ";");
+  const double line_size = static_cast<double>(lines.size()) / static_cast<double>(task.poses.size());
+  const double few = peak_memory([&] { keep(filter(all, lines, 2 * kMegabyte, 1)); });
+  const double many = peak_memory([&] { keep(filter(all, lines, 100 * kMegabyte, 1)); });
+  const auto pass = [](const TargetCorrection& correction, const std::string& block, unsigned threads) {
+    return [&correction, &block, threads] { keep(filter(correction, block, 4 * kMegabyte, threads)); };
+  };
+  const auto seconds =
+      interleave({pass(all, comments, 1), pass(level, lines, 1), pass(all, lines, 1), pass(all, lines, 0)}, kRounds);
+  fmt::print("{:<36}{:>10}{:>12}   {:.0f} bytes a line\n", "filter of G-code", "MB/s", "us a line", line_size);
+  constexpr std::array kNames{"the same lines as comments", "position group", "all errors", "all errors, all threads"};
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    const double bytes_a_second = 4 * kMegabyte / spread_of(seconds[k]).median;
+    fmt::print("{:<36}{:>10.1f}{:>12.2f}\n", kNames[k], bytes_a_second / kMegabyte, 1e6 * line_size / bytes_a_second);
+  }
+  fmt::print("{:<36}{:>10.1f} for 2 MB, {:.1f} for 100 MB\n", "memory of the process, MB", few, many);
+}
+
+}  // namespace paracal::benchmark

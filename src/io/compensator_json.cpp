@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+#include "paracal/version.hpp"
+
+namespace paracal::io {
+namespace {
+
+Json limb_json(const CompensatorLimb<double>& limb) {
+  Json slide = Json::array();
+  for (const double mm_per_rad : limb.slide) slide.push_back(to_radians(mm_per_rad));
+  return {{"base_mm", limb.base},
+          {"radial", limb.radial},
+          {"normal", limb.normal},
+          {"axis", limb.axis},
+          {"plate_mm", limb.plate},
+          {"slide_mm_per_deg", slide},
+          {"elbow_half_mm", limb.elbow_half},
+          {"plate_half_mm", limb.plate_half},
+          {"rod_mm", limb.rod},
+          {"arm_mm", limb.arm},
+          {"joint_offset_deg", to_degrees(limb.joint_offset)}};
+}
+
+}  // namespace
+
+Json to_json(const Robot& robot, const ExportOrigin& origin) {
+  return {{"program", fmt::format("paracal {}", version())},
+          {"robot", robot.name()},
+          {"calibration", origin.calibration},
+          {"calibration_sha256", origin.sha256},
+          {"date", origin.date}};
+}
+
+Json to_json(const CompensatorParameters<double>& parameters) {
+  Json json{{"tilts_plate", parameters.tilts_plate != 0},
+            {"identified", Json::array()},
+            {"nominal", Json::array()},
+            {"position_errors_mm", Json::array()},
+            {"tilt_errors_rad", Json::array()}};
+  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
+    json["identified"].push_back(limb_json(parameters.identified[i]));
+    json["nominal"].push_back(limb_json(parameters.nominal[i]));
+    json["position_errors_mm"].push_back(parameters.position_errors[i]);
+    json["tilt_errors_rad"].push_back(parameters.tilt_errors[i]);
+  }
+  return json;
+}
+
+Json to_json(const Pose& pose) {
+  return {{"x_mm", pose.position.x()},
+          {"y_mm", pose.position.y()},
+          {"z_mm", pose.position.z()},
+          {"phi_deg", to_degrees(pose.rotation)}};
+}
+
+Json to_json(const std::vector<SelfTestCase>& cases) {
+  Json json = Json::array();
+  for (const auto& [pose, joints] : cases) {
+    Json degrees = Json::array();
+    for (const double joint : joints) degrees.push_back(to_degrees(joint));
+    json.push_back({{"pose", to_json(pose)}, {"joints_deg", degrees}});
+  }
+  return json;
+}
+
+Json to_json(const FilterSummary& summary) {
+  Json passed = Json::array();
+  for (const PassedThrough& one : summary.passed) {
+    passed.push_back({{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}});
+  }
+  return {{"lines", summary.lines}, {"corrected", summary.corrected}, {"passed", passed}};
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,191 @@
+#include "gcode_block.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+#include <optional>
+
+namespace paracal::io {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+char upper_case(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+bool is_letter(char c) { return upper_case(c) >= 'A' && upper_case(c) <= 'Z'; }
+
+/// Takes a line apart from left to right; every step says whether it found what may stand there.
+class BlockParser {
+ public:
+  BlockParser(std::string_view text, GcodeBlock& block) : text_(text), block_(block) {}
+
+  bool parse() {
+    for (skip_blanks(); at_ < text_.size() && !done_; skip_blanks()) {
+      if (!item()) return false;
+    }
+    return true;
+  }
+
+ private:
+  char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+
+  void skip_blanks() {
+    while (is_blank(next())) ++at_;
+  }
+
+  bool stop() {
+    done_ = true;
+    return true;
+  }
+
+  bool item() {
+    const bool is_first = block_.words.empty();
+    switch (next()) {
+      case ';':
+        return stop();
+      case '%':
+        return is_first && stop();
+      case '(':
+        return skip_past(')');
+      case '/':
+        ++at_;
+        block_.is_optional = true;
+        return is_first;
+      case '*':
+        return checksum();
+      case '#':
+        return assignment();
+      default:
+        return is_letter(next()) && word();
+    }
+  }
+
+  bool skip_past(char end) {
+    const std::size_t found = text_.find(end, at_);
+    if (found == std::string_view::npos) return false;
+    at_ = found + 1;
+    return true;
+  }
+
+  /// [...], with brackets and comments within.
+  bool skip_brackets() {
+    int depth = 0;
+    do {
+      if (next() == '\0') return false;
+      if (next() == '[') ++depth;
+      if (next() == ']') --depth;
+      ++at_;
+    } while (depth > 0);
+    return true;
+  }
+
+  /// #1, ##1, #<name>, #[...]
+  bool skip_parameter() {
+    while (next() == '#') ++at_;
+    if (next() == '<') return skip_past('>');
+    if (next() == '[') return skip_brackets();
+    const std::size_t begin = at_;
+    while (is_digit(next())) ++at_;
+    return at_ > begin;
+  }
+
+  bool skip_expression() { return next() == '[' ? skip_brackets() : skip_parameter(); }
+
+  std::optional<double> number() {
+    const std::size_t begin = at_;
+    if (next() == '+' || next() == '-') ++at_;
+    const std::size_t unsigned_begin = at_;
+    while (is_digit(next())) ++at_;
+    std::size_t digits = at_ - unsigned_begin;
+    if (next() == '.') {
+      ++at_;
+      while (is_digit(next())) ++at_;
+      digits = at_ - unsigned_begin - 1;
+    }
+    if (digits == 0) return std::nullopt;
+    const std::size_t from = text_[begin] == '+' ? begin + 1 : begin;
+    double value = 0.0;
+    const auto result = std::from_chars(text_.data() + from, text_.data() + at_, value);
+    return result.ec == std::errc{} ? std::optional(value) : std::nullopt;
+  }
+
+  /// #1 = 5, #1 = [...], #1 = #2
+  bool assignment() {
+    if (!skip_parameter()) return false;
+    skip_blanks();
+    if (next() != '=') return false;
+    ++at_;
+    skip_blanks();
+    const char first = next() == '-' && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
+    if (first == '#' || first == '[') {
+      if (next() == '-') ++at_;
+      return skip_expression();
+    }
+    while (is_letter(next())) ++at_;  // a function
+    return next() == '[' ? skip_brackets() : number().has_value();
+  }
+
+  /// The rest of the line is a message for the display: RepRap's M117 and M118.
+  static bool takes_text(const GcodeWord& word) {
+    return word.letter == 'M' && word.is_number() && (word.value == 117.0 || word.value == 118.0);
+  }
+
+  bool word() {
+    GcodeWord word{.letter = upper_case(next()), .at = at_++};
+    if (word.letter == 'O') {
+      if (!std::ranges::all_of(block_.words, [](const GcodeWord& one) { return one.letter == 'N'; })) return false;
+      block_.kind = GcodeBlock::Kind::flow;
+      return stop();
+    }
+    skip_blanks();
+    word.begin = at_;
+    const bool has_sign = next() == '-' || next() == '+';
+    const char first = has_sign && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
+    if (first == '#' || first == '[') {
+      if (has_sign) ++at_;
+      if (!skip_expression()) return false;
+      word.kind = GcodeWord::Kind::expression;
+    } else if (has_sign || is_digit(first) || first == '.') {
+      const std::optional<double> value = number();
+      if (!value) return false;
+      word.kind = GcodeWord::Kind::number;
+      word.value = *value;
+    }
+    word.end = at_;
+    block_.words.push_back(word);
+    return !takes_text(word) || stop();
+  }
+
+  /// *NN, and nothing behind it but a comment.
+  bool checksum() {
+    const std::size_t star = at_++;
+    unsigned stated = 0;
+    const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), stated);
+    if (error != std::errc{} || star == 0 || stated != gcode_checksum(text_.substr(0, star))) return false;
+    at_ = static_cast<std::size_t>(end - text_.data());
+    skip_blanks();
+    block_.checksum_at = star;
+    return (next() == ';' || at_ == text_.size()) && stop();
+  }
+
+  std::string_view text_;
+  GcodeBlock& block_;
+  std::size_t at_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace
+
+void GcodeBlock::parse(std::string_view text) {
+  kind = Kind::words;
+  words.clear();
+  is_optional = false;
+  checksum_at = 0;
+  if (!BlockParser(text, *this).parse()) kind = Kind::malformed;
+}
+
+unsigned gcode_checksum(std::string_view text) {
+  return std::accumulate(text.begin(), text.end(), 0U,
+                         [](unsigned sum, char c) { return sum ^ static_cast<unsigned char>(c); });
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,49 @@
+#pragma once
+
+// Private to io: one line of G-code as words. RS-274/NGC and what RepRap firmware adds to it.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace paracal::io {
+
+inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'C'};
+
+/// A letter and what follows it.
+struct GcodeWord {
+  enum class Kind : std::uint8_t {
+    number,
+    flag,        ///< the letter alone, as in RepRap's G28 X
+    expression,  ///< #1, #<name>, [...]
+  };
+  char letter = '\0';  ///< upper case
+  Kind kind = Kind::flag;
+  double value = 0.0;
+  std::size_t at = 0;              ///< of the letter
+  std::size_t begin = 0, end = 0;  ///< of the number
+
+  bool is_number() const { return kind == Kind::number; }
+};
+
+/// A line as the controller takes it apart; comments (...) and ;... are passed over.
+struct GcodeBlock {
+  enum class Kind : std::uint8_t {
+    words,
+    malformed,  ///< no controller takes it, or its checksum is wrong
+    flow,       ///< an O word: subprograms, jumps, loops
+  };
+  Kind kind = Kind::words;
+  std::vector<GcodeWord> words;
+  bool is_optional = false;     ///< block delete: '/'
+  std::size_t checksum_at = 0;  ///< of RepRap's '*'; 0: none
+
+  /// @param text  without line end. Vectors are reused.
+  void parse(std::string_view text);
+};
+
+/// RepRap: exclusive or of the bytes before '*'.
+unsigned gcode_checksum(std::string_view text);
+
+}  // namespace paracal::io

@@ -1,0 +1,266 @@
+// Corrected targets for closed controllers: programs and tables that pass through the program.
+
+#include <cmath>
+
+#include "broken_input.hpp"
+#include "example_calibration.hpp"
+#include "json_checks.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::SizeIs, testing::StartsWith;
+
+const std::string kProgram =
+    "%\n(part)\nG21 G90\nG0 X0 Y0 Z-888 C0 ; home\r\nN20 G1 X400 Z-900. C120 F5000\nG1 Y-20.5\nM30\n%";
+const std::string kTable = "pose,x_mm,y_mm,z_mm,phi_deg,speed\nhome,0,0,-888,0,fast\nright,400,0,-900,120,slow\n";
+const std::string kGcode = "export --calibration calibration.json --target gcode --input part.ngc";
+const std::string kCsv = "export --calibration calibration.json --target csv --input targets.csv";
+
+class ExportFilter : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder.write("calibration.json", kCalibration);
+    folder.write("part.ngc", kProgram);
+    folder.write("targets.csv", kTable);
+  }
+
+  /// Rows of numbers of a table's pose columns.
+  static std::vector<std::array<double, 4>> poses_in(const std::string& table) {
+    std::vector<std::array<double, 4>> poses;
+    for (const char* at = table.c_str(); (at = std::strchr(at, '\n')) != nullptr && *++at != '\0';) {
+      const char* number = std::strchr(at, ',') + 1;
+      for (double& value : poses.emplace_back()) {
+        char* end = nullptr;
+        value = std::strtod(number, &end);
+        number = end + 1;
+      }
+    }
+    return poses;
+  }
+
+  const TemporaryFolder folder;
+};
+
+TEST_F(ExportFilter, TablesHoldTheTargetsOfCompensate) {
+  const ProgramResult result = folder.run(kCsv);
+  EXPECT_EQ(result.exit_code, kDone);
+  EXPECT_EQ(result.err, "targets.csv: 3 lines, 2 targets corrected\n");
+  EXPECT_THAT(result.out, StartsWith("pose,x_mm,y_mm,z_mm,phi_deg,speed\nhome,"));
+  EXPECT_THAT(result.out, HasSubstr(",slow\n"));
+  folder.write("poses.csv", "pose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-888,0\nright,400,0,-900,120\n");
+  const json expected =
+      json_of(folder.run("compensate --calibration calibration.json --poses poses.csv --json")).at("targets");
+  const auto poses = poses_in(result.out);
+  ASSERT_THAT(poses, SizeIs(2));
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(poses[k][0], expected[k].at("x_mm").get<double>(), 0.5001e-4);
+    EXPECT_NEAR(poses[k][1], expected[k].at("y_mm").get<double>(), 0.5001e-4);
+    EXPECT_NEAR(poses[k][2], expected[k].at("z_mm").get<double>(), 0.5001e-4);
+    EXPECT_NEAR(poses[k][3], expected[k].at("phi_deg").get<double>(), 0.5001e-5);
+  }
+}
+
+TEST_F(ExportFilter, ProgramsKeepAllButTheTargets) {
+  const ProgramResult result = folder.run(kGcode);
+  EXPECT_EQ(result.exit_code, kDone);
+  EXPECT_EQ(result.err, "part.ngc: 8 lines, 3 targets corrected\n");
+  EXPECT_THAT(result.out, StartsWith("%\n(part)\nG21 G90\nG0 X"));
+  EXPECT_THAT(result.out, HasSubstr(" ; home\r\nN20 G1 X"));
+  EXPECT_THAT(result.out, HasSubstr(" F5000\nG1 Y-"));
+  EXPECT_TRUE(result.out.ends_with("\nM30\n%"));
+}
+
+TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
+  const std::string expected = folder.run(kGcode).out;
+  for (const char* input : {"", " --input -"}) {
+    std::vector<std::string> arguments =
+        words(std::string("export --calibration calibration.json --target gcode") + input);
+    const ProgramResult result = run_program(
+        arguments, {.folder = folder.path(), .launcher = {"/bin/sh", "-c", "exec \"$0\" \"$@\" < part.ngc"}});
+    EXPECT_EQ(result.exit_code, kDone) << result.err;
+    EXPECT_EQ(result.out, expected);
+    EXPECT_THAT(result.err, StartsWith("standard input: "));
+  }
+  EXPECT_EQ(folder.run(kGcode + " --out part.ngc").exit_code, kDone);  // over its own input
+  EXPECT_EQ(folder.read("part.ngc"), expected);
+}
+
+TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
+  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG2 X5 Y5 I1\nG2 X5 Y5 I1\n");
+  const ProgramResult result = folder.run(kGcode);
+  EXPECT_EQ(result.exit_code, kVerdictIsNo);
+  EXPECT_THAT(result.err, HasSubstr("passed through: arcs and splines (2 times, first in line 2)"));
+  const json summary = json_of(folder.run(kGcode + " --json --out corrected.ngc"), kVerdictIsNo);
+  ASSERT_TRUE(
+      has_keys(summary,
+               "target input program robot calibration calibration_sha256 date lines corrected passed origin_mm "
+               "self_test"));
+  EXPECT_EQ(summary["lines"], 3);
+  EXPECT_EQ(summary["corrected"], 1);
+  EXPECT_EQ(summary["passed"], json::parse(R"([{"reason": "arcs and splines", "count": 2, "first_line": 2}])"));
+  EXPECT_EQ(folder.read("corrected.ngc"), result.out);
+}
+
+TEST_F(ExportFilter, TheSelfTestSaysWhatTheControllerMustCompute) {
+  const json test = json_of(folder.run(kGcode + " --json --out corrected.ngc")).at("self_test");
+  ASSERT_GT(test.size(), 1U);
+  std::string targets = "x_mm,y_mm,z_mm,phi_deg\n";
+  for (const json& one : test) {
+    const json& t = one.at("target");
+    targets += t["x_mm"].dump() + "," + t["y_mm"].dump() + "," + t["z_mm"].dump() + "," + t["phi_deg"].dump() + "\n";
+  }
+  folder.write("poses.csv", targets);
+  const json nominal = json_of(folder.run("inverse --poses poses.csv --json")).at("joints_deg");
+  for (std::size_t k = 0; k < test.size(); ++k) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(nominal[k][i].get<double>(), test[k].at("joints_deg")[i].get<double>(), 1e-9);
+    }
+  }
+}
+
+TEST_F(ExportFilter, TheHeaderStandsInComments) {
+  const std::string plain = folder.run(kGcode).out, with_header = folder.run(kGcode + " --header").out;
+  EXPECT_THAT(with_header, StartsWith("%\n; corrected targets by paracal"));
+  for (const char* said :
+       {"; robot huang2016\n", "; calibration calibration.json\n", "; SHA-256 ", "; date ", " mm "}) {
+    EXPECT_THAT(with_header, HasSubstr(said));
+  }
+  EXPECT_TRUE(with_header.ends_with(plain.substr(2)));
+  // And nothing in it is a target.
+  folder.write("part.ngc", with_header);
+  EXPECT_THAT(folder.run(kGcode).err, HasSubstr(" 3 targets corrected\n"));
+  EXPECT_THAT(folder.run(kCsv + " --header").out, StartsWith("# corrected targets by paracal"));
+}
+
+TEST_F(ExportFilter, OriginAndStart) {
+  folder.write("part.ngc", "G1 X400 Y0 Z0\n");
+  const ProgramResult moved = folder.run(kGcode + " --origin 0,0,-900 --start 0,0,0,120");
+  EXPECT_EQ(moved.exit_code, kDone) << moved.err;
+  const auto table = poses_in(folder.run(kCsv).out);
+  double z = 0.0;
+  ASSERT_EQ(std::sscanf(std::strchr(moved.out.c_str(), 'Z') + 1, "%lf", &z), 1);
+  EXPECT_NEAR(z, table[1][2] + 900.0, 1e-4);
+}
+
+TEST_F(ExportFilter, ARigidPlateKeepsC) {
+  const std::string robot = folder.run("robot --robot rotary_delta --json").out;
+  folder.write("calibration.json", R"({"accepted": true, "parameters": [
+    {"name": "e_z", "limb": 3, "value": 0.4, "unit": "mm"}], "robot": )" +
+                                       robot + "}");
+  folder.write("part.ngc", "G0 X0 Y0 Z-900 C30\n");
+  const ProgramResult result = folder.run(kGcode + " --robot rotary_delta");
+  EXPECT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(" C30\n"));
+}
+
+// ---- the compensator's parameters
+
+TEST_F(ExportFilter, ParametersAsJson) {
+  const std::string text = folder.run("export --calibration calibration.json --target json").out;
+  const json exported = json::parse(text);
+  EXPECT_EQ(json_of(folder.run("export --calibration calibration.json --target json --json")).size(), exported.size());
+  ASSERT_TRUE(has_keys(exported,
+                       "format target program robot calibration calibration_sha256 date tilts_plate identified nominal "
+                       "position_errors_mm tilt_errors_rad self_test"));
+  EXPECT_EQ(exported["tilts_plate"], true);
+  EXPECT_THAT(exported["identified"], SizeIs(4));
+  EXPECT_TRUE(is_matrix(exported["position_errors_mm"], 4, 8));
+  EXPECT_TRUE(is_matrix(exported["tilt_errors_rad"], 4, 6));
+  EXPECT_NEAR(exported["identified"][0].at("joint_offset_deg").get<double>(), 0.2, 1e-12);
+  EXPECT_NEAR(exported["identified"][2].at("arm_mm").get<double>(), 375.15, 1e-12);
+  EXPECT_EQ(exported["nominal"][2].at("arm_mm"), 375.0);
+}
+
+/// From the keys alone: the closed form of a limb gives the self-test's joints where no error tilts the plate.
+TEST_F(ExportFilter, ParametersAreEnoughForTheJoints) {
+  const std::string robot = folder.run("robot --json").out;
+  folder.write("calibration.json", R"({"accepted": true, "parameters": [
+    {"name": "e_z", "limb": 3, "value": 0.4, "unit": "mm"}, {"name": "theta_offset", "limb": 1, "value": 0.3, "unit": "deg"},
+    {"name": "alpha0", "limb": 2, "value": 0.05, "unit": "deg"}], "robot": )" +
+                                       robot + "}");
+  const json exported = json::parse(folder.run("export --calibration calibration.json --target json").out);
+  ASSERT_EQ(exported.at("tilts_plate"), false);
+  for (const json& test : exported.at("self_test")) {
+    const json& pose = test.at("pose");
+    const std::array position{pose.at("x_mm").get<double>(), pose.at("y_mm").get<double>(),
+                              pose.at("z_mm").get<double>()};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const json& limb = exported.at("identified")[i];
+      const double joint = test.at("joints_deg")[i].get<double>() + limb.at("joint_offset_deg").get<double>();
+      const double c = std::cos(joint * M_PI / 180), s = std::sin(joint * M_PI / 180);
+      double squared = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto number = [&](const char* key) { return limb.at(key)[k].get<double>(); };
+        const double u = c * number("radial") + s * number("normal");
+        const double rod = position[k] + number("plate_mm") +
+                           pose.at("phi_deg").get<double>() * number("slide_mm_per_deg") - number("base_mm") -
+                           limb.at("arm_mm").get<double>() * u;
+        squared += rod * rod;
+      }
+      EXPECT_NEAR(std::sqrt(squared), limb.at("rod_mm")[0].get<double>(), 1e-9);
+    }
+  }
+}
+
+// ---- broken input
+
+BrokenInput broken(std::string name, const NamedText& file, std::string command, int exit_code,
+                   std::vector<std::string> message) {
+  std::vector<NamedText> files{{"calibration.json", kCalibration}, {"part.ngc", kProgram}, {"targets.csv", kTable}};
+  for (NamedText& one : files) {
+    if (one.name == file.name) one.text = file.text;
+  }
+  return {std::move(name), std::move(files), std::move(command), exit_code, std::move(message)};
+}
+
+const NamedText kNothing{};
+const std::string kC99 = "export --calibration calibration.json --target c99";
+
+const std::vector<BrokenInput> kBroken{
+    broken("no_input", kNothing, replaced(kGcode, "part.ngc", "none.ngc"), kBadInputFile,
+           {"none.ngc", "cannot be read"}),
+    broken("folder", kNothing, replaced(kGcode, "part.ngc", "."), kBadInputFile, {"got a folder"}),
+    broken("no_column", {"targets.csv", replaced(kTable, "z_mm", "height")}, kCsv, kBadInputFile,
+           {"targets.csv:1: ", "z_mm"}),
+    broken("no_rotation", {"targets.csv", replaced(kTable, "phi_deg", "turn")}, kCsv, kBadInputFile,
+           {"targets.csv:1: ", "phi_deg"}),
+    broken("empty", {"targets.csv", ""}, kCsv, kBadInputFile, {"targets.csv: ", "header"}),
+    broken("calibration", {"calibration.json", "{}"}, kGcode, kBadInputFile, {"calibration.json"}),
+    broken("origin_short", kNothing, kGcode + " --origin 1,2", kWrongUsage, {"--origin"}),
+    broken("origin_nan", kNothing, kGcode + " --origin 1,2,nan", kWrongUsage, {"--origin", "finite"}),
+    broken("origin_of_table", kNothing, kCsv + " --origin 1,2,3", kWrongUsage, {"--origin", "gcode"}),
+    broken("input_of_c99", kNothing, kC99 + " --input part.ngc", kWrongUsage, {"--input", "gcode"}),
+};
+
+class BrokenFilter : public BrokenInputTest {};
+
+TEST_P(BrokenFilter, IsRefused) {
+  folder.write("result", "earlier\n");
+  const ProgramResult result = run_with(" --out result");
+  EXPECT_EQ(result.exit_code, GetParam().exit_code) << result.err;
+  EXPECT_THAT(result.out, IsEmpty());
+  for (const std::string& fragment : GetParam().message) EXPECT_THAT(result.err, HasSubstr(fragment));
+  EXPECT_EQ(folder.read("result"), "earlier\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(Filters, BrokenFilter, testing::ValuesIn(kBroken), name_of);
+
+TEST_F(ExportFilter, JsonNeedsAPlaceForTheText) {
+  const ProgramResult result = folder.run(kGcode + " --json");
+  EXPECT_EQ(result.exit_code, kWrongUsage);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, HasSubstr("--out"));
+}
+
+/// Nothing of a result that cannot be written whole.
+TEST_F(ExportFilter, NothingIsLeftBesideTheResult) {
+  EXPECT_EQ(folder.run(kGcode + " --out corrected.ngc").exit_code, kDone);
+  EXPECT_THAT(folder.names(), ElementsAre("calibration.json", "corrected.ngc", "part.ngc", "targets.csv"));
+  EXPECT_EQ(folder.run(replaced(kCsv, "targets.csv", "part.ngc") + " --out other.csv").exit_code, kBadInputFile);
+  EXPECT_THAT(folder.names(), ElementsAre("calibration.json", "corrected.ngc", "part.ngc", "targets.csv"));
+}
+
+}  // namespace
+}  // namespace paracal::test

@@ -1,0 +1,421 @@
+// Laws of the filters that correct the targets of a stream.
+
+#include "paracal/io/target_filter.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <numeric>
+#include <random>
+#include <sstream>
+
+#include "paracal/error.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::io {
+namespace {
+
+using testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
+
+struct Filtered {
+  std::string text;
+  FilterSummary summary;
+
+  std::int64_t passed(std::string_view reason) const {
+    std::int64_t count = 0;
+    for (const PassedThrough& one : summary.passed) {
+      if (one.reason.find(reason) != std::string_view::npos) count += one.count;
+    }
+    return count;
+  }
+};
+
+Filtered filtered_gcode(const std::string& text, const TargetCorrection& correction, const GcodeFrame& frame = {}) {
+  std::istringstream stream(text);
+  Filtered result;
+  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
+  result.summary = filter_gcode({"part.ngc", stream}, sink, correction, frame);
+  return result;
+}
+
+Filtered filtered_table(const std::string& text, const TargetCorrection& correction) {
+  std::istringstream stream(text);
+  Filtered result;
+  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
+  result.summary = filter_pose_table({"targets.csv", stream}, sink, correction);
+  return result;
+}
+
+/// X, Y, Z and C of a line, as far as they stand there; others from `held`.
+std::array<double, 4> axes_in(std::string_view line, std::array<double, 4> held) {
+  constexpr std::string_view kLetters = "XYZC";
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    const std::size_t at = line.find(kLetters[axis]);
+    if (at != std::string_view::npos) held[axis] = std::strtod(line.data() + at + 1, nullptr);
+  }
+  return held;
+}
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+Pose pose_in(const std::array<double, 4>& axes) { return {{axes[0], axes[1], axes[2]}, to_radians(axes[3])}; }
+
+/// Ordinary programs: straight motions, some axes a line, every mode that does not hinder.
+std::string random_program(const Robot& robot, test::Random& random, int lines) {
+  std::string text = "%\n(a part)\nN10 G21 G90 G17 G94 ; modes\n";
+  constexpr std::string_view kLetters = "XYZC";
+  for (int k = 0; k < lines; ++k) {
+    const Pose pose = random.pose(robot);
+    const std::array values{0.5 * pose.position.x(), 0.5 * pose.position.y(), pose.position.z(),
+                            to_degrees(pose.rotation)};
+    text += k % 3 == 1 ? "" : fmt::format("N{} G{} ", 20 + k, k % 2);
+    for (std::size_t axis = 0; axis < robot.limb_count(); ++axis) {
+      if (k > 0 && random.uniform(0, 1) < 0.4) continue;
+      fmt::format_to(std::back_inserter(text), "{}{:.{}f} ", kLetters[axis], values[axis], k % 7);
+    }
+    text += k % 5 == 0 ? "F5000 (fast)\r\n" : "\n";
+  }
+  return text + "M5\nG4 P0.5\nM2";
+}
+
+class TargetFilter : public test::EveryRobot {
+ protected:
+  test::Random random;
+  TargetCorrection none{robot, {}};
+  TargetCorrection correction{robot, random.realistic_errors(robot)};
+};
+
+TEST_P(TargetFilter, WithoutErrorsNothingChanges) {
+  const std::string text = random_program(robot, random, 1000);
+  const Filtered result = filtered_gcode(text, none);
+  EXPECT_EQ(result.text, text);
+  EXPECT_GT(result.summary.corrected, 800);  // some lines state no axis
+  EXPECT_THAT(result.summary.passed, IsEmpty());
+}
+
+/// The controller computes with the nominal robot and keeps axes that a line does not state.
+TEST_P(TargetFilter, TheNominalInverseOfCorrectedTargetsGivesTheJoints) {
+  const std::string text = random_program(robot, random, 1000);
+  const Filtered result = filtered_gcode(text, correction);
+  EXPECT_TRUE(result.summary.complete());
+  const auto before = lines_in(text), after = lines_in(result.text);
+  ASSERT_EQ(before.size(), after.size());
+  std::array<double, 4> wanted{}, told{};
+  double worst = 0.0;
+  for (std::size_t k = 3; k < before.size(); ++k) {
+    wanted = axes_in(before[k], wanted);
+    told = axes_in(after[k], told);
+    CompensatorJoints<double> expected{};
+    ASSERT_EQ(correction.compensator().compensate({wanted[0], wanted[1], wanted[2], to_radians(wanted[3])}, expected),
+              CompensationStatus::ok);
+    const InverseResult joints = inverse(robot.nominal(), pose_in(told));
+    ASSERT_TRUE(joints.ok());
+    for (Eigen::Index i = 0; i < joints.joints.size(); ++i) {
+      worst = std::max(worst, std::abs(joints.joints[i] - expected[static_cast<std::size_t>(i)]));
+    }
+  }
+  // Four decimals are half of 0.1 um a coordinate; an arm of 375 mm or more feels it in less than 1e-6 rad.
+  EXPECT_LT(worst, 1e-6);
+  EXPECT_GT(worst, 1e-9);
+}
+
+TEST_P(TargetFilter, ThreadsAndPiecesLeaveNoTrace) {
+  const std::string text = random_program(robot, random, 40'000);  // more than is read at once
+  std::istringstream stream(text);
+  std::string one_thread;
+  const TextSink sink = [&one_thread](std::string_view piece) { one_thread += piece; };
+  EXPECT_TRUE(filter_gcode({"", stream}, sink, correction, {}, 1).complete());
+  EXPECT_EQ(one_thread, filtered_gcode(text, correction).text);
+}
+
+TEST_P(TargetFilter, TablesKeepAllButThePose) {
+  const std::string text =
+      "# note\r\npose, z_mm,x_mm ,y_mm,speed,phi_deg\n\"a, \"\"b\"\"\",-900.0 ,\t1,\"20.00\",fast, 0\n"
+      "\nb,-900,1,20\nc,-900,1,far,slow,0\nd,-9e2,1,+20,,0";
+  EXPECT_EQ(filtered_table(text, none).text, text);
+  const Filtered result = filtered_table(text, correction);
+  EXPECT_EQ(result.summary.corrected, 2);
+  EXPECT_EQ(result.passed("fields"), 1);
+  EXPECT_EQ(result.passed("number"), 1);
+  const Pose target = *correction.target({{1, 20, -900}, 0.0});
+  const std::string x = fmt::format("{:.4f}", target.position.x()), y = fmt::format("{:.4f}", target.position.y()),
+                    z = fmt::format("{:.4f}", target.position.z()),
+                    phi = robot.slide() ? fmt::format("{:.5f}", to_degrees(target.rotation)) : "0";
+  EXPECT_EQ(result.text, "# note\r\npose, z_mm,x_mm ,y_mm,speed,phi_deg\n\"a, \"\"b\"\"\"," + z + " ,\t" + x + ",\"" +
+                             y + "\",fast, " + phi + "\n\nb,-900,1,20\nc,-900,1,far,slow,0\nd," + z + "," + x + "," +
+                             y + ",," + phi);
+}
+
+PARACAL_ON_EVERY_ROBOT(TargetFilter);
+
+// ---- G-code, word by word; on the robot with a slide, whose lines have all four axes
+
+class Gcode : public testing::Test {
+ protected:
+  Filtered filtered(const std::string& text, const GcodeFrame& frame = {}) const {
+    return filtered_gcode(text, correction, frame);
+  }
+  /// After lines that correct everything.
+  Filtered after_start(const std::string& text) const { return filtered(kStart + text); }
+
+  /// The four words of a corrected target, with blanks between.
+  std::string words(const Pose& wanted) const {
+    const Pose target = *correction.target(wanted);
+    const Eigen::Vector3d& r = target.position;
+    return fmt::format("X{:.4f} Y{:.4f} Z{:.4f} C{:.5f}", r.x(), r.y(), r.z(), to_degrees(target.rotation));
+  }
+
+  const std::string kStart = "G0 X0 Y0 Z-888 C0\n";
+  const Robot robot = catalogue::find("huang2016");
+  const TargetCorrection none{robot, {}};
+  const TargetCorrection correction{robot, test::table4_machine(robot, 1)};
+};
+
+TEST_F(Gcode, MissingAxesFollowTheLastOne) {
+  EXPECT_EQ(after_start("G1 X10 F500 (go)\n").text.substr(words({{0, 0, -888}}).size() + 4),
+            "G1 " + words({{10, 0, -888}}) + " F500 (go)\n");
+  std::string tight = words({{10, 0, -888}});
+  std::erase(tight, ' ');
+  EXPECT_THAT(after_start("G1X10F500;go\n").text, HasSubstr("\nG1" + tight + "F500;go\n"));
+  for (char& c : tight) c = static_cast<char>(std::tolower(c));
+  EXPECT_THAT(after_start("g1x10f500\n").text, HasSubstr("\ng1" + tight + "f500\n"));
+}
+
+TEST_F(Gcode, InchesAndTheOriginAreFollowed) {
+  const Pose target = *correction.target({{25.4, -50.8, -901.7}});
+  const std::string expected =
+      fmt::format("G20 G1 X{:.6f} Y{:.6f} Z{:.6f} C{:.5f}", target.position.x() / 25.4, target.position.y() / 25.4,
+                  (target.position.z() + 901.7) / 25.4, to_degrees(target.rotation));
+  EXPECT_EQ(filtered("G20 G1 X1 Y-2 Z0 C0", {.origin = {0, 0, -901.7}}).text, expected);
+}
+
+TEST_F(Gcode, DecimalsAreKeptAndNotLost) {
+  const std::string text = filtered("G1 X1.123456 Y2 Z-900.1234567891 C0.1234567").text;
+  const Pose target = *correction.target({{1.123456, 2, -900.1234567891}, to_radians(0.1234567)});
+  EXPECT_EQ(text, fmt::format("G1 X{:.6f} Y{:.4f} Z{:.7f} C{:.7f}", target.position.x(), target.position.y(),
+                              target.position.z(), to_degrees(target.rotation)));
+}
+
+TEST_F(Gcode, ChecksumsAreComputedAnew) {
+  const auto with_checksum = [](const std::string& text) {
+    const unsigned sum = std::accumulate(text.begin(), text.end(), 0U,
+                                         [](unsigned s, char c) { return s ^ static_cast<unsigned char>(c); });
+    return text + "*" + std::to_string(sum);
+  };
+  const Pose pose{{1, 2, -900}, 0.0};
+  EXPECT_EQ(filtered(with_checksum("N5 G1 X1 Y2 Z-900 C0 ") + " ; c").text,
+            with_checksum("N5 G1 " + words(pose) + " ") + " ; c");
+  EXPECT_EQ(filtered("N5 G1 X1 Y2 Z-900 C0*1").passed("checksum"), 1);
+}
+
+TEST_F(Gcode, AStatedStartNeedsNoOtherAxis) {
+  EXPECT_EQ(filtered("G1 X1\n").passed("not been stated"), 1);
+  EXPECT_EQ(filtered("G1 X1\n", {.start = Pose{{0, 0, -900}, 0.0}}).text, "G1 " + words({{1, 0, -900}, 0.0}) + "\n");
+}
+
+/// Lines that are left, after a start that is known; and whether X is known again after "X0" in absolute modes.
+struct Passed {
+  const char* name;
+  const char* lines;
+  const char* reason;          ///< fragment; empty: nothing is counted
+  const char* next;            ///< a line after it
+  const char* reason_of_next;  ///< empty: it is corrected
+};
+
+class PassedGcode : public Gcode, public testing::WithParamInterface<Passed> {};
+
+TEST_P(PassedGcode, IsLeftAndCounted) {
+  const Passed& row = GetParam();
+  const Filtered alone = after_start(std::string(row.lines) + "\n");
+  EXPECT_TRUE(alone.text.ends_with("\n" + std::string(row.lines) + "\n")) << alone.text;
+  EXPECT_EQ(alone.summary.corrected, 1);
+  if (*row.reason == '\0') {
+    EXPECT_THAT(alone.summary.passed, IsEmpty());
+  } else {
+    ASSERT_THAT(alone.summary.passed, SizeIs(1));
+    EXPECT_THAT(std::string(alone.summary.passed[0].reason), HasSubstr(row.reason));
+    EXPECT_GE(alone.summary.passed[0].first_line, 2);
+  }
+  const Filtered both = after_start(std::string(row.lines) + "\n" + row.next + "\n");
+  EXPECT_EQ(both.summary.corrected, *row.reason_of_next == '\0' ? 2 : 1) << both.text;
+  if (*row.reason_of_next != '\0') {
+    EXPECT_GT(both.passed(row.reason_of_next), *row.reason_of_next == *row.reason ? 1 : 0);
+  }
+}
+
+constexpr const char* kAll = "G1 X1 Y2 Z-900 C3";
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, PassedGcode,
+    testing::Values(
+        Passed{"incremental", "G91 G1 X1", "incremental", "G90 Y1", "stated yet"},
+        Passed{"incremental_recovers", "G91 G1 X1", "incremental", "G90 G1 X1", ""},
+        Passed{"incremental_alone", "G91", "", kAll, "incremental"},
+        Passed{"arc", "G2 X5 Y5 I1 J2", "arcs", "G1 Z-900", ""},
+        Passed{"full_circle", "G3 I1 J2", "arcs", "G1 Z-900", ""},
+        Passed{"arc_stays_modal", "G2 X5 Y5 I1 J2", "arcs", "X1", "arcs"},
+        Passed{"spline", "G5 X5 Y5 I1 J2 P1 Q1", "splines", "G1 Z-900", ""},
+        Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "stated yet"},
+        Passed{"machine_coordinates_recover", "G53 G0 Z0", "another origin", "G0 Z-900", ""},
+        Passed{"other_system", "G55", "", kAll, "another origin"},
+        Passed{"shift", "G92 X0", "", kAll, "another origin"},
+        Passed{"shift_local", "G52 X1 Y2", "", kAll, "another origin"},
+        Passed{"shift_table", "G10 L2 P1 X5", "", kAll, "another origin"}, Passed{"retraction", "G10", "", "G1 X1", ""},
+        Passed{"extruder_zero", "G92 E0", "", "G1 X1", ""}, Passed{"tool_length", "G43 H1", "", kAll, "another origin"},
+        Passed{"no_tool_length", "G49", "", "G1 X1", ""}, Passed{"cutter_radius", "G41 D1", "", kAll, "offset"},
+        Passed{"no_cutter_radius", "G40", "", "G1 X1", ""},
+        Passed{"turned_and_back", "G68 X0 Y0 R30\nG69", "", kAll, ""},
+        Passed{"scaled", "G51 X0 Y0 P2", "", kAll, "scaled"},
+        Passed{"cycle", "G81 X1 Y2 Z-910 R-900 F100", "cycles", "G80 G0 X1", "stated yet"},
+        Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "stated yet"},
+        Passed{"homing", "G28", "", "G1 X1", "stated yet"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
+        Passed{"homing_over", "G28 Z-800", "homing", kAll, ""}, Passed{"dwell_in_x", "G4 X2.5", "", "Y1", ""},
+        Passed{"m_code", "M92 X80", "M code", "G1 Y1", "stated yet"}, Passed{"m_code_beside", "M3 S1000", "", "X1", ""},
+        Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"}, Passed{"end", "M30", "", kAll, "unclear"},
+        Passed{"expression", "G1 X[1+2] Y3", "expressions", "G1 Z-900", "stated yet"},
+        Passed{"parameter", "G1 X#1", "expressions", "G1 X1", ""}, Passed{"assignment", "#1 = 5", "", "X1", ""},
+        Passed{"assignment_of_expression", "#<a> = sin[3 * [1+1]]", "", "X1", ""},
+        Passed{"expression_of_mode", "G[#1]", "expressions", kAll, "unclear"},
+        Passed{"subprogram", "o100 call", "subprograms", kAll, "unclear"},
+        Passed{"subprogram_m", "M98 P1000", "subprograms", kAll, "unclear"},
+        Passed{"subprogram_then_modes", "o100 call\nG90 G21", "subprograms", kAll, ""},
+        Passed{"block_delete", "/G1 X1", "block delete", kAll, "unclear"},
+        Passed{"block_delete_of_origin", "/G55\nG54 G90 G21", "", kAll, "another origin"},
+        Passed{"block_delete_of_comment", "/ (nothing)", "", "G1 X1", ""},
+        Passed{"unknown_code", "G187 P1", "not known", kAll, "unclear"},
+        Passed{"twice", "G1 X1 X2", "not a block", kAll, "unclear"},
+        Passed{"two_motions", "G0 G1 X1", "not a block", kAll, "unclear"},
+        Passed{"flag", "G1 X", "not a block", kAll, "unclear"},
+        Passed{"no_number", "G1 X-", "not a block", kAll, "unclear"},
+        Passed{"split_number", "G1 X1. 2", "not a block", kAll, "unclear"},
+        Passed{"open_comment", "G1 (X1", "not a block", kAll, "unclear"},
+        Passed{"no_code", "hello there!", "not a block", kAll, "unclear"},
+        Passed{"message", "M117 it's X1 (!", "", "G1 X1", ""}, Passed{"comment", "; X1 Y2", "", "G1 X1", ""},
+        Passed{"no_motion_mode", "G80", "", "X1", "unclear"},
+        Passed{"out_of_reach", "G1 X4000", "out of reach", "G1 X1", ""},
+        Passed{"extruder", "G1 E5 F100", "", "G1 X1", ""}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+TEST_F(Gcode, TheFirstSystemIsTheOrigins) {
+  EXPECT_TRUE(filtered("G55 G92 X0 Y0 Z0\n" + kStart + "G1 X1\n").summary.complete());
+  EXPECT_EQ(filtered("G54\n" + kStart + "G55\n" + kStart + "G54\n" + kStart).summary.corrected, 2);
+}
+
+/// After a line out of reach the controller holds what that line said, not what it was corrected to before.
+TEST_F(Gcode, ALineOutOfReachIsToldAsItStands) {
+  const std::string home = words({{0, 0, -888}});
+  const std::string x = home.substr(0, home.find(' '));
+  EXPECT_EQ(after_start("G1 X4000\nG1 X0\n").text, "G0 " + home + "\nG1 X4000\nG1 " + x + "\n");
+}
+
+TEST_F(Gcode, ALongLineIsPassedInPieces) {
+  const std::string line = "(" + std::string(3'000'000, 'x') + ")\n";
+  const Filtered result = filtered(kStart + line + kAll + "\n" + "G90 G21 " + kAll);
+  EXPECT_THAT(result.text, HasSubstr("\n" + line + kAll + "\n"));
+  EXPECT_EQ(result.summary.lines, 4);
+  EXPECT_EQ(result.passed("64 KiB"), 1);
+  EXPECT_EQ(result.passed("unclear"), 1);
+  EXPECT_EQ(result.summary.corrected, 2);
+}
+
+// ---- anything at all
+
+/// Bytes as they may come, with words of G-code and of tables among them.
+std::string random_bytes(std::mt19937& engine, std::size_t size) {
+  constexpr std::array<std::string_view, 24> kWords{"G1 ",
+                                                    "X1.5",
+                                                    "Y-2 ",
+                                                    "Z-900",
+                                                    "C3",
+                                                    "\n",
+                                                    "\r\n",
+                                                    "G90",
+                                                    "G21",
+                                                    "(",
+                                                    ")",
+                                                    ";",
+                                                    "*12",
+                                                    "#1",
+                                                    "[",
+                                                    "]",
+                                                    ",",
+                                                    "\"",
+                                                    "x_mm",
+                                                    "y_mm,",
+                                                    "z_mm",
+                                                    "phi_deg",
+                                                    "\nG1 X1 Y2 Z-900 C0\n",
+                                                    "G91"};
+  std::string text;
+  while (text.size() < size) {
+    if (engine() % 4 == 0) {
+      text += static_cast<char>(engine());
+    } else {
+      text += kWords[engine() % kWords.size()];
+    }
+  }
+  return text;
+}
+
+/// A line without the digits and signs of its numbers.
+std::string without_numbers(std::string text) {
+  std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+'; });
+  return text;
+}
+
+TEST_F(Gcode, RandomBytesPassThrough) {
+  std::mt19937 engine(7);
+  for (int k = 0; k < 2000; ++k) {
+    const std::string text = random_bytes(engine, engine() % 300);
+    EXPECT_EQ(filtered_gcode(text, none).text, text);
+    const Filtered result = filtered(text);
+    EXPECT_EQ(std::ranges::count(result.text, '\n'), std::ranges::count(text, '\n'));
+    const std::int64_t lines = std::ranges::count(text, '\n') + (text.empty() || text.ends_with('\n') ? 0 : 1);
+    EXPECT_EQ(result.summary.lines, lines);
+    EXPECT_TRUE(result.summary.corrected > 0 || result.text == text) << text;
+  }
+}
+
+TEST_F(Gcode, RandomTablesPassThrough) {
+  std::mt19937 engine(8);
+  for (int k = 0; k < 2000; ++k) {
+    const std::string text = "x_mm,y_mm,z_mm,phi_deg,name\n1,2,-900,3,a\n" + random_bytes(engine, engine() % 300);
+    EXPECT_EQ(filtered_table(text, none).text, text);
+    const Filtered result = filtered_table(text, correction);
+    EXPECT_GE(result.summary.corrected, 1);
+    EXPECT_EQ(std::ranges::count(result.text, '\n'), std::ranges::count(text, '\n'));
+    EXPECT_EQ(without_numbers(result.text), without_numbers(text));
+  }
+}
+
+// ---- tables
+
+TEST_F(Gcode, TablesWithoutAPoseAreRefused) {
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    EXPECT_THAT([&] { filtered_table(text, correction); }, testing::ThrowsMessage<InputFileError>(HasSubstr(message)));
+  };
+  refused("# only a comment\n", "targets.csv: expected a header line");
+  refused("# c\nx_mm,y_mm,phi_deg\n", "targets.csv:2: expected a column \"z_mm\"");
+  refused("x_mm,y_mm,z_mm\n1,2,3\n", "targets.csv:1: expected a column \"phi_deg\"");
+  refused("x_mm,y_mm,z_mm,phi_deg,x_mm\n", "\"x_mm\" twice");
+  refused("x_mm,\"y_mm\n", "targets.csv:1: expected closed quotation marks");
+}
+
+TEST_F(Gcode, TheCommandedColumnsCount) {
+  const std::string text = "x_mm,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg\n7,1,2,-900,0\n";
+  std::string row = words({{1, 2, -900}, 0.0});
+  std::erase_if(row, [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
+  std::ranges::replace(row, ' ', ',');
+  EXPECT_EQ(filtered_table(text, correction).text, text.substr(0, text.find('\n')) + "\n7," + row + "\n");
+}
+
+}  // namespace
+}  // namespace paracal::io
