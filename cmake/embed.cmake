@@ -1,20 +1,10 @@
-# paracal_embed(NAME FOLDER OUTPUT): a C++ file that holds every .csv, .toml, .h and .comp file of FOLDER as text, so that an installed program
-# carries its published data and the templates of its exports. Declares
+# paracal_embed(NAME OUTPUT FILE...): a C++ file, made at build time, that holds the files as text, so that an installed program carries
+# its published data, the templates of its exports and the page of its reports. Declares
 #   std::span<const EmbeddedFile> paracal::detail::NAME();      see src/embedded.hpp
-function(paracal_embed name folder output)
-  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.csv ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.toml
-       ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.h ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.comp)
-  set(entries "")
-  foreach(path IN LISTS files)
-    get_filename_component(file_name ${path} NAME)
-    file(READ ${path} text)
-    string(APPEND entries "    {\"${file_name}\", R\"~~~(${text})~~~\"},\n")
-  endforeach()
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${files})
-  string(CONCAT code
-    "#include \"embedded.hpp\"\n\nnamespace paracal::detail {\n\n"
-    "std::span<const EmbeddedFile> ${name}() {\n"
-    "  static constexpr EmbeddedFile kFiles[] = {\n${entries}  };\n  return kFiles;\n}\n\n"
-    "}  // namespace paracal::detail\n")
-  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${output} CONTENT "${code}" @ONLY)
+set(PARACAL_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_files.cmake)
+function(paracal_embed name output)
+  list(JOIN ARGN "|" files)  # a semicolon would end the argument
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DNAME=${name} -DOUTPUT=${output} "-DFILES=${files}" -P ${PARACAL_EMBED_SCRIPT}
+    DEPENDS ${ARGN} ${PARACAL_EMBED_SCRIPT} VERBATIM)
 endfunction()

@@ -30,9 +30,8 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
   return displacements - motions * motions.colPivHouseholderQr().solve(displacements);
 }
 
-void widen(double variance, double& sum, double& largest) {
-  sum += variance;
-  largest = std::max(largest, variance);
+Eigen::VectorXd variances(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covariance) {
+  return (rows * covariance).cwiseProduct(rows).rowwise().sum().cwiseMax(0.0);  // rounding may leave a zero below
 }
 
 }  // namespace
@@ -104,27 +103,35 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   }
 }
 
+std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance) const {
+  const Eigen::VectorXd distance = variances(distance_, covariance), aligned = variances(aligned_, covariance),
+                        rotation = variances(rotation_, covariance);
+  std::vector<PoseStd> poses(static_cast<std::size_t>(aligned.size() / 3));
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    poses[k].aligned = std::sqrt(aligned.segment<3>(3 * row).sum());
+    if (k == 0) continue;
+    poses[k].distance = std::sqrt(distance(row - 1));
+    poses[k].rotation = std::sqrt(rotation(row - 1));
+  }
+  return poses;
+}
+
 WorkspaceUncertainty PoseSpread::uncertainty(const Eigen::MatrixXd& covariance) const {
-  const auto variances = [&](const Eigen::MatrixXd& rows) {
-    return Eigen::VectorXd((rows * covariance).cwiseProduct(rows).rowwise().sum());
+  const std::vector<PoseStd> poses = each(covariance);
+  const auto largest = [&](double PoseStd::*what) { return std::ranges::max(poses, {}, what).*what; };
+  const auto rms = [&](double PoseStd::*what, std::size_t count) {
+    double sum = 0.0;
+    for (const PoseStd& one : poses) sum += one.*what * one.*what;
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
   };
-  const Eigen::VectorXd distance = variances(distance_), aligned = variances(aligned_), rotation = variances(rotation_);
-  WorkspaceUncertainty spread;
-  for (const double variance : distance) widen(variance, spread.rms_distance, spread.max_distance);
-  for (const double variance : rotation) widen(variance, spread.rms_rotation, spread.max_rotation);
-  for (Eigen::Index k = 0; k < aligned.size(); k += 3) {
-    widen(aligned.segment<3>(k).sum(), spread.rms_aligned, spread.max_aligned);
-  }
-  const auto mean_root = [](double sum, Eigen::Index count) {
-    return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(count, 1)));
-  };
-  spread.rms_distance = mean_root(spread.rms_distance, distance.size());
-  spread.rms_rotation = mean_root(spread.rms_rotation, rotation.size());
-  spread.rms_aligned = mean_root(spread.rms_aligned, aligned.size() / 3);
-  for (double* largest : {&spread.max_distance, &spread.max_aligned, &spread.max_rotation}) {
-    *largest = std::sqrt(*largest);
-  }
-  return spread;
+  const std::size_t but_home = poses.size() - 1;
+  return {.rms_distance = rms(&PoseStd::distance, but_home),
+          .max_distance = largest(&PoseStd::distance),
+          .rms_aligned = rms(&PoseStd::aligned, poses.size()),
+          .max_aligned = largest(&PoseStd::aligned),
+          .rms_rotation = rms(&PoseStd::rotation, but_home),
+          .max_rotation = largest(&PoseStd::rotation)};
 }
 
 Eigen::MatrixXd PoseSpread::mean_square(double lever) const {

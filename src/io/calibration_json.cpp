@@ -203,6 +203,10 @@ int line_of(std::string_view text, std::size_t byte) {
 
 }  // namespace
 
+std::string utc(std::int64_t time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(time)));
+}
+
 Json to_json(const PoseErrorSummary& summary) {
   return {{"max_abs_distance_mm", summary.max_abs_distance},
           {"rms_distance_mm", summary.rms_distance},
@@ -249,7 +253,7 @@ Json to_json(const std::vector<InputFile>& files) {
 Json to_json(const Calibration& calibration, std::int64_t time) {
   return {{"format", "paracal calibration 1"},
           {"program", fmt::format("paracal {}", version())},
-          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(time)))},
+          {"date", utc(time)},
           {"accepted", calibration.accepted()},
           {"verdict", name(calibration.verdict)},
           {"reasons", calibration.reasons},
@@ -276,6 +280,14 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"frames", frames_json(calibration)},
           {"options", to_json(calibration.options)},
           {"inputs", to_json(calibration.files)}};
+}
+
+KnownErrors CalibratedMachine::known() const {
+  KnownErrors known{errors, {}, covariance};
+  if (covariance.size() == 0) return known;
+  known.parameters.reserve(parameters.size());
+  for (const ParameterEstimate& one : parameters) known.parameters.push_back({one.limb, one.source});
+  return known;
 }
 
 CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {

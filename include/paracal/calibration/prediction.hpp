@@ -44,6 +44,12 @@ struct WorkspaceUncertainty {
   double rms_rotation = 0.0, max_rotation = 0.0;  ///< of d_phi relative to home, rad
 };
 
+/// Standard deviations at one pose, of the same quantities.
+struct PoseStd {
+  double distance = 0.0, aligned = 0.0;  ///< mm
+  double rotation = 0.0;                 ///< rad
+};
+
 /// How known errors spread over poses (home first): linear, from stacked pose Jacobians.
 class PoseSpread {
  public:
@@ -52,6 +58,8 @@ class PoseSpread {
              const std::vector<Station>& stations);
 
   WorkspaceUncertainty uncertainty(const Eigen::MatrixXd& covariance) const;
+  /// At every pose; home has neither distance nor rotation.
+  std::vector<PoseStd> each(const Eigen::MatrixXd& covariance) const;
   /// B with tr(B C) = mean over the poses of the variance of the aligned position and of `lever` x rotation, mm^2.
   Eigen::MatrixXd mean_square(double lever) const;
 

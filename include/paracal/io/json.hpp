@@ -5,6 +5,7 @@
 
 #include "paracal/batch/batch.hpp"
 #include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/validation.hpp"
 #include "paracal/compensation/export.hpp"
 #include "paracal/compensation/self_test.hpp"
 #include "paracal/io/file.hpp"
@@ -18,6 +19,9 @@ namespace paracal::io {
 /// Objects that keep the order in which keys were added.
 using Json = nlohmann::ordered_json;
 
+/// "2016-10-05T12:00:00Z", from seconds since 1970.
+std::string utc(std::int64_t time);
+
 /// The robot under the keys of its TOML file.
 Json to_json(const Robot& robot);
 
@@ -27,6 +31,9 @@ Json to_json(const Calibration& calibration, std::int64_t time);
 
 /// Largest errors, under the contract's keys.
 Json to_json(const PoseErrorSummary& summary);
+
+/// What validate() found; keys in docs/files.md.
+Json to_json(const Validation& validation);
 
 Json to_json(const Tolerances& tolerances);
 
@@ -71,6 +78,9 @@ struct CalibratedMachine {
   SourceErrors errors;
   std::vector<ParameterEstimate> parameters = {};  ///< those that were sought; limb, source and value only
   Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty where none was stated
+
+  /// What predictions are made from; no parameters where no covariance was stated.
+  KnownErrors known() const;
 };
 
 /// @throws InputFileError when the file is no calibration of `robot`, or one that was not accepted.

@@ -1,0 +1,69 @@
+#include <cmath>
+
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+Json iso_json(const Iso9283& iso) {
+  Json json{{"max_AP_mm", iso.max_AP},
+            {"max_RP_mm", iso.max_RP},
+            {"max_AD_mm", iso.max_AD},
+            {"max_RD_mm", iso.max_RD},
+            {"poses", Json::array()}};
+  for (const PoseCriteria& one : iso.poses) {
+    json["poses"].push_back({{"pose", one.pose},
+                             {"repeats", one.repeats},
+                             {"AP_mm", one.AP},
+                             {"RP_mm", one.RP},
+                             {"AD_mm", one.AD},
+                             {"RD_mm", one.RD}});
+    if (!one.AP_rotation) continue;
+    json["poses"].back()["AP_deg"] = to_degrees(*one.AP_rotation);
+    json["poses"].back()["RP_deg"] = to_degrees(*one.RP_rotation);
+  }
+  return json;
+}
+
+/// Each pose against the first of its series.
+Json poses_json(const Validation& validation) {
+  Json json = Json::array();
+  const ValidatedPose* home = nullptr;
+  for (const ValidatedPose& one : validation.poses) {
+    if (!home || home->series != one.series) home = &one;
+    const PoseError before = error_relative_to(home->before, one.before),
+                    after = error_relative_to(home->after, one.after);
+    const auto error = [&](const PoseError& e) {
+      Json json_error{{"d_rho_mm", e.distance}, {"d_v_mm", e.volumetric}, {"d_phi_deg", nullptr}};
+      if (one.rotation) json_error["d_phi_deg"] = to_degrees(e.rotation);
+      return json_error;
+    };
+    json.push_back({{"series", one.series}, {"pose", one.pose}, {"before", error(before)}, {"after", error(after)}});
+    if (!one.covariance) continue;
+    const Eigen::Matrix4d& c = *one.covariance;
+    json.back()["predicted_U_mm"] = {kCoverageFactor * std::sqrt(c(0, 0)), kCoverageFactor * std::sqrt(c(1, 1)),
+                                     kCoverageFactor * std::sqrt(c(2, 2))};
+    json.back()["predicted_U_deg"] = to_degrees(kCoverageFactor * std::sqrt(c(3, 3)));
+  }
+  return json;
+}
+
+}  // namespace
+
+Json to_json(const Validation& validation) {
+  Json json{{"accepted", validation.accepted},         {"reasons", validation.reasons},
+            {"before", to_json(validation.before)},    {"after", to_json(validation.after)},
+            {"iso9283", iso_json(validation.iso9283)}, {"checks", Json::array()},
+            {"poses", poses_json(validation)}};
+  for (const LimitCheck& check : validation.checks) {
+    json["checks"].push_back({{"quantity", check.quantity},
+                              {"error", check.error},
+                              {"U", check.uncertainty},
+                              {"limit", check.limit},
+                              {"conformity", name(check.conformity)}});
+  }
+  return json;
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,38 @@
+#include "paracal/report/page.hpp"
+
+#include <algorithm>
+
+#include "paracal/error.hpp"
+
+namespace paracal::report {
+namespace {
+
+constexpr std::string_view kPlace = "PARACAL_REPORT_DATA";
+
+/// JSON that may stand between two tags. '<' occurs in strings only, where JSON has another way to write it.
+std::string within_html(const io::Json& data) {
+  const std::string json = data.dump(-1, ' ', false, io::Json::error_handler_t::replace);
+  std::string text;
+  text.reserve(json.size() + 6 * static_cast<std::size_t>(std::ranges::count(json, '<')));
+  for (const char character : json) {
+    if (character == '<') {
+      text += "\\u003c";
+    } else {
+      text += character;
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string page(std::string_view html_template, const io::Json& data) {
+  const std::size_t place = html_template.find(kPlace);
+  if (place == std::string_view::npos) throw Error("the template of reports keeps no place for data");
+  std::string html(html_template.substr(0, place));
+  html += within_html(data);
+  html += html_template.substr(place + kPlace.size());
+  return html;
+}
+
+}  // namespace paracal::report

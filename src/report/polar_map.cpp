@@ -1,0 +1,21 @@
+#include "polar_map.hpp"
+
+#include "rounded.hpp"
+
+namespace paracal::report::detail {
+
+io::Json map_axes(const Workspace& workspace) {
+  io::Json json;
+  for (int k = 1; k <= kMapGrid.radii; ++k) json["radii_mm"].push_back(rounded(workspace.radius * k / kMapGrid.radii));
+  for (int k = 0; k < kMapGrid.azimuths; ++k) json["azimuths_deg"].push_back(rounded(360.0 * k / kMapGrid.azimuths));
+  for (int k = 0; k < kMapGrid.layers; ++k) {
+    json["layers_mm"].push_back(rounded(workspace.top_z - workspace.height * k / (kMapGrid.layers - 1)));
+  }
+  return json;
+}
+
+io::Json place_json(const Eigen::Vector3d& position) {
+  return {{"x_mm", rounded(position.x())}, {"y_mm", rounded(position.y())}, {"z_mm", rounded(position.z())}};
+}
+
+}  // namespace paracal::report::detail

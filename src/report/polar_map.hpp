@@ -1,0 +1,20 @@
+#pragma once
+
+// Private to report.
+
+#include "paracal/io/json.hpp"
+#include "paracal/mechanism/workspace.hpp"
+#include "paracal/tolerance/workspace_samples.hpp"
+
+namespace paracal::report::detail {
+
+/// The points of every map: three layers, six circles of 24 points around the axis.
+inline constexpr PolarGrid kMapGrid{.radii = 6, .azimuths = 24, .layers = 3};
+
+/// {radii_mm, azimuths_deg, layers_mm} of that grid.
+io::Json map_axes(const Workspace& workspace);
+
+/// {x_mm, y_mm, z_mm}
+io::Json place_json(const Eigen::Vector3d& position);
+
+}  // namespace paracal::report::detail
