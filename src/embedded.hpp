@@ -15,5 +15,7 @@ struct EmbeddedFile {
 std::span<const EmbeddedFile> published_data();
 /// The files of src/compensation/templates.
 std::span<const EmbeddedFile> export_templates();
+/// The page of reports, built from web/; in the program alone, so that the library needs no Node.js to build.
+std::span<const EmbeddedFile> report_page();
 
 }  // namespace paracal::detail

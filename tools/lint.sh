@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# clang-format over every source file and clang-tidy over every translation unit of the library, the program and the examples.
+# clang-format over every source file, the type checker of TypeScript over web/ and clang-tidy over every translation unit of the library, the program and the examples.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -7,6 +7,8 @@ tools/setup.sh
 mapfile -t sources < <(git ls-files '*.cpp' '*.hpp')
 clang-format --dry-run --Werror "${sources[@]}"
 echo "clang-format: ${#sources[@]} files clean"
+(cd web && node_modules/.bin/tsc --noEmit)
+echo "tsc: web/ clean"
 
 cmake --preset tidy >/dev/null
 tidy() {  # CHECKS FILE ...

@@ -1,26 +1,39 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt that are missing. Quiet, and quick when there is nothing to do.
+# Installs what is missing: the Debian packages of packages.txt, then the npm packages that web/package-lock.json pins. Quiet, and
+# quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 mapfile -t wanted < <(grep -v '^#' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
-  [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+  [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] && continue
+  command -v "$package" >/dev/null || missing+=("$package")  # a program from elsewhere is as good
 done
-((${#missing[@]})) || exit 0
-
-as_root=()
-if ((EUID != 0)); then
-  command -v sudo >/dev/null || { echo "setup: run as root, or install: ${missing[*]}" >&2; exit 1; }
-  as_root=(sudo)
-fi
-echo "installing ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-if ! { "${as_root[@]}" apt-get update && "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-  apt-get install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+
+# quietly WHAT COMMAND...: shows what the command said only when it fails.
+quietly() {
+  "${@:2}" >"$log" 2>&1 && return
   tail -n 20 "$log" >&2
-  echo "setup: installing packages failed (the lines above are apt's)" >&2
+  echo "setup: $1 failed (the lines above are its own)" >&2
   exit 1
+}
+
+if ((${#missing[@]})); then
+  as_root=()
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null || { echo "setup: run as root, or install: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "installing ${missing[*]}"
+  quietly "updating the package lists" "${as_root[@]}" apt-get update
+  quietly "installing packages" "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y --no-install-recommends "${missing[@]}"
+fi
+
+if [[ ! ../web/node_modules/.package-lock.json -nt ../web/package-lock.json ]]; then
+  echo "installing the npm packages of web/package-lock.json"
+  quietly "npm ci" npm --prefix ../web ci
 fi

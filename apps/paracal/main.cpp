@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics says no.");
   Session session;
+  session.command_line = shell_line(argc, argv);
   add_robot(app, session);
   add_inverse(app, session);
   add_forward(app, session);
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   add_simulate(app, session);
   add_calibrate(app, session);
   add_validate(app, session);
+  add_report(app, session);
   add_sensitivity(app, session);
   add_tolerance(app, session);
   add_yield(app, session);

@@ -112,12 +112,14 @@ void add_noise_options(CLI::App& command, MeasuringOptions& options) {
       ->check(non_negative_finite());
 }
 
-void add_measuring_options(CLI::App& command, MeasuringOptions& options) {
-  command
-      .add_option("--measurements", options.files,
-                  "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]) or distances (CSV: from,to,distance_mm[,...]); "
-                  "several files, each in its own frame")
-      ->required();
+CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options) {
+  CLI::Option* measurements =
+      command
+          .add_option(
+              "--measurements", options.files,
+              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]) or distances (CSV: from,to,distance_mm[,...]); "
+              "several files, each in its own frame")
+          ->required();
   command.add_option("--poses", options.poses, "poses that distances or an instrument's export name (CSV)");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
@@ -128,6 +130,7 @@ void add_measuring_options(CLI::App& command, MeasuringOptions& options) {
   command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
       ->check(CLI::IsMember({"relative", "absolute"}))
       ->capture_default_str();
+  return measurements;
 }
 
 VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {

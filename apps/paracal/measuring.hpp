@@ -33,7 +33,8 @@ struct MeasuringOptions {
   ReflectorMount mount() const { return reflectors == "plate" ? ReflectorMount::plate : ReflectorMount::end_effector; }
 };
 
-void add_measuring_options(CLI::App& command, MeasuringOptions& options);
+/// @returns --measurements, which is required unless its taker says otherwise.
+CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options);
 
 /// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
 void add_noise_options(CLI::App& command, MeasuringOptions& options);

@@ -53,6 +53,9 @@ std::string json_text(const io::Json& json);
 /// Prints what goes to standard output even with --out.
 void print_summary(std::string_view text);
 
+/// Arguments as a line that a shell takes apart again as they were.
+std::string shell_line(int argc, char** argv);
+
 /// What all commands share: the common options and where results go.
 class Session {
  public:
@@ -74,6 +77,7 @@ class Session {
   void print_json(const io::Json& json) const;
 
   ExitCode exit_code = kDone;
+  std::string command_line;  ///< as typed, quoted for a shell
 
  private:
   std::string robot_ = "huang2016";
@@ -95,6 +99,7 @@ void add_calibrate(CLI::App& app, Session& session);
 void add_validate(CLI::App& app, Session& session);
 void add_sensitivity(CLI::App& app, Session& session);
 void add_tolerance(CLI::App& app, Session& session);
+void add_report(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
 void add_yield(CLI::App& app, Session& session);
 void add_compensate(CLI::App& app, Session& session);

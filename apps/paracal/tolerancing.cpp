@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "paracal/io/toml.hpp"
+#include "paracal/report/plots.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::app {
@@ -70,6 +71,51 @@ CLI::Validator characteristic_validator() {
     return fmt::format("expected one of {}, also with \"-compensated\" behind it; got {}", known, text);
   };
   return {complaint, "QUANTITY"};
+}
+
+SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
+                                     const GlobalSensitivityOptions& options) {
+  SensitivityFindings found{.what = what, .global = global_sensitivity(robot, what, options)};
+  found.worst = worst_spread(robot, what, tolerances, Spread::statistical);
+  found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances);
+  return found;
+}
+
+namespace {
+
+/// By source: of tilt in the paper's units under the contract's six keys, of anything else per mm or rad.
+io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
+  if (quantity == Quantity::tilt) return tilt_group_json(values * paper_units(robot));
+  io::Json json = io::Json::object();
+  for (const Source source : all_sources()) {
+    json[std::string(name(source))] = shown(quantity, values(place(source))).value;
+  }
+  return json;
+}
+
+}  // namespace
+
+io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) {
+  const Quantity quantity = found.what.quantity;
+  const auto of = [&](const PerSource& values) { return per_source_json(robot, quantity, values); };
+  io::Json json{{"quantity", name(found.what)},
+                {"poses", found.global.poses},
+                {"global", of(found.global.mean)},
+                {"global_error", of(found.global.error)},
+                {"largest", of(found.global.largest)}};
+  if (found.local) json["local"] = of(*found.local);
+  json["worst"] = io::to_json(found.worst.pose);
+  json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
+  json["contributors"] = contributors_json(found.contributors);
+  return json;
+}
+
+io::Json three_sigma_json(const Robot& robot, Characteristic what, const Tolerances& tolerances) {
+  const Shown unit = shown(what.quantity, 1.0);
+  io::Json map = report::three_sigma_map(robot, what, tolerances, unit.value);
+  map["quantity"] = name(what);
+  map["unit"] = unit.unit;
+  return map;
 }
 
 }  // namespace paracal::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,21 @@ io::Json tilt_group_json(const PerSource& values);
 io::Json contributors_json(const std::vector<Contributor>& contributors);
 /// A line a source: its share, and a bar as long.
 std::string pareto(const std::vector<Contributor>& contributors);
+
+/// What `sensitivity` finds.
+struct SensitivityFindings {
+  Characteristic what = {};
+  GlobalSensitivity global = {};
+  std::optional<PerSource> local = {};
+  ValueAtPose worst = {};  ///< largest 3 sigma
+  std::vector<Contributor> contributors = {};
+};
+SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
+                                     const GlobalSensitivityOptions& options = {});
+io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found);
+
+/// report::three_sigma_map() in the units of screens, with {quantity, unit}.
+io::Json three_sigma_json(const Robot& robot, Characteristic what, const Tolerances& tolerances);
 
 /// Accepts the name of a characteristic.
 CLI::Validator characteristic_validator();

@@ -7,7 +7,11 @@
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/report/error_map.hpp"
+#include "paracal/report/plots.hpp"
+#include "paracal/report/scene.hpp"
 #include "paracal/units.hpp"
+#include "reporting.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -20,6 +24,7 @@ struct Options {
   std::string stage = "auto", method = "best", tolerances;
   std::vector<std::string> fixed, free;
   bool keep_outliers = false;
+  std::shared_ptr<std::string> report;
 };
 
 bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Source source) {
@@ -80,6 +85,23 @@ std::string residual_table(const Calibration& calibration) {
   return text;
 }
 
+/// Maps of a machine that was not found would mislead: they are drawn for accepted calibrations only.
+void write_page(const Options& options, const Session& session, const Measurements& measurements,
+                const Calibration& calibration, const io::Json& json) {
+  const Robot& robot = calibration.robot;
+  const KnownErrors known = known_errors(calibration);
+  std::vector<report::ErrorArrow> arrows = report::measured_arrows(calibration, measurements);
+  if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, measurements.stations);
+  io::Json figures{{"scene", report::scene(robot, arrows, known.errors)},
+                   {"observability", report::observability(robot)}};
+  if (calibration.accepted()) figures["error_map"] = report::error_map(robot, known);
+  write_report(*options.report, session, robot,
+               {.kind = "calibration",
+                .results = {{"calibration", json}},
+                .figures = std::move(figures),
+                .inputs = with_files(calibration.files, session, {options.tolerances})});
+}
+
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Measurements measurements = options.measuring.read(robot.limb_count());
@@ -87,6 +109,7 @@ void run(const Options& options, Session& session) {
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);
   const io::Json file = io::to_json(calibration, now());
+  if (!options.report->empty()) write_page(options, session, measurements, calibration, file);
   if (!session.out().empty()) session.print_json(file);
   if (session.json()) {
     if (session.out().empty()) session.print_json(file);
@@ -123,6 +146,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   command->add_option("--free", options->free, "source errors sought without a prior")->delimiter(',');
   command->add_flag("--keep-outliers", options->keep_outliers,
                     "name readings that contradict the others, but use them");
+  options->report = add_report_option(*command);
   command->callback([&session, options] { run(*options, session); });
 }
 

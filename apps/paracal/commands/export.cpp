@@ -1,8 +1,5 @@
 #include "paracal/compensation/export.hpp"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -49,7 +46,7 @@ void run(const Options& options, Session& session) {
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
                             .sha256 = io::sha256(file.text),
-                            .date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(now())))};
+                            .date = io::utc(now())};
   if (options.target == "gcode" || options.target == "csv") {
     return filter_file(options.target, options.filter, robot, errors, origin, session);
   }

@@ -9,6 +9,7 @@
 #include "paracal/io/file.hpp"
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/units.hpp"
+#include "reporting.hpp"
 #include "session.hpp"
 #include "tolerancing.hpp"
 
@@ -20,15 +21,7 @@ struct Options {
   std::vector<double> pose;
   bool all_rotations = false;
   double error = 1e-3;
-};
-
-/// What the command found.
-struct Findings {
-  Characteristic what = {};
-  GlobalSensitivity global = {};
-  std::optional<PerSource> local = {};
-  ValueAtPose worst = {};  ///< largest 3 sigma
-  std::vector<Contributor> contributors = {};
+  std::shared_ptr<std::string> report;
 };
 
 /// A map's rows: a layer is a z and a rotation.
@@ -43,7 +36,7 @@ std::string map_csv(const Characteristic& what, const std::vector<ValueAtPose>& 
   return text;
 }
 
-std::string text_of(const Robot& robot, const Findings& found) {
+std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   const bool tilt = found.what.quantity == Quantity::tilt || found.what.quantity == Quantity::twist;
   const PerSource unit_size = tilt ? paper_units(robot) : PerSource::Ones();
   std::string text = fmt::format("sensitivity of {} over the workspace ({} poses), mean and largest{}\n",
@@ -70,50 +63,32 @@ std::string text_of(const Robot& robot, const Findings& found) {
   return text;
 }
 
-/// By source: of tilt in the paper's units under the contract's six keys, of anything else per mm or rad.
-io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
-  if (quantity == Quantity::tilt) return tilt_group_json(values * paper_units(robot));
-  io::Json json = io::Json::object();
-  for (const Source source : all_sources()) {
-    json[std::string(name(source))] = shown(quantity, values(place(source))).value;
-  }
-  return json;
-}
-
-io::Json json_of(const Robot& robot, const Findings& found) {
-  const Quantity quantity = found.what.quantity;
-  const auto of = [&](const PerSource& values) { return per_source_json(robot, quantity, values); };
-  io::Json json{{"quantity", name(found.what)},
-                {"poses", found.global.poses},
-                {"global", of(found.global.mean)},
-                {"global_error", of(found.global.error)},
-                {"largest", of(found.global.largest)}};
-  if (found.local) json["local"] = of(*found.local);
-  json["worst"] = io::to_json(found.worst.pose);
-  json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
-  json["contributors"] = contributors_json(found.contributors);
-  return json;
+void write_page(const Options& options, const Session& session, const Robot& robot, const SensitivityFindings& found,
+                const Tolerances& tolerances) {
+  write_report(*options.report, session, robot,
+               {.kind = "sensitivity",
+                .results = {{"sensitivity", sensitivity_json(robot, found)}},
+                .figures = {{"sigma_map", three_sigma_json(robot, found.what, tolerances)}},
+                .inputs = with_files({}, session, {options.tolerances})});
 }
 
 void run(const Options& options, const Session& session) {
   const Robot robot = session.robot();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
-  const LinearModel model(robot);
-  Findings found{.what = *characteristic_named(options.quantity)};
-  found.global =
-      global_sensitivity(robot, found.what, {.all_rotations = options.all_rotations, .relative_error = options.error});
+  SensitivityFindings found =
+      find_sensitivity(robot, *characteristic_named(options.quantity), tolerances,
+                       {.all_rotations = options.all_rotations, .relative_error = options.error});
   if (!options.pose.empty()) {
     const Pose pose{{options.pose[0], options.pose[1], options.pose[2]}, to_radians(options.pose[3])};
-    found.local = squared_sensitivities(model.rows(pose, found.what)).sqrt();
+    found.local = squared_sensitivities(LinearModel(robot).rows(pose, found.what)).sqrt();
   }
-  found.worst = worst_spread(robot, found.what, tolerances, Spread::statistical);
-  found.contributors = contributors(model.rows(found.worst.pose, found.what), tolerances);
   if (!options.map.empty()) {
     io::write_file(options.map,
                    map_csv(found.what, sigma_map(robot, found.what, tolerances,
                                                  {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
   }
-  session.json() ? session.print_json(json_of(robot, found)) : session.print(text_of(robot, found));
+  if (!options.report->empty()) write_page(options, session, robot, found, tolerances);
+  session.json() ? session.print_json(sensitivity_json(robot, found)) : session.print(text_of(robot, found));
 }
 
 }  // namespace
@@ -138,6 +113,7 @@ void add_sensitivity(CLI::App& app, Session& session) {
       ->check(positive_finite())
       ->capture_default_str();
   command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)");
+  options->report = add_report_option(*command);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -7,6 +7,7 @@
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/tolerance/allocation.hpp"
+#include "reporting.hpp"
 #include "tolerance.hpp"
 #include "tolerancing.hpp"
 
@@ -17,6 +18,7 @@ struct Options {
   double max_tilt = 1e-3;
   std::string bound = "sum-of-maxima", least_is = "tolerance", tolerances, problem, toml;
   std::optional<double> least;
+  std::shared_ptr<std::string> report;
 };
 
 bool is_general(const Options& options) { return !options.problem.empty(); }
@@ -83,12 +85,22 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
   return json;
 }
 
+void write_page(const Options& options, const Session& session, const Robot& robot, const Allocation& allocation) {
+  const Characteristic tilt{Quantity::tilt};
+  write_report(*options.report, session, robot,
+               {.kind = "allocation",
+                .results = {{"allocation", json_of(options, robot, allocation)}},
+                .figures = {{"sigma_map", three_sigma_json(robot, tilt, allocation.tolerances)}},
+                .inputs = with_files({}, session, {options.tolerances, options.problem})});
+}
+
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
     io::write_file(options.toml, io::tolerances_toml(allocation.tolerances));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
+  if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))
                  : session.print(text_of(options, robot, allocation));
 }
@@ -120,6 +132,7 @@ void add_tolerance_allocate(CLI::App& tolerance, Session& session) {
       ->excludes(bound)
       ->excludes(least);
   command->add_option("--toml", options->toml, "write the tolerances here, to be used with --tolerances");
+  options->report = add_report_option(*command);
   command->callback([&session, options] { run(*options, session); });
 }
 

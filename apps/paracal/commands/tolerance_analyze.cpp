@@ -8,8 +8,10 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/report/plots.hpp"
 #include "paracal/tolerance/analysis.hpp"
 #include "progress_line.hpp"
+#include "reporting.hpp"
 #include "tolerance.hpp"
 #include "tolerancing.hpp"
 
@@ -23,6 +25,7 @@ struct Options {
   int sobol = 0;
   bool linearity = false;
   std::optional<double> min_yield;
+  std::shared_ptr<std::string> report;
 };
 
 constexpr std::array<double, 4> kPercentiles{0.5, 0.9, 0.95, 0.99};
@@ -194,12 +197,32 @@ io::Json json_of(const Options& options, const Findings& found) {
   return json;
 }
 
+void write_page(const Options& options, const Session& session, const Robot& robot, const Findings& found) {
+  const Characteristic what = found.analyses.front().requirement.characteristic;
+  io::Json map = three_sigma_json(robot, what, tolerances_of(robot, options.tolerances));
+  io::Json histograms = io::Json::array();
+  for (const RequirementStatistics& one : found.batch.requirements) {
+    const Quantity quantity = one.requirement.characteristic.quantity;
+    const double factor = shown(quantity, 1.0).value;
+    histograms.push_back({{"quantity", name(one.requirement.characteristic)},
+                          {"unit", shown(quantity, 0.0).unit},
+                          {"limit", factor * one.requirement.limit},
+                          {"machines", report::histogram(one.largest, factor)}});
+  }
+  write_report(*options.report, session, robot,
+               {.kind = "tolerance analysis",
+                .results = {{"analysis", json_of(options, found)}},
+                .figures = {{"sigma_map", std::move(map)}, {"largest_on_a_machine", std::move(histograms)}},
+                .inputs = with_files({}, session, {options.tolerances, options.problem})});
+}
+
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
   const bool enough =
       !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
   if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
+  if (!options.report->empty()) write_page(options, session, robot, found);
   session.json() ? session.print_json(json_of(options, found)) : session.print(text_of(options, found));
 }
 
@@ -236,6 +259,7 @@ void add_tolerance_analyze(CLI::App& tolerance, Session& session) {
                     "how far the linear model is off, up to 30 times the tolerances");
   command->add_option("--min-yield", options->min_yield, "exit with 1 unless the yield is proven to reach this")
       ->check(CLI::Range(0.0, 1.0));
+  options->report = add_report_option(*command);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -9,8 +9,10 @@
 #include "measuring.hpp"
 #include "paracal/io/chunks.hpp"
 #include "paracal/io/tables.hpp"
+#include "paracal/report/plots.hpp"
 #include "paracal/units.hpp"
 #include "progress_line.hpp"
+#include "reporting.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -26,6 +28,7 @@ struct Options {
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
   std::optional<double> max_distance_mm, max_position_mm, max_rotation_deg, max_tilt_rad, min_yield;
   double confidence = 0.95;
+  std::shared_ptr<std::string> report;
 };
 
 /// A batch with the files that it was described in.
@@ -170,6 +173,27 @@ io::Json json_of(const Options& options, const Order& order, const io::BatchResu
   return json;
 }
 
+/// A histogram an error, before and after on bins of their own.
+io::Json histograms(const Batch& batch, const Tally& tally) {
+  io::Json json = io::Json::array();
+  for (const Label& label : kLabels) {
+    if (label.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    json.push_back({{"quantity", label.text},
+                    {"before", report::histogram(tally.before[label.kind], label.factor)},
+                    {"after", report::histogram(tally.after[label.kind], label.factor)}});
+    if (const auto& limit = batch.plan.limits[label.kind]) json.back()["limit"] = label.factor * *limit;
+  }
+  return json;
+}
+
+void write_page(const Options& options, const Session& session, const Order& order, const io::BatchResult& result) {
+  write_report(*options.report, session, order.batch.robot,
+               {.kind = "yield",
+                .results = {{"yield", json_of(options, order, result)}},
+                .figures = {{"largest_of_a_machine", histograms(order.batch, result.tally)}},
+                .inputs = order.inputs});
+}
+
 void run(const Options& options, Session& session) {
   const io::Rank rank = launched_rank();
   if (rank.size > 1 && options.checkpoint.empty()) {
@@ -182,6 +206,7 @@ void run(const Options& options, Session& session) {
   const bool enough = !options.min_yield || yield(result.tally, options.confidence).interval.low >= *options.min_yield;
   if (!result.complete || (rank.number == 0 && !enough)) session.exit_code = kVerdictIsNo;
   if (rank.number != 0) return;
+  if (!options.report->empty()) write_page(options, session, order, result);
   session.json() ? session.print_json(json_of(options, order, result))
                  : session.print(text_of(options, order.batch, result));
 }
@@ -233,6 +258,7 @@ void add_yield(CLI::App& app, Session& session) {
   command->add_option("--chunk", options->chunk, "machines a chunk: what a process that dies costs")
       ->check(CLI::Range(std::uint64_t{1}, kLargestChunk))
       ->capture_default_str();
+  options->report = add_report_option(*command);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -1,0 +1,53 @@
+#include <memory>
+
+#include "paracal/calibration/plan.hpp"
+#include "paracal/report/error_map.hpp"
+#include "paracal/report/plots.hpp"
+#include "paracal/report/scene.hpp"
+#include "reporting.hpp"
+#include "session.hpp"
+#include "validating.hpp"
+
+namespace paracal::app {
+namespace {
+
+/// The calibration's own page, with what other measurements say of it where they are given.
+void run(const ValidatingOptions& options, Session& session) {
+  const Robot robot = session.robot();
+  const io::TextFile file = io::read_file(options.calibration);
+  const KnownErrors known = io::read_calibration(file, robot).known();
+  ReportContent content{.kind = "calibration", .results = {{"calibration", io::Json::parse(file.text)}}};
+  std::vector<report::ErrorArrow> arrows;
+  std::vector<Station> stations = validation_stations(robot);
+  std::vector<InputFile> inputs{{file.name, io::sha256(file.text)}};
+  if (!options.measuring.files.empty()) {
+    const Measurements measurements = options.measuring.read(robot.limb_count());
+    inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());
+    stations = measurements.stations;
+    if (!measurements.series.empty()) {
+      const Validation validation = validate(robot, known, measurements, options.options());
+      if (!validation.accepted) session.exit_code = kVerdictIsNo;
+      content.results["validation"] = io::to_json(validation);
+      arrows = report::measured_arrows(validation);
+    }
+  }
+  if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, stations);
+  content.figures = {{"scene", report::scene(robot, arrows, known.errors)},
+                     {"error_map", report::error_map(robot, known)},
+                     {"observability", report::observability(robot)}};
+  content.inputs = with_files(std::move(inputs), session, {});
+  const io::Json data = report_data(session, robot, content);
+  session.json() ? session.print_json(data) : session.print(report_page(data));
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Session& session) {
+  CLI::App* command = session.add_command(app, "report", "Calibrate a machine",
+                                          "a calibration as a page to look at (HTML, self-contained); --out FILE");
+  const auto options = std::make_shared<ValidatingOptions>();
+  add_validating_options(*command, *options)->required(false);
+  command->callback([&session, options] { run(*options, session); });
+}
+
+}  // namespace paracal::app

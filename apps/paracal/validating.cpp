@@ -1,0 +1,27 @@
+#include "validating.hpp"
+
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+
+ValidationOptions ValidatingOptions::options() const {
+  ValidationOptions validation{
+      .noise = measuring.noise(), .frame = measuring.frame_kind(), .rotation_zero = measuring.rotation_kind()};
+  validation.limits.distance = limit_mm;
+  validation.limits.volumetric = limit_aligned_mm;
+  if (limit_deg) validation.limits.rotation = to_radians(*limit_deg);
+  return validation;
+}
+
+CLI::Option* add_validating_options(CLI::App& command, ValidatingOptions& options) {
+  command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
+  CLI::Option* measurements = add_measuring_options(command, options.measuring);
+  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive_finite());
+  command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
+      ->check(positive_finite());
+  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
+  return measurements;
+}
+
+}  // namespace paracal::app

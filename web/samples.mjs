@@ -1,0 +1,49 @@
+// One report of every kind from the built program, for tests and screenshots: samples(PROGRAM, FOLDER) -> paths by name.
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const published = fileURLToPath(new URL("../data/huang2016/", import.meta.url));
+
+/// Names that would do harm if they were ever taken for markup or for a program.
+export const hostileNames = ["<img src=x onerror=alert(1)>", "</script><script>alert(2)</script>", "{{7*7}}${7*7}", "=HYPERLINK(1)", "\u202egnihtyreve"];
+
+export function samples(program, folder) {
+  mkdirSync(folder, { recursive: true });
+  const at = (name) => join(folder, name);
+  const run = (...args) => execFileSync(program, args, { cwd: folder, encoding: "utf8", env: { ...process.env, SOURCE_DATE_EPOCH: "1475668800" } });
+  const machine = ["--seed", "3", "--noise-mm", "0.017", "--frame", "random"];
+
+  run("calibrate", "--measurements", join(published, "distances.csv"), "--poses", join(published, "poses.csv"), "--out", "published.json", "--report", "published.html");
+
+  run("poses", "--optimal", "20", "--seed", "7", "--out", "plan.csv");
+  run("simulate", "--poses", "plan.csv", ...machine, "--repeats", "3", "--read-rotation", "--rotation-noise-deg", "0.1", "--out", "measured.csv");
+  run("calibrate", "--measurements", "measured.csv", "--out", "calibration.json", "--report", "calibration.html");
+  run("poses", "--optimal", "30", "--seed", "8", "--out", "check-plan.csv");
+  run("simulate", "--poses", "check-plan.csv", ...machine, "--repeats", "2", "--read-rotation", "--rotation-noise-deg", "0.1", "--out", "check.csv");
+  run("validate", "--calibration", "calibration.json", "--measurements", "check.csv", "--limit-mm", "0.15", "--report", "validation.html");
+  run("report", "--calibration", "calibration.json", "--measurements", "check.csv", "--out", "report.html");
+
+  const plan = readFileSync(at("plan.csv"), "utf8").split("\n").filter((line) => !line.startsWith("#"));
+  const hostile = plan.map((line, k) => {
+    const name = hostileNames[k - 2]; // after the header and home
+    return name === undefined ? line : line.replace(/^[^,]*/, `"${name}"`);
+  });
+  writeFileSync(at("hostile-plan.csv"), hostile.join("\n"));
+  writeFileSync(at("hostile.toml"), run("robot").replace(/^name = .*$/m, 'name = "</script><img src=x onerror=alert(3)>"'));
+  run("simulate", "--robot", "hostile.toml", "--poses", "hostile-plan.csv", ...machine, "--out", "hostile.csv");
+  run("calibrate", "--robot", "hostile.toml", "--measurements", "hostile.csv", "--out", "hostile.json", "--report", "hostile.html");
+
+  run("poses", "--optimal", "200", "--candidates", "400", "--out", "many-plan.csv");
+  run("simulate", "--poses", "many-plan.csv", ...machine, "--out", "many.csv");
+  run("calibrate", "--measurements", "many.csv", "--out", "many.json", "--report", "many.html");
+
+  run("sensitivity", "--out", "sensitivity.txt", "--report", "sensitivity.html");
+  run("tolerance", "allocate", "--out", "allocation.txt", "--report", "allocation.html", "--toml", "chosen.toml");
+  run("tolerance", "analyze", "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
+  run("yield", "--machines", "300", "--max-distance-mm", "0.15", "--out", "yield.txt", "--report", "yield.html");
+  run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
+  const names = ["published", "calibration", "validation", "report", "hostile", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+  return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
+}

@@ -1,0 +1,243 @@
+// What the program puts into the page: results as its commands print them with --json (docs/files.md), and what figures
+// need beyond.
+
+export type Vector = [number, number, number];
+
+export interface Robot {
+  name: string;
+  geometry: { base_radius_mm: number; plate_radius_mm: number; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
+  plate?: { slide_axis: Vector };
+  workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number] };
+}
+
+export interface Largest {
+  max_abs_distance_mm: number;
+  rms_distance_mm: number;
+  max_volumetric_mm: number;
+  max_volumetric_aligned_mm: number;
+  max_abs_rotation_deg: number | null;
+}
+
+export interface Parameter {
+  name: string;
+  limb: number;
+  value: number;
+  unit: string;
+  std: number | null;
+  status: string;
+  prior_std: number | null;
+  data_share: number;
+}
+
+export interface DistanceResidual {
+  from: string;
+  to: string;
+  before_mm: number;
+  after_mm: number;
+}
+export interface PointResidual {
+  series: string;
+  pose: string;
+  before_mm: Vector;
+  after_mm: Vector;
+  excluded: boolean;
+}
+
+export interface Calibration {
+  accepted: boolean;
+  verdict: string;
+  reasons: string[];
+  notes: string[];
+  parameters: Parameter[];
+  covariance: number[][] | null;
+  correlations: { one: string; other: string; value: number }[];
+  rank: number;
+  null_space: { text: string }[];
+  readings: number;
+  noise_mm: number;
+  degrees_of_freedom: number;
+  before: Largest;
+  after: Largest;
+  residuals: (DistanceResidual | PointResidual)[];
+  suspects: { reading: string; statistic: number; chance: number; excluded: boolean }[];
+  options: Record<string, unknown>;
+  program: string;
+  date: string;
+  inputs: InputFile[];
+}
+
+export interface PoseError {
+  d_rho_mm: number;
+  d_v_mm: number;
+  d_phi_deg: number | null;
+}
+export interface Validation {
+  accepted: boolean;
+  reasons: string[];
+  before: Largest;
+  after: Largest;
+  iso9283: { max_AP_mm: number; max_RP_mm: number; max_AD_mm: number; max_RD_mm: number; poses: { pose: string; repeats: number; AP_mm: number; RP_mm: number; AD_mm: number; RD_mm: number }[] };
+  checks: { quantity: string; error: number; U: number; limit: number; conformity: string }[];
+  poses: { series: string; pose: string; before: PoseError; after: PoseError; predicted_U_mm?: Vector }[];
+}
+
+export interface Contributor {
+  name: string;
+  share: number;
+}
+export interface Sensitivity {
+  quantity: string;
+  poses: number;
+  global: Record<string, number>;
+  global_error: Record<string, number>;
+  largest: Record<string, number>;
+  worst: Record<string, number>;
+  contributors: Contributor[];
+}
+
+export interface Proportion {
+  value: number;
+  low: number;
+  high: number;
+}
+export interface Requirement {
+  quantity: string;
+  unit: string;
+  limit: number;
+  worst_case: number;
+  rss_3sigma: number;
+  monte_carlo_3sigma: number;
+  monte_carlo_3sigma_interval: [number, number];
+  cpk: number;
+  contributors: Contributor[];
+}
+export interface Analysis {
+  model: string;
+  machines: number;
+  converged: boolean;
+  confidence: number;
+  requirements: Requirement[];
+  yield: Proportion;
+  dpmo: Proportion;
+}
+
+export interface Allocation {
+  status: string;
+  reason: string;
+  cost: number;
+  tolerances: Record<string, number>;
+  max_tilt_3sigma?: number;
+  half_widths: Record<string, unknown>;
+  requirements: ({ quantity: string; criterion: string; price: number } & Record<string, unknown>)[];
+}
+
+export interface Spread {
+  mean: number;
+  std: number;
+  p50: number;
+  p90: number;
+  p95: number;
+  p99: number;
+  p99_73: number;
+  p95_interval: [number, number];
+}
+export interface Yield {
+  machines: number;
+  partial: boolean;
+  fates: Record<string, number>;
+  passed: number;
+  yield: (Proportion & { confidence: number }) | null;
+  dpmo: Proportion;
+  quantities: Record<string, { before: Spread; after: Spread } | null>;
+}
+
+export interface Row {
+  id: string;
+  quantity: string;
+  unit: string;
+  paper: number;
+  ours: number;
+  tolerance: number;
+  ok: boolean;
+}
+
+export interface InputFile {
+  file: string;
+  sha256: string;
+}
+
+export interface ScenePose {
+  pose: string;
+  position_mm: Vector;
+  rotation_deg: number;
+  before_mm: Vector;
+  after_mm: Vector | null;
+  tilt_rad: [number, number] | null;
+  limbs?: { base_mm: Vector; elbow_mm: Vector; rods_mm: [Vector, Vector][] }[];
+}
+export interface Scene {
+  measured: boolean;
+  poses: ScenePose[];
+}
+
+export interface MapAxes {
+  radii_mm: number[];
+  azimuths_deg: number[];
+  layers_mm: number[];
+}
+export interface ErrorMap extends MapAxes {
+  coverage_factor: number;
+  points: Record<string, number | null>[];
+}
+export interface SigmaMap extends MapAxes {
+  quantity: string;
+  unit: string;
+  points: { x_mm: number; y_mm: number; z_mm: number; value: number }[];
+}
+
+export interface Curve {
+  n: number;
+  curve: { n: number; O2: number; change: number }[];
+}
+export interface Bins {
+  bin_width: number;
+  counts: number[];
+  total: number;
+}
+
+export interface Report {
+  format: string;
+  program: string;
+  date: string;
+  command: string;
+  kind: string;
+  robot: Robot;
+  results: {
+    calibration?: Calibration;
+    validation?: Validation;
+    sensitivity?: Sensitivity;
+    allocation?: Allocation;
+    analysis?: Analysis;
+    yield?: Yield;
+    reproduction?: { rows: Row[] };
+  };
+  figures: {
+    scene?: Scene;
+    error_map?: ErrorMap;
+    observability?: { rough: Curve; fine: Curve };
+    sigma_map?: SigmaMap;
+    largest_on_a_machine?: { quantity: string; unit: string; limit: number; machines: Bins }[];
+    largest_of_a_machine?: { quantity: string; limit?: number; before: Bins; after: Bins }[];
+  };
+  inputs: InputFile[];
+}
+
+export const isPoint = (residual: DistanceResidual | PointResidual): residual is PointResidual => "pose" in residual;
+
+export const length = (v: Vector) => Math.hypot(...v);
+
+export function readReport(): Report {
+  const report = JSON.parse(document.getElementById("data")!.textContent!) as Report;
+  if (report.format !== "paracal report 1") throw new Error(`expected a "paracal report 1", got "${report.format}"`);
+  return report;
+}

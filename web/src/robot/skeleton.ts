@@ -1,0 +1,54 @@
+// Base, arms, rods and plate of the nominal robot at a pose.
+import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry, TorusGeometry, Vector3 } from "three";
+import type { Robot, ScenePose, Vector } from "../data";
+import { Rods } from "./arrows";
+
+const vector = (v: Vector) => new Vector3(...v);
+
+/// Corners in the order of their azimuth about their middle, as a fan.
+function plateGeometry(corners: Vector3[]): BufferGeometry {
+  const middle = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
+  const ordered = [...corners].sort((a, b) => Math.atan2(a.y - middle.y, a.x - middle.x) - Math.atan2(b.y - middle.y, b.x - middle.x));
+  const points = ordered.flatMap((corner, k) => [middle, corner, ordered[(k + 1) % ordered.length]!]).flatMap((p) => p.toArray());
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+export class Skeleton {
+  readonly object = new Group();
+  private readonly arms: Rods;
+  private readonly rods: Rods;
+  private readonly pointer: Rods;
+  private readonly joints: InstancedMesh;
+  private readonly plate: Mesh;
+
+  constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
+    const limbs = robot.geometry.limb_azimuth_deg.length, size = robot.geometry.arm_mm / 375;
+    this.arms = new Rods(limbs, 11 * size, material.links);
+    this.rods = new Rods(2 * limbs, 5 * size, material.links);
+    this.pointer = new Rods(1, 6 * size, material.pointer);
+    this.joints = new InstancedMesh(new SphereGeometry(14 * size, 16, 12), material.base, 2 * limbs);
+    this.joints.frustumCulled = false;
+    this.plate = new Mesh(new BufferGeometry(), material.plate);
+    material.plate.side = DoubleSide;
+    const base = new Mesh(new TorusGeometry(robot.geometry.base_radius_mm, 9 * size, 10, 72), material.base);
+    this.object.add(base, this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
+  }
+
+  stand(pose: ScenePose): void {
+    const limbs = pose.limbs ?? [];
+    this.arms.set(limbs.map((limb) => [vector(limb.base_mm), vector(limb.elbow_mm)]));
+    this.rods.set(limbs.flatMap((limb) => limb.rods_mm.map(([from, to]): [Vector3, Vector3] => [vector(from), vector(to)])));
+    limbs.forEach((limb, k) => {
+      this.joints.setMatrixAt(2 * k, new Matrix4().setPosition(vector(limb.base_mm)));
+      this.joints.setMatrixAt(2 * k + 1, new Matrix4().setPosition(vector(limb.elbow_mm)));
+    });
+    this.joints.instanceMatrix.needsUpdate = true;
+    this.plate.geometry.dispose();
+    this.plate.geometry = plateGeometry(limbs.flatMap((limb) => limb.rods_mm.map(([, to]) => vector(to))));
+    const centre = vector(pose.position_mm), angle = (pose.rotation_deg * Math.PI) / 180;
+    const reach = 1.6 * this.robot.geometry.plate_radius_mm + 40;
+    this.pointer.set(this.robot.plate ? [[centre, centre.clone().add(new Vector3(Math.cos(angle), Math.sin(angle), 0).multiplyScalar(reach))]] : []);
+  }
+}

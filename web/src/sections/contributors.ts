@@ -1,0 +1,108 @@
+// Which parts matter [huang2016, Figs. 5, 6] and how tight they must be.
+import { barX, dot, ruleX, text as label } from "@observablehq/plot";
+import type { Allocation, Contributor, Report, Sensitivity, SigmaMap } from "../data";
+import { bandLegend, discs } from "../disc";
+import { h } from "../dom";
+import { figure } from "../figure";
+import { digits, milli, percent } from "../numbers";
+import { draw } from "../plot";
+import { bandsFor } from "../scale";
+import { section, type Section } from "../section";
+import { strings } from "../strings";
+
+const text = strings.contributors;
+const words = (name: string) => name.replace("_over_c", " / c");
+const bars = { marginLeft: 150, marginTop: 8 };
+
+function pareto(quantity: string, contributors: Contributor[], number: number): HTMLElement {
+  const rows = contributors.filter((one) => one.share > 0).map((one) => ({ name: one.name, share: 100 * one.share }));
+  return figure({
+    id: `pareto-${number}`,
+    title: text.pareto(quantity),
+    shows: rows.length > 0 ? text.paretoShows(rows[0]!.name, percent(rows[0]!.share / 100)) : "",
+    marks: rows.length,
+    sheet: { columns: ["name", "share_percent"], rows: rows.map((row) => [row.name, row.share]) },
+    draw: (width) =>
+      draw({
+        width,
+        height: 60 + 24 * rows.length,
+        ...bars,
+        marginRight: 48,
+        x: { label: text.share, grid: true, ticks: 5 },
+        y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
+        marks: [barX(rows, { y: "name", x: "share", fill: "var(--after)" }), label(rows, { y: "name", x: "share", text: (row: { share: number }) => digits(row.share, 3), dx: 6, textAnchor: "start", fill: "currentColor" })],
+      }),
+  });
+}
+
+function globalFigure(sensitivity: Sensitivity): HTMLElement {
+  const rows = Object.entries(sensitivity.global).map(([name, mean]) => ({ name: words(name), mean, largest: sensitivity.largest[name]! })).filter((row) => row.largest > 0).sort((one, other) => other.mean - one.mean);
+  const tilt = sensitivity.quantity === "tilt";
+  return figure({
+    id: "global-sensitivity",
+    title: text.global(sensitivity.quantity),
+    shows: tilt ? text.globalShows : text.globalMixed,
+    marks: rows.length,
+    sheet: { columns: ["name", "mean", "largest"], rows: rows.map((row) => [row.name, row.mean, row.largest]) },
+    draw: (width) =>
+      draw({
+        width,
+        height: 60 + 24 * rows.length,
+        ...bars,
+        x: { label: tilt ? text.unit : text.per(sensitivity.quantity), grid: true, ticks: 5 },
+        y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
+        marks: [barX(rows, { y: "name", x: "mean", fill: "var(--after)" }), dot(rows, { y: "name", x: "largest", r: 4, fill: "var(--before)" }), ruleX([0])],
+      }),
+  });
+}
+
+function tolerancesFigure(allocation: Allocation): HTMLElement {
+  const rows = Object.entries(allocation.tolerances).map(([name, value]) => ({ name: words(name), value: 1e3 * value }));
+  return figure({
+    id: "allocated-tolerances",
+    title: text.allocated,
+    shows: text.allocatedShows,
+    marks: rows.length,
+    sheet: { columns: ["name", "tolerance_1e-3_rad"], rows: rows.map((row) => [row.name, row.value]) },
+    draw: (width) =>
+      draw({
+        width,
+        height: 60 + 24 * rows.length,
+        ...bars,
+        marginRight: 48,
+        x: { label: text.milli, grid: true, ticks: 5 },
+        y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
+        marks: [barX(rows, { y: "name", x: "value", fill: "var(--after)" }), label(rows, { y: "name", x: "value", text: (row: { value: number }) => digits(row.value, 3), dx: 6, textAnchor: "start", fill: "currentColor" })],
+      }),
+  });
+}
+
+function sigmaFigure(map: SigmaMap): HTMLElement {
+  const { scale, unit } = milli(map.unit);
+  const values = map.points.map((point) => scale * point.value);
+  const bands = bandsFor(values);
+  const perLayer = values.length / map.layers_mm.length;
+  const worst = map.points.reduce((one, other) => (other.value > one.value ? other : one));
+  const layers = map.layers_mm.map((z, layer) => ({ heading: "", row: strings.map.layer(z), values: values.slice(layer * perLayer, (layer + 1) * perLayer) }));
+  return figure({
+    id: "sigma-map",
+    title: `${strings.map.sigma(map.quantity)}, ${unit}`,
+    shows: strings.map.sigmaShows(digits(scale * worst.value), unit, worst.z_mm, Math.hypot(worst.x_mm, worst.y_mm)),
+    marks: values.length,
+    sheet: { columns: ["x_mm", "y_mm", "z_mm", `three_sigma_${unit}`], rows: map.points.map((point) => [point.x_mm, point.y_mm, point.z_mm, scale * point.value]) },
+    draw: (width) => [bandLegend(bands, unit, width), discs(map, width < 480 ? layers.map((layer) => [layer]) : [layers], bands, width, [strings.map.x, strings.map.y])],
+  });
+}
+
+export function contributors({ results, figures }: Report): Section | null {
+  const { sensitivity, allocation, analysis } = results;
+  const parts = [
+    ...(allocation && allocation.reason === "" ? [tolerancesFigure(allocation)] : []),
+    ...(sensitivity ? [globalFigure(sensitivity), pareto(sensitivity.quantity, sensitivity.contributors, 1)] : []),
+    ...(analysis?.requirements.map((one, k) => pareto(one.quantity, one.contributors, k + 1)) ?? []),
+  ];
+  if (parts.length === 0 && !figures.sigma_map) return null;
+  return section("contributors", strings.nav.contributors, text.heading, null,
+    h("div", { class: "pair" }, ...parts),
+    figures.sigma_map ? sigmaFigure(figures.sigma_map) : null);
+}

@@ -1,0 +1,73 @@
+// Every published number beside ours.
+import { dot, ruleY } from "@observablehq/plot";
+import type { Report, Row } from "../data";
+import { h, table } from "../dom";
+import { figure, legend } from "../figure";
+import { decimalsFor, digits, fixed } from "../numbers";
+import { draw } from "../plot";
+import { section, type Section } from "../section";
+import { strings } from "../strings";
+
+const text = strings.rows;
+
+/// What all names of a group end in is said once, by its title.
+function commonEnd(names: string[]): string {
+  const words = names.map((name) => name.split(" "));
+  let count = 0;
+  while (names.length > 1 && words.every((one) => one.length > count + 1 && one[one.length - 1 - count] === words[0]![words[0]!.length - 1 - count])) ++count;
+  return count === 0 ? "" : ` ${words[0]!.slice(-count).join(" ")}`;
+}
+
+/// The paper's number with the tolerance around it, ours on it; one panel a unit, for mm and deg share no axis.
+function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
+  const units = [...new Set(rows.map((row) => row.unit))];
+  return units.map((unit) => {
+    const own = rows.filter((row) => row.unit === unit).map((row) => ({ ...row, from: row.paper - row.tolerance, to: row.paper + row.tolerance }));
+    const end = commonEnd(own.map((row) => row.quantity));
+    return figure({
+      id: `${id.replaceAll(".", "-")}-${unit.replaceAll(/[^a-z]/gi, "")}`,
+      title: units.length > 1 ? `${title}, ${unit}` : title,
+      shows: text.shows(own.filter((row) => row.ok).length, own.length),
+      marks: own.length,
+      sheet: { columns: text.columns, rows: own.map((row) => [row.quantity, row.unit, row.paper, row.ours, row.ours - row.paper, row.tolerance, row.ok ? text.yes : text.no]) },
+      draw: (width) => {
+        const labels = Math.min(260, width * 0.5);
+        const short = (quantity: string) => {
+          const name = quantity.slice(0, quantity.length - end.length).replace(/,$/, "");
+          return name.length * 6.6 > labels ? `${name.slice(0, Math.floor(labels / 6.6) - 1)}\u2026` : name;
+        };
+        return [
+          legend([{ text: text.paper, kind: "paper" }, { text: text.ours, kind: "after" }, { text: text.tolerance, kind: "prior" }]),
+          draw({
+            width,
+            height: 60 + 19 * own.length,
+            marginLeft: labels,
+            marginTop: 8,
+            marginRight: 24,
+            x: { label: text.axes[id] ?? unit, grid: true, nice: true, ticks: Math.max(2, Math.floor((width - labels) / 70)) },
+            y: { label: null, domain: own.map((row) => row.id), tickSize: 0, tickFormat: (key: string) => short(own.find((row) => row.id === key)!.quantity) },
+            marks: [
+              ruleY(own, { y: "id", x1: "from", x2: "to", stroke: "var(--prior)", strokeWidth: 11 }),
+              dot(own, { y: "id", x: "paper", r: 5, stroke: "var(--before)", strokeWidth: 1.5 }),
+              dot(own, { y: "id", x: "ours", r: 3, fill: "var(--after)" }),
+            ],
+          }),
+        ];
+      },
+    });
+  });
+}
+
+export function publishedRows({ results }: Report): Section | null {
+  const rows = results.reproduction?.rows;
+  if (!rows) return null;
+  const figures = Object.entries(text.groups).flatMap(([prefix, title]) => {
+    const own = rows.filter((row) => row.id.startsWith(prefix));
+    return own.length > 0 ? groupFigure(prefix, title, own) : [];
+  });
+  const number = (row: Row, value: number) => (row.tolerance > 0 ? fixed(value, decimalsFor(row.tolerance)) : digits(value));
+  const cells = rows.map((row) => [row.quantity, row.unit, number(row, row.paper), number(row, row.ours), number(row, row.ours - row.paper), number(row, row.tolerance), row.ok ? text.yes : h("span", { class: "differs" }, text.no)]);
+  return section("published", strings.nav.rows, text.heading, text.intro,
+    h("div", { class: "pair" }, ...figures),
+    h("h3", {}, text.all), table(text.columns, cells, text.all, [2, 3, 4, 5]));
+}

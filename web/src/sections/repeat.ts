@@ -1,0 +1,22 @@
+// What it takes to get the same numbers again.
+import type { Report } from "../data";
+import { h, table } from "../dom";
+import { exact } from "../numbers";
+import { section, type Section } from "../section";
+import { strings } from "../strings";
+
+const text = strings.repeat;
+
+export function repeat(report: Report): Section {
+  const files = report.inputs.map(({ file, sha256 }) => [h("span", { class: "name" }, file), h("span", { class: "hash" }, sha256)]);
+  const { calibration } = report.results;
+  const value = (number: number | number[]) => (Array.isArray(number) ? number : [number]).map(exact).join(", ");
+  const dimensions = [...Object.entries(text.geometry).map(([key, name]) => [name, value(report.robot.geometry[key as keyof Report["robot"]["geometry"]])]), ...Object.entries(text.workspace).map(([key, name]) => [name, value(report.robot.workspace[key as keyof Report["robot"]["workspace"]])])];
+  return section("repeat", strings.nav.repeat, text.heading, text.intro,
+    h("p", {}, `${text.program}: ${report.program}. ${text.date}: ${report.date}. ${text.command}:`),
+    h("code", { class: "command" }, report.command),
+    files.length > 0 ? table(text.columns, files, text.inputs) : h("p", {}, text.none),
+    calibration && calibration.date !== report.date ? h("p", {}, `${text.calibration} ${calibration.program}, ${calibration.date}; ${calibration.inputs.map((input) => `${input.file} (${input.sha256.slice(0, 12)}\u2026)`).join(", ")}.`) : null,
+    h("h3", {}, text.robot),
+    table(text.robotColumns, dimensions, text.robot, [1]));
+}

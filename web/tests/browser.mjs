@@ -1,0 +1,23 @@
+// What tests of the page share: a browser that notes everything that must not happen.
+import { chromium } from "playwright-core";
+
+export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+
+/// WebGL in software tells of its slowness; that is not the page's doing.
+const harmless = /GL Driver Message|Automatic fallback to software WebGL|GroupMarkerNotSet/;
+
+/// A page with its complaints: console messages, exceptions, dialogs, and requests for anything but the file itself.
+export async function open(browser, file, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1200, height: 900 }, ...options });
+  const page = await context.newPage();
+  const complaints = [], requests = [];
+  page.on("console", (message) => { if (!harmless.test(message.text())) complaints.push(`${message.type()}: ${message.text()}`); });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("dialog", (dialog) => { complaints.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("request", (request) => { if (request.url() !== `file://${file}` && !request.url().startsWith("blob:")) requests.push(request.url()); });
+  await page.goto(`file://${file}`);
+  await page.waitForFunction(() => [...document.querySelectorAll(".drawing")].every((one) => one.childElementCount > 0));
+  return { page, context, complaints, requests };
+}
+
+export const dataOf = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent));

@@ -1,0 +1,221 @@
+// The pages of the built program in a real browser: PARACAL=path/to/paracal node --test web/tests/
+import assert from "node:assert/strict";
+import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { hostileNames, samples } from "../samples.mjs";
+import { dataOf, launch, open } from "./browser.mjs";
+
+const kLargestFile = 2.5e6; // bytes
+const kFirstFigure = 1000; // ms
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+const folder = mkdtempSync(join(tmpdir(), "paracal-report-"));
+let pages, browser;
+before(async () => {
+  pages = samples(resolve(process.env.PARACAL), folder);
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+/// What a drawing holds of what its frame promises: marks of a plot, cells of a map.
+const kMarks = {
+  dots: ".drawing svg g[aria-label=dot] > *",
+  bars: ".drawing svg g[aria-label=bar] > rect",
+  rects: ".drawing svg g[aria-label=rect] > rect",
+  cells: ".drawing svg g[aria-label=cell] > rect, .drawing svg .cell",
+};
+const kMarksOf = [
+  [/^(residual|normal|validated|parameters|observability)/, "dots", 1],
+  [/^(offsets|table|figure\d)/, "dots", 2], // paper and ours
+  [/^(map|sigma|correlations)/, "cells", 1],
+  [/^(pareto|global|allocated)/, "bars", 1],
+  [/^(batch|machines)/, "rects", 1],
+];
+
+async function checkMarks(page) {
+  const figures = await page.$$eval("figure[data-marks]", (all, selectors) => all.map((one) => ({ id: one.id, promised: Number(one.dataset.marks), drawn: Object.fromEntries(Object.entries(selectors).map(([kind, selector]) => [kind, one.querySelectorAll(selector).length])) })), kMarks);
+  assert.ok(figures.length > 0);
+  for (const { id, promised, drawn } of figures) {
+    if (id === "robot-errors") continue; // drawn in three dimensions
+    const [, kind, times] = kMarksOf.find(([pattern]) => pattern.test(id)) ?? assert.fail(`${id}: not in this test's list`);
+    assert.ok(promised > 0, id);
+    const beside = id === "global-sensitivity" ? drawn.dots : promised; // its largest values are dots
+    assert.equal(beside, promised, id);
+    assert.equal(drawn[kind], times * promised, `${id}: ${kind}`);
+  }
+}
+
+const kinds = ["published", "calibration", "validation", "report", "hostile", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+for (const kind of kinds) {
+  test(`${kind}: draws every figure, says nothing, asks for nothing`, async () => {
+    assert.ok(statSync(pages[kind]).size <= kLargestFile);
+    const { page, context, complaints, requests } = await open(browser, pages[kind]);
+    await checkMarks(page);
+    await page.waitForTimeout(300);
+    assert.deepEqual(complaints, []);
+    assert.deepEqual(requests, []);
+    await context.close();
+  });
+
+  test(`${kind}: no serious violation of accessibility rules, light and dark`, async () => {
+    for (const colorScheme of ["light", "dark"]) {
+      const { page, context } = await open(browser, pages[kind], { colorScheme, bypassCSP: true });
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate(() => window.axe.run());
+      const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+      assert.deepEqual(serious.map(({ id, nodes }) => [colorScheme, id, ...nodes.slice(0, 3).map((node) => node.html.slice(0, 200))]), []);
+      await context.close();
+    }
+  });
+}
+
+test("the first figure stands within a second", async () => {
+  const { page, context } = await open(browser, pages.calibration);
+  const times = [];
+  for (let k = 0; k < 3; ++k) {
+    await page.reload({ waitUntil: "commit" });
+    times.push(await page.evaluate(() => new Promise((done) => {
+      const look = () => (document.querySelector(".drawing svg, canvas[data-frames]") ? done(performance.now()) : requestAnimationFrame(look));
+      look();
+    })));
+  }
+  console.log(`first figure after ${times.map((time) => Math.round(time)).join(", ")} ms`);
+  assert.ok(Math.min(...times) <= kFirstFigure, `${times}`);
+  await context.close();
+});
+
+test("numbers in the page are those of the JSON", async () => {
+  const { page, context } = await open(browser, pages.calibration);
+  const { results } = await dataOf(page);
+  const printed = JSON.parse(readFileSync(join(folder, "calibration.json"), "utf8"));
+  assert.deepEqual(results.calibration, printed);
+  const table = page.locator("#parameters-deg details");
+  await table.locator("summary").click();
+  const rows = await table.locator("tbody tr").evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+  const wanted = printed.parameters.filter(({ status, unit }) => status !== "fixed" && unit === "deg");
+  assert.equal(rows.length, wanted.length);
+  rows.forEach(([name, limb, value, U], k) => {
+    assert.equal(name, wanted[k].name);
+    assert.equal(Number(limb), wanted[k].limb);
+    const near = (text, number) => assert.ok(Math.abs(Number(text.replace("\u2212", "-")) - number) <= 6e-4 * Math.abs(number), `${text} for ${number}`);
+    near(value, wanted[k].value);
+    near(U, 2 * wanted[k].std);
+  });
+  const card = await page.locator(".card .value").first().textContent();
+  const [from, to] = card.match(/[\d.]+/g).map(Number);
+  assert.ok(Math.abs(from - printed.before.max_abs_distance_mm) < 0.0051 && Math.abs(to - printed.after.max_abs_distance_mm) < 0.0051, card);
+  await context.close();
+});
+
+test("each figure gives its data as CSV, and text that a spreadsheet would run is harmless", async () => {
+  const { page, context } = await open(browser, pages.hostile);
+  const { results } = await dataOf(page);
+  const download = page.waitForEvent("download");
+  await page.locator("#residual-sizes button").click();
+  const file = await download;
+  assert.equal(file.suggestedFilename(), "residual-sizes.csv");
+  const lines = readFileSync(await file.path(), "utf8").trim().split("\n");
+  assert.equal(lines[0], "name,before_mm,after_mm");
+  assert.equal(lines.length, 1 + results.calibration.residuals.length);
+  assert.ok(lines.some((line) => line.startsWith("'=HYPERLINK(1),")), lines.join("\n"));
+  await context.close();
+});
+
+test("names stay text whatever they hold", async () => {
+  const { page, context, complaints } = await open(browser, pages.hostile);
+  assert.deepEqual(await page.locator("img").count(), 0);
+  assert.deepEqual(await page.locator("script").count(), 2);
+  const options = await page.locator("#robot-pose option").allTextContents();
+  for (const name of hostileNames) assert.ok(options.includes(name), name);
+  assert.equal(await page.locator("h1").textContent(), "</script><img src=x onerror=alert(3)>: calibration");
+  assert.equal(await page.title(), "</script><img src=x onerror=alert(3)>: calibration");
+  assert.deepEqual(complaints, []);
+  await context.close();
+});
+
+/// The picture in the canvas as a data address.
+const picture = (page) => page.locator("#robot-view").evaluate((canvas) => canvas.toDataURL());
+
+async function changes(page, what, action) {
+  const was = await picture(page);
+  await action();
+  await page.waitForTimeout(400);
+  assert.notEqual(await picture(page), was, what);
+}
+
+test("slider, poses, switches, mouse and keys move the robot", async () => {
+  const { page, context, complaints } = await open(browser, pages.calibration);
+  await page.locator("#robot").scrollIntoViewIfNeeded();
+  await page.waitForTimeout(500);
+  await changes(page, "slider", () => page.locator("#robot-magnification").fill("3"));
+  assert.match(await page.locator("output").textContent(), /1000/);
+  await changes(page, "pose", () => page.locator("#robot-pose").selectOption({ index: 5 }));
+  await changes(page, "switch", () => page.locator("#show-before").uncheck());
+  await changes(page, "key", () => page.locator("#robot-view").press("ArrowLeft"));
+  await changes(page, "zoom", () => page.locator("#robot-view").press("+"));
+  const box = await page.locator("#robot-view").boundingBox();
+  await changes(page, "mouse", async () => {
+    await page.mouse.move(box.x + 300, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 450, box.y + 230, { steps: 5 });
+    await page.mouse.up();
+  });
+  assert.deepEqual(complaints, []);
+  await context.close();
+});
+
+test("orbiting with 200 poses: the rate that software WebGL reaches here", async () => {
+  const { page, context } = await open(browser, pages.many);
+  const { figures } = await dataOf(page);
+  assert.ok(figures.scene.poses.length >= 200);
+  await page.locator("#robot").scrollIntoViewIfNeeded();
+  await page.waitForTimeout(500);
+  const rate = await page.locator("#robot-view").evaluate((canvas) => new Promise((done) => {
+    const start = performance.now(), first = Number(canvas.dataset.frames);
+    const turn = () => {
+      canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true }));
+      const seconds = (performance.now() - start) / 1000;
+      seconds < 2 ? requestAnimationFrame(turn) : done((Number(canvas.dataset.frames) - first) / seconds);
+    };
+    turn();
+  }));
+  console.log(`${rate.toFixed(1)} frames a second, ${figures.scene.poses.length} poses`);
+  assert.ok(rate > 1);
+  await context.close();
+});
+
+test("prints on A4, light even from the dark page", async () => {
+  const { page, context } = await open(browser, pages.report, { colorScheme: "dark" });
+  const pdf = await page.pdf({ preferCSSPageSize: true, printBackground: true });
+  assert.equal(pdf.subarray(0, 5).toString(), "%PDF-");
+  assert.match(pdf.toString("latin1"), /\/MediaBox \[0 0 59[45](\.\d+)? 84[12](\.\d+)?\]/);
+  await page.emulateMedia({ media: "print" });
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.equal(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), "rgb(255, 255, 255)");
+  await context.close();
+});
+
+test("fits a phone without sideways scrolling", async () => {
+  for (const kind of kinds) {
+    const { page, context } = await open(browser, pages[kind], { viewport: { width: 360, height: 740 } });
+    const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+    assert.ok(content <= screen, `${kind}: ${content} px on ${screen}`);
+    await context.close();
+  }
+});
+
+test("the theme button changes page and robot", async () => {
+  const { page, context } = await open(browser, pages.published);
+  const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  await page.waitForTimeout(300);
+  const was = await background();
+  await changes(page, "robot", () => page.locator("nav button").click());
+  assert.notEqual(await background(), was);
+  await context.close();
+});
