@@ -35,6 +35,10 @@ export function samples(program, folder) {
   run("simulate", "--robot", "hostile.toml", "--poses", "hostile-plan.csv", ...machine, "--out", "hostile.csv");
   run("calibrate", "--robot", "hostile.toml", "--measurements", "hostile.csv", "--out", "hostile.json", "--report", "hostile.html");
 
+  run("poses", "--robot", "rotary_delta", "--optimal", "12", "--out", "delta-plan.csv");
+  run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", ...machine, "--out", "delta.csv");
+  run("calibrate", "--robot", "rotary_delta", "--measurements", "delta.csv", "--out", "delta.json", "--report", "delta.html");
+
   run("poses", "--optimal", "200", "--candidates", "400", "--out", "many-plan.csv");
   run("simulate", "--poses", "many-plan.csv", ...machine, "--out", "many.csv");
   run("calibrate", "--measurements", "many.csv", "--out", "many.json", "--report", "many.html");
@@ -44,6 +48,6 @@ export function samples(program, folder) {
   run("tolerance", "analyze", "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
   run("yield", "--machines", "300", "--max-distance-mm", "0.15", "--out", "yield.txt", "--report", "yield.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "delta", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

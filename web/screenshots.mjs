@@ -39,7 +39,7 @@ try {
     await page.screenshot({ ...kSmall, path: join(folder, `${name}.jpg`) });
     await context.close();
   }
-  const { page } = await open(browser, pages.report, { viewport: { width: 1100, height: 1240 } });
+  const { page } = await open(browser, pages.report, { viewport: { width: 1200, height: 1640 }, deviceScaleFactor: 0.65 });
   await page.evaluate(() => { document.querySelector("header details")?.removeAttribute("open"); });
   await page.waitForTimeout(1000);
   await page.screenshot({ path: join(folder, "top.png") });

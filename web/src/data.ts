@@ -173,7 +173,7 @@ export interface ScenePose {
   before_mm: Vector;
   after_mm: Vector | null;
   tilt_rad: [number, number] | null;
-  limbs?: { base_mm: Vector; elbow_mm: Vector; rods_mm: [Vector, Vector][] }[];
+  limbs?: { base_mm: Vector; elbow_mm: Vector; rods_mm: [[Vector, Vector], [Vector, Vector]] }[];
 }
 export interface Scene {
   measured: boolean;

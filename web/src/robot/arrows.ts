@@ -2,7 +2,7 @@
 import { ConeGeometry, CylinderGeometry, Group, InstancedMesh, Matrix4, MeshLambertMaterial, Object3D, Quaternion, Vector3, type BufferGeometry } from "three";
 
 export type Segment = [Vector3, Vector3];
-const kSides = 8; // round enough, and light for computers without a graphics card
+const kSides = 6; // enough for an arrow, and light for computers without a graphics card
 const kUp = new Vector3(0, 1, 0);
 
 /// Turns the y axis of a solid of length 1 along a segment.
@@ -18,8 +18,8 @@ function standing(geometry: BufferGeometry): BufferGeometry {
 
 export class Rods {
   readonly object: InstancedMesh;
-  constructor(count: number, private readonly radius: number, material: MeshLambertMaterial) {
-    this.object = new InstancedMesh(standing(new CylinderGeometry(1, 1, 1, kSides, 1, true)), material, count);
+  constructor(count: number, private readonly radius: number, material: MeshLambertMaterial, sides = kSides) {
+    this.object = new InstancedMesh(standing(new CylinderGeometry(1, 1, 1, sides, 1, true)), material, count);
     this.object.frustumCulled = false;
   }
   set(segments: Segment[]): void {
@@ -37,7 +37,7 @@ export class Arrows {
   private readonly heads: InstancedMesh;
   constructor(count: number, private readonly radius: number, material: MeshLambertMaterial) {
     this.shafts = new Rods(count, radius, material);
-    this.heads = new InstancedMesh(standing(new ConeGeometry(1, 1, kSides)), material, count);
+    this.heads = new InstancedMesh(standing(new ConeGeometry(1, 1, kSides, 1, true)), material, count);
     this.heads.frustumCulled = false;
     this.object = new Group().add(this.shafts.object, this.heads);
   }

@@ -1,8 +1,9 @@
-// Base, arms, rods and plate of the nominal robot at a pose.
+// Base, arms, parallelograms and plate of the nominal robot at a pose.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry, TorusGeometry, Vector3 } from "three";
 import type { Robot, ScenePose, Vector } from "../data";
-import { Rods } from "./arrows";
+import { Rods, type Segment } from "./arrows";
 
+const kRound = 16;
 const vector = (v: Vector) => new Vector3(...v);
 
 /// Corners in the order of their azimuth about their middle, as a fan.
@@ -25,9 +26,9 @@ export class Skeleton {
 
   constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
     const limbs = robot.geometry.limb_azimuth_deg.length, size = robot.geometry.arm_mm / 375;
-    this.arms = new Rods(limbs, 11 * size, material.links);
-    this.rods = new Rods(2 * limbs, 5 * size, material.links);
-    this.pointer = new Rods(1, 6 * size, material.pointer);
+    this.arms = new Rods(limbs, 11 * size, material.links, kRound);
+    this.rods = new Rods(4 * limbs, 5 * size, material.links, kRound);
+    this.pointer = new Rods(1, 6 * size, material.pointer, kRound);
     this.joints = new InstancedMesh(new SphereGeometry(14 * size, 16, 12), material.base, 2 * limbs);
     this.joints.frustumCulled = false;
     this.plate = new Mesh(new BufferGeometry(), material.plate);
@@ -39,7 +40,7 @@ export class Skeleton {
   stand(pose: ScenePose): void {
     const limbs = pose.limbs ?? [];
     this.arms.set(limbs.map((limb) => [vector(limb.base_mm), vector(limb.elbow_mm)]));
-    this.rods.set(limbs.flatMap((limb) => limb.rods_mm.map(([from, to]): [Vector3, Vector3] => [vector(from), vector(to)])));
+    this.rods.set(limbs.flatMap(({ rods_mm: [one, other] }) => [one, other, [one[0], other[0]], [one[1], other[1]]].map(([from, to]): Segment => [vector(from!), vector(to!)])));
     limbs.forEach((limb, k) => {
       this.joints.setMatrixAt(2 * k, new Matrix4().setPosition(vector(limb.base_mm)));
       this.joints.setMatrixAt(2 * k + 1, new Matrix4().setPosition(vector(limb.elbow_mm)));

@@ -1,5 +1,5 @@
 // The robot in three dimensions: drawn when something changes, not sixty times a second.
-import { AmbientLight, Color, DirectionalLight, IcosahedronGeometry, InstancedMesh, Matrix4, MeshLambertMaterial, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer, type Group } from "three";
+import { AmbientLight, Color, DirectionalLight, InstancedMesh, Matrix4, MeshLambertMaterial, PerspectiveCamera, Scene, SphereGeometry, Spherical, Vector3, WebGLRenderer, type Group } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Report, ScenePose, Vector } from "../data";
 import { colour, onThemeChange } from "../theme";
@@ -14,6 +14,9 @@ export interface Shown {
   after: boolean;
   tilt: boolean;
 }
+
+/// Tilt is a matter of a thousandth of a rad: so many times more than errors it is magnified.
+export const kTiltMore = 20;
 
 const vector = (v: Vector) => new Vector3(...v);
 const kColours = { base: "base", links: "links", plate: "accent", pointer: "ink", points: "muted", before: "before", after: "after", tilt: "yes" } as const;
@@ -46,7 +49,7 @@ export class RobotView {
     this.skeleton = new Skeleton(report.robot, this.materials);
     const thin = this.span / 160;
     this.arrows = { before: new Arrows(count, thin, this.materials.before), after: new Arrows(count, thin, this.materials.after), tilt: new Arrows(count, thin, this.materials.tilt) };
-    this.points = new InstancedMesh(new IcosahedronGeometry(1.8 * thin, 1), this.materials.points, count);
+    this.points = new InstancedMesh(new SphereGeometry(1.8 * thin, 8, 5), this.materials.points, count);
     this.points.frustumCulled = false;
     poses.forEach((pose, k) => this.points.setMatrixAt(k, new Matrix4().setPosition(vector(pose.position_mm))));
     const sun = new DirectionalLight(0xffffff, 2.2);
@@ -98,9 +101,9 @@ export class RobotView {
   /// z up to y up, as Spherical wants it.
   private readonly upright = new Matrix4().makeRotationX(-Math.PI / 2);
 
-  /// The plate's normal, its tilt magnified as the errors are, but by no more than 60 degrees.
+  /// The plate's normal, turned by the magnified tilt, but by no more than 60 degrees.
   private normal({ position_mm, tilt_rad }: ScenePose): [Vector3, Vector3] {
-    const [x, y] = tilt_rad!, angle = Math.hypot(x, y), turned = Math.min(angle * this.shown.magnification, Math.PI / 3);
+    const [x, y] = tilt_rad!, angle = Math.hypot(x, y), turned = Math.min(kTiltMore * angle * this.shown.magnification, Math.PI / 3);
     const sine = angle > 0 ? Math.sin(turned) / angle : 0;
     const start = vector(position_mm);
     return [start, start.clone().addScaledVector(new Vector3(y * sine, -x * sine, Math.cos(turned)), 0.16 * this.span)];

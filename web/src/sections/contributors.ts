@@ -63,7 +63,7 @@ function tolerancesFigure(allocation: Allocation): HTMLElement {
     title: text.allocated,
     shows: text.allocatedShows,
     marks: rows.length,
-    sheet: { columns: ["name", "tolerance_1e-3_rad"], rows: rows.map((row) => [row.name, row.value]) },
+    sheet: { columns: ["name", "tolerance_mrad"], rows: rows.map((row) => [row.name, row.value]) },
     draw: (width) =>
       draw({
         width,

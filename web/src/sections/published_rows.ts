@@ -10,12 +10,19 @@ import { strings } from "../strings";
 
 const text = strings.rows;
 
-/// What all names of a group end in is said once, by its title.
-function commonEnd(names: string[]): string {
-  const words = names.map((name) => name.split(" "));
+/// How many words all names begin with.
+function commonWords(names: string[][]): number {
+  const first = names[0]!;
   let count = 0;
-  while (names.length > 1 && words.every((one) => one.length > count + 1 && one[one.length - 1 - count] === words[0]![words[0]!.length - 1 - count])) ++count;
-  return count === 0 ? "" : ` ${words[0]!.slice(-count).join(" ")}`;
+  while (names.length > 1 && names.every((words) => words.length > count + 1 && words[count] === first[count])) ++count;
+  return count;
+}
+
+/// Names without what all of them begin and end with: that is said once, by the title.
+function shortened(names: string[]): string[] {
+  const words = names.map((name) => name.split(" "));
+  const start = commonWords(words), end = commonWords(words.map((one) => one.slice(start).reverse()));
+  return words.map((one) => one.slice(start, one.length - end).join(" ").replace(/,$/, ""));
 }
 
 /// The paper's number with the tolerance around it, ours on it; one panel a unit, for mm and deg share no axis.
@@ -23,7 +30,7 @@ function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
   const units = [...new Set(rows.map((row) => row.unit))];
   return units.map((unit) => {
     const own = rows.filter((row) => row.unit === unit).map((row) => ({ ...row, from: row.paper - row.tolerance, to: row.paper + row.tolerance }));
-    const end = commonEnd(own.map((row) => row.quantity));
+    const names = shortened(own.map((row) => row.quantity));
     return figure({
       id: `${id.replaceAll(".", "-")}-${unit.replaceAll(/[^a-z]/gi, "")}`,
       title: units.length > 1 ? `${title}, ${unit}` : title,
@@ -32,10 +39,7 @@ function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
       sheet: { columns: text.columns, rows: own.map((row) => [row.quantity, row.unit, row.paper, row.ours, row.ours - row.paper, row.tolerance, row.ok ? text.yes : text.no]) },
       draw: (width) => {
         const labels = Math.min(260, width * 0.5);
-        const short = (quantity: string) => {
-          const name = quantity.slice(0, quantity.length - end.length).replace(/,$/, "");
-          return name.length * 6.6 > labels ? `${name.slice(0, Math.floor(labels / 6.6) - 1)}\u2026` : name;
-        };
+        const short = (name: string) => (name.length * 6.6 > labels ? `${name.slice(0, Math.floor(labels / 6.6) - 1)}\u2026` : name);
         return [
           legend([{ text: text.paper, kind: "paper" }, { text: text.ours, kind: "after" }, { text: text.tolerance, kind: "prior" }]),
           draw({
@@ -45,7 +49,7 @@ function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
             marginTop: 8,
             marginRight: 24,
             x: { label: text.axes[id] ?? unit, grid: true, nice: true, ticks: Math.max(2, Math.floor((width - labels) / 70)) },
-            y: { label: null, domain: own.map((row) => row.id), tickSize: 0, tickFormat: (key: string) => short(own.find((row) => row.id === key)!.quantity) },
+            y: { label: null, domain: own.map((row) => row.id), tickSize: 0, tickFormat: (key: string) => short(names[own.findIndex((row) => row.id === key)]!) },
             marks: [
               ruleY(own, { y: "id", x1: "from", x2: "to", stroke: "var(--prior)", strokeWidth: 11 }),
               dot(own, { y: "id", x: "paper", r: 5, stroke: "var(--before)", strokeWidth: 1.5 }),

@@ -4,7 +4,7 @@ import { length } from "../data";
 import { h } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, exact } from "../numbers";
-import { RobotView, type Shown } from "../robot/view";
+import { kTiltMore, RobotView, type Shown } from "../robot/view";
 import { section, type Section } from "../section";
 import { strings } from "../strings";
 
@@ -77,20 +77,22 @@ function stage(report: Report, scene: Scene, shown: Shown, controls: HTMLElement
 export function robot(report: Report): Section | null {
   const { scene } = report.figures;
   if (!scene || scene.poses.length === 0) return null;
-  const shown: Shown = { pose: 0, magnification: suitable(scene, report.robot.workspace.radius_mm), before: true, after: scene.measured, tilt: scene.poses.some(tilts) };
+  const shown: Shown = { pose: 0, magnification: suitable(scene, report.robot.workspace.radius_mm), before: true, after: scene.measured, tilt: false };
   const says = h("p", { class: "readout", role: "status" });
   const standing = scene.poses.flatMap((pose, k) => (pose.limbs ? [{ pose, k }] : []));
   const choice = h("select", { id: "robot-pose" }, ...standing.map(({ pose, k }) => h("option", { value: String(k) }, pose.pose)));
   const slider = h("input", { type: "range", min: "0", max: "4", step: "0.01", value: String(Math.log10(shown.magnification)), id: "robot-magnification", "aria-label": text.magnify });
   const factor = h("output", { for: "robot-magnification" });
   const controls = h("div", { class: "controls" });
-  const kinds = [{ text: text.before, kind: "before" }, ...(scene.measured ? [{ text: text.after, kind: "after" }] : []), ...(shown.tilt ? [{ text: text.tilt, kind: "tilt" }] : [])];
+  const tilting = scene.poses.some(tilts);
+  const kinds = [{ text: text.before, kind: "before" }, ...(scene.measured ? [{ text: text.after, kind: "after" }] : []), ...(tilting ? [{ text: text.tilt, kind: "tilt" }] : [])];
   const printed = h("div", { class: "print-only" });
   const { element, apply, home } = stage(report, scene, shown, [controls]);
+  const magnified = () => text.magnified(shown.magnification, shown.tilt ? kTiltMore * shown.magnification : null);
   const update = () => {
-    factor.replaceChildren(text.magnified(shown.magnification));
-    printed.replaceChildren(legend(kinds), text.magnified(shown.magnification));
-    slider.setAttribute("aria-valuetext", text.magnified(shown.magnification));
+    factor.replaceChildren(magnified());
+    printed.replaceChildren(legend(kinds), magnified());
+    slider.setAttribute("aria-valuetext", magnified());
     says.replaceChildren(readout(scene.poses[shown.pose]!));
     apply();
   };
@@ -104,7 +106,7 @@ export function robot(report: Report): Section | null {
     h("label", {}, slider, factor),
     switchable(text.before, "before"),
     ...(scene.measured ? [switchable(text.after, "after")] : []),
-    ...(shown.tilt ? [switchable(text.tilt, "tilt")] : []),
+    ...(tilting ? [switchable(text.tilt, "tilt")] : []),
     reset);
   update();
   return section("robot", strings.nav.robot, text.heading, scene.measured ? text.measured : text.predicted, element, controls, printed, says, errorsFigure(scene));

@@ -80,7 +80,7 @@ function ofValidation(validation: Validation, map: ErrorMap | undefined): Verdic
     const unit = check.quantity.endsWith("rad") ? "deg" : "mm";
     const [error, u, limit] = [check.error, check.U, check.limit].map((value) => inUnit(check.quantity, value)) as [number, number, number];
     const decimals = decimalsFor(u);
-    return card(check.quantity.replace(/, rad$/, ", deg"), [`${fixed(error, decimals)} ± ${u.toFixed(decimals)}`, h("span", { class: "unit" }, ` ${unit}`)], [`limit ${digits(limit)} ${unit}: ${check.conformity}`]);
+    return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [`${fixed(error, decimals)} ± ${u.toFixed(decimals)}`, h("span", { class: "unit" }, ` ${unit}`)], [text.check(digits(limit), unit, check.conformity)]);
   });
   return {
     yes: validation.accepted,
@@ -88,8 +88,8 @@ function ofValidation(validation: Validation, map: ErrorMap | undefined): Verdic
     sentence: text.validation(validation.poses.length),
     reasons: validation.reasons,
     cards: [
-      ...largestCards(validation.before, validation.after, null, predictedNotes(map)),
       ...checks,
+      ...largestCards(validation.before, validation.after, null, predictedNotes(map)),
       ...(iso.poses.length > 0 ? [card(text.iso, [`AP ${digits(iso.max_AP_mm)}`, h("span", { class: "unit" }, " mm")], [text.isoMore(digits(iso.max_RP_mm, 2), digits(iso.max_AD_mm), digits(iso.max_RD_mm, 2))])] : []),
     ],
   };
@@ -128,9 +128,17 @@ function verdictsOf({ results, figures }: Report): Verdict[] {
     verdicts.push({
       yes: allocation.status === "found" || allocation.reason === "",
       says: allocation.reason === "" ? text.yes.allocation : `${text.no.allocation}: ${allocation.status}`,
-      sentence: allocation.max_tilt_3sigma === undefined ? allocation.status : text.allocation(digits(allocation.max_tilt_3sigma)),
+      sentence: allocation.max_tilt_3sigma === undefined ? allocation.status : text.allocation(digits(1e3 * allocation.max_tilt_3sigma)),
       reasons: allocation.reason === "" ? [] : [allocation.reason],
-      cards: [card(text.cost, [digits(allocation.cost, 4)], [])],
+      cards: [
+        ...allocation.requirements.map((one) => {
+          const key = Object.keys(one).find((name) => name.startsWith("worst_") && name !== "worst_pose")!;
+          const { scale, unit } = milli(key.slice("worst_".length));
+          const [worst, limit] = [one[key], one[key.replace("worst", "limit")]] as [number, number];
+          return card(text.largest(one.quantity, one.criterion), [digits(scale * worst), h("span", { class: "unit" }, ` ${unit}`)], [text.allocated(`${digits(scale * limit)} ${unit}`)]);
+        }),
+        card(text.cost, [digits(allocation.cost, 4)], []),
+      ],
     });
   }
   if (sensitivity && !reproduction) {
