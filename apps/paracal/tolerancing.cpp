@@ -6,14 +6,14 @@
 #include <cmath>
 #include <iterator>
 
-#include "paracal/io/toml.hpp"
+#include "measuring.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::app {
 
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
-  if (!file.empty()) return io::read_tolerances(io::read_file(file));
+  if (!file.empty()) return read_priors(io::read_file(file));
   return paracal::tolerances_of(robot);
 }
 

@@ -11,7 +11,7 @@
 
 namespace paracal::app {
 
-/// The tolerances of a file; without one the robot's, or generous ones.
+/// The tolerances of a file, of which some must be above zero; without one the robot's, or generous ones.
 Tolerances tolerances_of(const Robot& robot, const std::string& file);
 
 /// A value of a quantity in the units of screens and JSON keys: mm, rad for tilt and twist, deg for rotation.

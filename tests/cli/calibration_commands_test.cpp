@@ -429,6 +429,22 @@ TEST_F(CalibratePoints, ItsErrorsAreThoseOfTheMachine) {
   EXPECT_THAT(distances(""), Not(testing::Pointwise(testing::DoubleNear(0.5), truth)));
 }
 
+/// Two ways to the same figures: the compensator's linear model, and the exact derivative that validation uses.
+TEST_F(CalibratePoints, TheCompensatorStatesTheUncertaintyThatValidationPredicts) {
+  ASSERT_EQ(run("calibrate --measurements points.csv --out calibration.json").exit_code, kDone);
+  const json stated = json_from("compensate --calibration calibration.json --poses poses.csv").at("uncertainty");
+  const json predicted = json_from("validate --calibration calibration.json --measurements points.csv").at("poses");
+  ASSERT_EQ(stated.size(), predicted.size());
+  for (std::size_t k = 0; k < stated.size(); ++k) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double expected = predicted[k].at("predicted_U_mm")[axis];
+      EXPECT_NEAR(stated[k].at("U_mm")[axis].get<double>(), expected, 0.03 * expected) << k << ", " << axis;
+    }
+    const double expected = predicted[k].at("predicted_U_deg");
+    EXPECT_NEAR(stated[k].at("U_deg").get<double>(), expected, 0.03 * expected) << k;
+  }
+}
+
 TEST_F(CalibratePoints, ItsJointsLeadToThePoses) {
   ASSERT_EQ(run("calibrate --measurements points.csv --out calibration.json").exit_code, kDone);
   ASSERT_EQ(run("inverse --poses poses.csv --errors calibration.json --out joints.csv").exit_code, kDone);

@@ -39,7 +39,7 @@ void expect_near(const json& one, const json& other, double tolerance) {
 
 TEST_F(CompensateCommand, Keys) {
   const json compensated = json_from(kCompensate);
-  ASSERT_TRUE(has_keys(compensated, "names joints_deg targets remaining_tilt way"));
+  ASSERT_TRUE(has_keys(compensated, "names joints_deg targets remaining_tilt uncertainty way"));
   EXPECT_TRUE(is_matrix(compensated["joints_deg"], 3, 4));
   ASSERT_THAT(compensated["targets"], SizeIs(3));
   for (const json& target : compensated["targets"]) EXPECT_TRUE(has_keys(target, "x_mm y_mm z_mm phi_deg"));

@@ -2,8 +2,10 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/units.hpp"
 #include "session.hpp"
 #include "tolerancing.hpp"
 
@@ -35,14 +37,15 @@ struct Compensated {
   Joints joints;
   Pose target;
   CompensatorTilt<double> tilt;
+  std::optional<CompensatorUncertainty<double>> uncertainty = {};  ///< where a covariance is known
 };
 
-SourceErrors known_errors_of(const Options& options, const Robot& robot) {
+io::CalibratedMachine known_machine(const Options& options, const Robot& robot) {
   if (options.calibration.empty() == options.errors.empty()) {
     throw WrongUsage("expected either --calibration or --errors");
   }
-  if (!options.errors.empty()) return read_errors(robot, options.errors);
-  return io::read_calibration(io::read_file(options.calibration), robot).errors;
+  if (!options.errors.empty()) return {.errors = read_errors(robot, options.errors)};
+  return io::read_calibration(io::read_file(options.calibration), robot);
 }
 
 [[noreturn]] void refuse(const Station& station, const char* why) {
@@ -64,18 +67,25 @@ Compensated compensated(const Robot& robot, const Compensator<double>& compensat
   return {station.name, corrected, *target, tilt};
 }
 
+io::Json uncertainty_json(const std::optional<CompensatorUncertainty<double>>& stated) {
+  if (!stated) return nullptr;
+  return {{"U_mm", {stated->x, stated->y, stated->z}}, {"U_deg", to_degrees(stated->phi)}};
+}
+
 io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
   std::vector<io::NamedJoints> joints;
   joints.reserve(rows.size());
   for (const Compensated& row : rows) joints.push_back({row.name, row.joints});
-  io::Json targets = io::Json::array(), tilts = io::Json::array();
+  io::Json targets = io::Json::array(), tilts = io::Json::array(), uncertainties = io::Json::array();
   for (const Compensated& row : rows) {
     targets.push_back(io::to_json(row.target));
     tilts.push_back({{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}});
+    uncertainties.push_back(uncertainty_json(row.uncertainty));
   }
   io::Json json = joints_json(joints);
   json["targets"] = std::move(targets);
   json["remaining_tilt"] = std::move(tilts);
+  json["uncertainty"] = std::move(uncertainties);
   json["way"] = options.way;
   return json;
 }
@@ -90,14 +100,29 @@ std::string text_of(const Options& options, const std::vector<Compensated>& rows
   return options.targets ? io::pose_table(targets) : io::joint_table(joints);
 }
 
+/// Adds U to rows that were compensated.
+void state_uncertainty(const Robot& robot, const io::CalibratedMachine& machine,
+                       const CompensatorParameters<double>& parameters, const std::vector<Station>& stations,
+                       std::vector<Compensated>& rows) {
+  if (machine.covariance.size() == 0) return;
+  const auto covariance = compensator_covariance(robot, machine.parameters, machine.covariance);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    CompensatorUncertainty<double> stated;
+    const CompensatorPose<double> pose = compensator_pose(stations[k].commanded);
+    if (stated_uncertainty(parameters, covariance, pose, stated) == CompensationStatus::ok)
+      rows[k].uncertainty = stated;
+  }
+}
+
 void run(const Options& options, const Session& session) {
   const Robot robot = session.robot();
-  const Compensator<double> compensator(compensator_parameters(robot, known_errors_of(options, robot)),
-                                        kWays.at(options.way));
+  const io::CalibratedMachine machine = known_machine(options, robot);
+  const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(options.way));
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses));
   std::vector<Compensated> rows;
-  for (const Station& station : io::read_poses(io::read_file(options.poses))) {
-    rows.push_back(compensated(robot, compensator, station));
-  }
+  rows.reserve(stations.size());
+  for (const Station& station : stations) rows.push_back(compensated(robot, compensator, station));
+  state_uncertainty(robot, machine, compensator.parameters(), stations, rows);
   session.json() ? session.print_json(json_of(options, rows)) : session.print(text_of(options, rows));
 }
 
