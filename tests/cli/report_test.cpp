@@ -100,12 +100,13 @@ TEST_F(ReportCommands, OtherCommandsShowWhatTheyPrint) {
   for (const json& one : batch.at("figures").at("largest_of_a_machine")) EXPECT_EQ(one.at("after").at("total"), 5);
 }
 
-TEST_F(ReportCommands, AMachineThatWasNotFoundHasNoMap) {
+TEST_F(ReportCommands, AMachineThatWasNotFoundIsNotPredicted) {
   folder.write("two.csv", "from,to,distance_mm\nP0,P1,501.0\nP0,P2,502.0\n");
   const json data = page_of("calibrate --measurements two.csv --poses " PARACAL_DATA "/poses.csv --report no.html",
                             "no.html", kVerdictIsNo);
   EXPECT_FALSE(data.at("results").at("calibration").at("accepted"));
   EXPECT_FALSE(data.at("figures").contains("error_map"));
+  EXPECT_FALSE(data.at("figures").contains("scene"));
 }
 
 TEST_F(ReportCommands, APageThatCannotBeWrittenIsWrongUsage) {

@@ -1,5 +1,5 @@
 // The frame of every figure: what it is, what it shows, the drawing, and its data.
-import { download, type Sheet } from "./csv";
+import { download, type Cell, type Sheet } from "./csv";
 import { h, table } from "./dom";
 import { digits } from "./numbers";
 import { strings } from "./strings";
@@ -10,6 +10,7 @@ export interface Figure {
   shows: string; ///< a sentence for everybody, also for those who do not see the drawing
   marks: number; ///< how many values the drawing holds; the tests count them
   sheet: Sheet;
+  print?: (row: Cell[]) => string[]; ///< a row of the table for readers; four digits without it
   draw: (width: number) => Element | Element[];
 }
 
@@ -30,7 +31,8 @@ function keepDrawn(place: HTMLElement, draw: (width: number) => Element | Elemen
 function dataTable(figure: Figure): HTMLElement {
   const { columns, rows } = figure.sheet;
   const numeric = columns.flatMap((_, k) => (rows.some((row) => typeof row[k] === "number") ? [k] : []));
-  const shown = rows.slice(0, kMostRows).map((row) => row.map((c) => (typeof c === "number" ? digits(c, 4) : (c ?? ""))));
+  const print = figure.print ?? ((row: Cell[]) => row.map((cell) => (typeof cell === "number" ? digits(cell, 4) : (cell ?? ""))));
+  const shown = rows.slice(0, kMostRows).map(print);
   const rest = rows.length - shown.length;
   return h("div", {}, table(columns, shown, figure.title, numeric), rest > 0 ? h("p", {}, strings.figure.more(rest)) : null);
 }

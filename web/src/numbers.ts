@@ -10,9 +10,8 @@ export function decimalsFor(uncertainty: number): number {
 
 export const fixed = (value: number, decimals: number) => minus(value.toFixed(decimals));
 
-/// "0.206 ± 0.024"; without an uncertainty three digits.
-export function withUncertainty(value: number, uncertainty: number | null): string {
-  if (uncertainty === null || !(uncertainty > 0)) return digits(value);
+/// "0.206 ± 0.024"
+export function withUncertainty(value: number, uncertainty: number): string {
   const decimals = decimalsFor(uncertainty);
   return `${fixed(value, decimals)} ± ${uncertainty.toFixed(decimals)}`;
 }
@@ -20,7 +19,7 @@ export function withUncertainty(value: number, uncertainty: number | null): stri
 /// So many significant digits, without an exponent where people would not use one.
 export function digits(value: number, count = 3): string {
   if (!Number.isFinite(value)) return "\u2013";
-  if (value === 0) return "0";
+  if (Math.abs(value) < 1e-12) return "0"; // rounding
   const magnitude = Math.floor(Math.log10(Math.abs(value)));
   if (magnitude >= count) return fixed(value, 0);
   if (magnitude < -5) return minus(value.toExponential(count - 1));

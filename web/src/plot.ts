@@ -6,9 +6,9 @@ export function draw({ x, y, ...options }: PlotOptions & { x: ScaleOptions; y: S
   const drawing = plot({
     style: { background: "transparent", color: "var(--ink)", fontSize: "12px" },
     marginLeft: 60,
-    marginBottom: 44,
+    marginBottom: 48,
     marginTop: 24,
-    x: { labelAnchor: "center", labelArrow: "none", ...x },
+    x: { labelAnchor: "center", labelOffset: 38, labelArrow: "none", ...x },
     y: { labelArrow: "none", ...y },
     ...options,
   });

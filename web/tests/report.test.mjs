@@ -50,7 +50,7 @@ async function checkMarks(page) {
   }
 }
 
-const kinds = ["published", "calibration", "validation", "report", "hostile", "delta", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+const kinds = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
 for (const kind of kinds) {
   test(`${kind}: draws every figure, says nothing, asks for nothing`, async () => {
     assert.ok(statSync(pages[kind]).size <= kLargestFile);
@@ -101,13 +101,34 @@ test("numbers in the page are those of the JSON", async () => {
   rows.forEach(([name, limb, value, U], k) => {
     assert.equal(name, wanted[k].name);
     assert.equal(Number(limb), wanted[k].limb);
-    const near = (text, number) => assert.ok(Math.abs(Number(text.replace("\u2212", "-")) - number) <= 6e-4 * Math.abs(number), `${text} for ${number}`);
+    const expanded = 2 * wanted[k].std; // two digits of it are shown, and the value to the same place
+    const near = (text, number) => assert.ok(Math.abs(Number(text.replace("\u2212", "-")) - number) <= 0.051 * expanded, `${text} for ${number}`);
     near(value, wanted[k].value);
-    near(U, 2 * wanted[k].std);
+    near(U, expanded);
   });
   const card = await page.locator(".card .value").first().textContent();
   const [from, to] = card.match(/[\d.]+/g).map(Number);
   assert.ok(Math.abs(from - printed.before.max_abs_distance_mm) < 0.0051 && Math.abs(to - printed.after.max_abs_distance_mm) < 0.0051, card);
+  await context.close();
+});
+
+test("a reading that contradicts the others is named and left out", async () => {
+  const { page, context } = await open(browser, pages.calibration);
+  const { results } = await dataOf(page);
+  const [worst] = results.calibration.suspects;
+  assert.ok(worst.excluded);
+  const row = await page.locator("#residuals table tbody tr").first().allTextContents();
+  assert.ok(row[0].startsWith(worst.reading) && row[0].endsWith("left out"), row[0]);
+  await context.close();
+});
+
+test("a calibration that was refused says so first, and why", async () => {
+  const { page, context } = await open(browser, pages.refused);
+  const { results } = await dataOf(page);
+  const verdict = page.locator(".verdict.no");
+  assert.match(await verdict.locator("strong").textContent(), new RegExp(results.calibration.verdict));
+  for (const reason of results.calibration.reasons) assert.ok((await verdict.textContent()).includes(reason));
+  assert.equal(await page.locator("#where").count(), 0);
   await context.close();
 });
 

@@ -85,15 +85,17 @@ std::string residual_table(const Calibration& calibration) {
   return text;
 }
 
-/// Maps of a machine that was not found would mislead: they are drawn for accepted calibrations only.
+/// Predictions of a machine that was not found would mislead: they are drawn for accepted calibrations only.
 void write_page(const Options& options, const Session& session, const Measurements& measurements,
                 const Calibration& calibration, const io::Json& json) {
   const Robot& robot = calibration.robot;
   const KnownErrors known = known_errors(calibration);
   std::vector<report::ErrorArrow> arrows = report::measured_arrows(calibration, measurements);
-  if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, measurements.stations);
-  io::Json figures{{"scene", report::scene(robot, arrows, known.errors)},
-                   {"observability", report::observability(robot)}};
+  if (arrows.empty() && calibration.accepted()) {
+    arrows = report::predicted_arrows(robot, known.errors, measurements.stations);
+  }
+  io::Json figures{{"observability", report::observability(robot)}};
+  if (!arrows.empty()) figures["scene"] = report::scene(robot, arrows, known.errors);
   if (calibration.accepted()) figures["error_map"] = report::error_map(robot, known);
   write_report(*options.report, session, robot,
                {.kind = "calibration",

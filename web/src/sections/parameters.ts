@@ -1,8 +1,10 @@
 // The source errors with what was known of them before.
 import { dot, ruleX, ruleY } from "@observablehq/plot";
+import type { Cell } from "../csv";
 import type { Parameter, Report } from "../data";
 import { h } from "../dom";
 import { figure, legend } from "../figure";
+import { decimalsFor, fixed } from "../numbers";
 import { draw } from "../plot";
 import { section, type Section } from "../section";
 import { strings } from "../strings";
@@ -12,6 +14,13 @@ const text = strings.parameters;
 /// As far as the estimates reach; priors beyond are cut off.
 function reach(parameters: Parameter[]): number {
   return 1.1 * Math.max(...parameters.map(({ value, std }) => Math.abs(value) + 2 * (std ?? 0)), 1e-12);
+}
+
+/// Value and both uncertainties to two digits of U.
+function roundedToU([name, limb, value, U, priorU, unit, status, share]: Cell[]): string[] {
+  const decimals = decimalsFor(U as number);
+  const number = (cell: Cell | undefined) => (typeof cell === "number" ? fixed(cell, decimals) : "");
+  return [String(name), String(limb), number(value), number(U), number(priorU), String(unit), String(status), fixed(share as number, 3)];
 }
 
 function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
@@ -31,6 +40,7 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
     shows: text.shows(rows.length, rows.filter((row) => row.identified).length),
     marks: rows.length,
     sheet: { columns: text.columns, rows: parameters.map((one) => [one.name, one.limb, one.value, one.std === null ? null : 2 * one.std, one.prior_std === null ? null : 2 * one.prior_std, one.unit, one.status, one.data_share]) },
+    print: roundedToU,
     draw: (width) => [
       legend([{ text: text.estimate, kind: "after" }, { text: text.prior, kind: "prior" }]),
       draw({

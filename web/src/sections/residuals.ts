@@ -28,18 +28,21 @@ function residualsOf(calibration: Calibration): Residual[] {
 
 const rms = (values: number[]) => Math.sqrt(values.reduce((sum, v) => sum + v * v, 0) / Math.max(values.length, 1));
 const byPose = { before: strings.robot.before, after: strings.robot.after };
-const bothKinds = () => legend([{ text: byPose.before, kind: "before" }, { text: byPose.after, kind: "after" }]);
+const bothKinds = (out: boolean) => legend([{ text: byPose.before, kind: "before" }, { text: byPose.after, kind: "after" }, ...(out ? [{ text: text.leftOut, kind: "out" }] : [])]);
 
 interface Sizes {
   index: number;
   name: string;
   before: number;
   after: number;
+  out?: boolean; ///< left out of the fit
 }
 
-/// Before and after on a logarithmic axis; what is exactly zero, as home, has no place on it.
+const kZero = 1e-6; // mm: what is smaller, as home against itself, has no place on a logarithmic axis
+
+/// Before and after on a logarithmic axis; readings that were left out are hollow.
 function sizesFigure(id: string, title: string, shows: string, sizes: Sizes[], x: string, y: string): HTMLElement {
-  const on = (key: "before" | "after") => sizes.filter((size) => size[key] > 0);
+  const on = (key: "before" | "after") => sizes.filter((size) => size[key] > kZero);
   const scale = logarithmic([...on("before").map((size) => size.before), ...on("after").map((size) => size.after)]);
   return figure({
     id,
@@ -48,7 +51,7 @@ function sizesFigure(id: string, title: string, shows: string, sizes: Sizes[], x
     marks: on("before").length + on("after").length,
     sheet: { columns: ["name", "before_mm", "after_mm"], rows: sizes.map((size) => [size.name, size.before, size.after]) },
     draw: (width) => [
-      bothKinds(),
+      bothKinds(sizes.some((size) => size.out)),
       draw({
         width,
         height: 280,
@@ -57,7 +60,7 @@ function sizesFigure(id: string, title: string, shows: string, sizes: Sizes[], x
         inset: 6,
         marks: [
           dot(on("before"), { x: "index", y: "before", fill: before, r: 3, symbol: "circle" }),
-          dot(on("after"), { x: "index", y: "after", fill: after, r: 3, symbol: "square" }),
+          dot(on("after"), { x: "index", y: "after", fill: (size: Sizes) => (size.out ? "none" : after), stroke: after, r: 3, symbol: "square" }),
         ],
       }),
     ],
@@ -65,11 +68,12 @@ function sizesFigure(id: string, title: string, shows: string, sizes: Sizes[], x
 }
 
 function sizeOf(calibration: Calibration): HTMLElement {
-  const sizes = calibration.residuals.map((residual, k) =>
+  const sizes: Sizes[] = calibration.residuals.map((residual, k) =>
     isPoint(residual)
-      ? { index: k + 1, name: residual.pose, before: length(residual.before_mm), after: length(residual.after_mm) }
+      ? { index: k + 1, name: residual.pose, before: length(residual.before_mm), after: length(residual.after_mm), out: residual.excluded }
       : { index: k + 1, name: `${residual.from} \u2013 ${residual.to}`, before: Math.abs(residual.before_mm), after: Math.abs(residual.after_mm) });
-  const shows = text.sizeShows(digits(rms(sizes.map((size) => size.before))), digits(rms(sizes.map((size) => size.after)), 2));
+  const used = sizes.filter((size) => !size.out);
+  const shows = text.sizeShows(digits(rms(used.map((size) => size.before))), digits(rms(used.map((size) => size.after)), 2), sizes.length - used.length);
   return sizesFigure("residual-sizes", text.size, shows, sizes, text.reading, text.size_mm);
 }
 

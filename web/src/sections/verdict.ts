@@ -1,7 +1,7 @@
 // The verdict, its numbers and their uncertainty: what a reader in a hurry must see.
 import type { Calibration, ErrorMap, Largest, Report, Validation } from "../data";
 import { h, svg, type Child } from "../dom";
-import { decimalsFor, digits, exact, fixed, milli, percent } from "../numbers";
+import { decimalsFor, digits, exact, fixed, milli, percent, withUncertainty } from "../numbers";
 import { strings } from "../strings";
 
 const text = strings.verdict;
@@ -59,7 +59,7 @@ function ofCalibration(calibration: Calibration): Verdict {
     sentence: text.calibration(calibration.readings, calibration.noise_mm, calibration.degrees_of_freedom),
     reasons: calibration.reasons,
     cards: largestCards(calibration.before, calibration.after, uncertainty, { distance: text.reading(digits(uncertainty, 2)), aligned: text.point(digits(2 * calibration.noise_mm, 2)), rotation: null }),
-    notes: [...calibration.notes, ...(unseen.length > 0 ? [text.unseen(unseen)] : [])],
+    notes: [...calibration.notes, ...(unseen.length > 0 ? [text.unseen(unseen, calibration.accepted)] : [])],
   };
 }
 
@@ -79,8 +79,7 @@ function ofValidation(validation: Validation, map: ErrorMap | undefined): Verdic
   const checks = validation.checks.map((check) => {
     const unit = check.quantity.endsWith("rad") ? "deg" : "mm";
     const [error, u, limit] = [check.error, check.U, check.limit].map((value) => inUnit(check.quantity, value)) as [number, number, number];
-    const decimals = decimalsFor(u);
-    return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [`${fixed(error, decimals)} ± ${u.toFixed(decimals)}`, h("span", { class: "unit" }, ` ${unit}`)], [text.check(digits(limit), unit, check.conformity)]);
+    return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [withUncertainty(error, u), h("span", { class: "unit" }, ` ${unit}`)], [text.check(digits(limit), unit, check.conformity)]);
   });
   return {
     yes: validation.accepted,
@@ -115,8 +114,7 @@ function verdictsOf({ results, figures }: Report): Verdict[] {
         ...analysis.requirements.map((one) => {
           const half = (one.monte_carlo_3sigma_interval[1] - one.monte_carlo_3sigma_interval[0]) / 2;
           const { scale, unit } = milli(one.unit);
-          const decimals = decimalsFor(scale * half);
-          return card(text.threeSigma(one.quantity), [`${fixed(scale * one.monte_carlo_3sigma, decimals)} ± ${(scale * half).toFixed(decimals)}`, h("span", { class: "unit" }, ` ${unit}`)], [
+          return card(text.threeSigma(one.quantity), [withUncertainty(scale * one.monte_carlo_3sigma, scale * half), h("span", { class: "unit" }, ` ${unit}`)], [
             text.limit(`${digits(scale * one.limit)} ${unit}`, digits(one.cpk)),
             text.worstCase(`${digits(scale * one.worst_case)} ${unit}`),
           ]);
