@@ -66,7 +66,7 @@ export function samples(program, folder) {
   run("sensitivity", "--out", "sensitivity.txt", "--report", "sensitivity.html");
   run("tolerance", "allocate", "--out", "allocation.txt", "--report", "allocation.html", "--toml", "chosen.toml");
   run("tolerance", "analyze", "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
-  run("yield", "--machines", "300", "--max-distance-mm", "0.15", "--out", "yield.txt", "--report", "yield.html");
+  run("yield", "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
   const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));

@@ -146,6 +146,7 @@ export interface Yield {
   partial: boolean;
   fates: Record<string, number>;
   passed: number;
+  min_yield?: number;
   yield: (Proportion & { confidence: number }) | null;
   dpmo: Proportion;
   quantities: Record<string, { before: Spread; after: Spread } | null>;

@@ -18,9 +18,9 @@ export const strings = {
     more: (rest: number) => `${plural(rest, "more row")} in the CSV file.`,
   },
   verdict: {
-    yes: { calibration: "Calibration accepted", validation: "Machine within its limits", allocation: "Tolerances found", analysis: "Tolerance analysis", yield: "Yield of the batch", reproduction: "All published numbers reproduced", sensitivity: "Sensitivity" },
+    yes: { calibration: "Calibration accepted", validation: "Machine within its limits", allocation: "Tolerances found", analysis: "Limits kept at 3 sigma", yield: "Yield of the batch", reached: (share: string) => `Yield of ${share} proven`, reproduction: "All published numbers reproduced", sensitivity: "Sensitivity" },
     improved: "Calibration confirmed on other poses",
-    no: { calibration: (verdict: string) => `Calibration: ${verdict}`, validation: "Not proven within its limits", improved: "Calibration not confirmed on other poses", allocation: "No tolerances found", analysis: "Too few machines drawn", yield: "Batch not complete", reproduction: (n: number) => `${plural(n, "published number")} not reproduced` },
+    no: { calibration: (verdict: string) => `Calibration: ${verdict}`, validation: "Not proven within its limits", improved: "Calibration not confirmed on other poses", allocation: "No tolerances found", analysis: "Limits not kept at 3 sigma", converged: "Too few machines drawn", yield: "Batch not complete", reached: (share: string) => `Yield of ${share} not proven`, reproduction: (n: number) => `${plural(n, "published number")} not reproduced` },
     calibration: (readings: number, noise: number, freedom: number) =>
       `From ${plural(readings, "reading")} with ${freedom} degrees of freedom left to check them. A reading scatters by ${digits(noise, 2)} mm (1 standard deviation).`,
     validation: (poses: number) => `Measured at ${plural(poses, "other pose")} and compared with what the nominal (before) and the calibrated machine (after) predict.`,
@@ -41,6 +41,7 @@ export const strings = {
     unseen: (texts: string[], accepted: boolean) => `The readings do not show ${texts.join("; ")}.${accepted ? " These stay as the tolerances say." : ""}`,
     of: (passed: string, all: string) => `${passed} of ${all} machines`,
     interval: (low: string, high: string, confidence: number) => `${low} to ${high} at ${digits(100 * confidence)} % confidence`,
+    after: (low: string, high: string) => `${low} to ${high} after`,
     yield: "Machines within the limits",
     dpmo: "Defects per million machines",
     threeSigma: (quantity: string) => `3 sigma of ${quantity}`,

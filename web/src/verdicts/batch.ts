@@ -1,0 +1,33 @@
+// Is a batch good, and is the program right?
+import type { Row, Spread, Yield } from "../data";
+import { decimalsFor, digits, exact, fixed, milli, percent } from "../numbers";
+import { strings } from "../strings";
+import { card, from, unitOf, type Verdict } from "./card";
+
+const text = strings.verdict;
+
+function spreadCard(key: string, before: Spread, after: Spread): HTMLElement {
+  const cut = key.lastIndexOf("_"), { scale, unit } = milli(key.slice(cut + 1));
+  const [low, high] = after.p95_interval.map((value) => scale * value) as [number, number];
+  const decimals = decimalsFor((high - low) / 2);
+  return card(text.p95(strings.batch.quantities[key.slice(0, cut)] ?? key), [from(digits(scale * before.p95)), fixed(scale * after.p95, decimals), unitOf(unit)], [text.after(fixed(low, decimals), fixed(high, decimals))]);
+}
+
+/// A verdict only where a share was asked for, as --min-yield does.
+export function ofYield({ machines, partial, passed, min_yield: asked, yield: share, quantities }: Yield): Verdict {
+  const reached = asked === undefined ? null : share !== null && share.low >= asked;
+  return {
+    yes: partial ? false : reached,
+    says: partial ? text.no.yield : reached === null ? text.yes.yield : reached ? text.yes.reached(`${exact(100 * asked!)} %`) : text.no.reached(`${exact(100 * asked!)} %`),
+    sentence: `${text.yield}: ${text.of(String(passed), String(machines))}.`,
+    cards: [
+      ...(share ? [card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low), percent(share.high), share.confidence)])] : []),
+      ...Object.entries(quantities).flatMap(([key, both]) => (both ? [spreadCard(key, both.before, both.after)] : [])),
+    ],
+  };
+}
+
+export function ofReproduction(rows: Row[]): Verdict {
+  const good = rows.filter((row) => row.ok).length;
+  return { yes: good === rows.length, says: good === rows.length ? text.yes.reproduction : text.no.reproduction(rows.length - good), sentence: text.rows(good, rows.length), cards: [] };
+}
