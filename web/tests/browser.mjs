@@ -9,6 +9,7 @@ const harmless = /GL Driver Message|Automatic fallback to software WebGL|GroupMa
 /// A page with its complaints: console messages, exceptions, dialogs, and requests for anything but the file itself.
 export async function open(browser, file, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1200, height: 900 }, ...options });
+  context.setDefaultTimeout(120_000); // ms; a machine may be busy
   const page = await context.newPage();
   const complaints = [], requests = [];
   page.on("console", (message) => { if (!harmless.test(message.text())) complaints.push(`${message.type()}: ${message.text()}`); });

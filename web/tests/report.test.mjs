@@ -161,10 +161,11 @@ test("names stay text whatever they hold", async () => {
 /// The picture in the canvas as a data address.
 const picture = (page) => page.locator("#robot-view").evaluate((canvas) => canvas.toDataURL());
 
+/// A busy machine draws late, so the picture has half a minute to become another one.
 async function changes(page, what, action) {
   const was = await picture(page);
   await action();
-  await page.waitForTimeout(400);
+  for (let wait = 0; wait < 30_000 && (await picture(page)) === was; wait += 100) await page.waitForTimeout(100);
   assert.notEqual(await picture(page), was, what);
 }
 
