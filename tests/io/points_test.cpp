@@ -470,10 +470,10 @@ TEST(ColumnMap, AnythingElseIsRefused) {
       {"name=1,x=2,x=3,z=4", "x stands twice"},
       {"name=1,x=2,y=2,z=4", "column 2 stands twice"},
   };
-  for (const auto& [columns, reason] : cases) {
-    EXPECT_THAT([&] { (void)parse_column_map(columns, "mm"); },
+  for (const auto& one : cases) {
+    EXPECT_THAT([&] { (void)parse_column_map(one[0], "mm"); },
                 ThrowsMessage<InvalidArgument>(AllOf(HasSubstr("expected a list like name=3,x=4,y=5,z=6"),
-                                                     HasSubstr("got \"" + columns + "\""), HasSubstr(reason))));
+                                                     HasSubstr("got \"" + one[0] + "\""), HasSubstr(one[1]))));
   }
   for (const std::string unit : {"", "MM", "feet", "mm "}) {
     EXPECT_THAT([&] { (void)parse_column_map("name=1,x=2,y=3,z=4", unit); },
