@@ -1,7 +1,7 @@
 // What tests of the page share: a browser that notes everything that must not happen.
 import { chromium } from "playwright-core";
 
-export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-dev-shm-usage"] });
 
 /// WebGL in software tells of its slowness; that is not the page's doing.
 const harmless = /GL Driver Message|Automatic fallback to software WebGL|GroupMarkerNotSet/;
