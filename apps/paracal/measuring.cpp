@@ -180,12 +180,12 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
       ->expected(3);
 }
 
-void add_indices(io::Json& json, const Observability& o) {
-  json["O1"] = o.O1;
-  json["O2"] = o.O2;
-  json["O3"] = o.O3;
-  json["O4"] = o.O4;
-  json["O5"] = o.O5;
+void add_indices(io::Json& json, const Observability& indices) {
+  json["O1"] = indices.O1;
+  json["O2"] = indices.O2;
+  json["O3"] = indices.O3;
+  json["O4"] = indices.O4;
+  json["O5"] = indices.O5;
 }
 
 io::Json workspace_json(const WorkspaceUncertainty& spread) {
