@@ -6,10 +6,12 @@
 namespace paracal {
 
 std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
-                                const PlateState& guess) noexcept {
+                                const std::optional<PlateState>& guess) noexcept {
   const InverseResult asked = inverse(believed, commanded);
   if (!asked.ok()) return std::nullopt;
-  ForwardResult taken = forward(actual, asked.joints, {.start = guess});
+  const PlateState start =
+      guess.value_or(PlateState{.position = commanded.position, .slide = actual.slide_of(commanded.rotation)});
+  ForwardResult taken = forward(actual, asked.joints, {.start = start});
   if (!taken.ok()) taken = forward(actual, asked.joints);
   if (!taken.ok()) return std::nullopt;
   return taken.plate;

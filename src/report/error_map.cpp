@@ -26,7 +26,7 @@ std::vector<PosePair> driven(const Robot& robot, const SourceErrors& errors, con
   std::vector<PosePair> pairs;
   pairs.reserve(stations.size());
   for (const auto& [name, commanded, believed] : stations) {
-    const auto plate = drive(machine, robot.nominal(), commanded, {.position = commanded.position});
+    const auto plate = drive(machine, robot.nominal(), commanded);
     if (!plate) throw Unreachable("the calibrated machine does not close everywhere in its workspace");
     pairs.push_back({commanded, {plate->position, machine.rotation_of(plate->slide)}});
   }

@@ -20,11 +20,6 @@ struct Mean {
   int count = 0;
 };
 
-std::optional<PlateState> driven(const Robot& robot, const Machine& machine, const Pose& commanded) {
-  return drive(machine, robot.nominal(), commanded,
-               {.position = commanded.position, .slide = machine.slide_of(commanded.rotation)});
-}
-
 io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& joints) {
   io::Json limbs = io::Json::array();
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
@@ -90,7 +85,7 @@ std::vector<ErrorArrow> predicted_arrows(const Robot& robot, const SourceErrors&
   const Machine machine = build(robot, errors);
   std::vector<ErrorArrow> arrows;
   for (const Station& station : stations) {
-    const std::optional<PlateState> plate = driven(robot, machine, station.commanded);
+    const std::optional<PlateState> plate = drive(machine, robot.nominal(), station.commanded);
     if (!plate) continue;
     arrows.push_back({station.name, station.commanded, plate->position - station.commanded.position});
   }
@@ -102,7 +97,7 @@ io::Json scene(const Robot& robot, const std::vector<ErrorArrow>& arrows, const 
   io::Json poses = io::Json::array();
   for (std::size_t k = 0; k < std::min(arrows.size(), kMostPoses); ++k) {
     const Pose& commanded = arrows[k].commanded;
-    poses.push_back(pose_json(arrows[k], driven(robot, machine, commanded)));
+    poses.push_back(pose_json(arrows[k], drive(machine, robot.nominal(), commanded)));
     const InverseResult joints = inverse(robot.nominal(), commanded);
     if (k < kMostWithLimbs && joints.ok()) {
       poses.back()["limbs"] = limbs_json(robot.nominal(), commanded, joints.joints);

@@ -5,14 +5,6 @@
 #include "paracal/kinematics/drive.hpp"
 
 namespace paracal {
-namespace {
-
-/// Where `machine` goes; the commanded pose is within millimetres of the answer.
-std::optional<PlateState> reached(const Machine& machine, const Machine& believed, const Pose& pose) {
-  return drive(machine, believed, pose, {.position = pose.position, .slide = machine.slide_of(pose.rotation)});
-}
-
-}  // namespace
 
 Response::Response(const Robot& robot, std::vector<Characteristic> characteristics, std::vector<Pose> poses)
     : robot_(&robot), characteristics_(std::move(characteristics)), poses_(std::move(poses)) {
@@ -34,12 +26,12 @@ Response::Response(const Robot& robot, std::vector<Characteristic> characteristi
 
 bool Response::add_exact(const Machine& machine, const Machine& believed, bool compensated,
                          Eigen::Ref<Eigen::VectorXd> components) const {
-  const std::optional<PlateState> home = reached(machine, believed, {robot_->workspace().centre(), 0.0});
+  const std::optional<PlateState> home = drive(machine, believed, {robot_->workspace().centre(), 0.0});
   if (!home) return false;
   const auto count = static_cast<Eigen::Index>(poses_.size());
   for (Eigen::Index p = 0; p < count; ++p) {
     const Pose& pose = poses_[static_cast<std::size_t>(p)];
-    const std::optional<PlateState> plate = reached(machine, believed, pose);
+    const std::optional<PlateState> plate = drive(machine, believed, pose);
     if (!plate) return false;
     const Reached point{pose, plate->position, plate->tilt, machine.rotation_of(plate->slide), home->position};
     for (std::size_t c = 0; c < characteristics_.size(); ++c) {

@@ -12,11 +12,11 @@ namespace paracal {
 ///
 ///   forward(actual, inverse(believed, commanded))
 ///
-/// @param guess  near the answer: it saves the search for one. Where the iteration does not settle from there, the
-/// general start of forward() decides.
+/// @param guess  near the answer, which saves the search for one; by default the commanded pose itself, within
+/// millimetres of it. Where the iteration does not settle from there, the general start of forward() decides.
 /// @returns empty when the believed machine does not reach the pose, or the actual one does not close there.
 /// Real-time: yes (no allocation, no exception, bounded loop).
 std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
-                                const PlateState& guess) noexcept;
+                                const std::optional<PlateState>& guess = std::nullopt) noexcept;
 
 }  // namespace paracal
