@@ -66,7 +66,7 @@ inline Lanes atan_over_z(const Lanes& z) {
   return value;
 }
 
-/// Within 4e-16 rad of std::atan2 for finite numbers that are not both zero; NaN for NaN.
+/// Within 5e-16 rad of std::atan2 for finite numbers that are not both zero; NaN for NaN.
 inline Lanes atan2(const Lanes& y, const Lanes& x) {
   constexpr double kTanEighth = 0.41421356237309504880, kQuarter = 0.78539816339744830962;  // tan(pi / 8), pi / 4
   const Lanes wide = abs(x), high = abs(y);

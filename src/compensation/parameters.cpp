@@ -67,13 +67,9 @@ Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& j
   return vector;
 }
 
-std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const std::optional<Pose>& start) {
-  ForwardOptions options;
-  if (start) {
-    options.start.emplace().position = start->position;
-    options.start->slide = robot.nominal().slide_of(start->rotation);
-  }
-  const ForwardResult nominal = forward(robot.nominal(), joints, options);
+std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const Pose& wanted) {
+  const PlateState start{.position = wanted.position, .slide = robot.nominal().slide_of(wanted.rotation)};
+  const ForwardResult nominal = forward(robot.nominal(), joints, {.start = start});
   if (!nominal.ok()) return std::nullopt;
   return Pose{nominal.plate.position, robot.nominal().rotation_of(nominal.plate.slide)};
 }

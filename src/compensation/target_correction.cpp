@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <vector>
 
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/path.hpp"
 
 namespace paracal {
 
@@ -15,9 +17,22 @@ TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& error
     : robot_(robot), compensator_(compensator_parameters(robot, errors)) {}
 
 std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
-  CompensatorJoints<double> joints{};
-  if (compensator_.compensate(compensator_pose(wanted), joints) != CompensationStatus::ok) return std::nullopt;
-  return corrected_target(robot_, compensated_joints(robot_, joints), wanted);
+  std::optional<Pose> target;
+  correct({&wanted, 1}, {&target, 1});
+  return target;
+}
+
+void TargetCorrection::correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const {
+  std::vector<CompensatorPose<double>> poses(wanted.size());
+  std::ranges::transform(wanted, poses.begin(), compensator_pose<double>);
+  std::vector<CompensatorJoints<double>> joints(wanted.size());
+  std::vector<CompensationStatus> statuses(wanted.size());
+  compensate_path(compensator_.parameters(), poses, joints, statuses);
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    targets[k].reset();
+    if (statuses[k] != CompensationStatus::ok) continue;
+    targets[k] = corrected_target(robot_, compensated_joints(robot_, joints[k]), wanted[k]);
+  }
 }
 
 void TargetCorrection::targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets,
@@ -26,8 +41,8 @@ void TargetCorrection::targets(std::span<const Pose> wanted, std::span<std::opti
   const auto cores = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   const std::size_t workers = threads == 0 ? cores : std::min<std::size_t>(threads, cores);
   const auto part = [&](std::size_t worker) {
-    const std::size_t end = (worker + 1) * wanted.size() / workers;
-    for (std::size_t k = worker * wanted.size() / workers; k < end; ++k) targets[k] = target(wanted[k]);
+    const std::size_t first = worker * wanted.size() / workers, count = (worker + 1) * wanted.size() / workers - first;
+    correct(wanted.subspan(first, count), targets.subspan(first, count));
   };
   tbb::parallel_for(std::size_t{0}, workers, part, tbb::simple_partitioner());
 }

@@ -177,10 +177,10 @@ TEST_P(CompensatorLaw, TheTargetsNominalInverseGivesTheJoints) {
   const auto parameters = compensator_parameters(robot, errors_of(1));
   for (int k = 0; k < 100; ++k) {
     CompensatorJoints<double> joints{};
-    const CompensatorPose<double> pose = compensator_pose(random.pose(robot));
-    ASSERT_EQ(compensate(parameters, CompensationWay::exact, pose, joints), CompensationStatus::ok);
+    const Pose pose = random.pose(robot);
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints), CompensationStatus::ok);
     const Joints corrected = compensated_joints(robot, joints);
-    const std::optional<Pose> target = corrected_target(robot, corrected);
+    const std::optional<Pose> target = corrected_target(robot, corrected, pose);
     ASSERT_TRUE(target);
     EXPECT_TRUE(robot.slide() || target->rotation == 0.0);
     EXPECT_LE((inverse(robot.nominal(), *target).joints - corrected).cwiseAbs().maxCoeff(), 1e-11);

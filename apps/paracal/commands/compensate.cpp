@@ -62,7 +62,7 @@ Compensated compensated(const Robot& robot, const Compensator<double>& compensat
   }
   if (status != CompensationStatus::ok) refuse(station, "the machine is singular there");
   const Joints corrected = compensated_joints(robot, joints);
-  const std::optional<Pose> target = corrected_target(robot, corrected);
+  const std::optional<Pose> target = corrected_target(robot, corrected, station.commanded);
   if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
   return {station.name, corrected, *target, tilt};
 }

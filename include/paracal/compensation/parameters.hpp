@@ -49,9 +49,8 @@ Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& j
 
 /// The pose to ask of a closed controller, one that computes with the nominal robot: its nominal inverse gives these
 /// joints. It is the nominal forward kinematics of the corrected joints.
-/// @param start  near the answer, as the wanted pose is: it saves the search for one.
+/// @param wanted  the pose that these joints reach: near the answer, which saves the search for one.
 /// @returns nothing where the nominal robot does not close with these joints.
-std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints,
-                                     const std::optional<Pose>& start = std::nullopt);
+std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const Pose& wanted);
 
 }  // namespace paracal

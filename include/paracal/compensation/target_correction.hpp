@@ -31,6 +31,8 @@ class TargetCorrection {
   void targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets, unsigned threads) const;
 
  private:
+  void correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const;
+
   Robot robot_;
   Compensator<double> compensator_;
 };
