@@ -14,24 +14,32 @@ const text = strings.contributors;
 const words = (name: string) => name.replace("_over_c", " / c");
 const bars = { marginLeft: 150, marginTop: 8 };
 
+interface Bar {
+  name: string;
+  value: number;
+}
+
+/// One bar a name, its number behind it.
+const labelledBars = (rows: Bar[], axis: string) => (width: number) =>
+  draw({
+    width,
+    height: 60 + 24 * rows.length,
+    ...bars,
+    marginRight: 48,
+    x: { label: axis, grid: true, ticks: 5 },
+    y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
+    marks: [barX(rows, { y: "name", x: "value", fill: "var(--after)" }), label(rows, { y: "name", x: "value", text: (row: Bar) => digits(row.value, 3), dx: 6, textAnchor: "start", fill: "currentColor" })],
+  });
+
 function pareto(quantity: string, contributors: Contributor[], number: number): HTMLElement {
-  const rows = contributors.filter((one) => one.share > 0).map((one) => ({ name: one.name, share: 100 * one.share }));
+  const rows = contributors.filter((one) => one.share > 0).map((one) => ({ name: one.name, value: 100 * one.share }));
   return figure({
     id: `pareto-${number}`,
     title: text.pareto(quantity),
-    shows: rows.length > 0 ? text.paretoShows(rows[0]!.name, percent(rows[0]!.share / 100)) : "",
+    shows: rows.length > 0 ? text.paretoShows(rows[0]!.name, percent(rows[0]!.value / 100)) : "",
     marks: rows.length,
-    sheet: { columns: ["name", "share_percent"], rows: rows.map((row) => [row.name, row.share]) },
-    draw: (width) =>
-      draw({
-        width,
-        height: 60 + 24 * rows.length,
-        ...bars,
-        marginRight: 48,
-        x: { label: text.share, grid: true, ticks: 5 },
-        y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
-        marks: [barX(rows, { y: "name", x: "share", fill: "var(--after)" }), label(rows, { y: "name", x: "share", text: (row: { share: number }) => digits(row.share, 3), dx: 6, textAnchor: "start", fill: "currentColor" })],
-      }),
+    sheet: { columns: ["name", "share_percent"], rows: rows.map((row) => [row.name, row.value]) },
+    draw: labelledBars(rows, text.share),
   });
 }
 
@@ -64,16 +72,7 @@ function tolerancesFigure(allocation: Allocation): HTMLElement {
     shows: text.allocatedShows,
     marks: rows.length,
     sheet: { columns: ["name", "tolerance_mrad"], rows: rows.map((row) => [row.name, row.value]) },
-    draw: (width) =>
-      draw({
-        width,
-        height: 60 + 24 * rows.length,
-        ...bars,
-        marginRight: 48,
-        x: { label: text.milli, grid: true, ticks: 5 },
-        y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
-        marks: [barX(rows, { y: "name", x: "value", fill: "var(--after)" }), label(rows, { y: "name", x: "value", text: (row: { value: number }) => digits(row.value, 3), dx: 6, textAnchor: "start", fill: "currentColor" })],
-      }),
+    draw: labelledBars(rows, text.milli),
   });
 }
 
