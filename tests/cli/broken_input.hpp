@@ -36,6 +36,14 @@ inline std::string replaced(std::string text, const std::string& old, const std:
   return text.replace(at, old.size(), by);
 }
 
+/// The files, with the one of this name replaced.
+inline std::vector<NamedText> with(std::vector<NamedText> files, const NamedText& other) {
+  for (NamedText& one : files) {
+    if (one.name == other.name) one.text = other.text;
+  }
+  return files;
+}
+
 /// What must hold for every row stands in broken_input_test.cpp.
 class BrokenInputTest : public testing::TestWithParam<BrokenInput> {
  protected:

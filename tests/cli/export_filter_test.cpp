@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "broken_input.hpp"
-#include "example_calibration.hpp"
-#include "json_checks.hpp"
+#include "calibrated_machine.hpp"
 
 namespace paracal::test {
 namespace {
@@ -208,11 +207,9 @@ TEST_F(ExportFilter, ParametersAreEnoughForTheJoints) {
 
 BrokenInput broken(std::string name, const NamedText& file, std::string command, int exit_code,
                    std::vector<std::string> message) {
-  std::vector<NamedText> files{{"calibration.json", kCalibration}, {"part.ngc", kProgram}, {"targets.csv", kTable}};
-  for (NamedText& one : files) {
-    if (one.name == file.name) one.text = file.text;
-  }
-  return {std::move(name), std::move(files), std::move(command), exit_code, std::move(message)};
+  return {std::move(name),
+          with({{"calibration.json", kCalibration}, {"part.ngc", kProgram}, {"targets.csv", kTable}}, file),
+          std::move(command), exit_code, std::move(message)};
 }
 
 const NamedText kNothing{};
@@ -234,18 +231,7 @@ const std::vector<BrokenInput> kBroken{
     broken("input_of_c99", kNothing, kC99 + " --input part.ngc", kWrongUsage, {"--input", "gcode"}),
 };
 
-class BrokenFilter : public BrokenInputTest {};
-
-TEST_P(BrokenFilter, IsRefused) {
-  folder.write("result", "earlier\n");
-  const ProgramResult result = run_with(" --out result");
-  EXPECT_EQ(result.exit_code, GetParam().exit_code) << result.err;
-  EXPECT_THAT(result.out, IsEmpty());
-  for (const std::string& fragment : GetParam().message) EXPECT_THAT(result.err, HasSubstr(fragment));
-  EXPECT_EQ(folder.read("result"), "earlier\n");
-}
-
-INSTANTIATE_TEST_SUITE_P(Filters, BrokenFilter, testing::ValuesIn(kBroken), name_of);
+INSTANTIATE_TEST_SUITE_P(Filter, BrokenInputTest, testing::ValuesIn(kBroken), name_of);
 
 TEST_F(ExportFilter, JsonNeedsAPlaceForTheText) {
   const ProgramResult result = folder.run(kGcode + " --json");
