@@ -34,7 +34,7 @@ TrackerModel tracker_model(const std::vector<double>& um) {
 
 /// The first line that is neither empty nor a comment.
 std::string_view header_of(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.starts_with(io::kByteOrderMark)) text.remove_prefix(io::kByteOrderMark.size());
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);

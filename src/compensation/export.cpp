@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -50,7 +51,9 @@ std::string test_vector(const std::vector<SelfTestCase>& cases) {
 
 std::string_view export_template(std::string_view name) {
   const auto files = detail::export_templates();
-  return std::ranges::find(files, name, &detail::EmbeddedFile::name)->text;
+  const auto found = std::ranges::find(files, name, &detail::EmbeddedFile::name);
+  if (found == files.end()) throw std::logic_error(fmt::format("no template {} is built in", name));
+  return found->text;
 }
 
 using Values = std::vector<std::pair<std::string_view, std::string>>;

@@ -55,14 +55,10 @@ Json to_json(const Pose& pose) {
           {"phi_deg", to_degrees(pose.rotation)}};
 }
 
-Json to_json(const std::vector<SelfTestCase>& cases) {
-  Json json = Json::array();
-  for (const auto& [pose, joints] : cases) {
-    Json degrees = Json::array();
-    for (const double joint : joints) degrees.push_back(to_degrees(joint));
-    json.push_back({{"pose", to_json(pose)}, {"joints_deg", degrees}});
-  }
-  return json;
+Json to_json(const SelfTestCase& wanted) {
+  Json degrees = Json::array();
+  for (const double joint : wanted.joints) degrees.push_back(to_degrees(joint));
+  return {{"pose", to_json(wanted.pose)}, {"joints_deg", degrees}};
 }
 
 Json to_json(const FilterSummary& summary) {

@@ -78,8 +78,6 @@ class PoseTable : public TargetFormat {
   }
 
  private:
-  static constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
   bool has_header() const { return column_count_ > 0; }
 
   [[noreturn]] void fail(std::int64_t line, const std::string& complaint) const {

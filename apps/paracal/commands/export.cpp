@@ -36,7 +36,7 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));
   json.update(io::to_json(parameters));
-  json["self_test"] = io::to_json(self_test(robot, parameters));
+  for (const SelfTestCase& wanted : self_test(robot, parameters)) json["self_test"].push_back(io::to_json(wanted));
   session.print_json(json);
 }
 

@@ -49,7 +49,7 @@ std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
 io::Json tests_json(const std::vector<TargetTest>& tests) {
   io::Json json = io::Json::array();
   for (const auto& [wanted, target] : tests) {
-    io::Json one = io::to_json(std::vector{wanted})[0];
+    io::Json one = io::to_json(wanted);
     one["target"] = io::to_json(target);
     json.push_back(one);
   }
@@ -84,9 +84,9 @@ class HeaderSink {
     if (!lines_.empty()) {
       const std::size_t first_end = std::min(text.find('\n'), text.size());
       const std::string_view line_end = text.substr(0, first_end).ends_with('\r') ? "\r\n" : "\n";
-      const std::size_t kept = text.starts_with(kMark) ? kMark.size()
-                               : text.starts_with('%') ? std::min(first_end + 1, text.size())
-                                                       : 0;
+      const std::size_t kept = text.starts_with(io::kByteOrderMark) ? io::kByteOrderMark.size()
+                               : text.starts_with('%')              ? std::min(first_end + 1, text.size())
+                                                                    : 0;
       out_(text.substr(0, kept));
       text.remove_prefix(kept);
       for (const std::string& line : lines_) out_(fmt::format("{} {}{}", comment_, line, line_end));
@@ -96,8 +96,6 @@ class HeaderSink {
   }
 
  private:
-  static constexpr std::string_view kMark = "\xEF\xBB\xBF";
-
   io::TextSink out_;
   std::string_view comment_;
   std::vector<std::string> lines_;

@@ -31,6 +31,7 @@ struct Options {
 constexpr std::array<double, 4> kPercentiles{0.5, 0.9, 0.95, 0.99};
 
 struct Findings {
+  Tolerances tolerances;
   std::vector<RequirementAnalysis> analyses;
   MonteCarlo batch = {};
   bool partial = false;  ///< stopped by its user
@@ -67,7 +68,7 @@ Findings find(const Options& options, const Robot& robot, const Session& session
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   const std::vector<Requirement> requirements = requirements_of(options, tolerances);
-  Findings found{.analyses = analyze(robot, tolerances, requirements)};
+  Findings found{.tolerances = tolerances, .analyses = analyze(robot, tolerances, requirements)};
   const std::vector<Pose> poses = poses_of(robot, found.analyses);
   MonteCarloOptions sampling = options.monte_carlo;
   sampling.model = options.model == "exact" ? Model::exact : Model::linear;
@@ -199,7 +200,7 @@ io::Json json_of(const Options& options, const Findings& found) {
 
 void write_page(const Options& options, const Session& session, const Robot& robot, const Findings& found) {
   const Characteristic what = found.analyses.front().requirement.characteristic;
-  io::Json map = three_sigma_json(robot, what, tolerances_of(robot, options.tolerances));
+  io::Json map = three_sigma_json(robot, what, found.tolerances);
   io::Json histograms = io::Json::array();
   for (const RequirementStatistics& one : found.batch.requirements) {
     const Quantity quantity = one.requirement.characteristic.quantity;

@@ -13,6 +13,9 @@ struct TextFile {
   std::string text;
 };
 
+/// What some programs put before the first character of a file.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 /// A file's text as it comes, for files that are not held in memory.
 struct TextStream {
   std::string name;

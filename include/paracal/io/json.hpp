@@ -64,8 +64,8 @@ Json to_json(const Robot& robot, const ExportOrigin& origin);
 /// All that a compensator knows, mm and deg; keys in docs/files.md.
 Json to_json(const CompensatorParameters<double>& parameters);
 
-/// [{pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}, ...]
-Json to_json(const std::vector<SelfTestCase>& cases);
+/// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}
+Json to_json(const SelfTestCase& wanted);
 
 /// lines, corrected, passed: [{reason, count, first_line}]
 Json to_json(const FilterSummary& summary);
