@@ -19,7 +19,7 @@ constexpr Random::result_type kSeed = 20160101;
 double typical_size(Source source) {
   static const Tolerances tolerances = catalogue::huang2016().tolerances().value();
   if (tilts_plate(source)) return tolerances[source] / 3.0;
-  return unit(source) == Unit::mm ? 0.3 : 1e-3;
+  return unit(source, Actuator::revolute) == Unit::mm ? 0.3 : 1e-3;
 }
 
 SourceErrors draw_errors(std::size_t limb_count, Random& random) {

@@ -64,23 +64,23 @@ std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
 }
 
 Measurements read_file(const MeasuringOptions& options, const std::optional<io::ColumnMap>& columns,
-                       const std::string& name, std::size_t limb_count) {
+                       const std::string& name, const JointSpace& joints) {
   const io::TextFile file = io::read_file(name);
   const auto poses = [&] {
     if (options.poses.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", name));
     return io::read_file(options.poses);
   };
-  if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), limb_count));
+  if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
   const bool points = holds_points(header_of(file.text), !options.poses.empty());
-  return points ? io::read_points(file, limb_count) : io::read_distances(file, poses(), limb_count);
+  return points ? io::read_points(file, joints) : io::read_distances(file, poses(), joints);
 }
 
 }  // namespace
 
-Measurements MeasuringOptions::read(std::size_t limb_count) const {
+Measurements MeasuringOptions::read(const JointSpace& joints) const {
   const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
-  for (const std::string& file : files) parts.push_back(read_file(*this, map, file, limb_count));
+  for (const std::string& file : files) parts.push_back(read_file(*this, map, file, joints));
   return parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
 }
 
@@ -197,8 +197,8 @@ io::Json workspace_json(const WorkspaceUncertainty& spread) {
           {"max_rotation_deg", to_degrees(spread.max_rotation)}};
 }
 
-Tolerances read_priors(const io::TextFile& file) {
-  Tolerances tolerances = io::read_tolerances(file);
+Tolerances read_priors(const io::TextFile& file, Actuator actuator) {
+  Tolerances tolerances = io::read_tolerances(file, actuator);
   if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
     throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
   }

@@ -26,7 +26,7 @@ struct MeasuringOptions {
   std::string frame = "unknown", rotation = "relative", reflectors = "plate";
 
   /// Every file by what its header says it is, all in one.
-  Measurements read(std::size_t limb_count) const;
+  Measurements read(const JointSpace& joints) const;
   NoiseModel noise() const;
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
   RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
@@ -62,7 +62,7 @@ io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Half-widths (TOML) that are to be priors.
 /// @throws InputFileError where all are zero: there is then nothing that a fit could seek.
-Tolerances read_priors(const io::TextFile& file);
+Tolerances read_priors(const io::TextFile& file, Actuator actuator);
 
 /// "e_x2": e_x of limb 2; "e_x": of all limbs.
 /// @throws WrongUsage for anything else.

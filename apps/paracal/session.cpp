@@ -83,7 +83,7 @@ std::string lower_case(std::string text) {
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
   const io::TextFile file = io::read_file(errors_file);
   const bool is_calibration = lower_case(std::filesystem::path(errors_file).extension()) == ".json";
-  return is_calibration ? io::read_calibration(file, robot).errors : io::read_source_errors(file, robot.limb_count());
+  return is_calibration ? io::read_calibration(file, robot).errors : io::read_source_errors(file, robot.joint_space());
 }
 
 Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
@@ -96,15 +96,16 @@ std::string pose_text(const std::string& name, const Pose& pose) {
                      to_degrees(pose.rotation));
 }
 
-io::Json joints_json(const std::vector<io::NamedJoints>& rows) {
+io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator) {
+  const bool angles = joint_unit(actuator) == Unit::rad;
   io::Json names = io::Json::array(), joints = io::Json::array();
   for (const io::NamedJoints& row : rows) {
     names.push_back(row.name);
-    io::Json degrees = io::Json::array();
-    for (const double joint : row.joints) degrees.push_back(to_degrees(joint));
-    joints.push_back(degrees);
+    io::Json coordinates = io::Json::array();
+    for (const double joint : row.joints) coordinates.push_back(angles ? to_degrees(joint) : joint);
+    joints.push_back(coordinates);
   }
-  return {{"names", names}, {"joints_deg", joints}};
+  return {{"names", names}, {angles ? "joints_deg" : "joints_mm", joints}};
 }
 
 void Session::print(std::string_view text) const { out_.empty() ? print_summary(text) : io::write_file(out_, text); }

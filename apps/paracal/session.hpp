@@ -44,8 +44,8 @@ std::string pose_text(const std::string& name, const Pose& pose);
 /// Seconds since 1970, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
 std::int64_t now();
 
-/// {names, joints_deg: [[q1, ...], ...]}
-io::Json joints_json(const std::vector<io::NamedJoints>& rows);
+/// {names, joints_deg: [[q1, ...], ...]}; joints_mm of rails.
+io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator);
 
 /// A JSON object as it is printed.
 std::string json_text(const io::Json& json);

@@ -13,7 +13,7 @@
 namespace paracal::app {
 
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
-  if (!file.empty()) return read_priors(io::read_file(file));
+  if (!file.empty()) return read_priors(io::read_file(file), robot.actuator());
   return paracal::tolerances_of(robot);
 }
 

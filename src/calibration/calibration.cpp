@@ -47,8 +47,8 @@ std::vector<Calibration::Correlation> Calibration::correlations(double threshold
 namespace {
 
 /// "limb 1  theta_offset   0.206 deg, standard deviation 0.012"
-std::string line_of(const ParameterEstimate& parameter) {
-  const bool angle = unit(parameter.source) == Unit::rad;
+std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
+  const bool angle = unit(parameter.source, actuator) == Unit::rad;
   const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
   std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source),
                                  shown(parameter.value), angle ? "deg" : "mm");
@@ -67,7 +67,7 @@ std::string Calibration::brief() const {
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const ParameterEstimate& parameter : parameters) {
-    if (!tilts_plate(parameter.source) || parameter.identified()) text += line_of(parameter);
+    if (!tilts_plate(parameter.source) || parameter.identified()) text += line_of(parameter, robot.actuator());
   }
   for (const NullDirection& direction : null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
   if (readings == 0) return text;

@@ -239,6 +239,15 @@ void add_warnings(Calibration& calibration) {
   }
 }
 
+/// Everything was determined that readings of this kind can determine: with priors always; offsets alone (a rail's are
+/// also the robot's height) and the paper's pseudo-inverse may leave motions of the whole robot open; otherwise nothing
+/// may be open.
+bool is_determined(const Observation& observation, const Calibration& calibration) {
+  if (has_priors(observation) || calibration.rank == observation.source_count()) return true;
+  const bool may_leave_motions = calibration.options.method == Method::paper || calibration.stages.size() == 1;
+  return may_leave_motions && std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
+}
+
 /// Scatter and covariance. With priors the covariance is the posterior's; without, it is scaled by the scatter: always
 /// where no sigma is stated, upwards only where all are.
 void state_uncertainty(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
@@ -262,7 +271,7 @@ void state_uncertainty(const Measurements& measurements, const Observation& obse
   const Spectrum all = analyse(fit.at_answer.root(), kRankTolerance);
   if (calibration.options.method == Method::paper) {
     calibration.covariance = covariance_of_pairs(measurements, observation, fit.parameters, all.covariance, sum);
-  } else if (all.rank == observation.unknown_count()) {
+  } else if (is_determined(observation, calibration)) {
     const double factor = stated ? std::max(1.0, scatter) : scatter;
     calibration.covariance = all.covariance.bottomRightCorner(n, n) * factor * factor;
   }
@@ -286,14 +295,6 @@ void state_rank(const Measurements& measurements, const Observation& observation
     calibration.null_space.push_back(
         {one.text, among(one.direction, seen.parameters, observation.sought()), one.gauge});
   }
-}
-
-/// Everything was determined that readings of this kind can determine: with priors always; the paper's pseudo-inverse
-/// may leave motions of the whole robot open; otherwise nothing may be open.
-bool is_determined(const Observation& observation, const Calibration& calibration) {
-  if (has_priors(observation) || calibration.rank == observation.source_count()) return true;
-  return calibration.options.method == Method::paper && calibration.stages.size() > 1 &&
-         std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
 }
 
 }  // namespace
@@ -350,8 +351,8 @@ void state_evidence(const Measurements& measurements, const Observation& observa
   if (fit.status == LeastSquaresStatus::not_evaluable) return judge(fit, false, calibration);
   calibration.readings = observation.groups().size();
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
-  state_uncertainty(measurements, observation, fit, scatter, calibration);
   state_rank(measurements, observation, fit, calibration);
+  state_uncertainty(measurements, observation, fit, scatter, calibration);
   add_parameters(observation, fit.parameters, calibration);
   add_frames(measurements, observation, fit.parameters, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});

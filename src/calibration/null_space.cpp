@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/kinematics/error_model.hpp"
+#include "paracal/mechanism/base_motion.hpp"
 #include "sought.hpp"
 
 namespace paracal {
@@ -23,31 +23,12 @@ Eigen::VectorXd components(const SourceErrors& errors, const std::vector<SoughtS
   return vector;
 }
 
-SourceErrors turned_about(const Robot& robot, const Eigen::Vector3d& turn) {
-  SourceErrors errors;
-  const Machine& machine = robot.nominal();
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d e = turn.cross(limb.base - limb.plate);
-    errors(i, Source::e_x) = e.x();
-    errors(i, Source::e_y) = e.y();
-    errors(i, Source::e_z) = e.z();
-    errors(i, Source::alpha0) = turn.dot(limb.frame.col(0));
-    errors(i, Source::beta0) = turn.dot(limb.frame.col(1));
-    errors(i, Source::theta_offset) = turn.dot(limb.frame.col(2));
-  }
-  return errors;
-}
-
-/// e_i = factor_i direction for every limb.
+/// Every limb shifted by factor(limb) times a direction.
 template <typename Factor>
 SourceErrors moved_along(const Robot& robot, const Eigen::Vector3d& direction, Factor&& factor) {
   SourceErrors errors;
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    const Eigen::Vector3d e = factor(robot.nominal().limbs[i]) * direction;
-    errors(i, Source::e_x) = e.x();
-    errors(i, Source::e_y) = e.y();
-    errors(i, Source::e_z) = e.z();
+    shift_limb(robot, i, factor(robot.nominal().limbs[i]) * direction, errors);
   }
   return errors;
 }
@@ -98,17 +79,19 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   const std::array<std::string, 3> axes{"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
     motions.push_back(
-        {fmt::format("translation along {0}: e_{0} of all limbs alike", axes[static_cast<std::size_t>(k)]),
+        {fmt::format("translation along {}: {} of all limbs alike", axes[static_cast<std::size_t>(k)],
+                     k == 2 && !is_felt(Source::e_z, robot.actuator()) ? "theta_offset"
+                                                                       : "e_" + axes[static_cast<std::size_t>(k)]),
          moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
   }
   if (robot.slide()) {
     const auto sign = [](const Limb& limb) { return limb.slide_sign; };
     motions.push_back({slide_zero_text(robot), moved_along(robot, robot.slide()->axis, sign)});
-    motions.push_back({"rotation of the base about the slide axis", turned_about(robot, robot.slide()->axis)});
+    motions.push_back({"rotation of the base about the slide axis", turned_base(robot, robot.slide()->axis)});
   }
   for (int k = 0; k < 3; ++k) {
     motions.push_back({fmt::format("rotation of the base about {}", axes[static_cast<std::size_t>(k)]),
-                       turned_about(robot, Eigen::Vector3d::Unit(k))});
+                       turned_base(robot, Eigen::Vector3d::Unit(k))});
   }
   return motions;
 }
@@ -156,9 +139,13 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     directions.push_back({mixture.empty() ? sum : mixture + ": " + sum, direction, !mixture.empty()});
   };
   const Eigen::MatrixXd all = orthonormal(scale.asDiagonal() * null_space, null_space.cols());
+  const std::vector<SoughtSource> group = position_group(robot, {});
   Eigen::MatrixXd explained(all.rows(), 0);
   for (GaugeMotion& motion : gauge_motions(robot)) {
-    const Eigen::VectorXd scaled = scale.cwiseProduct(components(motion.direction, parameters)).normalized();
+    const Eigen::VectorXd part = scale.cwiseProduct(components(motion.direction, parameters));
+    const Eigen::VectorXd whole = paper_scales(robot, group).cwiseProduct(components(motion.direction, group));
+    if (part.norm() < (1.0 - kInside) * whole.norm()) continue;  // the robot would not move as a whole
+    const Eigen::VectorXd scaled = part.normalized();
     const Eigen::VectorXd fresh = scaled - explained * (explained.transpose() * scaled);
     if ((scaled - all * (all.transpose() * scaled)).norm() > kInside || fresh.norm() < kNew) continue;
     explained.conservativeResize(Eigen::NoChange, explained.cols() + 1);

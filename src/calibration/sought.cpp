@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "paracal/mechanism/base_motion.hpp"
+
 namespace paracal::detail {
 namespace {
 
@@ -16,7 +18,8 @@ std::vector<SoughtSource> select(const Robot& robot, const CalibrationOptions& o
   std::vector<SoughtSource> sought;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
-      if (wanted(source) && !listed(options.fixed, limb, source)) sought.push_back({limb, source});
+      if (is_felt(source, robot.actuator()) && wanted(source) && !listed(options.fixed, limb, source))
+        sought.push_back({limb, source});
     }
   }
   return sought;
@@ -47,7 +50,7 @@ std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationO
   const Tolerances tolerances = options.tolerances.value_or(tolerances_of(robot));
   std::vector<SoughtSource> sought = select(robot, options, [](Source) { return true; });
   for (SoughtSource& one : sought) {
-    if (!listed(options.free, one.limb, one.source)) one.prior_std = tolerances.std(one.source);
+    if (!listed(options.free, one.limb, one.source)) one.prior_std = felt_std(robot, tolerances, one.source);
   }
   std::erase_if(sought, [](const SoughtSource& one) { return one.prior_std == 0.0; });
   return sought;

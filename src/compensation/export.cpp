@@ -60,12 +60,16 @@ using Values = std::vector<std::pair<std::string_view, std::string>>;
 
 /// What the head of every export says.
 Values head(const Robot& robot, const ExportOrigin& origin) {
+  const bool on_rails = robot.actuator() == Actuator::linear;
   return {{"PROGRAM", fmt::format("paracal {}", version())},
           {"ROBOT", harmless(robot.name())},
           {"CALIBRATION", harmless(origin.calibration)},
           {"SHA256", origin.sha256},
           {"DATE", origin.date},
-          {"LIMBS", std::to_string(robot.limb_count())}};
+          {"LIMBS", std::to_string(robot.limb_count())},
+          {"JOINT_UNIT", on_rails ? "mm" : "rad"},
+          {"SHOWN_JOINT_UNIT", on_rails ? "mm" : "deg"},
+          {"JOINT_TOLERANCE", on_rails ? "1e-9" : "1.7e-11"}};
 }
 
 /// The text with every $KEY$ replaced by its value.
@@ -87,6 +91,9 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   const std::vector<SelfTestCase> cases = self_test(robot, parameters);
   Values values = head(robot, origin);
+  const bool on_rails = robot.actuator() == Actuator::linear;
+  values.emplace_back("ON_RAILS", on_rails ? "1" : "0");
+  values.emplace_back("STEP_TOLERANCE", on_rails ? "1e-8" : "1e-10");
   values.emplace_back("TILTS_PLATE", std::to_string(parameters.tilts_plate));
   values.emplace_back("LIMB_CONSTANTS", limb_constants(parameters));
   values.emplace_back("TESTS", std::to_string(cases.size()));

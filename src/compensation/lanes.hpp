@@ -81,6 +81,9 @@ inline Lanes atan2(const Lanes& y, const Lanes& x) {
   return choose(y.values < 0.0, -angle, angle);
 }
 
+/// All lanes hold the same limb.
+inline bool runs_on_rail(const CompensatorLimb<Lanes>& limb) { return limb.on_rail[0] != 0.0; }
+
 /// NaN beyond the reach of the series: such lanes are left to the scalar compensator.
 inline ArmDirection<Lanes> turn_by(const Lanes& angle) {
   const Lanes near = choose(abs(angle).values <= 0.1, angle, Lanes(std::numeric_limits<double>::quiet_NaN()));

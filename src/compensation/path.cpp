@@ -41,7 +41,7 @@ struct Block {
 template <std::size_t N>
 void settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
   constexpr int kMaxSteps = 8;
-  auto state = compensation_detail::level_pose(level);
+  auto state = compensation_detail::level_pose(limbs, level);
   const auto answer = compensation_detail::answer_at(limbs, block.pose, state.arms);
   Lanes before(1.0);
   Lanes::Mask settled{};
@@ -59,7 +59,7 @@ void settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
     if (done) break;
     before = largest;
   }
-  for (std::size_t i = 0; i < N; ++i) block.joints[i] = block.joints[i] + state.turned[i];
+  for (std::size_t i = 0; i < N; ++i) block.joints[i] = block.joints[i] + state.moved[i];
   block.tilt = state.tilt;
   block.good &= settled;
 }

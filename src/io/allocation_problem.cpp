@@ -104,9 +104,9 @@ CostCurve curve_of(Section& section, double unit_size) {
   return curve;
 }
 
-DesignVariable variable_of(Section section, std::vector<Source> sources) {
+DesignVariable variable_of(Section section, std::vector<Source> sources, Actuator actuator) {
   DesignVariable variable{.sources = std::move(sources), .cost = {}};
-  const double unit_size = from_file_unit(variable.sources.front(), 1.0);
+  const double unit_size = from_file_unit(unit(variable.sources.front(), actuator), 1.0);
   variable.cost = curve_of(section, unit_size);
   if (variable.cost.law != CostLaw::grades) {
     variable.lower = unit_size * above_zero(section, "lower");
@@ -118,14 +118,14 @@ DesignVariable variable_of(Section section, std::vector<Source> sources) {
   return variable;
 }
 
-std::vector<DesignVariable> variables_of(Section section) {
+std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
   std::vector<DesignVariable> variables;
   for (const Source source : tolerance_sources()) {
-    std::optional<Section> cost = section.optional_table(tolerance_key(source));
+    std::optional<Section> cost = section.optional_table(tolerance_key(source, actuator));
     if (!cost) continue;
     std::vector<Source> sources{source};
     if (is_e(source)) sources = {Source::e_x, Source::e_y, Source::e_z};
-    variables.push_back(variable_of(std::move(*cost), std::move(sources)));
+    variables.push_back(variable_of(std::move(*cost), std::move(sources), actuator));
   }
   section.refuse_others();
   return variables;
@@ -133,13 +133,15 @@ std::vector<DesignVariable> variables_of(Section section) {
 
 }  // namespace
 
-AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest) {
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, Actuator actuator) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   AllocationProblem problem{.rest = rest};
   for (const Section& section : root.tables("requirement")) problem.requirements.push_back(requirement_of(section));
   if (problem.requirements.empty()) root.fail("expected at least one [[requirement]], got none");
-  if (const std::optional<Section> costs = root.optional_table("cost")) problem.variables = variables_of(*costs);
+  if (const std::optional<Section> costs = root.optional_table("cost")) {
+    problem.variables = variables_of(*costs, actuator);
+  }
   root.refuse_others();
   return problem;
 }

@@ -114,7 +114,7 @@ Json to_json(const Batch& batch) {
           {"stations", digest(plan.stations)},
           {"validation", digest(plan.validation)},
           {"instrument", instrument_json(plan.instrument)},
-          {"calibration", to_json(plan.calibration)},
+          {"calibration", to_json(plan.calibration, robot.actuator())},
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
           {"priors", exact(plan.calibration.tolerances)},
           {"limits", limits_json(plan.limits)}};

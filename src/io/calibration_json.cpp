@@ -24,16 +24,19 @@ Json optional(const std::optional<double>& value) { return value ? Json(*value) 
 Json optional_degrees(const std::optional<double>& value) { return value ? Json(to_degrees(*value)) : Json(nullptr); }
 
 /// Factor from mm or rad to the unit of a parameter in files.
-double file_factor(const ParameterEstimate& parameter) { return to_file_unit(parameter.source, 1.0); }
+double file_factor(const ParameterEstimate& parameter, Actuator actuator) {
+  return to_file_unit(unit(parameter.source, actuator), 1.0);
+}
 
-Json parameter_json(const ParameterEstimate& parameter, std::string_view status) {
+Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::string_view status) {
+  const Unit unit_inside = unit(parameter.source, actuator);
   const auto in_file_unit = [&](const std::optional<double>& value) {
-    return value ? Json(to_file_unit(parameter.source, *value)) : Json(nullptr);
+    return value ? Json(to_file_unit(unit_inside, *value)) : Json(nullptr);
   };
   return {{"name", name(parameter.source)},
           {"limb", parameter.limb + 1},
-          {"value", to_file_unit(parameter.source, parameter.value)},
-          {"unit", file_unit(parameter.source)},
+          {"value", to_file_unit(unit_inside, parameter.value)},
+          {"unit", file_unit(unit_inside)},
           {"std", in_file_unit(parameter.std)},
           {"status", status},
           {"prior_std", in_file_unit(parameter.prior_std)},
@@ -44,13 +47,15 @@ Json parameter_json(const ParameterEstimate& parameter, std::string_view status)
 Json parameters_json(const Calibration& calibration) {
   Json json = Json::array();
   for (const ParameterEstimate& parameter : calibration.parameters) {
-    json.push_back(parameter_json(parameter, parameter.identified() ? "identified" : "prior"));
+    json.push_back(
+        parameter_json(parameter, calibration.robot.actuator(), parameter.identified() ? "identified" : "prior"));
   }
   for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
       const auto same = [&](const ParameterEstimate& p) { return p.limb == limb && p.source == source; };
       if (std::ranges::any_of(calibration.parameters, same)) continue;
-      json.push_back(parameter_json({.limb = limb, .source = source, .data_share = 0.0}, "fixed"));
+      const ParameterEstimate fixed{.limb = limb, .source = source, .data_share = 0.0};
+      json.push_back(parameter_json(fixed, calibration.robot.actuator(), "fixed"));
     }
   }
   return json;
@@ -60,7 +65,9 @@ Json parameters_json(const Calibration& calibration) {
 Json covariance_json(const Calibration& calibration) {
   if (calibration.covariance.size() == 0) return nullptr;
   Eigen::VectorXd factor(static_cast<Eigen::Index>(calibration.parameters.size()));
-  std::ranges::transform(calibration.parameters, factor.begin(), file_factor);
+  std::ranges::transform(calibration.parameters, factor.begin(), [&](const ParameterEstimate& parameter) {
+    return file_factor(parameter, calibration.robot.actuator());
+  });
   return rows_json(factor.asDiagonal() * calibration.covariance * factor.asDiagonal());
 }
 
@@ -161,15 +168,17 @@ ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, cons
   if (!source || !known_limb) {
     refuse(fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.dump()));
   }
-  if (unit != file_unit(*source) || !value.is_number() || !std::isfinite(value.get<double>())) {
-    refuse(fmt::format("expected a number in {} for {}, got {} {}", file_unit(*source), name(*source), value.dump(),
+  const std::string_view expected_unit = file_unit(*source, robot.actuator());
+  if (unit != expected_unit || !value.is_number() || !std::isfinite(value.get<double>())) {
+    refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source), value.dump(),
                        unit.dump()));
   }
-  return {
-      .limb = limb.get<std::size_t>() - 1, .source = *source, .value = from_file_unit(*source, value.get<double>())};
+  return {.limb = limb.get<std::size_t>() - 1,
+          .source = *source,
+          .value = from_file_unit(paracal::unit(*source, robot.actuator()), value.get<double>())};
 }
 
-Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEstimate>& parameters,
+Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEstimate>& parameters, Actuator actuator,
                                 const auto& refuse) {
   if (rows.is_null()) return {};
   const auto n = static_cast<Eigen::Index>(parameters.size());
@@ -179,7 +188,7 @@ Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEst
     if (rows[i].size() != rows.size()) refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
     for (std::size_t k = 0; k < rows.size(); ++k) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          rows[i][k].get<double>() / file_factor(parameters[i]) / file_factor(parameters[k]);
+          rows[i][k].get<double>() / file_factor(parameters[i], actuator) / file_factor(parameters[k], actuator);
     }
   }
   return covariance;
@@ -222,7 +231,7 @@ Json to_json(const TrackerModel& tracker) {
           {"radial_mm_per_m", tracker.radial_per_m}};
 }
 
-Json to_json(const CalibrationOptions& options) {
+Json to_json(const CalibrationOptions& options, Actuator actuator) {
   Json json{{"method", options.method == Method::paper ? "paper" : "best"},
             {"stage", options.stage == Stage::rough  ? "rough"
                       : options.stage == Stage::fine ? "fine"
@@ -240,7 +249,7 @@ Json to_json(const CalibrationOptions& options) {
             {"outlier_chance", options.outlier_chance},
             {"largest_chance", options.largest_chance}};
   if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
-  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances);
+  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, actuator);
   return json;
 }
 
@@ -278,7 +287,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"residuals", residuals_json(calibration)},
           {"suspects", suspects_json(calibration)},
           {"frames", frames_json(calibration)},
-          {"options", to_json(calibration.options)},
+          {"options", to_json(calibration.options, calibration.robot.actuator())},
           {"inputs", to_json(calibration.files)}};
 }
 
@@ -305,7 +314,8 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       machine.errors(parameter.limb, parameter.source) = parameter.value;
       if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
     }
-    machine.covariance = read_covariance(json.value("covariance", Json()), machine.parameters, refuse);
+    machine.covariance =
+        read_covariance(json.value("covariance", Json()), machine.parameters, robot.actuator(), refuse);
   } catch (const Json::parse_error& error) {
     throw InputFileError(file.name, line_of(file.text, error.byte), "expected JSON, got something else");
   } catch (const Json::exception&) {

@@ -7,28 +7,49 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "names.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
 
-std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, std::size_t limb_count) {
-  const std::size_t count = limb_count == 0 ? kJointColumns.size() : std::min(limb_count, kJointColumns.size());
-  columns.insert(columns.end(), kJointColumns.begin(), kJointColumns.begin() + static_cast<std::ptrdiff_t>(count));
+const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator) {
+  static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg", "q4_deg"};
+  static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm", "q4_mm"};
+  return actuator == Actuator::linear ? kLengths : kAngles;
+}
+
+std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, const JointSpace& joints) {
+  const auto add = [&](Actuator actuator, std::size_t count) {
+    const auto& names = joint_names(actuator);
+    columns.insert(columns.end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  if (joints.count > 0) {
+    add(joints.actuator, std::min(joints.count, std::size_t{kMaxLimbs}));
+  } else {
+    add(Actuator::revolute, kMaxLimbs);
+    add(Actuator::linear, kMaxLimbs);
+  }
   return columns;
 }
 
-std::size_t joint_columns(const CsvTable& table, std::size_t limb_count) {
-  const auto present = static_cast<std::size_t>(
-      std::ranges::count_if(kJointColumns, [&](std::string_view column) { return table.has(column); }));
-  return present == 0 ? 0 : std::max({present, limb_count, std::size_t{3}});
+JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
+  const auto present = [&](Actuator actuator) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(joint_names(actuator), [&](std::string_view column) { return table.has(column); }));
+  };
+  const std::size_t angles = present(Actuator::revolute), lengths = present(Actuator::linear);
+  if (angles + lengths == 0) return {};
+  return {std::max({angles, lengths, joints.count, std::size_t{3}}),
+          angles > 0 ? Actuator::revolute : Actuator::linear};
 }
 
-Joints joints_of(const CsvTable& table, std::size_t row, std::size_t limb_count) {
-  Joints joints(static_cast<Eigen::Index>(limb_count));
-  for (std::size_t i = 0; i < limb_count; ++i) {
-    joints(static_cast<Eigen::Index>(i)) = to_radians(table.number(row, kJointColumns[i]));
+Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
+  Joints coordinates(static_cast<Eigen::Index>(joints.count));
+  for (std::size_t i = 0; i < joints.count; ++i) {
+    const double value = table.number(row, joint_names(joints.actuator)[i]);
+    coordinates(static_cast<Eigen::Index>(i)) = from_file_unit(joint_unit(joints.actuator), value);
   }
-  return joints;
+  return coordinates;
 }
 
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns) {

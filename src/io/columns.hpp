@@ -9,19 +9,21 @@
 #include <vector>
 
 #include "paracal/io/csv.hpp"
-#include "paracal/mechanism/pose.hpp"
+#include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal::io {
 
-inline constexpr std::array<std::string_view, kMaxLimbs> kJointColumns{"q1_deg", "q2_deg", "q3_deg", "q4_deg"};
+/// "q1_deg", ... or "q1_mm", ...
+const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator);
 
-/// `columns` and the joint columns of that many limbs; 0: of any robot.
-std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, std::size_t limb_count);
+/// `columns` and the joint columns of these joints; of any robot where they are none.
+std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, const JointSpace& joints);
 
-/// How many joint columns a pose table has: none, those of `limb_count`, or where that is 0 at least three, q1 first.
-std::size_t joint_columns(const CsvTable& table, std::size_t limb_count);
+/// Which joint columns a pose table has: none, those of `joints`, or where these are any robot's at least three, q1
+/// first.
+JointSpace joint_columns(const CsvTable& table, const JointSpace& joints);
 
-Joints joints_of(const CsvTable& table, std::size_t row, std::size_t limb_count);
+Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints);
 
 /// Where a table states a pose.
 struct PoseColumns {

@@ -19,15 +19,15 @@ Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   return rows;
 }
 
-Json to_json(const Tolerances& tolerances) {
+Json to_json(const Tolerances& tolerances, Actuator actuator) {
   Json json;
   for (const Source source : tolerance_sources()) {
-    json[tolerance_key(source)] = tidy(to_file_unit(source, tolerances[source]));
+    json[tolerance_key(source, actuator)] = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
   }
   json["distribution"] = distribution_name(tolerances.distribution);
   for (const Source source : tolerance_sources()) {
     for (const double value : tolerances.measured[index(source)]) {
-      json["measured"][tolerance_key(source)].push_back(tidy(to_file_unit(source, value)));
+      json["measured"][tolerance_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
   }
   return json;
@@ -45,7 +45,7 @@ Json to_json(const Robot& robot) {
               {"rod_mm", geometry.rod},
               {"parallelogram_width_mm", geometry.parallelogram_width},
               {"limb_azimuth_deg", azimuth},
-              {"actuator", "revolute"}}}};
+              {"actuator", actuator_name(geometry.actuator)}}}};
   if (const std::optional<Slide>& slide = robot.slide()) {
     json["plate"] = {{"slide_axis", array(slide->axis)},
                      {"slide_sign", array(slide->sign)},
@@ -56,7 +56,7 @@ Json to_json(const Robot& robot) {
                        {"height_mm", workspace.height},
                        {"top_z_mm", workspace.top_z},
                        {"rotation_deg", {tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}}};
-  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances());
+  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.actuator());
   return json;
 }
 

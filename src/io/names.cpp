@@ -15,11 +15,19 @@ constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "t
 
 }  // namespace
 
-std::string_view file_unit(Source source) { return unit(source) == Unit::rad ? "deg" : "mm"; }
+std::string_view actuator_name(Actuator actuator) { return actuator == Actuator::linear ? "linear" : "revolute"; }
 
-std::string file_key(Source source) { return fmt::format("{}_{}", name(source), file_unit(source)); }
+std::string_view file_unit(Unit unit) { return unit == Unit::rad ? "deg" : "mm"; }
 
-std::string tolerance_key(Source source) { return is_e(source) ? "e_mm" : file_key(source); }
+std::string_view file_unit(Source source, Actuator actuator) { return file_unit(unit(source, actuator)); }
+
+std::string file_key(Source source, Actuator actuator) {
+  return fmt::format("{}_{}", name(source), file_unit(source, actuator));
+}
+
+std::string tolerance_key(Source source, Actuator actuator) {
+  return is_e(source) ? "e_mm" : file_key(source, actuator);
+}
 
 std::vector<Source> tolerance_sources() {
   std::vector<Source> sources;
@@ -29,9 +37,9 @@ std::vector<Source> tolerance_sources() {
   return sources;
 }
 
-double to_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_degrees(value) : value; }
+double to_file_unit(Unit unit, double value) { return unit == Unit::rad ? to_degrees(value) : value; }
 
-double from_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_radians(value) : value; }
+double from_file_unit(Unit unit, double value) { return unit == Unit::rad ? to_radians(value) : value; }
 
 std::string_view distribution_name(Distribution distribution) {
   return kDistributions[static_cast<std::size_t>(distribution)];

@@ -12,23 +12,27 @@
 
 namespace paracal::io {
 
+/// "revolute" or "linear".
+std::string_view actuator_name(Actuator actuator);
+
 /// e_x, e_y, e_z share one key, e_mm.
 constexpr bool is_e(Source source) { return source == Source::e_x || source == Source::e_y || source == Source::e_z; }
 
 /// "deg" or "mm".
-std::string_view file_unit(Source source);
+std::string_view file_unit(Unit unit);
+std::string_view file_unit(Source source, Actuator actuator);
 
 /// Name with unit, e.g. "theta_offset_deg".
-std::string file_key(Source source);
+std::string file_key(Source source, Actuator actuator);
 
 /// The key under which tolerances state a source: e_mm for the three of e, file_key() for the rest.
-std::string tolerance_key(Source source);
+std::string tolerance_key(Source source, Actuator actuator);
 
 /// One source a tolerance key, in column order: e_x stands for all of e.
 std::vector<Source> tolerance_sources();
 
-double to_file_unit(Source source, double value);
-double from_file_unit(Source source, double value);
+double to_file_unit(Unit unit, double value);
+double from_file_unit(Unit unit, double value);
 
 std::string_view distribution_name(Distribution distribution);
 std::optional<Distribution> distribution_named(std::string_view name);

@@ -28,15 +28,20 @@ std::string text_of(const Pose& pose) {
                      tidy_degrees(pose.rotation));
 }
 
-std::string text_of(const Joints& joints) {
+std::string text_of(const Joints& joints, Actuator actuator) {
+  const Unit unit = joint_unit(actuator);
   std::string text;
-  for (const double joint : joints) text += fmt::format("{}{}", text.empty() ? "" : ", ", tidy_degrees(joint));
-  return "(" + text + ") deg";
+  for (const double joint : joints) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", tidy(to_file_unit(unit, joint)));
+  }
+  return fmt::format("({}) {}", text, file_unit(unit));
 }
 
 /// Stations in the order of their first rows.
 class StationList {
  public:
+  explicit StationList(Actuator actuator) : actuator_(actuator) {}
+
   /// @throws InputFileError when an earlier row of the same name states another pose or other joints.
   std::size_t index_of(const CsvTable& table, std::size_t row, const Station& station) {
     const auto [place, is_new] = places_.try_emplace(station.name, stations_.size(), table.line(row));
@@ -52,22 +57,24 @@ class StationList {
   std::vector<Station> take() && { return std::move(stations_); }
 
  private:
-  static void refuse_change(const CsvTable& table, std::size_t row, const Station& station, const Station& first,
-                            int line) {
+  void refuse_change(const CsvTable& table, std::size_t row, const Station& station, const Station& first,
+                     int line) const {
     const auto refuse = [&](const std::string& expected, const std::string& got) {
       table.fail(row, fmt::format("expected pose {} at {} as in line {}, got {}", station.name, expected, line, got));
     };
     if (!is_same(station.commanded, first.commanded)) refuse(text_of(first.commanded), text_of(station.commanded));
-    if (!is_same(station.believed, first.believed)) refuse(text_of(*first.believed), text_of(*station.believed));
+    if (is_same(station.believed, first.believed)) return;
+    refuse(text_of(*first.believed, actuator_), text_of(*station.believed, actuator_));
   }
 
+  Actuator actuator_;
   std::vector<Station> stations_;
   std::unordered_map<std::string, std::pair<std::size_t, int>> places_;  ///< index, line
 };
 
-Station station_of(const CsvTable& table, std::size_t row, std::size_t joint_count) {
+Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
   Station station{pose_name(table, row), pose_of(table, row, kCommandedPose)};
-  if (joint_count > 0) station.believed = joints_of(table, row, joint_count);
+  if (joints.count > 0) station.believed = joints_of(table, row, joints);
   return station;
 }
 
@@ -135,10 +142,10 @@ std::optional<double> in_degrees(const std::optional<double>& radians) {
 /// The optional columns that some reading of a series needs.
 struct OptionalColumns {
   bool repeat = false, rotation = false, second = false, sigma = false;
-  std::size_t joints = 0;
+  JointSpace joints = {};
 };
 
-OptionalColumns columns_for(const std::vector<PointReading>& readings, std::size_t joints) {
+OptionalColumns columns_for(const std::vector<PointReading>& readings, const JointSpace& joints) {
   OptionalColumns columns{.joints = joints};
   std::set<std::size_t> read;
   for (const PointReading& reading : readings) {
@@ -156,7 +163,9 @@ std::string header_of(const OptionalColumns& columns) {
   if (columns.rotation) header += ",phi_deg";
   if (columns.second) header += ",x2_mm,y2_mm,z2_mm";
   if (columns.sigma) header += ",sigma_mm";
-  for (std::size_t i = 0; i < columns.joints; ++i) header.append(",").append(kJointColumns[i]);
+  for (std::size_t i = 0; i < columns.joints.count; ++i) {
+    header.append(",").append(joint_names(columns.joints.actuator)[i]);
+  }
   return header + '\n';
 }
 
@@ -191,7 +200,8 @@ void add_row(std::string& text, const Station& station, const PointReading& read
   if (columns.second) row.add_or_blank(reading.second);
   if (columns.sigma) row.add_or_blank(reading.sigma);
   if (station.believed) {
-    for (const double joint : *station.believed) row.add(degrees_of(joint));
+    const bool angles = joint_unit(columns.joints.actuator) == Unit::rad;
+    for (const double joint : *station.believed) row.add(angles ? degrees_of(joint) : joint);
   }
   text += '\n';
 }
@@ -232,23 +242,23 @@ std::vector<PointReading> home_first(std::vector<PointReading> readings) {
 
 }  // namespace
 
-Measurements read_points(const TextFile& file, std::size_t limb_count) {
+Measurements read_points(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
   table.allow_only(with_joint_columns({"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm",
                                        "z_mm", "repeat", "phi_deg", "x2_mm", "y2_mm", "z2_mm", "sigma_mm"},
-                                      limb_count));
-  const std::size_t joint_count = joint_columns(table, limb_count);
-  StationList stations;
+                                      joints));
+  const JointSpace present = joint_columns(table, joints);
+  StationList stations(present.actuator);
   SeriesBuilder series(file);
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    const Station station = station_of(table, row, joint_count);
+    const Station station = station_of(table, row, present);
     add_row(series, table, row, station.name, stations.index_of(table, row, station));
   }
   if (series.is_empty()) throw InputFileError(file.name, 0, "expected at least one row with a point, got none");
   return std::move(series).finish(std::move(stations).take());
 }
 
-std::string point_table(const Measurements& measurements) {
+std::string point_table(const Measurements& measurements, Actuator actuator) {
   if (measurements.series.size() != 1 || measurements.series.front().readings.empty()) {
     throw InvalidArgument(
         fmt::format("expected one series of points to write, got {}",
@@ -259,7 +269,7 @@ std::string point_table(const Measurements& measurements) {
   check(measurements, joint_count);
   check_names(stations);
   const std::vector<PointReading> readings = home_first(measurements.series.front().readings);
-  const OptionalColumns columns = columns_for(readings, joint_count);
+  const OptionalColumns columns = columns_for(readings, {joint_count, actuator});
   std::string text = header_of(columns);
   std::vector<int> visits(stations.size());
   for (const PointReading& reading : readings) {

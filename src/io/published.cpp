@@ -48,7 +48,7 @@ SourceErrors table4() {
   for (std::size_t limb = 0; limb < table.row_count(); ++limb) {
     for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
       const auto source = static_cast<Source>(k);
-      const bool angle = unit(source) == Unit::rad;
+      const bool angle = unit(source, Actuator::revolute) == Unit::rad;
       const std::string column = (angle ? "L_" : "") + std::string(name(source));
       errors(limb, source) = table.optional_number(limb, column).value_or(0.0) / (angle ? arm : 1.0);
     }

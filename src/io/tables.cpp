@@ -7,6 +7,7 @@
 #include <map>
 
 #include "columns.hpp"
+#include "names.hpp"
 #include "paracal/io/csv.hpp"
 #include "paracal/units.hpp"
 
@@ -35,14 +36,14 @@ class StationIndex {
 
 }  // namespace
 
-std::vector<Station> read_poses(const TextFile& file, std::size_t limb_count) {
+std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
   table.allow_only(with_joint_columns(
       {"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm", "z_mm", "phi_deg", "repeat", "x2_mm",
        "y2_mm", "z2_mm", "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "residual_mm"},
-      limb_count));
+      joints));
   const PoseColumns& columns = table.has("x_cmd_mm") ? kCommandedPose : kPlainPose;
-  const std::size_t joint_count = joint_columns(table, limb_count);
+  const JointSpace present = joint_columns(table, joints);
   std::map<std::string, int> lines;
   std::vector<Station> stations;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
@@ -52,25 +53,25 @@ std::vector<Station> read_poses(const TextFile& file, std::size_t limb_count) {
       table.fail(row, fmt::format("expected every pose once, got \"{}\" again (first in line {})", station.name,
                                   first->second));
     }
-    if (joint_count > 0) station.believed = joints_of(table, row, joint_count);
+    if (present.count > 0) station.believed = joints_of(table, row, present);
     stations.push_back(std::move(station));
   }
   return stations;
 }
 
-std::vector<NamedJoints> read_joints(const TextFile& file, std::size_t limb_count) {
+std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
-  table.allow_only(with_joint_columns({"pose"}, limb_count));
+  table.allow_only(with_joint_columns({"pose"}, joints));
   std::vector<NamedJoints> rows;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    rows.push_back({row_name(table, row), joints_of(table, row, limb_count)});
+    rows.push_back({row_name(table, row), joints_of(table, row, joints)});
   }
   return rows;
 }
 
-Measurements read_distances(const TextFile& distances, const TextFile& poses, std::size_t limb_count) {
+Measurements read_distances(const TextFile& distances, const TextFile& poses, const JointSpace& joints) {
   Measurements measurements;
-  measurements.stations = read_poses(poses, limb_count);
+  measurements.stations = read_poses(poses, joints);
   const StationIndex stations(measurements.stations);
   const CsvTable table(distances);
   table.allow_only({"from", "to", "distance_mm", "rotation_deg", "sigma_mm"});
@@ -97,18 +98,20 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, st
 }
 
 Measurements read_distances(const std::filesystem::path& distances, const std::filesystem::path& poses,
-                            std::size_t limb_count) {
-  return read_distances(read_file(distances), read_file(poses), limb_count);
+                            const JointSpace& joints) {
+  return read_distances(read_file(distances), read_file(poses), joints);
 }
 
-std::string joint_table(const std::vector<NamedJoints>& rows) {
+std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator) {
   std::string text = "pose";
-  const Eigen::Index joints = rows.empty() ? 0 : rows.front().joints.size();
-  for (Eigen::Index i = 0; i < joints; ++i) text.append(",").append(kJointColumns[static_cast<std::size_t>(i)]);
+  const Eigen::Index count = rows.empty() ? 0 : rows.front().joints.size();
+  for (Eigen::Index i = 0; i < count; ++i) text.append(",").append(joint_names(actuator)[static_cast<std::size_t>(i)]);
   text += '\n';
   for (const NamedJoints& row : rows) {
     text += quoted(row.name);
-    for (const double joint : row.joints) fmt::format_to(std::back_inserter(text), ",{}", to_degrees(joint));
+    for (const double joint : row.joints) {
+      fmt::format_to(std::back_inserter(text), ",{}", to_file_unit(joint_unit(actuator), joint));
+    }
     text += '\n';
   }
   return text;

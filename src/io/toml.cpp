@@ -26,11 +26,11 @@ Geometry geometry_of(Section section) {
   geometry.parallelogram_width = section.number("parallelogram_width_mm");
   for (const double azimuth : section.numbers("limb_azimuth_deg")) geometry.limb_azimuth.push_back(to_radians(azimuth));
   const std::string actuator = section.text("actuator");
-  if (actuator != "revolute") {
-    section.fail(section.require("actuator", ""),
-                 fmt::format("expected \"revolute\" for {}, got \"{}\"{}", section.key_path("actuator"), actuator,
-                             actuator == "linear" ? " (linear actuators are not supported yet)" : ""));
+  if (actuator != "revolute" && actuator != "linear") {
+    section.fail(section.require("actuator", ""), fmt::format("expected \"revolute\" or \"linear\" for {}, got \"{}\"",
+                                                              section.key_path("actuator"), actuator));
   }
+  geometry.actuator = actuator == "linear" ? Actuator::linear : Actuator::revolute;
   section.refuse_others();
   return geometry;
 }
@@ -62,7 +62,7 @@ Workspace workspace_of(Section section) {
   return workspace;
 }
 
-Tolerances tolerances_of(Section section) {
+Tolerances tolerances_of(Section section, Actuator actuator) {
   Tolerances tolerances;
   const auto half_width = [&](const std::string& key) {
     const double value = section.number_or(key, 0.0);
@@ -73,7 +73,7 @@ Tolerances tolerances_of(Section section) {
     return value;
   };
   for (const Source source : all_sources()) {
-    tolerances[source] = from_file_unit(source, half_width(tolerance_key(source)));
+    tolerances[source] = from_file_unit(unit(source, actuator), half_width(tolerance_key(source, actuator)));
   }
   if (const toml::node* node = section.find("distribution")) {
     const std::string name = section.text("distribution");
@@ -86,10 +86,10 @@ Tolerances tolerances_of(Section section) {
   }
   if (auto measured = section.optional_table("measured")) {
     for (const Source source : all_sources()) {
-      const std::string key = tolerance_key(source);
+      const std::string key = tolerance_key(source, actuator);
       if (!measured->find(key)) continue;
       for (const double value : measured->numbers(key)) {
-        tolerances.measured[index(source)].push_back(from_file_unit(source, value));
+        tolerances.measured[index(source)].push_back(from_file_unit(unit(source, actuator), value));
       }
     }
     measured->refuse_others();
@@ -105,7 +105,9 @@ RobotDescription description_of(const TextFile& file, const toml::table& documen
   robot.geometry = geometry_of(root.table("geometry"));
   if (const auto plate = root.optional_table("plate")) robot.slide = slide_of(*plate);
   robot.workspace = workspace_of(root.table("workspace"));
-  if (const auto tolerances = root.optional_table("tolerances")) robot.tolerances = tolerances_of(*tolerances);
+  if (const auto tolerances = root.optional_table("tolerances")) {
+    robot.tolerances = tolerances_of(*tolerances, robot.geometry.actuator);
+  }
   root.refuse_others();
   return robot;
 }
@@ -142,13 +144,15 @@ Robot read_robot(const TextFile& file) {
   }
 }
 
-std::string tolerances_toml(const Tolerances& tolerances) {
+std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
   std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
   for (const Source source : tolerance_sources()) {
-    const std::string key = tolerance_key(source);
-    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(source, tolerances[source])));
+    const std::string key = tolerance_key(source, actuator);
+    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(unit(source, actuator), tolerances[source])));
     std::vector<double> values;
-    for (const double value : tolerances.measured[index(source)]) values.push_back(tidy(to_file_unit(source, value)));
+    for (const double value : tolerances.measured[index(source)]) {
+      values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
+    }
     if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
   }
   text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
@@ -164,8 +168,8 @@ std::string robot_toml(const Robot& robot) {
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   fmt::format_to(out, "name = {}\n\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
                  quoted(robot.name()), geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);
-  fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"revolute\"\n",
-                 geometry.parallelogram_width, array(azimuth));
+  fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
+                 geometry.parallelogram_width, array(azimuth), actuator_name(geometry.actuator));
   if (const std::optional<Slide>& slide = robot.slide()) {
     fmt::format_to(out, "\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
                    array(slide->sign), slide->pinion_radius);
@@ -174,50 +178,52 @@ std::string robot_toml(const Robot& robot) {
   fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
                  workspace.radius, workspace.height, workspace.top_z,
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
-  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances()));
+  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.actuator()));
   return text;
 }
 
-Tolerances read_tolerances(const TextFile& file) {
+Tolerances read_tolerances(const TextFile& file, Actuator actuator) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  if (!root.find("tolerances")) return tolerances_of(root);
-  return tolerances_of(root.table("tolerances"));
+  if (!root.find("tolerances")) return tolerances_of(root, actuator);
+  return tolerances_of(root.table("tolerances"), actuator);
 }
 
-std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_count) {
+std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints) {
   std::string text;
   const auto out = std::back_inserter(text);
-  for (std::size_t limb = 0; limb < limb_count; ++limb) {
+  for (std::size_t limb = 0; limb < joints.count; ++limb) {
     fmt::format_to(out, "{}[[limb]]\n", limb == 0 ? "" : "\n");
-    const auto value = [&](Source source) { return to_file_unit(source, errors(limb, source)); };
+    const auto value = [&](Source source) { return to_file_unit(unit(source, joints.actuator), errors(limb, source)); };
     for (const Source source : all_sources()) {
       if (source == Source::e_x) {
         fmt::format_to(out, "e_mm = {}\n", array(std::array{value(source), value(Source::e_y), value(Source::e_z)}));
       } else if (!is_e(source)) {
-        fmt::format_to(out, "{} = {}\n", file_key(source), value(source));
+        fmt::format_to(out, "{} = {}\n", file_key(source, joints.actuator), value(source));
       }
     }
   }
   return text;
 }
 
-SourceErrors read_source_errors(const TextFile& file, std::size_t limb_count) {
+SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   const toml::node& limbs = root.require("limb", "one [[limb]] table a limb");
   root.refuse_others();
   if (!limbs.is_array_of_tables()) root.fail(limbs, fmt::format("expected [[limb]] tables, got {}", type_name(limbs)));
   const toml::array& tables = *limbs.as_array();
-  if (tables.size() != limb_count) {
+  if (tables.size() != joints.count) {
     root.fail(limbs,
-              fmt::format("expected {} [[limb]] tables as the robot has limbs, got {}", limb_count, tables.size()));
+              fmt::format("expected {} [[limb]] tables as the robot has limbs, got {}", joints.count, tables.size()));
   }
   SourceErrors errors;
-  for (std::size_t i = 0; i < limb_count; ++i) {
+  for (std::size_t i = 0; i < joints.count; ++i) {
     Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
     for (const Source source : all_sources()) {
-      if (!is_e(source)) errors(i, source) = from_file_unit(source, limb.number_or(file_key(source), 0.0));
+      if (is_e(source)) continue;
+      const double value = limb.number_or(file_key(source, joints.actuator), 0.0);
+      errors(i, source) = from_file_unit(unit(source, joints.actuator), value);
     }
     if (limb.find("e_mm")) {
       const std::vector<double> e = limb.numbers("e_mm", 3);

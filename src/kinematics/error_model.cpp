@@ -1,5 +1,6 @@
 #include "paracal/kinematics/error_model.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -8,6 +9,12 @@
 
 namespace paracal {
 namespace {
+
+/// mm that an angle of the actuator counts for: L, or the rod of a limb on a rail, whose arm may be short or none.
+double angle_lever(const Machine& machine) {
+  const Limb& limb = machine.limbs[0];
+  return limb.actuator == Actuator::linear ? limb.mean_rod() : limb.arm;
+}
 
 /// Fills A and B, limb by limb, in the letters of [huang2016, Eq. (4)].
 template <int N>
@@ -21,17 +28,25 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
   const double s = machine.slide_of(pose.rotation);
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double mu = limb.slide_sign, theta = model.joints(i);
+    const double mu = limb.slide_sign;
     const auto u0 = limb.frame.col(0), v0 = limb.frame.col(1), w0 = limb.frame.col(2);
-    const auto [u1, v1] = arm_directions(limb, theta);
+    const auto direction = arm_directions(limb, model.joints(i));
+    const auto& [u1, v1] = direction;
+    const Eigen::Vector3d lever = elbow_lever(limb, model.joints(i), direction);
     const Eigen::Vector3d a_s = limb.plate + mu * s * shat;
-    const Eigen::Vector3d l = (pose.position + a_s - limb.base - limb.arm * u1).normalized();
+    const Eigen::Vector3d l = (pose.position + a_s - limb.base - lever).normalized();
+    // Motion of the elbow along the rod when the limb's frame turns about an axis: for an arm sin(th) l.w0 about u0,
+    // -cos(th) l.w0 about v0.
+    const auto turned = [&](const Eigen::Vector3d& axis) { return l.dot(axis.cross(lever)) / angle_lever(machine); };
     model.A_dd.row(i).template head<3>() = l;
     if constexpr (N == 4) model.A_dd(i, 3) = mu * l.dot(shat);
     model.A_de.row(i) = a_s.cross(l);
     model.A_ee.row(i) = w0.cross(l);
-    model.B_d.row(i) << l.dot(v1), l.transpose(), l.dot(u1), std::sin(theta) * l.dot(w0), -std::cos(theta) * l.dot(w0),
-        1.0;
+    model.B_d.row(i) << l.dot(v1), l.transpose(), l.dot(u1), turned(u0), turned(v0), 1.0;
+    if (limb.actuator == Actuator::linear) {
+      model.B_d(i, static_cast<Eigen::Index>(index(Source::arm_length))) = -l.dot(u1);
+      model.B_d(i, static_cast<Eigen::Index>(index(Source::beta0))) = turned(w0);
+    }
     model.B_e.row(i) << 1.0, l.dot(w0), -l.dot(v0), l.dot(u0), -l.dot(v1), l.dot(u1);
   }
 }
@@ -91,9 +106,10 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
 double paper_scale(const Robot& robot, Source source) {
   switch (source) {
     case Source::theta_offset:
+      return joint_ratio(robot.nominal().limbs[0]);
     case Source::alpha0:
     case Source::beta0:
-      return robot.geometry().arm;
+      return angle_lever(robot.nominal());
     case Source::rod_difference:
     case Source::width_difference:
       return 1.0 / robot.geometry().parallelogram_width;

@@ -14,7 +14,7 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const El
                                                       const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n,
                                                       double sign) {
   const Eigen::Vector3d elbow_half = sign * elbow.half;
-  const Eigen::Vector3d elbow_lever = limb.arm * elbow.arm + elbow_half;
+  const Eigen::Vector3d elbow_lever = elbow.lever + elbow_half;
   const Eigen::Vector3d plate_half = rotation * (0.5 * sign * limb.plate_width * limb.plate_frame.col(2));
   const Eigen::Vector3d vertical = limb.frame.col(1), actuator_axis = limb.frame.col(2);
   const Eigen::Vector3d plate_radial = rotation * limb.radial, plate_vertical = rotation * limb.plate_frame.col(1);
@@ -28,14 +28,16 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const El
 
   Eigen::Matrix<double, 1, kSourceCount> derivative;
   const auto at = [&](Source source) -> double& { return derivative(static_cast<Eigen::Index>(index(source))); };
-  at(Source::theta_offset) = elbow_turn(actuator_axis, elbow_lever);
+  const bool on_rail = limb.actuator == Actuator::linear;
+  at(Source::theta_offset) = on_rail ? -n.dot(elbow.arm_normal) : elbow_turn(actuator_axis, elbow_lever);
   at(Source::e_x) = -n.x();
   at(Source::e_y) = -n.y();
   at(Source::e_z) = -n.z();
-  at(Source::arm_length) = -n.dot(elbow.arm);
-  // alpha0 and beta0 turn both short sides: alpha3 = alpha0 - alpha03.
+  at(Source::arm_length) = on_rail ? n.dot(elbow.arm) : -n.dot(elbow.arm);
+  // alpha0 and beta0 turn both short sides: alpha3 = alpha0 - alpha03; but a rail leans by beta0 alone.
   at(Source::alpha0) = elbow_turn(limb.radial, elbow_lever) + plate_turn(plate_radial);
-  at(Source::beta0) = elbow_turn(vertical, elbow_lever) + plate_turn(plate_vertical);
+  at(Source::beta0) =
+      on_rail ? elbow_turn(actuator_axis, elbow_lever) : elbow_turn(vertical, elbow_lever) + plate_turn(plate_vertical);
   at(Source::rod_mean) = -1.0;
   at(Source::rod_difference) = -0.5 * sign;
   at(Source::width_difference) = -n.dot(elbow_half) / limb.elbow_width;

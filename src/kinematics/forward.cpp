@@ -21,7 +21,7 @@ PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows
   double spread = 0.0, rod = 0.0;
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d wrist = limb.base + limb.arm * elbows[i].arm - limb.plate;
+    const Eigen::Vector3d wrist = limb.base + elbows[i].lever - limb.plate;
     centre += wrist / N;
     spread += wrist.head<2>().squaredNorm() / N;
     rod += limb.mean_rod() / N;
@@ -34,7 +34,7 @@ PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows
 
 /// A better guess: the plate level still, held by the centre lines of the limbs alone. Newton on
 ///
-///   (|d_i|^2 - l_i^2) / 2 = 0,   d_i = r + a_i + mu_i s shat - (b_i + L_i u_1,i)
+///   (|d_i|^2 - l_i^2) / 2 = 0,   d_i = r + a_i + mu_i s shat - C_i
 ///
 /// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
 /// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
@@ -51,7 +51,7 @@ PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, 
       const Limb& limb = machine.limbs[i];
       const Eigen::Vector3d slide_direction = limb.slide_sign * machine.slide_axis;
       const Eigen::Vector3d d =
-          plate.position + limb.plate + plate.slide * slide_direction - limb.base - limb.arm * elbows[i].arm;
+          plate.position + limb.plate + plate.slide * slide_direction - limb.base - elbows[i].lever;
       const double rod = limb.mean_rod();
       residual(i) = 0.5 * (d.squaredNorm() - rod * rod);
       jacobian.row(i).template head<3>() = d;

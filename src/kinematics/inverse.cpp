@@ -8,12 +8,27 @@
 namespace paracal {
 namespace {
 
+void take(InverseResult& result, std::size_t limb, const JointSolution& solution) {
+  result.joints(static_cast<Eigen::Index>(limb)) = solution.joint;
+  if (!solution.reached && result.unreachable_limb < 0) {
+    result.status = InverseStatus::unreachable;
+    result.unreachable_limb = static_cast<int>(limb);
+  }
+}
+
 /// Closed form on the centre lines of the limbs, plate level.
 InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   InverseResult result;
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
   result.status = InverseStatus::reached;
   const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
+  if (machine.actuator() == Actuator::linear) {
+    for (std::size_t i = 0; i < machine.limb_count; ++i) {
+      const Limb& limb = machine.limbs[i];
+      take(result, i, solve_joint(limb, pose.position + limb.plate + limb.slide_sign * slide));
+    }
+    return result;
+  }
   // All triangles before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
   std::array<Eigen::Vector2d, kMaxLimbs> direction;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
@@ -21,12 +36,7 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
     direction[i] = close_triangle(limb, pose.position + limb.plate + limb.slide_sign * slide);
   }
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const ArmSolution arm = arm_along(machine.limbs[i], direction[i]);
-    result.joints(static_cast<Eigen::Index>(i)) = arm.joint;
-    if (!arm.reached && result.unreachable_limb < 0) {
-      result.status = InverseStatus::unreachable;
-      result.unreachable_limb = static_cast<int>(i);
-    }
+    take(result, i, arm_along(machine.limbs[i], direction[i]));
   }
   return result;
 }
@@ -37,7 +47,8 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
 template <int N>
 void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
   constexpr int kMaxIterations = 20;
-  constexpr double kTolerance = 1e-11;  // of the last step in rad: converges linearly at about 1e-5 a step
+  constexpr double kTolerance = 4e-9;  // mm at the elbows, of the last step: converges linearly at about 1e-5 a step
+  const double ratio = joint_ratio(machine.limbs[0]);
   PlateState plate;
   plate.position = pose.position;
   plate.slide = machine.slide_of(pose.rotation);
@@ -50,7 +61,7 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
       const Limb& limb = machine.limbs[i];
       system.col(i).setZero();
       for (int row = 2 * i; row < 2 * i + 2; ++row) {
-        const Eigen::Vector3d motion = limb.frame.col(2).cross(elbows[i].joint[row % 2] - limb.base);
+        const Eigen::Vector3d motion = hinge_motion(limb, elbows[i], static_cast<std::size_t>(row % 2));
         system.col(i) -= linear.jacobian.row(row).transpose() * linear.direction[row].dot(motion);
       }
     }
@@ -59,7 +70,7 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
     result.joints += step.template head<N>();
     plate.tilt += step.template tail<3>();
     ++result.iterations;
-    const double joint_step = step.template head<N>().cwiseAbs().maxCoeff();
+    const double joint_step = ratio * step.template head<N>().cwiseAbs().maxCoeff();
     if (!std::isfinite(joint_step)) return;
     if (joint_step < kTolerance) {
       result.status = InverseStatus::reached;

@@ -16,7 +16,8 @@ struct Entry {
   Robot (*make)();
 };
 
-constexpr std::array<Entry, 2> kEntries{{{"huang2016", huang2016}, {"rotary_delta", rotary_delta}}};
+constexpr std::array<Entry, 3> kEntries{
+    {{"huang2016", huang2016}, {"rotary_delta", rotary_delta}, {"linear_delta", linear_delta}}};
 
 }  // namespace
 
@@ -35,7 +36,7 @@ Robot huang2016() {
                      .top_z = -763.0,
                      .min_rotation = to_radians(-180),
                      .max_rotation = to_radians(180)};
-  robot.tolerances = generous_tolerances(robot.geometry.parallelogram_width);
+  robot.tolerances = generous_tolerances(robot.geometry);
   return Robot(std::move(robot));
 }
 
@@ -49,7 +50,22 @@ Robot rotary_delta() {
                     .parallelogram_width = 100.0,
                     .limb_azimuth = {to_radians(0), to_radians(120), to_radians(240)}};
   robot.workspace = {.radius = 500.0, .height = 250.0, .top_z = -800.0};
-  robot.tolerances = generous_tolerances(robot.geometry.parallelogram_width);
+  robot.tolerances = generous_tolerances(robot.geometry);
+  return Robot(std::move(robot));
+}
+
+Robot linear_delta() {
+  RobotDescription robot;
+  robot.name = "linear_delta";
+  robot.geometry = {.base_radius = 185.0,
+                    .plate_radius = 35.0,
+                    .arm = 20.0,
+                    .rod = 290.0,
+                    .parallelogram_width = 50.0,
+                    .limb_azimuth = {to_radians(210), to_radians(330), to_radians(90)},
+                    .actuator = Actuator::linear};
+  robot.workspace = {.radius = 120.0, .height = 250.0, .top_z = -300.0};
+  robot.tolerances = generous_tolerances(robot.geometry);
   return Robot(std::move(robot));
 }
 

@@ -23,7 +23,9 @@ void require_positive_mm(std::string_view quantity, double value) {
 void check_lengths(const Geometry& geometry) {
   require_positive_mm("geometry.base_radius_mm", geometry.base_radius);
   require_positive_mm("geometry.plate_radius_mm", geometry.plate_radius);
-  require_positive_mm("geometry.arm_mm", geometry.arm);
+  if (geometry.actuator == Actuator::revolute || geometry.arm != 0.0) {
+    require_positive_mm("geometry.arm_mm", geometry.arm);
+  }
   require_positive_mm("geometry.rod_mm", geometry.rod);
   require_positive_mm("geometry.parallelogram_width_mm", geometry.parallelogram_width);
 }
@@ -92,6 +94,17 @@ void check_workspace(const Workspace& workspace, bool has_slide) {
   }
 }
 
+/// "with an arm of 375 mm it needs a rod of 400.0 to 1100.0 mm there": what would reach from the base joint along d.
+std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
+  const Eigen::Vector3d local = limb.frame.transpose() * d;
+  if (limb.actuator == Actuator::linear) {
+    return fmt::format("its rail needs a rod of at least {:.1f} mm there", std::hypot(local.x() + limb.arm, local.z()));
+  }
+  const double in_plane = std::hypot(local.x(), local.y());
+  return fmt::format("with an arm of {:g} mm it needs a rod of {:.1f} to {:.1f} mm there", limb.arm,
+                     std::hypot(in_plane - limb.arm, local.z()), std::hypot(in_plane + limb.arm, local.z()));
+}
+
 /// Names the first limb that cannot close its triangle of arm and rod somewhere on the rims of the workspace.
 void check_reach(const Machine& machine, const Workspace& workspace) {
   for (const Pose& pose : workspace.rim(kRimPoints)) {
@@ -99,16 +112,11 @@ void check_reach(const Machine& machine, const Workspace& workspace) {
     for (std::size_t i = 0; i < machine.limb_count; ++i) {
       const Limb& limb = machine.limbs[i];
       const Eigen::Vector3d joint = pose.position + limb.plate + limb.slide_sign * slide * machine.slide_axis;
-      if (solve_arm(limb, joint).reached) continue;
-      const Eigen::Vector3d d = joint - limb.base;
-      const double in_plane = std::hypot(d.dot(limb.frame.col(0)), d.dot(limb.frame.col(1)));
-      const double across = d.dot(limb.frame.col(2));
+      if (solve_joint(limb, joint).reached) continue;
       throw InvalidArgument(fmt::format(
-          "workspace: limb {} cannot reach ({:.1f}, {:.1f}, {:.1f}) mm at {:.0f} deg: with an arm of {:g} mm it needs "
-          "a rod "
-          "of {:.1f} to {:.1f} mm there, geometry.rod_mm is {:g}",
-          i + 1, pose.position.x(), pose.position.y(), pose.position.z(), to_degrees(pose.rotation), limb.arm,
-          std::hypot(in_plane - limb.arm, across), std::hypot(in_plane + limb.arm, across), limb.mean_rod()));
+          "workspace: limb {} cannot reach ({:.1f}, {:.1f}, {:.1f}) mm at {:.0f} deg: {}, geometry.rod_mm is {:g}",
+          i + 1, pose.position.x(), pose.position.y(), pose.position.z(), to_degrees(pose.rotation),
+          rod_needed(limb, joint - limb.base), limb.mean_rod()));
     }
   }
 }
@@ -142,7 +150,7 @@ Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
 
 Tolerances tolerances_of(const Robot& robot) {
-  return robot.tolerances().value_or(generous_tolerances(robot.geometry().parallelogram_width));
+  return robot.tolerances().value_or(generous_tolerances(robot.geometry()));
 }
 
 }  // namespace paracal

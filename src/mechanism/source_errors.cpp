@@ -29,7 +29,9 @@ constexpr std::array<SourceEntry, kSourceCount> kSources{{
 
 }  // namespace
 
-Unit unit(Source source) { return kSources[index(source)].unit; }
+Unit unit(Source source, Actuator actuator) {
+  return source == Source::theta_offset ? joint_unit(actuator) : kSources[index(source)].unit;
+}
 
 std::string_view name(Source source) { return kSources[index(source)].name; }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "paracal/mechanism/robot.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal {
@@ -42,11 +43,12 @@ double Tolerances::std(Source source) const {
   return 0.0;
 }
 
-Tolerances generous_tolerances(double parallelogram_width) {
+Tolerances generous_tolerances(const Geometry& geometry) {
+  const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
-  tolerances[Source::theta_offset] = to_radians(1.5);
+  tolerances[Source::theta_offset] = geometry.actuator == Actuator::linear ? 3.0 : to_radians(1.5);
   tolerances[Source::e_x] = tolerances[Source::e_y] = tolerances[Source::e_z] = 3.0;
-  tolerances[Source::arm_length] = 0.8;
+  tolerances[Source::arm_length] = is_felt(Source::arm_length, geometry.actuator) ? 0.8 : 0.0;
   tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(0.3);
   tolerances[Source::rod_mean] = 2.4;
   tolerances[Source::rod_difference] = 0.22e-3 * parallelogram_width;

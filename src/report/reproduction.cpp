@@ -160,7 +160,7 @@ void add_table4(const Robot& robot, const SourceErrors& table4, const detail::Tw
     for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
       const auto source = static_cast<Source>(k);
       if (table4(limb, source) == 0.0 || (source == Source::e_y && limb < 2)) continue;
-      const bool angle = unit(source) == Unit::rad;
+      const bool angle = unit(source, robot.actuator()) == Unit::rad;
       add(fmt::format("table4.{}.limb{}", name(source), limb + 1),
           fmt::format("{}{} of limb {}, median of {} twins", angle ? "L " : "", name(source), limb + 1, twins.count),
           table4(limb, source), twins.identified[limb][k], angle ? arm : 1.0);

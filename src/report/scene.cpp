@@ -30,9 +30,11 @@ io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& join
     for (std::size_t j = 0; j < 2; ++j) {
       rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + hinges[j]))});
     }
-    limbs.push_back({{"base_mm", rounded(limb.base)},
-                     {"elbow_mm", rounded(Eigen::Vector3d(0.5 * (elbow.joint[0] + elbow.joint[1])))},
-                     {"rods_mm", std::move(rods)}});
+    // A rail's arm begins where its carriage stands.
+    const Eigen::Vector3d middle = 0.5 * (elbow.joint[0] + elbow.joint[1]);
+    const Eigen::Vector3d base =
+        limb.actuator == Actuator::linear ? Eigen::Vector3d(middle + limb.arm * elbow.arm) : limb.base;
+    limbs.push_back({{"base_mm", rounded(base)}, {"elbow_mm", rounded(middle)}, {"rods_mm", std::move(rods)}});
   }
   return limbs;
 }

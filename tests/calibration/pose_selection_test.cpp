@@ -48,7 +48,7 @@ TEST_P(PoseSelectionLaw, NoExchangeHelpsAnyMore) {
     for (std::size_t k = 1; k < few.size(); k += 3) {
       std::vector<Station> exchanged = selection.stations;
       exchanged[place] = few[k];
-      EXPECT_GT(cost(exchanged), chosen * (1.0 - 2e-3));
+      EXPECT_GT(cost(exchanged), chosen * (1.0 - 2 * 5e-3));  // both are that uncertain
     }
   }
 }

@@ -185,7 +185,6 @@ const std::vector<BrokenInput> kRobotFiles{
     robot("five_limbs", "[-45, 45, 135, 225]", "[0, 72, 144, 216, 288]",
           {"robot.toml:8: ", "expected 4 limbs", "got 5"}),
     robot("no_limbs", "[-45, 45, 135, 225]", "[]", {"robot.toml:8: ", "expected 4 limbs", "got 0"}),
-    robot("linear_actuator", "\"revolute\"", "\"linear\"", {"robot.toml:9: ", "revolute", "linear"}),
     robot("unknown_actuator", "\"revolute\"", "\"steam\"", {"robot.toml:9: ", "revolute", "steam"}),
     robot("slide_axis_zero", "[0, -1, 0]", "[0, 0, 0]", {"robot.toml:11: ", "slide_axis", "direction"}),
     robot("slide_axis_of_two", "[0, -1, 0]", "[0, -1]",

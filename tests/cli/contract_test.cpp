@@ -29,6 +29,8 @@ struct KnownRobot {
   std::string name;
   std::size_t limbs;
   bool turns;
+  std::string joint_unit = "deg";
+  double top = -810.0, radius = 440.0;  ///< mm: where poses are asked for
 };
 
 void PrintTo(const KnownRobot& robot, std::ostream* stream) { *stream << robot.name; }
@@ -42,9 +44,9 @@ struct CommandedPose {
 std::vector<CommandedPose> poses_of(const KnownRobot& robot) {
   std::vector<CommandedPose> poses;
   for (int k = 0; k < 12; ++k) {
-    const double azimuth = 0.5 * k, radius = 40.0 * k;
+    const double azimuth = 0.5 * k, radius = robot.radius / 11.0 * k;
     poses.push_back({"pose " + std::to_string(k), radius * std::cos(azimuth), radius * std::sin(azimuth),
-                     -810.0 - 15.0 * k, robot.turns ? -165.0 + 30.0 * k : 0.0});
+                     robot.top - 15.0 * k, robot.turns ? -165.0 + 30.0 * k : 0.0});
   }
   return poses;
 }
@@ -79,12 +81,14 @@ class EveryKnownRobot : public testing::TestWithParam<KnownRobot> {
   ProgramResult run(const std::string& command) const { return folder.run(command + " --robot " + robot.name); }
 
   const KnownRobot robot = GetParam();
+  const std::string joints_key = "joints_" + robot.joint_unit;
   const std::vector<CommandedPose> poses = poses_of(robot);
   TemporaryFolder folder;
 };
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryKnownRobot,
-                         testing::Values(KnownRobot{"huang2016", 4, true}, KnownRobot{"rotary_delta", 3, false}),
+                         testing::Values(KnownRobot{"huang2016", 4, true}, KnownRobot{"rotary_delta", 3, false},
+                                         KnownRobot{"linear_delta", 3, false, "mm", -310.0, 110.0}),
                          [](const auto& one) { return one.param.name; });
 
 TEST_P(EveryKnownRobot, RobotKeys) {
@@ -104,8 +108,8 @@ TEST_P(EveryKnownRobot, RobotKeys) {
 
 TEST_P(EveryKnownRobot, InverseKeys) {
   const json object = json_of(run("inverse --poses poses.csv --json"));
-  ASSERT_TRUE(has_keys(object, "joints_deg"));
-  EXPECT_TRUE(is_matrix(object["joints_deg"], poses.size(), robot.limbs));
+  ASSERT_TRUE(has_keys(object, joints_key));
+  EXPECT_TRUE(is_matrix(object[joints_key], poses.size(), robot.limbs));
 }
 
 TEST_P(EveryKnownRobot, ForwardKeys) {
@@ -148,10 +152,10 @@ TEST_P(EveryKnownRobot, InverseAcceptsThePosesThatForwardWrites) {
   ASSERT_EQ(run("forward --joints joints.csv --out reached.csv").exit_code, kDone);
   const json before = json_of(run("inverse --poses poses.csv --json"));
   const json after = json_of(run("inverse --poses reached.csv --json"));
-  ASSERT_TRUE(is_matrix(after["joints_deg"], poses.size(), robot.limbs));
+  ASSERT_TRUE(is_matrix(after[joints_key], poses.size(), robot.limbs));
   for (std::size_t k = 0; k < poses.size(); ++k) {
     for (std::size_t i = 0; i < robot.limbs; ++i) {
-      EXPECT_NEAR(after["joints_deg"][k][i], before["joints_deg"][k][i], 1e-9);
+      EXPECT_NEAR(after[joints_key][k][i], before[joints_key][k][i], 1e-9);
     }
   }
 }
@@ -168,7 +172,7 @@ TEST_P(EveryKnownRobot, ARobotFileStandsForItsRobot) {
 TEST_P(EveryKnownRobot, CorrectedJointsLeadTheFaultyMachineToThePoses) {
   std::string errors;
   for (std::size_t limb = 0; limb < robot.limbs; ++limb) {
-    errors += "[[limb]]\ntheta_offset_deg = 0." + std::to_string(limb + 1) +
+    errors += "[[limb]]\ntheta_offset_" + robot.joint_unit + " = 0." + std::to_string(limb + 1) +
               "\ne_mm = [0.5, -0.4, 0.3]\nrod_mean_mm = -0.2\n";
   }
   folder.write("errors.toml", errors);
@@ -179,8 +183,9 @@ TEST_P(EveryKnownRobot, CorrectedJointsLeadTheFaultyMachineToThePoses) {
 
 TEST(RobotCommand, ListsTheCatalogue) {
   const TemporaryFolder folder;
-  EXPECT_EQ(folder.run("robot --list").out, "huang2016\nrotary_delta\n");
-  EXPECT_EQ(json_of(folder.run("robot --list --json")).at("robots"), json(words("huang2016 rotary_delta")));
+  EXPECT_EQ(folder.run("robot --list").out, "huang2016\nrotary_delta\nlinear_delta\n");
+  EXPECT_EQ(json_of(folder.run("robot --list --json")).at("robots"),
+            json(words("huang2016 rotary_delta linear_delta")));
 }
 
 TEST(RobotCommand, TheDefaultIsThePublishedRobot) {

@@ -122,6 +122,22 @@ TEST_P(C99Export, OfALevelRigidPlatePassesItsSelfTest) {
   EXPECT_EQ(shell("./test"), 0);
 }
 
+/// Carriages on rails, with and without tilt.
+TEST_P(C99Export, OfARobotOnRailsPassesItsSelfTest) {
+  const std::string robot = folder.run("robot --robot linear_delta --json").out;
+  const std::string level = R"({"name": "beta0", "limb": 3, "value": 0.2, "unit": "deg"})";
+  const std::string tilting = R"({"name": "rod_difference", "limb": 1, "value": 0.3, "unit": "mm"})";
+  for (const std::string& errors : {level, fmt::format("{}, {}", level, tilting)}) {
+    folder.write("delta.json", fmt::format(R"({{"accepted": true, "parameters": [{}], "robot": {}}})", errors, robot));
+    const std::string command = "export --robot linear_delta --calibration delta.json --target c99 --out compensator.h";
+    ASSERT_EQ(folder.run(command).exit_code, kDone);
+    folder.write("test.c", "#include \"compensator.h\"\nint main(void) { return paracal_self_test(); }\n");
+    const std::string compile = std::string(GetParam()) + " -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror ";
+    ASSERT_EQ(shell(compile + "test.c -lm -o test"), 0);
+    EXPECT_EQ(shell("./test"), 0);
+  }
+}
+
 TEST_F(Export, TheHeaderSaysWhereItComesFrom) {
   const std::string header = folder.run("export --calibration calibration.json --target c99").out;
   for (const char* said :

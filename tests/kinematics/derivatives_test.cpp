@@ -118,7 +118,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       for (const Source source : all_sources()) {
         at(ExactJacobian::column(limb, source)) = errors(limb, source);
-        step(ExactJacobian::column(limb, source)) = unit(source) == Unit::mm ? 1e-2 : 1e-4;
+        step(ExactJacobian::column(limb, source)) = unit(source, robot.actuator()) == Unit::mm ? 1e-2 : 1e-4;
       }
     }
     const auto plate_of = [&](const Eigen::VectorXd& values) -> Eigen::VectorXd {

@@ -110,7 +110,7 @@ TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
   }
 }
 
-TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheJoints) {
+TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
   constexpr double kScale = 2.5;
   RobotDescription description = robot.description();
   for (double* length :
@@ -126,7 +126,8 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheJoints) {
     const Pose pose = random.pose(robot);
     const InverseResult small = inverse(robot.nominal(), pose);
     const InverseResult large = inverse(larger.nominal(), {kScale * pose.position, pose.rotation});
-    EXPECT_LT((small.joints - large.joints).cwiseAbs().maxCoeff(), 1e-12);
+    const double joint_scale = joint_unit(robot.actuator()) == Unit::mm ? kScale : 1.0;
+    EXPECT_LT((joint_scale * small.joints - large.joints).cwiseAbs().maxCoeff(), joint_scale == 1.0 ? 1e-12 : 1e-10);
   }
 }
 
@@ -159,9 +160,10 @@ Eigen::Vector3d trilaterate(const Machine& machine, const Joints& joints) {
   std::array<double, 3> radius{};
   for (std::size_t i = 0; i < 3; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double angle = joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;
-    centre[i] =
-        limb.base + limb.arm * (std::cos(angle) * limb.frame.col(0) + std::sin(angle) * limb.frame.col(1)) - limb.plate;
+    const double joint = joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;
+    const double along = limb.actuator == Actuator::linear ? -1.0 : std::cos(joint);
+    const double up = limb.actuator == Actuator::linear ? joint : limb.arm * std::sin(joint);
+    centre[i] = limb.base + along * limb.arm * limb.frame.col(0) + up * limb.frame.col(1) - limb.plate;
     radius[i] = limb.rod[0];
   }
   const Eigen::Vector3d ex = (centre[1] - centre[0]).normalized();
@@ -175,8 +177,11 @@ Eigen::Vector3d trilaterate(const Machine& machine, const Joints& joints) {
   return centre[0] + x * ex + y * ey + (ez.z() > 0 ? -z : z) * ez;
 }
 
-TEST(ForwardOracle, TrilaterationOfADelta) {
-  const Robot robot = catalogue::rotary_delta();
+class ForwardOracle : public testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Deltas, ForwardOracle, testing::Values("rotary_delta", "linear_delta"), test::robot_name);
+
+TEST_P(ForwardOracle, TrilaterationOfADelta) {
+  const Robot robot = catalogue::find(GetParam());
   Random random;
   for (int k = 0; k < 1000; ++k) {
     SourceErrors errors;
@@ -186,6 +191,7 @@ TEST(ForwardOracle, TrilaterationOfADelta) {
       errors(limb, Source::rod_mean) = random.uniform(-1.0, 1.0);
       errors(limb, Source::e_z) = random.uniform(-1.0, 1.0);
       errors(limb, Source::alpha0) = random.uniform(-0.01, 0.01);
+      errors(limb, Source::beta0) = random.uniform(-0.01, 0.01);
     }
     const Machine machine = build(robot, errors);
     const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;

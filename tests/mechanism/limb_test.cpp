@@ -10,50 +10,56 @@ namespace {
 
 class LimbLaw : public test::EveryRobot {};
 
-TEST_P(LimbLaw, ArmSolutionPutsTheElbowOneRodAway) {
+Eigen::Vector3d elbow_at(const Limb& limb, double joint) {
+  return limb.base + elbow_lever(limb, joint, arm_directions(limb, joint));
+}
+
+TEST_P(LimbLaw, JointSolutionPutsTheElbowOneRodAway) {
   test::Random random;
   for (int k = 0; k < 1000; ++k) {
     const Pose pose = random.pose(robot);
     for (std::size_t i = 0; i < robot.limb_count(); ++i) {
       const Limb& limb = robot.nominal().limbs[i];
       const Eigen::Vector3d joint = pose.position + limb.plate;
-      const ArmSolution arm = solve_arm(limb, joint);
-      ASSERT_TRUE(arm.reached);
-      const Eigen::Vector3d elbow = limb.base + limb.arm * arm_directions(limb, arm.joint).u1;
-      EXPECT_NEAR((joint - elbow).norm(), limb.mean_rod(), 1e-10);
+      const JointSolution solution = solve_joint(limb, joint);
+      ASSERT_TRUE(solution.reached);
+      EXPECT_NEAR((joint - elbow_at(limb, solution.joint)).norm(), limb.mean_rod(), 1e-10);
     }
   }
 }
 
-TEST_P(LimbLaw, WorkingModeIsTheElbowFurtherOut) {
+/// An arm's elbow is the one further out, a carriage the one further up.
+TEST_P(LimbLaw, WorkingModeIsTheElbowFurtherOutOrUp) {
   test::Random random;
   const Limb& limb = robot.nominal().limbs[0];
+  const bool on_rail = limb.actuator == Actuator::linear;
   for (int k = 0; k < 1000; ++k) {
     const Eigen::Vector3d joint = random.pose(robot).position + limb.plate;
-    const double found = solve_arm(limb, joint).joint;
-    // The mirror image of the arm about the direction base joint -> plate joint is the other root.
+    const double found = solve_joint(limb, joint).joint;
+    // The other root: the arm mirrored about the direction base joint -> plate joint, the carriage about the height of
+    // the plate joint.
     const Eigen::Vector3d d = joint - limb.base;
-    const double direction = std::atan2(d.dot(limb.frame.col(1)), d.dot(limb.frame.col(0)));
-    const double other = 2.0 * direction - found;
-    const Eigen::Vector3d other_elbow = limb.base + limb.arm * arm_directions(limb, other).u1;
-    ASSERT_NEAR((joint - other_elbow).norm(), limb.mean_rod(), 1e-9);
-    EXPECT_GT(std::cos(found), std::cos(other));
+    const double height = d.dot(limb.frame.col(1));
+    const double other = 2.0 * (on_rail ? height : std::atan2(height, d.dot(limb.frame.col(0)))) - found;
+    ASSERT_NEAR((joint - elbow_at(limb, other)).norm(), limb.mean_rod(), 1e-9);
+    EXPECT_GT(on_rail ? found : std::cos(found), on_rail ? other : std::cos(other));
   }
 }
 
 TEST_P(LimbLaw, OutOfReachIsSaidNotGuessed) {
   const Limb& limb = robot.nominal().limbs[0];
-  const ArmSolution arm = solve_arm(limb, limb.base - Eigen::Vector3d(0, 0, limb.arm + limb.mean_rod() + 1.0));
-  EXPECT_FALSE(arm.reached);
-  EXPECT_TRUE(std::isnan(arm.joint));
+  const Eigen::Vector3d far = (limb.arm + limb.mean_rod() + 1.0) * (limb.frame.col(2) - limb.frame.col(1));
+  const JointSolution solution = solve_joint(limb, limb.base + far);
+  EXPECT_FALSE(solution.reached);
+  EXPECT_TRUE(std::isnan(solution.joint));
 }
 
-TEST_P(LimbLaw, EncoderOffsetIsSubtractedFromTheCommand) {
+TEST_P(LimbLaw, JointOffsetIsSubtractedFromTheCommand) {
   Limb limb = robot.nominal().limbs[0];
   const Eigen::Vector3d joint = robot.workspace().centre() + limb.plate;
-  const double without = solve_arm(limb, joint).joint;
+  const double without = solve_joint(limb, joint).joint;
   limb.joint_offset = 0.01;
-  EXPECT_NEAR(solve_arm(limb, joint).joint, without - 0.01, 1e-15);
+  EXPECT_NEAR(solve_joint(limb, joint).joint, without - 0.01, 1e-12);
 }
 
 PARACAL_ON_EVERY_ROBOT(LimbLaw);

@@ -54,6 +54,27 @@ TEST(Machine, ErrorsEnterAsInEquation1) {
   }
 }
 
+/// Of a rail alpha0 and beta0 are where it leans to; the bars stay level and parallel with beta0, and lean alike with
+/// alpha0.
+TEST(Machine, RailsLeanByTheirAngles) {
+  const Robot robot = catalogue::linear_delta();
+  test::Random random;
+  SourceErrors errors = random.errors(robot, 2.0, 0.1);
+  const Machine machine = build(robot, errors);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto e = [&](Source source) { return errors(i, source); };
+    const Limb& limb = machine.limbs[i];
+    const Limb& nominal = robot.nominal().limbs[i];
+    const Vector3d u0 = nominal.frame.col(0), v0 = nominal.frame.col(1), w0 = nominal.frame.col(2);
+    EXPECT_TRUE(limb.frame.isApprox(
+        turn(u0, e(Source::alpha0)) * nominal.frame * turn(Vector3d::UnitZ(), e(Source::beta0)), 1e-14));
+    EXPECT_TRUE(limb.plate_frame.col(2).isApprox(
+        turn(u0, e(Source::alpha0) - e(Source::alpha03)) * turn(v0, -e(Source::beta03)) * w0, 1e-14));
+    EXPECT_EQ(limb.joint_offset, e(Source::theta_offset));
+    EXPECT_EQ(limb.arm, 20.0 + e(Source::arm_length));
+  }
+}
+
 TEST(Machine, KnowsWhetherSomethingTiltsThePlate) {
   const Robot robot = catalogue::huang2016();
   SourceErrors errors;

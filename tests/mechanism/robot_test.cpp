@@ -75,6 +75,15 @@ TEST(Robot, RigidPlateDoesNotTurn) {
   EXPECT_THROW(Robot{description}, InvalidArgument);
 }
 
+TEST(Robot, RailsThatAreTooFarAwayAreNamed) {
+  RobotDescription description = catalogue::linear_delta().description();
+  description.geometry.arm = 0.0;  // the elbows run on the rails themselves
+  EXPECT_NO_THROW(Robot{description});
+  description.geometry.base_radius = 230.0;
+  EXPECT_THAT([&] { Robot{description}; },
+              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("its rail needs a rod of at least 3")));
+}
+
 TEST(Robot, HuangsDimensionsAreTable1) {
   const Robot robot = catalogue::huang2016();
   const Geometry& g = robot.geometry();
@@ -90,7 +99,7 @@ TEST(Robot, HuangsDimensionsAreTable1) {
 
 TEST(Catalogue, UnknownNameListsTheKnownOnes) {
   EXPECT_THAT([] { return catalogue::find("stewart"); },
-              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("huang2016, rotary_delta")));
+              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("huang2016, rotary_delta, linear_delta")));
 }
 
 }  // namespace

@@ -19,8 +19,10 @@ TEST(Source, NamesReadBackAndAreTheContracts) {
 TEST(Source, LengthsAreMmAndAnglesRad) {
   for (const Source source : all_sources()) {
     const std::string_view text = name(source);
-    const bool angle = text.starts_with("theta") || text.starts_with("alpha") || text.starts_with("beta");
-    EXPECT_EQ(unit(source), angle ? Unit::rad : Unit::mm) << text;
+    const bool angle = text.starts_with("alpha") || text.starts_with("beta");
+    const Unit expected = angle ? Unit::rad : Unit::mm;
+    EXPECT_EQ(unit(source, Actuator::linear), expected) << text;
+    EXPECT_EQ(unit(source, Actuator::revolute), text.starts_with("theta") ? Unit::rad : expected) << text;
   }
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "paracal/kinematics/error_model.hpp"
+
 namespace paracal::test {
 
 Pose Random::pose(const Robot& robot) {
@@ -17,7 +19,7 @@ SourceErrors Random::errors(const Robot& robot, double mm, double rad) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
-      const double size = unit(source) == Unit::mm ? mm : rad;
+      const double size = unit(source, robot.actuator()) == Unit::mm ? mm : rad;
       errors(limb, source) = uniform(-size, size);
     }
   }
@@ -28,7 +30,7 @@ SourceErrors Random::realistic_errors(const Robot& robot) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
-      const double position_group = unit(source) == Unit::mm ? 0.7 : 0.7 / robot.geometry().arm;
+      const double position_group = 0.7 / paper_scale(robot, source);
       const double size = tilts_plate(source) ? (*robot.tolerances())[source] : position_group;
       errors(limb, source) = uniform(-size, size);
     }

@@ -21,6 +21,11 @@ inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& 
   return std::string(info.param);
 }
 
+/// By how much more joint coordinates of a robot count than radians: mm of a carriage turn a rod by 1 / its length.
+inline double joint_scale(const Robot& robot) {
+  return robot.actuator() == Actuator::linear ? robot.geometry().rod : 1.0;
+}
+
 /// Instantiates a suite derived from EveryRobot.
 #define PARACAL_ON_EVERY_ROBOT(suite)                                                          \
   INSTANTIATE_TEST_SUITE_P(Catalogue, suite, ::testing::ValuesIn(paracal::catalogue::names()), \

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/forward.hpp"
 
 namespace paracal::test {
@@ -58,7 +59,7 @@ SourceErrors table4_machine(const Robot& robot, int number) {
   for (std::size_t limb = 0; limb < kTable4.size(); ++limb) {
     for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
       const auto source = static_cast<Source>(k);
-      errors(limb, source) = kTable4[limb][k] / (unit(source) == Unit::rad ? robot.geometry().arm : 1.0);
+      errors(limb, source) = kTable4[limb][k] / paper_scale(robot, source);
     }
   }
   return errors;

@@ -35,7 +35,7 @@ TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
   for (Eigen::Index column = 0; column < response.linear().cols(); ++column) {
     const auto limb = static_cast<std::size_t>(column / kSources);
     const auto source = static_cast<Source>(column % kSources);
-    const double step = unit(source) == Unit::mm ? 1e-3 : 1e-5;
+    const double step = unit(source, robot.actuator()) == Unit::mm ? 1e-3 : 1e-5;
     SourceErrors plus, minus;
     plus(limb, source) = step;
     minus(limb, source) = -step;

@@ -5,7 +5,7 @@ export type Vector = [number, number, number];
 
 export interface Robot {
   name: string;
-  geometry: { base_radius_mm: number; plate_radius_mm: number; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
+  geometry: { base_radius_mm: number; plate_radius_mm: number; actuator: "revolute" | "linear"; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
   plate?: { slide_axis: Vector };
   workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number] };
 }

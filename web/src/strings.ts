@@ -199,7 +199,7 @@ export const strings = {
     calibration: "The calibration itself was made by",
     robot: "Nominal robot",
     robotColumns: ["dimension", "value"],
-    geometry: { base_radius_mm: "base radius, mm", plate_radius_mm: "plate radius, mm", arm_mm: "arm, mm", rod_mm: "rod, mm", parallelogram_width_mm: "parallelogram width, mm", limb_azimuth_deg: "limb azimuths, deg" } as Record<string, string>,
+    geometry: { actuator: "actuators", base_radius_mm: "base radius, mm", plate_radius_mm: "plate radius, mm", arm_mm: "arm, mm", rod_mm: "rod, mm", parallelogram_width_mm: "parallelogram width, mm", limb_azimuth_deg: "limb azimuths, deg" } as Record<string, string>,
     workspace: { radius_mm: "workspace radius, mm", height_mm: "workspace height, mm", top_z_mm: "workspace top, z in mm", rotation_deg: "rotation, deg" } as Record<string, string>,
   },
 };

@@ -57,7 +57,8 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.frame = options.measuring.frame_kind();
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.measuring.mount();
-  if (!options.tolerances.empty()) calibration.tolerances = read_priors(io::read_file(options.tolerances));
+  if (!options.tolerances.empty())
+    calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.actuator());
   calibration.fixed = source_selectors(options.fixed, robot.limb_count());
   calibration.free = source_selectors(options.free, robot.limb_count());
   calibration.exclude_outliers = !options.keep_outliers;
@@ -106,7 +107,7 @@ void write_page(const Options& options, const Session& session, const Measuremen
 
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
-  const Measurements measurements = options.measuring.read(robot.limb_count());
+  const Measurements measurements = options.measuring.read(robot.joint_space());
   CalibrationOptions wanted = calibration_options(options, robot);
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);

@@ -72,7 +72,7 @@ io::Json uncertainty_json(const std::optional<CompensatorUncertainty<double>>& s
   return {{"U_mm", {stated->x, stated->y, stated->z}}, {"U_deg", to_degrees(stated->phi)}};
 }
 
-io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
+io::Json json_of(const Options& options, Actuator actuator, const std::vector<Compensated>& rows) {
   std::vector<io::NamedJoints> joints;
   joints.reserve(rows.size());
   for (const Compensated& row : rows) joints.push_back({row.name, row.joints});
@@ -82,7 +82,7 @@ io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
     tilts.push_back({{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}});
     uncertainties.push_back(uncertainty_json(row.uncertainty));
   }
-  io::Json json = joints_json(joints);
+  io::Json json = joints_json(joints, actuator);
   json["targets"] = std::move(targets);
   json["remaining_tilt"] = std::move(tilts);
   json["uncertainty"] = std::move(uncertainties);
@@ -90,14 +90,14 @@ io::Json json_of(const Options& options, const std::vector<Compensated>& rows) {
   return json;
 }
 
-std::string text_of(const Options& options, const std::vector<Compensated>& rows) {
+std::string text_of(const Options& options, Actuator actuator, const std::vector<Compensated>& rows) {
   std::vector<io::NamedJoints> joints;
   std::vector<io::NamedPose> targets;
   for (const Compensated& row : rows) {
     joints.push_back({row.name, row.joints});
     targets.push_back({row.name, row.target});
   }
-  return options.targets ? io::pose_table(targets) : io::joint_table(joints);
+  return options.targets ? io::pose_table(targets) : io::joint_table(joints, actuator);
 }
 
 /// Adds U to rows that were compensated.
@@ -118,12 +118,13 @@ void run(const Options& options, const Session& session) {
   const Robot robot = session.robot();
   const io::CalibratedMachine machine = known_machine(options, robot);
   const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(options.way));
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses));
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.joint_space());
   std::vector<Compensated> rows;
   rows.reserve(stations.size());
   for (const Station& station : stations) rows.push_back(compensated(robot, compensator, station));
   state_uncertainty(robot, machine, compensator.parameters(), stations, rows);
-  session.json() ? session.print_json(json_of(options, rows)) : session.print(text_of(options, rows));
+  if (!session.json()) return session.print(text_of(options, robot.actuator(), rows));
+  session.print_json(json_of(options, robot.actuator(), rows));
 }
 
 }  // namespace

@@ -11,13 +11,15 @@ namespace paracal::app {
 namespace {
 
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
-std::string column_name(Source source) {
+std::string column_name(const Robot& robot, Source source) {
   std::string plain(name(source));
+  const bool on_rail = robot.actuator() == Actuator::linear;
   switch (source) {
     case Source::theta_offset:
+      return on_rail ? plain : "L*" + plain;
     case Source::alpha0:
     case Source::beta0:
-      return "L*" + plain;
+      return (on_rail ? "l*" : "L*") + plain;
     case Source::rod_difference:
     case Source::width_difference:
       return plain + "/c";
@@ -42,7 +44,7 @@ io::Json parameters_json(const Robot& robot) {
     for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
       columns.push_back({{"limb", limb},
                          {"name", name(source)},
-                         {"column", column_name(source)},
+                         {"column", column_name(robot, source)},
                          {"unit", tilt_group ? "rad" : "mm"}});
     });
     groups[tilt_group ? "tilt" : "position"] = columns;
@@ -56,7 +58,7 @@ std::string matrix_text(const std::string& title, const Robot& robot, bool tilt_
   for (const std::string& row : rows) text += fmt::format("{:>12}", row);
   Eigen::Index column = 0;
   for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
-    text += fmt::format("\n  limb {} {:<17}", limb, column_name(source));
+    text += fmt::format("\n  limb {} {:<17}", limb, column_name(robot, source));
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) text += fmt::format("{:>12.5f}", matrix(row, column));
     ++column;
   });

@@ -36,7 +36,9 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));
   json.update(io::to_json(parameters));
-  for (const SelfTestCase& wanted : self_test(robot, parameters)) json["self_test"].push_back(io::to_json(wanted));
+  for (const SelfTestCase& wanted : self_test(robot, parameters)) {
+    json["self_test"].push_back(io::to_json(wanted, robot.actuator()));
+  }
   session.print_json(json);
 }
 

@@ -46,10 +46,10 @@ std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
   return tests;
 }
 
-io::Json tests_json(const std::vector<TargetTest>& tests) {
+io::Json tests_json(const std::vector<TargetTest>& tests, Actuator actuator) {
   io::Json json = io::Json::array();
   for (const auto& [wanted, target] : tests) {
-    io::Json one = io::to_json(wanted);
+    io::Json one = io::to_json(wanted, actuator);
     one["target"] = io::to_json(target);
     json.push_back(one);
   }
@@ -142,7 +142,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     json.update(io::to_json(robot, origin));
     json.update(io::to_json(summary));
     json["origin_mm"] = {frame.origin.x(), frame.origin.y(), frame.origin.z()};
-    json["self_test"] = tests_json(tests);
+    json["self_test"] = tests_json(tests, robot.actuator());
     print_summary(json_text(json));
   } else {
     fmt::print(stderr, "{}", summary_text(in.name, summary));

@@ -21,7 +21,7 @@ struct Options {
 };
 
 Measurements plan_of(const Robot& robot, const Options& options) {
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.measuring.poses), robot.limb_count());
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.measuring.poses), robot.joint_space());
   const bool rotation = options.rotation != "none";
   if (options.measure == "coordinates") return planned_points(robot, stations, rotation, options.second);
   if (options.second) throw WrongUsage("--second: expected --measure coordinates with it");
@@ -69,9 +69,18 @@ std::vector<Promise> promises(const KnownErrors& after, const std::vector<Sought
   return list;
 }
 
-double in_file_unit(Source source, double value) { return unit(source) == Unit::rad ? to_degrees(value) : value; }
+/// A value of a parameter in the unit of files.
+struct InFileUnit {
+  double factor;
+  const char* unit;
 
-std::string text_of(const Identifiability& seen, const std::vector<Promise>& list, const WorkspaceUncertainty& spread) {
+  InFileUnit(const Robot& robot, Source source) : InFileUnit(paracal::unit(source, robot.actuator())) {}
+  explicit InFileUnit(Unit of)
+      : factor(of == Unit::rad ? to_degrees(1.0) : 1.0), unit(of == Unit::rad ? "deg" : "mm") {}
+};
+
+std::string text_of(const Robot& robot, const Identifiability& seen, const std::vector<Promise>& list,
+                    const WorkspaceUncertainty& spread) {
   std::string text =
       fmt::format("{} of {} parameters are determined by {} readings\n", seen.rank, seen.parameters.size(), seen.rows);
   const auto out = std::back_inserter(text);
@@ -81,9 +90,9 @@ std::string text_of(const Identifiability& seen, const std::vector<Promise>& lis
   fmt::format_to(out, "standard deviations after measuring (before: from the tolerances)\n");
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
+    const InFileUnit shown(robot, one.parameter.source);
     fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1, name(one.parameter.source),
-                   in_file_unit(one.parameter.source, one.std), unit(one.parameter.source) == Unit::rad ? "deg" : "mm",
-                   in_file_unit(one.parameter.source, before));
+                   shown.factor * one.std, shown.unit, shown.factor * before);
   }
   fmt::format_to(out,
                  "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
@@ -92,15 +101,17 @@ std::string text_of(const Identifiability& seen, const std::vector<Promise>& lis
   return text;
 }
 
-io::Json json_of(const Identifiability& seen, const std::vector<Promise>& list, const WorkspaceUncertainty& spread) {
+io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vector<Promise>& list,
+                 const WorkspaceUncertainty& spread) {
   io::Json json{{"rank", seen.rank}, {"rows", seen.rows}, {"parameters", io::Json::array()}};
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
+    const InFileUnit shown(robot, one.parameter.source);
     json["parameters"].push_back({{"name", name(one.parameter.source)},
                                   {"limb", one.parameter.limb + 1},
-                                  {"unit", unit(one.parameter.source) == Unit::rad ? "deg" : "mm"},
-                                  {"prior_std", in_file_unit(one.parameter.source, before)},
-                                  {"std", in_file_unit(one.parameter.source, one.std)},
+                                  {"unit", shown.unit},
+                                  {"prior_std", shown.factor * before},
+                                  {"std", shown.factor * one.std},
                                   {"data_share", 1.0 - one.std * one.std / (before * before)}});
   }
   json["null_space"] = io::Json::array();
@@ -123,7 +134,8 @@ void run(const Options& options, const Session& session) {
   const WorkspaceUncertainty spread =
       PoseSpread(robot, {}, after.parameters, workspace_stations(robot)).uncertainty(after.covariance);
   const std::vector<Promise> list = promises(after, seen.parameters);
-  session.json() ? session.print_json(json_of(seen, list, spread)) : session.print(text_of(seen, list, spread));
+  session.json() ? session.print_json(json_of(robot, seen, list, spread))
+                 : session.print(text_of(robot, seen, list, spread));
 }
 
 }  // namespace

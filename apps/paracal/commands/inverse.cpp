@@ -27,13 +27,14 @@ Joints joints_at(const Machine& machine, const Station& station) {
 }
 
 void run(const Options& options, const Session& session) {
-  const Machine machine = machine_as_built(session.robot(), options.errors);
+  const Robot robot = session.robot();
+  const Machine machine = machine_as_built(robot, options.errors);
   std::vector<io::NamedJoints> rows;
   for (const Station& station : io::read_poses(io::read_file(options.poses))) {
     rows.push_back({station.name, joints_at(machine, station)});
   }
-  if (!session.json()) return session.print(io::joint_table(rows));
-  session.print_json(joints_json(rows));
+  if (!session.json()) return session.print(io::joint_table(rows, robot.actuator()));
+  session.print_json(joints_json(rows, robot.actuator()));
 }
 
 }  // namespace

@@ -107,12 +107,13 @@ void run_selection(const Options& options, Session& session) {
   if (session.json()) {
     const Identifiability seen =
         identifiability(robot, planned_points(robot, selection.stations, options.rotation, options.second));
+    const bool angles = joint_unit(robot.actuator()) == Unit::rad;
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},
                   {"value", selection.criterion},
                   {"sweeps", selection.sweeps},
                   {"exchanges", selection.exchanges},
-                  {"travel_deg", to_degrees(selection.travel)},
+                  {angles ? "travel_deg" : "travel_mm", angles ? to_degrees(selection.travel) : selection.travel},
                   {"workspace_std", workspace_json(selection.uncertainty)},
                   {"curve", io::Json::array()},
                   {"poses", poses_json(selection.stations)}};

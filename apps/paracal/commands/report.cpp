@@ -21,7 +21,7 @@ void run(const ValidatingOptions& options, Session& session) {
   std::vector<Station> stations = validation_stations(robot);
   std::vector<InputFile> inputs{{file.name, io::sha256(file.text)}};
   if (!options.measuring.files.empty()) {
-    const Measurements measurements = options.measuring.read(robot.limb_count());
+    const Measurements measurements = options.measuring.read(robot.joint_space());
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());
     stations = measurements.stations;
     if (!measurements.series.empty()) {

@@ -48,7 +48,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
     const bool over_width = tilt && unit_size(k) != 1.0;
     const std::string unit = tilt ? "rad per rad"
                                   : fmt::format("{} per {}", shown(found.what.quantity, 0.0).unit,
-                                                paracal::unit(source) == Unit::mm ? "mm" : "rad");
+                                                paracal::unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad");
     const double to_screen = shown(found.what.quantity, 1.0).value * unit_size(k);
     fmt::format_to(out, "  {:<21}{:>10.4f} +- {:<8.1g}{:>10.4f}",
                    fmt::format("{}{}", name(source), over_width ? " / c" : ""), to_screen * found.global.mean(k),

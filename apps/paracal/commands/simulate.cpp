@@ -36,20 +36,20 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
   if (options.errors.empty()) {
     return draw_errors(tolerances_of(robot), robot.limb_count(), random);
   }
-  return io::read_source_errors(io::read_file(options.errors), robot.limb_count());
+  return io::read_source_errors(io::read_file(options.errors), robot.joint_space());
 }
 
 void run(const Options& options, const Session& session) {
   const Robot robot = session.robot();
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.limb_count());
+  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.joint_space());
   VirtualInstrument instrument = options.instrument.instrument(options.rotation);
   if (options.frame == "random") instrument.frame = random_frame(random);
   const Measurements measurements = simulate(robot, errors, stations, instrument, random);
-  const std::string table = io::point_table(measurements);
+  const std::string table = io::point_table(measurements, robot.actuator());
   if (!options.truth.empty()) {
-    io::write_file(options.truth, io::source_errors_toml(errors, robot.limb_count()));
+    io::write_file(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
   if (!session.json()) return session.print(table);
   io::Json points = io::Json::array();

@@ -24,11 +24,12 @@ struct Options {
 bool is_general(const Options& options) { return !options.problem.empty(); }
 
 Allocation allocated(const Options& options, const Robot& robot) {
-  const Tolerances rest = options.tolerances.empty() ? paracal::tolerances_of(robot)
-                                                     : io::read_tolerances(io::read_file(options.tolerances));
+  const Tolerances rest = options.tolerances.empty()
+                              ? paracal::tolerances_of(robot)
+                              : io::read_tolerances(io::read_file(options.tolerances), robot.actuator());
   if (is_general(options)) {
     const io::TextFile file = io::read_file(options.problem);
-    const AllocationProblem problem = io::read_allocation_problem(file, rest);
+    const AllocationProblem problem = io::read_allocation_problem(file, rest, robot.actuator());
     if (problem.variables.empty()) throw InputFileError(file.name, 0, "expected costs ([cost.NAME]), got none");
     return allocate(robot, problem);
   }
@@ -60,7 +61,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
                    worst.unit, pose_text(one.worst.pose), 0.01 * one.price * one.requirement.limit);
   }
-  text += "\n" + io::tolerances_toml(allocation.tolerances);
+  text += "\n" + io::tolerances_toml(allocation.tolerances, robot.actuator());
   return text;
 }
 
@@ -71,7 +72,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     json["bound"] = options.bound;
     json["max_tilt_3sigma"] = options.max_tilt;
   }
-  json["half_widths"] = io::to_json(allocation.tolerances);
+  json["half_widths"] = io::to_json(allocation.tolerances, robot.actuator());
   json["requirements"] = io::Json::array();
   for (const RequirementOutcome& one : allocation.requirements) {
     const Characteristic what = one.requirement.characteristic;
@@ -99,7 +100,7 @@ void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
-    io::write_file(options.toml, io::tolerances_toml(allocation.tolerances));
+    io::write_file(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))

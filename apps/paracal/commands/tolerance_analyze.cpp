@@ -39,9 +39,9 @@ struct Findings {
   std::vector<LinearityPoint> linearity = {};
 };
 
-std::vector<Requirement> requirements_of(const Options& options, const Tolerances& tolerances) {
+std::vector<Requirement> requirements_of(const Options& options, const Robot& robot, const Tolerances& tolerances) {
   if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt}};
-  return io::read_allocation_problem(io::read_file(options.problem), tolerances).requirements;
+  return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot.actuator()).requirements;
 }
 
 /// The poses of the validation plan with all rotations, and those that are worst.
@@ -67,7 +67,7 @@ Progress watched(const std::atomic<bool>& interrupted) {
 Findings find(const Options& options, const Robot& robot, const Session& session) {
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
-  const std::vector<Requirement> requirements = requirements_of(options, tolerances);
+  const std::vector<Requirement> requirements = requirements_of(options, robot, tolerances);
   Findings found{.tolerances = tolerances, .analyses = analyze(robot, tolerances, requirements)};
   const std::vector<Pose> poses = poses_of(robot, found.analyses);
   MonteCarloOptions sampling = options.monte_carlo;

@@ -69,9 +69,10 @@ Order order_of(const Options& options, const Session& session) {
   };
   const Robot& robot = order.batch.robot;
   if (const auto file = session.robot_file()) input(*file);
-  ProductionPlan plan = paper_production(
-      robot, options.tolerances.empty() ? tolerances_of(robot) : read_priors(input(options.tolerances)));
-  if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.limb_count());
+  ProductionPlan plan =
+      paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
+                                                         : read_priors(input(options.tolerances), robot.actuator()));
+  if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
   plan.instrument = options.instrument.instrument(options.rotation != "none");
   plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
   plan.calibration.noise = first_guess(plan.instrument);

@@ -29,7 +29,7 @@ struct GaugeMotion {
 /// For every robot:
 ///
 ///   translation along k    e_i = k                               the base moved
-///   rotation w             e_i = w x (b_i - a_i), alpha0 = w.u0, beta0 = w.v0, theta_offset = w.w0
+///   rotation w             turned_base(w): e_i = w x (b_i - a_i), alpha0 = w.u0, ...  (mechanism/base_motion.hpp)
 ///   slide zero             e_i = mu_i shat                       r stays, s changes by a constant (-1 mm per mm)
 ///
 /// A rotation does not turn the slide axis, so only that about the slide axis (any, for a rigid plate) goes unseen.

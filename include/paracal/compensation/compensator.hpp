@@ -34,14 +34,17 @@ struct CompensatorLimb {
   CompensatorVector<Scalar> plate_half{};                ///< (c_a / 2) R_3 e_3, in {O'}
   std::array<Scalar, 2> rod{};                           ///< l_1, l_2
   Scalar arm{};                                          ///< L_i
-  Scalar joint_offset{};                                 ///< added to the believed joint coordinate, rad
+  Scalar joint_offset{};                                 ///< added to the believed joint coordinate, rad or mm
+  /// 0: the joint turns an arm, C = b + L u_1; 1: it is a carriage on a rail, C = b - L u_0 + q v_0
+  Scalar on_rail{};
 };
 
 /// All that a compensator knows: plain numbers of fixed size, without padding, to be copied as bytes.
 template <typename Scalar>
 struct CompensatorParameters {
   std::array<CompensatorLimb<Scalar>, kCompensatorLimbs> identified{}, nominal{};
-  /// dp_d of each limb, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean.
+  /// dp_d of each limb, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean (on a rail
+  /// theta_offset is a length itself, and the rod's length stands for L).
   std::array<std::array<Scalar, 8>, kCompensatorLimbs> position_errors{};
   /// dp_e of each limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
   std::array<std::array<Scalar, 6>, kCompensatorLimbs> tilt_errors{};
@@ -65,7 +68,7 @@ struct CompensatorPose {
   Scalar phi{};
 };
 
-/// Joint coordinates to command, rad, one a limb; entries beyond the number of limbs are not used.
+/// Joint coordinates to command, rad (mm on rails), one a limb; entries beyond the number of limbs are not used.
 template <typename Scalar>
 using CompensatorJoints = std::array<Scalar, kCompensatorLimbs>;
 
@@ -136,11 +139,17 @@ Vector<Scalar> plate_joint(const CompensatorLimb<Scalar>& limb, Scalar phi) noex
   return sum(limb.plate, limb.slide, phi);
 }
 
-/// Direction of an arm: (cos(th), sin(th)) times any positive factor; NaN when out of reach.
+/// Direction of an arm: (cos(th), sin(th)) times any positive factor; on a rail (1, travel of the carriage in mm). NaN
+/// when out of reach.
 template <typename Scalar>
 struct ArmDirection {
   Scalar cosine, sine;
 };
+
+template <typename Scalar>
+bool runs_on_rail(const CompensatorLimb<Scalar>& limb) noexcept {
+  return limb.on_rail != Scalar(0);
+}
 
 /// Triangle of arm and mean rod in closed form, elbow outward; the same lines as close_triangle (mechanism/limb.hpp).
 ///
@@ -157,6 +166,32 @@ ArmDirection<Scalar> close_triangle(const CompensatorLimb<Scalar>& limb, const V
   return {a * k - b * w, b * k + a * w};
 }
 
+/// Carriage above the plate, offset included, mm; the same lines as close_on_rail (mechanism/limb.hpp).
+template <typename Scalar>
+Scalar close_on_rail(const CompensatorLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
+  using std::sqrt;
+  const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
+  const Scalar radial = dot(d, limb.radial) + limb.arm, across = dot(d, limb.axis);
+  return dot(d, limb.normal) + sqrt(rod * rod - radial * radial - across * across);
+}
+
+/// The elbow (on a rail the carriage) in {O}: its centre C and the directions that its short side keeps.
+template <typename Scalar>
+struct Elbow {
+  Vector<Scalar> u1, v1, centre;
+};
+
+/// @param arm  of unit length.
+template <typename Scalar>
+Elbow<Scalar> elbow_of(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
+  if (runs_on_rail(limb)) {
+    return {limb.radial, limb.normal, sum(sum(limb.base, limb.radial, -limb.arm), limb.normal, arm.sine)};
+  }
+  const Vector<Scalar> u1 = sum(scaled(limb.radial, arm.cosine), limb.normal, arm.sine);
+  const Vector<Scalar> v1 = sum(scaled(limb.normal, arm.cosine), limb.radial, -arm.sine);
+  return {u1, v1, sum(limb.base, u1, limb.arm)};
+}
+
 template <typename Scalar, std::size_t N>
 using Arms = std::array<ArmDirection<Scalar>, N>;
 
@@ -169,7 +204,9 @@ Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensato
   Arms<Scalar, N> arms;
   for (std::size_t i = 0; i < N; ++i) {
     const Vector<Scalar> joint_at_plate = sum(position, plate_joint(limbs[i], pose.phi));
-    arms[i] = close_triangle(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
+    const Vector<Scalar> d = sum(joint_at_plate, limbs[i].base, Scalar(-1));
+    arms[i] = runs_on_rail(limbs[i]) ? ArmDirection<Scalar>{Scalar(1), close_on_rail(limbs[i], d)}
+                                     : close_triangle(limbs[i], d);
   }
   return arms;
 }
@@ -179,7 +216,10 @@ template <typename Scalar, std::size_t N>
 void joints_of(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs, const Arms<Scalar, N>& arms,
                CompensatorJoints<Scalar>& joints) noexcept {
   using std::atan2;
-  for (std::size_t i = 0; i < N; ++i) joints[i] = atan2(arms[i].sine, arms[i].cosine) - limbs[i].joint_offset;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [c, s] = arms[i];
+    joints[i] = (runs_on_rail(limbs[i]) ? s : atan2(s, c)) - limbs[i].joint_offset;
+  }
 }
 
 /// @returns whether every limb reaches; joints are then finite.
@@ -237,18 +277,19 @@ PlateFrame<Scalar> plate_frame(const Vector<Scalar>& tilt) noexcept {
 /// Where arms and plate are while the tilt is sought; position and slide of the plate are held on the pose.
 template <typename Scalar, std::size_t N>
 struct TiltedPose {
-  Arms<Scalar, N> arms;            ///< of unit length
-  std::array<Scalar, N> turned{};  ///< by how much since the level plate, rad
-  Vector<Scalar> tilt{};           ///< rad
+  Arms<Scalar, N> arms;           ///< of unit length
+  std::array<Scalar, N> moved{};  ///< joints, by how much since the level plate, rad or mm
+  Vector<Scalar> tilt{};          ///< rad
 };
 
 template <typename Scalar, std::size_t N>
-TiltedPose<Scalar, N> level_pose(const Arms<Scalar, N>& arms) noexcept {
+TiltedPose<Scalar, N> level_pose(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
+                                 const Arms<Scalar, N>& arms) noexcept {
   using std::sqrt;
   TiltedPose<Scalar, N> state;
   for (std::size_t i = 0; i < N; ++i) {
     const auto [c, s] = arms[i];
-    const Scalar scale = Scalar(1) / sqrt(c * c + s * s);
+    const Scalar scale = runs_on_rail(limbs[i]) ? Scalar(1) : Scalar(1) / sqrt(c * c + s * s);
     state.arms[i] = {c * scale, s * scale};
   }
   return state;
@@ -270,14 +311,11 @@ Pull<Scalar> pull_of_rods(const std::array<CompensatorLimb<Scalar>, kCompensator
   Pull<Scalar> pull;
   for (std::size_t i = 0; i < N; ++i) {
     const CompensatorLimb<Scalar>& limb = limbs[i];
-    const auto [c, s] = state.arms[i];
-    const Vector<Scalar> u1 = sum(scaled(limb.radial, c), limb.normal, s);
-    const Vector<Scalar> v1 = sum(scaled(limb.normal, c), limb.radial, -s);
-    const Vector<Scalar> elbow = sum(limb.base, u1, limb.arm);
-    const Vector<Scalar> elbow_half = combination(limb.elbow_half, u1, v1, limb.axis);
+    const Elbow<Scalar> elbow = elbow_of(limb, state.arms[i]);
+    const Vector<Scalar> elbow_half = combination(limb.elbow_half, elbow.u1, elbow.v1, limb.axis);
     const Vector<Scalar> centre = frame.turned(plate_joint(limb, pose.phi));
     const Vector<Scalar> plate_half = frame.turned(limb.plate_half);
-    const Vector<Scalar> mean_rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow, Scalar(-1));
+    const Vector<Scalar> mean_rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow.centre, Scalar(-1));
     const Vector<Scalar> half_rod = sum(plate_half, elbow_half, Scalar(-1));
     Vector<Scalar> both{};
     for (std::size_t j = 0; j < 2; ++j) {
@@ -335,7 +373,7 @@ template <typename Scalar, std::size_t N>
 struct Answer {
   std::array<RodMotion<Scalar>, N> dual;
   std::array<Vector<Scalar>, N> moment;   ///< plate joint x n
-  std::array<Scalar, N> by_joint;         ///< change of the rods a rad of the arm, mm
+  std::array<Scalar, N> by_joint;         ///< change of the rods by the joint, mm a rad or mm
   std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n
 };
 
@@ -348,14 +386,13 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
   std::array<Vector<Scalar>, 3> tilt{};
   for (std::size_t i = 0; i < N; ++i) {
     const CompensatorLimb<Scalar>& limb = limbs[i];
-    const auto [c, s] = arms[i];
+    const Elbow<Scalar> elbow = elbow_of(limb, arms[i]);
     const Vector<Scalar> centre = plate_joint(limb, pose.phi);
-    const Vector<Scalar> elbow = sum(sum(limb.base, limb.radial, limb.arm * c), limb.normal, limb.arm * s);
-    const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow, Scalar(-1));
+    const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow.centre, Scalar(-1));
     const Vector<Scalar> n = scaled(rod, Scalar(1) / sqrt(dot(rod, rod)));
     motions[i] = {n, dot(n, limb.slide)};
     answer.moment[i] = cross(centre, n);
-    answer.by_joint[i] = limb.arm * (s * dot(n, limb.radial) - c * dot(n, limb.normal));
+    answer.by_joint[i] = -dot(n, elbow.v1) * (runs_on_rail(limb) ? Scalar(1) : limb.arm);
     const Vector<Scalar> h = cross(limb.plate_half, n);
     for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, Scalar(2) * h[k]);
   }
@@ -364,8 +401,17 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
   return answer;
 }
 
+/// Moves an arm or a carriage on.
+template <typename Scalar>
+ArmDirection<Scalar> moved_by(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
+                              Scalar change) noexcept {
+  if (runs_on_rail(limb)) return {arm.cosine, arm.sine + change};
+  const auto [c, s] = turn_by(change);
+  return {arm.cosine * c - arm.sine * s, arm.sine * c + arm.cosine * s};
+}
+
 /// One step towards equilibrium.
-/// @returns by how much each arm turns and the plate tilts, rad.
+/// @returns by how much each arm turns (each carriage turns its rods) and the plate tilts, rad.
 template <typename Scalar, std::size_t N>
 std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
                                const CompensatorPose<Scalar>& pose, const Answer<Scalar, N>& answer,
@@ -382,12 +428,10 @@ std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompen
   state.tilt = sum(state.tilt, tilt);
   std::array<Scalar, N + 3> changes;
   for (std::size_t i = 0; i < N; ++i) {
-    const Scalar turn = (Scalar(0.5) * both[i] - dot(answer.moment[i], tilt)) / answer.by_joint[i];
-    const auto [c, s] = turn_by(turn);
-    const auto [cosine, sine] = state.arms[i];
-    state.arms[i] = {cosine * c - sine * s, sine * c + cosine * s};
-    state.turned[i] = state.turned[i] + turn;
-    changes[i] = turn;
+    const Scalar change = (Scalar(0.5) * both[i] - dot(answer.moment[i], tilt)) / answer.by_joint[i];
+    state.arms[i] = moved_by(limbs[i], state.arms[i], change);
+    state.moved[i] = state.moved[i] + change;
+    changes[i] = runs_on_rail(limbs[i]) ? change / limbs[i].rod[0] : change;
   }
   for (std::size_t k = 0; k < 3; ++k) changes[N + k] = tilt[k];
   return changes;
@@ -404,7 +448,7 @@ CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const
                           const Arms<Scalar, N>& level, CompensatorJoints<Scalar>& joints,
                           Vector<Scalar>& tilt) noexcept {
   constexpr int kMaxSteps = 20;
-  TiltedPose<Scalar, N> state = level_pose(level);
+  TiltedPose<Scalar, N> state = level_pose(parameters.identified, level);
   const Answer<Scalar, N> answer = answer_at(parameters.identified, pose, state.arms);
   Scalar before(1);
   for (int count = 0; count < kMaxSteps; ++count) {
@@ -413,7 +457,7 @@ CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const
     Scalar largest{};
     for (const Scalar change : changes) largest = std::abs(change) > largest ? std::abs(change) : largest;
     if (largest <= before && largest * largest <= kSettled<Scalar> * before) {
-      for (std::size_t i = 0; i < N; ++i) joints[i] += state.turned[i];
+      for (std::size_t i = 0; i < N; ++i) joints[i] += state.moved[i];
       tilt = state.tilt;
       return all_finite(joints, N) && all_finite(tilt) ? CompensationStatus::ok : CompensationStatus::singular;
     }
@@ -437,26 +481,29 @@ struct LinearLimb {
   std::array<Scalar, 8> B_d;  ///< of dp_d (CompensatorParameters::position_errors)
   std::array<Scalar, 6> B_e;  ///< of dp_e (CompensatorParameters::tilt_errors)
   Vector<Scalar> A_de, A_ee;  ///< mm and 1
-  Scalar by_joint;            ///< B_m, mm a rad
+  Scalar by_joint;            ///< B_m, mm a rad or mm
   Vector<Scalar> rod;         ///< l, unit vector
 };
 
 template <typename Scalar>
 LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorPose<Scalar>& pose,
                                Scalar joint) noexcept {
-  const Scalar c = std::cos(joint), s = std::sin(joint);
-  const Vector<Scalar> u1 = combination({c, s, Scalar(0)}, limb.radial, limb.normal, limb.axis);
-  const Vector<Scalar> v1 = combination({-s, c, Scalar(0)}, limb.radial, limb.normal, limb.axis);
+  const bool on_rail = runs_on_rail(limb);
+  const Scalar c = on_rail ? Scalar(1) : std::cos(joint), s = on_rail ? joint : std::sin(joint);
+  const auto [u1, v1, elbow] = elbow_of(limb, {c, s});
   const Vector<Scalar> a = plate_joint(limb, pose.phi);
-  const Vector<Scalar> elbow = sum(limb.base, u1, limb.arm);
   const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, a), elbow, Scalar(-1));
   const Vector<Scalar> l = scaled(rod, Scalar(1) / std::sqrt(dot(rod, rod)));
   const Scalar lu = dot(l, u1), lv = dot(l, v1), lw = dot(l, limb.axis);
-  return {{lv, l[0], l[1], l[2], lu, s * lw, -(c * lw), Scalar(1)},
+  // Arm and actuator axis: of an arm its length and two turns, of a rail the carriage's arm and how it leans.
+  const Scalar arm_length = on_rail ? -lu : lu;
+  const Scalar alpha0 = on_rail ? joint * lw / limb.rod[0] : s * lw;
+  const Scalar beta0 = on_rail ? -(joint * lu + limb.arm * lv) / limb.rod[0] : -(c * lw);
+  return {{lv, l[0], l[1], l[2], arm_length, alpha0, beta0, Scalar(1)},
           {Scalar(1), lw, -dot(l, limb.normal), dot(l, limb.radial), -lv, lu},
           cross(a, l),
           cross(limb.axis, l),
-          limb.arm * lv,
+          on_rail ? lv : limb.arm * lv,
           l};
 }
 
@@ -524,7 +571,7 @@ CompensationStatus asked(const CompensatorParameters<Scalar>& parameters,
 /// the first call (to where the machine stands). What is written with status ok is finite, whatever came in.
 ///
 /// @param pose    mm, rad, in {O}.
-/// @param joints  rad, as the controller should command them.
+/// @param joints  rad (mm on rails), as the controller should command them.
 /// @param tilt    on request: what tilt remains, rad; of first order for the linear ways.
 /// Real-time: yes.
 template <typename Scalar>

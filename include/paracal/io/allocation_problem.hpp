@@ -8,6 +8,6 @@ namespace paracal::io {
 
 /// Requirements and costs (TOML), as docs/files.md has them. `rest` is what the file does not choose.
 /// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that make no sense.
-AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest);
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, Actuator actuator);
 
 }  // namespace paracal::io

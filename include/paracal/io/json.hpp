@@ -35,12 +35,12 @@ Json to_json(const PoseErrorSummary& summary);
 /// What validate() found; keys in docs/files.md.
 Json to_json(const Validation& validation);
 
-Json to_json(const Tolerances& tolerances);
+Json to_json(const Tolerances& tolerances, Actuator actuator);
 
 Json to_json(const TrackerModel& tracker);
 
-/// What was asked of a calibration.
-Json to_json(const CalibrationOptions& options);
+/// What was asked of a calibration of a robot with these actuators.
+Json to_json(const CalibrationOptions& options, Actuator actuator);
 
 /// Everything that decides what the machines of a batch are, so that results of another batch, or of another version of
 /// the program, can be told apart. Numbers as they are inside the library (mm, rad), to the last bit.
@@ -64,8 +64,8 @@ Json to_json(const Robot& robot, const ExportOrigin& origin);
 /// All that a compensator knows, mm and deg; keys in docs/files.md.
 Json to_json(const CompensatorParameters<double>& parameters);
 
-/// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}
-Json to_json(const SelfTestCase& wanted);
+/// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm of rails.
+Json to_json(const SelfTestCase& wanted, Actuator actuator);
 
 /// lines, corrected, passed: [{reason, count, first_line}]
 Json to_json(const FilterSummary& summary);

@@ -11,17 +11,17 @@
 namespace paracal::io {
 
 /// Point table (CSV): pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm and optional repeat, phi_deg,
-/// x2_mm,y2_mm,z2_mm, sigma_mm, q1_deg... It becomes one series, named after the file. A missing column phi_cmd_deg is
-/// 0. Rows of the same pose are repeats of one station. What was not read is passed over and noted:
+/// x2_mm,y2_mm,z2_mm, sigma_mm, q1_deg... or q1_mm... It becomes one series, named after the file. A missing column
+/// phi_cmd_deg is 0. Rows of the same pose are repeats of one station. What was not read is passed over and noted:
 ///
 ///   x_mm, y_mm, z_mm blank       no reading; a station without any is left out
 ///   phi_deg or x2_mm... blank    not read there
 ///   the same numbers again       one reading where the pose is the same, two where it is another; a note either way
 ///
-/// @param limb_count  where joint columns stand, they must be those of that many limbs; 0: of any robot.
+/// @param joints  where joint columns stand, they must be these.
 /// @throws InputFileError for anything else, as two rows of one pose that are commanded differently, or a point that
 /// is blank in part.
-Measurements read_points(const TextFile& file, std::size_t limb_count = 0);
+Measurements read_points(const TextFile& file, const JointSpace& joints = {});
 
 /// Several measurements as one, each series in its own frame. A station that has the name, commanded pose and believed
 /// joints of an earlier one is the same station; one that has the name alone becomes "series:name". The first home
@@ -59,7 +59,7 @@ Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns,
 /// of a virtual machine without noise, are then counted once.
 /// @throws InvalidArgument when there is not exactly one series with readings, when stations' believed joints are
 /// stated in part, or for numbers and names that would not be read back.
-std::string point_table(const Measurements& measurements);
+std::string point_table(const Measurements& measurements, Actuator actuator = Actuator::revolute);
 
 /// The commanded poses as the CSV that read_poses() takes.
 /// @throws InvalidArgument for names that would not be read back.

@@ -10,27 +10,27 @@
 
 namespace paracal::io {
 
-/// Joint coordinates of one pose, rad, with the name of its row.
+/// Joint coordinates of one pose, rad or mm, with the name of its row.
 struct NamedJoints {
   std::string name;
   Joints joints;
 };
 
 /// Pose table (CSV): x_mm,y_mm,z_mm,phi_deg or x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg, optional pose (name) and
-/// q1_deg... (believed joints). Where both kinds stand, as in a measurement file, the commanded ones count. A missing
-/// phi is 0, a missing name is the row's number. Other columns of the contract's measurement and pose tables are passed
-/// over.
-/// @param limb_count  where joint columns stand, they must be those of that many limbs; 0: of any robot.
+/// q1_deg... or q1_mm... (believed joints). Where both kinds stand, as in a measurement file, the commanded ones count.
+/// A missing phi is 0, a missing name is the row's number. Other columns of the contract's measurement and pose tables
+/// are passed over.
+/// @param joints  where joint columns stand, they must be these.
 /// @throws InputFileError for anything else, or a name that comes twice.
-std::vector<Station> read_poses(const TextFile& file, std::size_t limb_count = 0);
+std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints = {});
 
-/// Joint table (CSV): q1_deg, q2_deg, ... for every limb, optional pose.
-std::vector<NamedJoints> read_joints(const TextFile& file, std::size_t limb_count);
+/// Joint table (CSV): q1_deg, q2_deg, ... (of rails q1_mm, ...) for every limb, optional pose.
+std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints);
 
 /// Distance table (CSV): from,to,distance_mm and optional rotation_deg, sigma_mm; names are those of the pose table.
-Measurements read_distances(const TextFile& distances, const TextFile& poses, std::size_t limb_count = 0);
+Measurements read_distances(const TextFile& distances, const TextFile& poses, const JointSpace& joints = {});
 Measurements read_distances(const std::filesystem::path& distances, const std::filesystem::path& poses,
-                            std::size_t limb_count = 0);
+                            const JointSpace& joints = {});
 
 /// A pose with the name of its row.
 struct NamedPose {
@@ -47,7 +47,7 @@ struct NamedPlate {
 
 /// Tables as text that the readers above accept again; the table of plates also has tilt_x_rad, tilt_y_rad,
 /// tilt_z_rad, residual_mm.
-std::string joint_table(const std::vector<NamedJoints>& rows);
+std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator = Actuator::revolute);
 std::string pose_table(const std::vector<NamedPose>& rows);
 std::string plate_table(const std::vector<NamedPlate>& rows);
 

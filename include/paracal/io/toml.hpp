@@ -19,17 +19,17 @@ std::string robot_toml(const Robot& robot);
 
 /// Source errors (TOML): one [[limb]] table a limb, missing keys are zero.
 /// @throws InputFileError as above, and when the file has more or fewer limbs than the robot.
-SourceErrors read_source_errors(const TextFile& file, std::size_t limb_count);
+SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints);
 
 /// The errors as a file that read_source_errors() accepts; numbers read back as they were to rounding.
-std::string source_errors_toml(const SourceErrors& errors, std::size_t limb_count);
+std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints);
 
 /// Tolerances (TOML): half-widths, as keys of their own or in a [tolerances] table (other tables, as those of a robot
 /// file, are then passed over).
 /// @throws InputFileError as above, and for a negative half-width.
-Tolerances read_tolerances(const TextFile& file);
+Tolerances read_tolerances(const TextFile& file, Actuator actuator);
 
 /// The tolerances as a file that read_tolerances() accepts.
-std::string tolerances_toml(const Tolerances& tolerances);
+std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator);
 
 }  // namespace paracal::io

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 
@@ -45,15 +46,17 @@ PlateRotation<Scalar> plate_rotation(const Vector3<Scalar>& tilt) {
   return rotation;
 }
 
-/// The elbow of one limb at a joint coordinate, relative to its base joint, in {O}, mm.
+/// The elbow of one limb at a joint coordinate, in {O}, mm.
 ///
 ///   arm, arm_normal  u_1, v_1
+///   lever            C - b, from the base joint to the elbow
 ///   half             half the short side of the parallelogram there, (c_c / 2) R_0 R_1 R_2 e_3
-///   joint[j]         where rod j is hinged: b + L u_1 + sgn(j) half, from O
+///   joint[j]         where rod j is hinged: C + sgn(j) half, from O
 template <typename Scalar>
 struct Elbow {
   Vector3<Scalar> arm;
   Vector3<Scalar> arm_normal;
+  Vector3<Scalar> lever;
   Vector3<Scalar> half;
   std::array<Vector3<Scalar>, 2> joint;
 };
@@ -66,9 +69,16 @@ Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
   elbow.arm = direction.u1;
   elbow.arm_normal = direction.v1;
   elbow.half = half.x() * direction.u1 + half.y() * direction.v1 + half.z() * limb.frame.col(2);
-  const Vector3<Scalar> centre = limb.base + limb.arm * direction.u1;
+  elbow.lever = elbow_lever(limb, joint, direction);
+  const Vector3<Scalar> centre = limb.base + elbow.lever;
   elbow.joint = {centre + elbow.half, centre - elbow.half};
   return elbow;
+}
+
+/// Motion of the hinge of rod j at the elbow per rad or mm of the joint: w_0 x (its place - b), or v_1 along a rail.
+inline Eigen::Vector3d hinge_motion(const Limb& limb, const Elbow<double>& elbow, std::size_t j) {
+  if (limb.actuator == Actuator::linear) return elbow.arm_normal;
+  return limb.frame.col(2).cross(elbow.joint[j] - limb.base);
 }
 
 /// Where the rods of one limb are hinged on the plate, from O', in the plate frame, mm:

@@ -21,6 +21,7 @@ enum class ErrorModelStatus : std::uint8_t {
 ///   delta    (dr, ds) in {O}, mm: 4, or 3 for a rigid plate, which has no slide
 ///   epsilon  small rotation of the plate about x, y, z of {O}, rad
 ///   dp_d     8 a limb, mm:  L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean
+///            (on a rail theta_offset is a length itself, and the rod's length l stands for L)
 ///   dp_e     6 a limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2
 ///
 /// B_d and B_e are block diagonal; here they are stored a row a limb.
@@ -37,7 +38,7 @@ struct [[nodiscard]] ErrorModel {
   static constexpr double kSmallestCondition = 1e-9;
 
   ErrorModelStatus status = ErrorModelStatus::unreachable;
-  Joints joints;                                  ///< nominal, rad
+  Joints joints;                                  ///< nominal, rad or mm
   PerFreedomAndSource<1> A_dd;                    ///< N x N
   PerFreedom<3> A_de, A_ee;                       ///< N x 3, mm and 1
   PerFreedom<kPosition> B_d;                      ///< N x 8, one row a limb
@@ -53,7 +54,7 @@ struct [[nodiscard]] ErrorModel {
 /// @param pose  mm, rad. Real-time: yes (no allocation, no exception).
 ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept;
 
-/// Factor from a source error in mm or rad to its column of dp_d or dp_e: L, 1 or 1/c.
+/// Factor from a source error in mm or rad to its column of dp_d or dp_e: L (l for the angles of a rail), 1 or 1/c.
 double paper_scale(const Robot& robot, Source source);
 
 }  // namespace paracal

@@ -30,7 +30,7 @@ struct [[nodiscard]] ExactJacobian {
 /// errors as large as the tolerances of huang2016 that is below 1e-3 of a row's largest entry (measured: 6.5e-4).
 ///
 /// @param plate   the answer of forward(machine, joints).
-/// @param joints  believed joint coordinates, rad. Real-time: yes.
+/// @param joints  believed joint coordinates, rad or mm. Real-time: yes.
 ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept;
 
 }  // namespace paracal

@@ -45,7 +45,7 @@ struct [[nodiscard]] ForwardResult {
 /// first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with analytic Jacobian, steps halved
 /// while they do not descend.
 ///
-/// @param joints  as the controller believes them, rad, one a limb.
+/// @param joints  as the controller believes them, rad or mm, one a limb.
 /// Real-time: yes (no allocation, no exception, bounded loop).
 ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options = {}) noexcept;
 

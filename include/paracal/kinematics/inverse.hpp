@@ -16,17 +16,17 @@ enum class InverseStatus : std::uint8_t {
 
 struct [[nodiscard]] InverseResult {
   InverseStatus status = InverseStatus::unreachable;
-  Joints joints;              ///< rad, as the controller should command them
+  Joints joints;              ///< rad or mm, as the controller should command them
   int unreachable_limb = -1;  ///< first limb that does not reach, from 0; -1 when a rigid plate is asked to turn
   int iterations = 0;         ///< 0: closed form
 
   bool ok() const { return status == InverseStatus::reached; }
 };
 
-/// Joint coordinates that bring the plate centre and the rotation to a pose, elbows outward.
+/// Joint coordinates that bring the plate centre and the rotation to a pose, elbows outward, carriages above the plate.
 ///
-/// Closed form (solve_arm) limb by limb when no source error tilts the plate: the parallelograms then stay perfect and
-/// only the centre lines count. With tilt errors the closed form starts a Newton iteration on the exact closure, so
+/// Closed form (solve_joint) limb by limb when no source error tilts the plate: the parallelograms then stay perfect
+/// and only the centre lines count. With tilt errors the closed form starts a Newton iteration on the exact closure, so
 /// that forward(machine, inverse(machine, pose)) returns the pose while the tilt stays what it must be.
 ///
 /// Real-time: yes (no allocation, no exception, bounded loop).

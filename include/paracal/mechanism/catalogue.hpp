@@ -17,6 +17,10 @@ Robot huang2016();
 /// the other dimensions are round numbers of the same class.
 Robot rotary_delta();
 
+/// A linear-delta printer: three rails, rigid plate. Round numbers of a desktop printer (delta radius 185 - 20 - 35 =
+/// 130 mm, rods 290 mm) with its towers where the firmwares put them.
+Robot linear_delta();
+
 /// Names that find() knows.
 std::vector<std::string_view> names();
 

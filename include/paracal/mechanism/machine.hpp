@@ -20,6 +20,7 @@ struct BasicMachine {
   double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
   bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
 
+  Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
@@ -33,6 +34,8 @@ using Machine = BasicMachine<double>;
 ///   alpha3 = alpha0 - alpha03, beta3 = beta0 - beta03;
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
+/// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it:
+///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03.
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);

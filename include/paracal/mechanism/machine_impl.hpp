@@ -28,6 +28,15 @@ Matrix3<Scalar> rotation_y(const Scalar& angle) {
   return rotation;
 }
 
+template <typename Scalar>
+Matrix3<Scalar> rotation_z(const Scalar& angle) {
+  using std::cos, std::sin;
+  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
+  Matrix3<Scalar> rotation;
+  rotation << c, -s, zero, s, c, zero, zero, zero, one;
+  return rotation;
+}
+
 /// Rot(z, gamma) Rot(x, pi/2): columns radial, vertical, radial x vertical.
 inline Eigen::Matrix3d nominal_frame(double azimuth) {
   const double c = std::cos(azimuth), s = std::sin(azimuth);
@@ -40,7 +49,7 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
 
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors) {
-  using detail::rotation_x, detail::rotation_y;
+  using detail::rotation_x, detail::rotation_y, detail::rotation_z;
   const Geometry& nominal = robot.geometry;
   BasicMachine<Scalar> machine;
   machine.limb_count = nominal.limb_azimuth.size();
@@ -52,21 +61,23 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     const auto error = [&](Source source) { return errors(i, source); };
     const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);
     // Rot(x, pi/2 + alpha) = Rot(x, pi/2) Rot(x, alpha), which keeps the zero entries of the nominal frame exact.
-    const auto tilted = [&](const Scalar& alpha, const Scalar& beta) -> Matrix3<Scalar> {
-      return frame.cast<Scalar>() * (rotation_x(alpha) * rotation_y(beta));
+    const auto tilted = [&](const Scalar& alpha, const Matrix3<Scalar>& by_beta) -> Matrix3<Scalar> {
+      return frame.cast<Scalar>() * (rotation_x(alpha) * by_beta);
     };
     BasicLimb<Scalar>& limb = machine.limbs[i];
+    limb.actuator = nominal.actuator;
+    const bool on_rail = nominal.actuator == Actuator::linear;
+    const Scalar beta0 = error(Source::beta0), beta3 = (on_rail ? Scalar(0) : beta0) - error(Source::beta03);
     limb.radial = frame.col(0);
     limb.base = (nominal.base_radius * limb.radial).template cast<Scalar>() +
                 Vector3<Scalar>(error(Source::e_x), error(Source::e_y), error(Source::e_z));
-    limb.frame = tilted(error(Source::alpha0), error(Source::beta0));
+    limb.frame = tilted(error(Source::alpha0), on_rail ? rotation_z(beta0) : rotation_y(beta0));
     limb.arm = nominal.arm + error(Source::arm_length);
     limb.joint_offset = error(Source::theta_offset);
     limb.elbow_frame = rotation_x(error(Source::alpha2)) * rotation_y(error(Source::beta2));
     limb.elbow_width = nominal.parallelogram_width + error(Source::width_difference);
     limb.plate = (nominal.plate_radius * limb.radial).template cast<Scalar>();
-    limb.plate_frame =
-        tilted(error(Source::alpha0) - error(Source::alpha03), error(Source::beta0) - error(Source::beta03));
+    limb.plate_frame = tilted(error(Source::alpha0) - error(Source::alpha03), rotation_y(beta3));
     limb.plate_width = Scalar(nominal.parallelogram_width);
     const Scalar mean = nominal.rod + error(Source::rod_mean);
     const Scalar half_difference = Scalar(0.5) * error(Source::rod_difference);

@@ -16,7 +16,7 @@ struct Pose {
   double rotation = 0.0;
 };
 
-/// Actuated joint coordinates q, one a limb (rad for revolute actuators), without heap allocation.
+/// Actuated joint coordinates q, one a limb (rad of revolute actuators, mm of linear ones), without heap allocation.
 using Joints = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxLimbs, 1>;
 
 }  // namespace paracal

@@ -16,10 +16,11 @@ namespace paracal {
 struct Geometry {
   double base_radius = 0.0;          ///< circle of the base joints [b]
   double plate_radius = 0.0;         ///< circle of the plate joints [a]
-  double arm = 0.0;                  ///< arm (proximal link) [L]
+  double arm = 0.0;                  ///< arm (proximal link) [L]; of a rail: inward from it to the elbow, may be 0
   double rod = 0.0;                  ///< rod of the parallelogram [l]
   double parallelogram_width = 0.0;  ///< short side of the parallelogram [c]
   std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
+  Actuator actuator = Actuator::revolute;
 };
 
 /// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
@@ -53,6 +54,8 @@ class Robot {
   const Workspace& workspace() const { return description_.workspace; }
   const std::optional<Tolerances>& tolerances() const { return description_.tolerances; }
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
+  Actuator actuator() const { return description_.geometry.actuator; }
+  JointSpace joint_space() const { return {limb_count(), actuator()}; }
 
   /// The machine without source errors: what the controller believes.
   const Machine& nominal() const { return nominal_; }

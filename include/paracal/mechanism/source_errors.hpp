@@ -15,14 +15,15 @@ namespace paracal {
 /// The enumerators are spelled as in every file and JSON key.
 enum class Source : std::uint8_t {
   // Position group: they move the plate but do not tilt it; compensation removes their effect.
-  theta_offset,  ///< encoder offset: the arm stands at theta + theta_offset when the controller believes theta
+  theta_offset,  ///< joint zero: the actuator stands at q + theta_offset when the controller believes q; a length on a
+                 ///< rail
   e_x,           ///< base joint relative to plate joint, Delta b - Delta a, in the base frame
   e_y,
   e_z,
   arm_length,  ///< length of the arm (proximal link)
   alpha0,      ///< the limb's frame turned about its radial direction: actuator axis and, alike, the short side at the
                ///< plate
-  beta0,       ///< the same about the vertical direction
+  beta0,       ///< the same about the vertical direction; of a rail: it leans, turned about the limb's tangent
   rod_mean,    ///< mean length of the two rods of the parallelogram
   // Tilt group: they make the parallelogram imperfect and tilt the plate; only tight parts remove their effect.
   rod_difference,    ///< length of rod 1 minus rod 2
@@ -39,6 +40,15 @@ inline constexpr std::size_t kTiltSourceCount = kSourceCount - kPositionSourceCo
 
 enum class Unit : std::uint8_t { mm, rad };
 
+/// What drives the elbow of a limb. All limbs of a robot have the same.
+enum class Actuator : std::uint8_t {
+  revolute,  ///< a motor swings an arm; joint coordinate: angle, rad
+  linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
+};
+
+/// Unit of a joint coordinate.
+constexpr Unit joint_unit(Actuator actuator) { return actuator == Actuator::linear ? Unit::mm : Unit::rad; }
+
 constexpr std::size_t index(Source source) { return static_cast<std::size_t>(source); }
 
 /// Every source, in column order.
@@ -51,8 +61,23 @@ constexpr std::array<Source, kSourceCount> all_sources() {
 /// True for the group that tilts the plate.
 constexpr bool tilts_plate(Source source) { return index(source) >= kPositionSourceCount; }
 
-/// Unit of the error inside the library. Files and JSON carry deg instead of rad.
-Unit unit(Source source);
+/// The joint coordinates of a robot: how many, and of which kind. The default, none, stands for those of any robot.
+struct JointSpace {
+  JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {}
+  std::size_t count;
+  Actuator actuator;
+};
+
+/// Unit of the error inside the library: theta_offset has that of the joint coordinate. Files and JSON carry deg
+/// instead of rad.
+Unit unit(Source source, Actuator actuator);
+
+/// Whether the machine feels an error in a way of its own. A rail neither knows how long the carriage's arm is
+/// (arm_length shifts the elbow as e does) nor where along itself it begins (e_z shifts it as theta_offset does): a
+/// calibration holds these two at zero. A revolute limb feels all.
+constexpr bool is_felt(Source source, Actuator actuator) {
+  return actuator == Actuator::revolute || (source != Source::arm_length && source != Source::e_z);
+}
 
 /// The name used in every file and JSON key, e.g. "theta_offset".
 std::string_view name(Source source);

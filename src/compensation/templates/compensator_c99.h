@@ -4,12 +4,12 @@
  *   calibration  $CALIBRATION$
  *   SHA-256      $SHA256$
  *   date         $DATE$
- *   units        mm and rad; poses in the base frame: origin at the base centre, z up
+ *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame: origin at the base centre, z up
  *   way          exact: inverse of the identified machine with all its errors
  *
  * Use:
  *
- *   double joints[PARACAL_LIMBS] = {where the machine stands, rad};
+ *   double joints[PARACAL_LIMBS] = {where the machine stands, $JOINT_UNIT$};
  *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, 0) != PARACAL_OK) stop on path, joints are the last good
  *
  * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
@@ -33,6 +33,7 @@ double atan2(double, double);
 #define PARACAL_CALIBRATION_SHA256 "$SHA256$"
 #define PARACAL_DATE "$DATE$"
 #define PARACAL_LIMBS $LIMBS$
+#define PARACAL_ON_RAILS $ON_RAILS$ /* 0: the joints turn arms; 1: carriages run along rails */
 #define PARACAL_TILTS_PLATE $TILTS_PLATE$ /* 1: errors of the parallelograms are known, the closed form is refined */
 #define PARACAL_UNKNOWNS (PARACAL_LIMBS + 3)
 
@@ -73,18 +74,54 @@ static inline void paracal_cross(const double a[3], const double b[3], double ou
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Triangle of arm and mean rod, elbow outward; plate level: A cos(th) + B sin(th) = K. NaN when out of reach. */
+/* Plate level, mean rod. Arms: elbow outward, A cos(th) + B sin(th) = K; rails: carriage above the plate,
+ * |d + L u_0 - q v_0| = l. NaN when out of reach. */
 static inline double paracal_level_joint(const struct paracal_limb* limb, const double pose[4]) {
   double d[3], a, b, k, w, rod;
   int i;
   for (i = 0; i < 3; ++i) d[i] = pose[i] + (limb->plate[i] + pose[3] * limb->slide[i]) - limb->base[i];
+  rod = 0.5 * (limb->rod[0] + limb->rod[1]);
+#if PARACAL_ON_RAILS
+  a = paracal_dot(d, limb->radial) + limb->arm;
+  b = paracal_dot(d, limb->axis);
+  k = paracal_dot(d, limb->normal);
+  w = sqrt(rod * rod - a * a - b * b);
+  return k + w - limb->joint_offset;
+#else
   a = 2.0 * limb->arm * paracal_dot(d, limb->radial);
   b = 2.0 * limb->arm * paracal_dot(d, limb->normal);
-  rod = 0.5 * (limb->rod[0] + limb->rod[1]);
   k = paracal_dot(d, d) + limb->arm * limb->arm - rod * rod;
   w = sqrt(a * a + b * b - k * k);
   if (!(b < 0.0)) w = -w;
   return atan2(b * k + a * w, a * k - b * w) - limb->joint_offset;
+#endif
+}
+
+/* The elbow (on a rail the carriage): its centre from the base joint, how that moves with the joint, and the directions
+ * u_1, v_1 that its short side keeps. */
+struct paracal_elbow {
+  double centre[3], motion[3], u1[3], v1[3];
+};
+
+static inline void paracal_elbow_at(const struct paracal_limb* limb, double joint, struct paracal_elbow* elbow) {
+  const double q = joint + limb->joint_offset;
+  int k;
+#if PARACAL_ON_RAILS
+  for (k = 0; k < 3; ++k) {
+    elbow->u1[k] = limb->radial[k];
+    elbow->v1[k] = limb->normal[k];
+    elbow->centre[k] = q * limb->normal[k] - limb->arm * limb->radial[k];
+    elbow->motion[k] = limb->normal[k];
+  }
+#else
+  const double c = cos(q), s = sin(q);
+  for (k = 0; k < 3; ++k) {
+    elbow->u1[k] = c * limb->radial[k] + s * limb->normal[k];
+    elbow->v1[k] = c * limb->normal[k] - s * limb->radial[k];
+    elbow->centre[k] = limb->arm * elbow->u1[k];
+    elbow->motion[k] = limb->arm * elbow->v1[k];
+  }
+#endif
 }
 
 /* Elimination with the largest pivot of each column on `size` rows of size + 1; not finite where they are singular. */
@@ -134,19 +171,20 @@ static inline void paracal_plate_frame(const double tilt[3], struct paracal_fram
 static inline void paracal_add_limb(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOWNS + 1], int i, const double pose[4],
                                     const struct paracal_frame* frame, double joint) {
   const struct paracal_limb* limb = &paracal_limbs[i];
-  const double c = cos(joint + limb->joint_offset), s = sin(joint + limb->joint_offset);
-  const double along_u1[3] = {c, s, 0.0}, along_v1[3] = {-s, c, 0.0};
-  double u1[3], v1[3], half[3], slide[3];
+  struct paracal_elbow elbow;
+  double half[3], slide[3];
   int j, k, r;
-  paracal_combine(along_u1, limb->radial, limb->normal, limb->axis, u1);
-  paracal_combine(along_v1, limb->radial, limb->normal, limb->axis, v1);
-  paracal_combine(limb->elbow_half, u1, v1, limb->axis, half);
+  paracal_elbow_at(limb, joint, &elbow);
+  paracal_combine(limb->elbow_half, elbow.u1, elbow.v1, limb->axis, half);
   paracal_combine(limb->slide, frame->x, frame->y, frame->z, slide);
   for (j = 0; j < 2; ++j) {
     const double side = j == 0 ? 1.0 : -1.0;
     double hinge[3], on_plate[3], lever[3], n[3], moment[3], motion[3], gradient[PARACAL_UNKNOWNS], length, by_joint;
+#if !PARACAL_ON_RAILS
+    double turned[3];
+#endif
     for (k = 0; k < 3; ++k) {
-      hinge[k] = limb->arm * u1[k] + side * half[k];
+      hinge[k] = elbow.centre[k] + side * half[k];
       on_plate[k] = limb->plate[k] + pose[3] * limb->slide[k] + side * limb->plate_half[k];
     }
     paracal_combine(on_plate, frame->x, frame->y, frame->z, lever);
@@ -154,7 +192,11 @@ static inline void paracal_add_limb(double rows[PARACAL_UNKNOWNS][PARACAL_UNKNOW
     length = sqrt(paracal_dot(n, n));
     for (k = 0; k < 3; ++k) n[k] /= length;
     paracal_cross(lever, n, moment);
-    paracal_cross(limb->axis, hinge, motion);
+    for (k = 0; k < 3; ++k) motion[k] = elbow.motion[k];
+#if !PARACAL_ON_RAILS
+    paracal_cross(limb->axis, half, turned); /* the short side turns with the arm */
+    for (k = 0; k < 3; ++k) motion[k] += side * turned[k];
+#endif
     by_joint = -paracal_dot(n, motion);
     for (k = 0; k < 3; ++k) {
       gradient[k] = n[k];
@@ -190,18 +232,18 @@ static inline int paracal_settle(const double pose[4], double joints[PARACAL_LIM
       if (paracal_abs(step[i]) > largest) largest = paracal_abs(step[i]);
     }
     for (k = 0; k < 3; ++k) tilt[k] += step[PARACAL_LIMBS + k];
-    if (largest < 1e-10) return PARACAL_OK;
+    if (largest < $STEP_TOLERANCE$) return PARACAL_OK;
   }
   return PARACAL_SINGULAR;
 }
 
 #endif
 
-/* Joint coordinates (rad) that bring the plate centre to x, y, z (mm) and the end-effector to phi (rad; 0 for a rigid
- * plate). joints_rad, and tilt_rad where it is not 0 (the tilt about x and y that remains), are written when the result
- * is PARACAL_OK and left as they are otherwise. Returns a paracal_status. */
+/* Joint coordinates ($JOINT_UNIT$) that bring the plate centre to x, y, z (mm) and the end-effector to phi (rad; 0 for a
+ * rigid plate). joints_$JOINT_UNIT$, and tilt_rad where it is not 0 (the tilt about x and y that remains), are written when the
+ * result is PARACAL_OK and left as they are otherwise. Returns a paracal_status. */
 static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, double phi_rad,
-                                     double joints_rad[PARACAL_LIMBS], double tilt_rad[2]) {
+                                     double joints_$JOINT_UNIT$[PARACAL_LIMBS], double tilt_rad[2]) {
   const double pose[4] = {x_mm, y_mm, z_mm, phi_rad};
   double joints[PARACAL_LIMBS], tilt[3] = {0.0, 0.0, 0.0};
   int i;
@@ -216,7 +258,7 @@ static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, doub
 #if PARACAL_TILTS_PLATE
   if (paracal_settle(pose, joints, tilt) != PARACAL_OK) return PARACAL_SINGULAR;
 #endif
-  for (i = 0; i < PARACAL_LIMBS; ++i) joints_rad[i] = joints[i];
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints_$JOINT_UNIT$[i] = joints[i];
   if (tilt_rad) {
     tilt_rad[0] = tilt[0];
     tilt_rad[1] = tilt[1];
@@ -233,31 +275,28 @@ struct paracal_test {
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* One row of Newton's equations for the pose: n (dX + slide dphi) = n (w_0 x L u_1) dq, n the direction of the mean rod.
- * Errors of the tilt group change these rows by their own size alone, so the iteration still settles quickly. */
+/* One row of Newton's equations for the pose: n (dX + slide dphi) = n (dC/dq) dq, n the direction of the mean rod. Errors
+ * of the tilt group change these rows by their own size alone, so the iteration still settles quickly. */
 static inline void paracal_forward_row(const struct paracal_limb* limb, const double pose[4], double joint, double change,
                                        double row[PARACAL_LIMBS + 1]) {
-  const double c = cos(joint + limb->joint_offset), s = sin(joint + limb->joint_offset);
-  double n[3], motion[3];
+  struct paracal_elbow elbow;
+  double n[3];
   int k;
-  for (k = 0; k < 3; ++k) {
-    n[k] = pose[k] + limb->plate[k] + pose[3] * limb->slide[k] - limb->base[k] -
-           limb->arm * (c * limb->radial[k] + s * limb->normal[k]);
-    motion[k] = limb->arm * (c * limb->normal[k] - s * limb->radial[k]);
-  }
+  paracal_elbow_at(limb, joint, &elbow);
+  for (k = 0; k < 3; ++k) n[k] = pose[k] + limb->plate[k] + pose[3] * limb->slide[k] - limb->base[k] - elbow.centre[k];
   for (k = 0; k < 3; ++k) row[k] = n[k];
   if (PARACAL_LIMBS == 4) row[3] = paracal_dot(n, limb->slide);
-  row[PARACAL_LIMBS] = paracal_dot(n, motion) * change;
+  row[PARACAL_LIMBS] = paracal_dot(n, elbow.motion) * change;
 }
 
-/* The pose (mm, rad) that the identified machine takes with these joints (rad): the inverse of paracal_compensate, by
+/* The pose (mm, rad) that the identified machine takes with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
  * Newton from `pose`, or from the centre of the workspace where that cannot be taken; at most 50 steps, halved where they
  * leave the machine's reach. `pose` is written when the result is PARACAL_OK and left as it is otherwise. */
-static inline int paracal_forward(const double joints_rad[PARACAL_LIMBS], double pose[4]) {
+static inline int paracal_forward(const double joints_$JOINT_UNIT$[PARACAL_LIMBS], double pose[4]) {
   double at[4], joints[PARACAL_LIMBS], next[4], step[PARACAL_LIMBS] = {0.0}, fraction = 1.0, largest;
   int count, i, k;
   for (k = 0; k < PARACAL_LIMBS; ++k) {
-    if (!paracal_is_finite(joints_rad[k])) return PARACAL_NOT_FINITE;
+    if (!paracal_is_finite(joints_$JOINT_UNIT$[k])) return PARACAL_NOT_FINITE;
   }
   for (k = 0; k < 4; ++k) at[k] = pose[k];
   if (paracal_compensate(at[0], at[1], at[2], at[3], joints, 0) != PARACAL_OK) {
@@ -268,7 +307,7 @@ static inline int paracal_forward(const double joints_rad[PARACAL_LIMBS], double
     if (fraction >= 1.0) {
       double rows[PARACAL_LIMBS][PARACAL_LIMBS + 1];
       for (i = 0; i < PARACAL_LIMBS; ++i) {
-        paracal_forward_row(&paracal_limbs[i], at, joints[i], joints_rad[i] - joints[i], rows[i]);
+        paracal_forward_row(&paracal_limbs[i], at, joints[i], joints_$JOINT_UNIT$[i] - joints[i], rows[i]);
       }
       paracal_solve(PARACAL_LIMBS, &rows[0][0], step);
     }
@@ -292,7 +331,7 @@ static inline int paracal_forward(const double joints_rad[PARACAL_LIMBS], double
   return PARACAL_UNREACHABLE;
 }
 
-/* 0: every joint within 1e-9 deg, and back from the joints within 1e-6 mm; otherwise the number, from 1, of the first
+/* 0: every joint within $JOINT_TOLERANCE$ $JOINT_UNIT$, and back from the joints within 1e-6 mm; otherwise the number, from 1, of the first
  * pose that is not. */
 static inline int paracal_self_test(void) {
   int k, i;
@@ -303,7 +342,7 @@ static inline int paracal_self_test(void) {
       return k + 1;
     }
     for (i = 0; i < PARACAL_LIMBS; ++i) {
-      if (!(paracal_abs(joints[i] - test->joints[i]) < 1.7e-11)) return k + 1;
+      if (!(paracal_abs(joints[i] - test->joints[i]) < $JOINT_TOLERANCE$)) return k + 1;
     }
     if (paracal_forward(joints, pose) != PARACAL_OK) return k + 1;
     for (i = 0; i < 4; ++i) {

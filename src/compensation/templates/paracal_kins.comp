@@ -8,8 +8,8 @@ robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
 date         $DATE$
-units        mm and deg; base frame of the robot: origin at the base centre, z up
-joints       0 to $LAST_JOINT$ are the arms; further joints are the axes that the robot does not move
+units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot: origin at the base centre, z up
+joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move
 
 Build it with: halcompile --install paracal_kins.comp
 
@@ -17,14 +17,14 @@ As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and 
 
 As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
 
-While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than 1e-9 deg.
+While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
 """;
 
 pin in float command.x "wanted position of the plate centre, mm";
 pin in float command.y;
 pin in float command.z;
 pin in float command.c "wanted rotation of the end-effector, deg (0 for a rigid plate)";
-pin out float joint.#[$LIMBS$] "joint angles to command, deg; the last good ones while status is not 0";
+pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
 pin out float tilt.x "tilt of the plate about x that remains, deg";
 pin out float tilt.y "and about y";
 pin out signed status "0 ok, 1 unreachable, 2 not finite, 3 singular";
@@ -41,13 +41,18 @@ license "GPL"; // what LinuxCNC asks of its modules; this file may be used under
 
 $C99$
 #define PARACAL_DEGREES 57.295779513082320877
+#if PARACAL_ON_RAILS
+#define PARACAL_SHOWN_JOINT 1.0
+#else
+#define PARACAL_SHOWN_JOINT PARACAL_DEGREES
+#endif
 
 FUNCTION(compensate) {
-  double joints_rad[PARACAL_LIMBS], tilt_rad[2];
+  double robot_joints[PARACAL_LIMBS], tilt_rad[2];
   int i;
-  status = paracal_compensate(command_x, command_y, command_z, command_c / PARACAL_DEGREES, joints_rad, tilt_rad);
+  status = paracal_compensate(command_x, command_y, command_z, command_c / PARACAL_DEGREES, robot_joints, tilt_rad);
   if (status != PARACAL_OK) return;
-  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = joints_rad[i] * PARACAL_DEGREES;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = robot_joints[i] * PARACAL_SHOWN_JOINT;
   tilt_x = tilt_rad[0] * PARACAL_DEGREES;
   tilt_y = tilt_rad[1] * PARACAL_DEGREES;
 }
@@ -75,29 +80,29 @@ KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
 int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INVERSE_FLAGS* iflags,
                       KINEMATICS_FORWARD_FLAGS* fflags) {
   const double phi_rad = PARACAL_LIMBS == 4 ? world->c / PARACAL_DEGREES : 0.0;
-  double joints_rad[PARACAL_LIMBS];
+  double robot_joints[PARACAL_LIMBS];
   EmcPose others = *world;
   double* axis;
   int i;
   (void)iflags, (void)fflags;
-  if (paracal_compensate(world->tran.x, world->tran.y, world->tran.z, phi_rad, joints_rad, 0) != PARACAL_OK) return -1;
-  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = joints_rad[i] * PARACAL_DEGREES;
+  if (paracal_compensate(world->tran.x, world->tran.y, world->tran.z, phi_rad, robot_joints, 0) != PARACAL_OK) return -1;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i] * PARACAL_SHOWN_JOINT;
   for (i = 0; (axis = paracal_other_axis(&others, i)) != 0; ++i) joints[PARACAL_LIMBS + i] = *axis;
   return 0;
 }
 
 int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FORWARD_FLAGS* fflags,
                       KINEMATICS_INVERSE_FLAGS* iflags) {
-  double joints_rad[PARACAL_LIMBS], pose[4];
+  double robot_joints[PARACAL_LIMBS], pose[4];
   double* axis;
   int i;
   (void)iflags, (void)fflags;
-  for (i = 0; i < PARACAL_LIMBS; ++i) joints_rad[i] = joints[i] / PARACAL_DEGREES;
+  for (i = 0; i < PARACAL_LIMBS; ++i) robot_joints[i] = joints[i] / PARACAL_SHOWN_JOINT;
   pose[0] = world->tran.x;
   pose[1] = world->tran.y;
   pose[2] = world->tran.z;
   pose[3] = PARACAL_LIMBS == 4 ? world->c / PARACAL_DEGREES : 0.0;
-  if (paracal_forward(joints_rad, pose) != PARACAL_OK) return -1;
+  if (paracal_forward(robot_joints, pose) != PARACAL_OK) return -1;
   world->tran.x = pose[0];
   world->tran.y = pose[1];
   world->tran.z = pose[2];

@@ -1,5 +1,5 @@
 // Base, arms, parallelograms and plate of the nominal robot at a pose.
-import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry, TorusGeometry, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Object3D, SphereGeometry, TorusGeometry, Vector3 } from "three";
 import type { Robot, ScenePose, Vector } from "../data";
 import { Rods, type Segment } from "./arrows";
 
@@ -16,6 +16,18 @@ function plateGeometry(corners: Vector3[]): BufferGeometry {
   return geometry;
 }
 
+/// From the endstops down to the bottom of the workspace.
+function rails(robot: Robot, thickness: number, material: MeshLambertMaterial): Object3D {
+  const { base_radius_mm: radius, limb_azimuth_deg: azimuths } = robot.geometry;
+  const bottom = robot.workspace.top_z_mm - robot.workspace.height_mm;
+  const rods = new Rods(azimuths.length, thickness, material, kRound);
+  rods.set(azimuths.map((degrees): Segment => {
+    const angle = (degrees * Math.PI) / 180, foot = new Vector3(radius * Math.cos(angle), radius * Math.sin(angle), bottom);
+    return [foot, foot.clone().setZ(0)];
+  }));
+  return rods.object;
+}
+
 export class Skeleton {
   readonly object = new Group();
   private readonly arms: Rods;
@@ -25,7 +37,7 @@ export class Skeleton {
   private readonly plate: Mesh;
 
   constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
-    const limbs = robot.geometry.limb_azimuth_deg.length, size = robot.geometry.arm_mm / 375;
+    const limbs = robot.geometry.limb_azimuth_deg.length, size = robot.geometry.rod_mm / 950;
     this.arms = new Rods(limbs, 11 * size, material.links, kRound);
     this.rods = new Rods(4 * limbs, 5 * size, material.links, kRound);
     this.pointer = new Rods(1, 6 * size, material.pointer, kRound);
@@ -33,7 +45,7 @@ export class Skeleton {
     this.joints.frustumCulled = false;
     this.plate = new Mesh(new BufferGeometry(), material.plate);
     material.plate.side = DoubleSide;
-    const base = new Mesh(new TorusGeometry(robot.geometry.base_radius_mm, 9 * size, 10, 72), material.base);
+    const base = robot.geometry.actuator === "linear" ? rails(robot, 9 * size, material.base) : new Mesh(new TorusGeometry(robot.geometry.base_radius_mm, 9 * size, 10, 72), material.base);
     this.object.add(base, this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
   }
 

@@ -10,7 +10,7 @@ const text = strings.repeat;
 export function repeat(report: Report): Section {
   const files = report.inputs.map(({ file, sha256 }) => [h("span", { class: "name" }, file), h("span", { class: "hash" }, sha256)]);
   const { calibration } = report.results;
-  const value = (number: number | number[]) => (Array.isArray(number) ? number : [number]).map(exact).join(", ");
+  const value = (given: string | number | number[]) => (typeof given === "string" ? given : [given].flat().map(exact).join(", "));
   const dimensions = [...Object.entries(text.geometry).map(([key, name]) => [name, value(report.robot.geometry[key as keyof Report["robot"]["geometry"]])]), ...Object.entries(text.workspace).map(([key, name]) => [name, value(report.robot.workspace[key as keyof Report["robot"]["workspace"]])])];
   return section("repeat", strings.nav.repeat, text.heading, text.intro,
     h("p", {}, `${text.program}: ${report.program}. ${text.date}: ${report.date}. ${text.command}:`),

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/mechanism/source_errors.hpp"
+
+namespace paracal {
+
+/// Motions of the base, and with it of the plate joints' circle, written as source errors of the position group, to
+/// first order. Only errors that the actuators feel are used (is_felt): along its rail a limb moves by theta_offset.
+
+/// Adds a shift of one limb's base joint, mm: e = shift.
+void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors);
+
+/// The same machine, to first order, by errors that its actuators feel: of a rail e_z joins theta_offset, and the
+/// length of the carriage's arm joins e.
+SourceErrors as_felt(const Robot& robot, SourceErrors errors);
+
+/// Standard deviation of an error so felt: a rail's theta_offset has that of e_z in it.
+double felt_std(const Robot& robot, const Tolerances& tolerances, Source source);
+
+/// The base turned by a small rotation about the origin, rad:
+///
+///   arm    e = turn x (b - a),                     alpha0 = turn.u0,  beta0 = turn.v0,  theta_offset = turn.w0
+///   rail   e = turn x (b - a) + L (turn.v0) w0,    alpha0 = turn.u0,  beta0 = turn.w0
+SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn);
+
+}  // namespace paracal

@@ -1,0 +1,52 @@
+#include "paracal/mechanism/base_motion.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+
+namespace paracal {
+
+void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
+  errors(limb, Source::e_x) += shift.x();
+  errors(limb, Source::e_y) += shift.y();
+  const Source upward = robot.actuator() == Actuator::linear ? Source::theta_offset : Source::e_z;
+  errors(limb, upward) += shift.z();
+}
+
+SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
+  if (robot.actuator() != Actuator::linear) return errors;
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    const double arm = std::exchange(errors(i, Source::arm_length), 0.0);
+    const double up = std::exchange(errors(i, Source::e_z), 0.0);
+    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up) - arm * robot.nominal().limbs[i].radial, errors);
+  }
+  return errors;
+}
+
+double felt_std(const Robot& robot, const Tolerances& tolerances, Source source) {
+  const double own = tolerances.std(source);
+  const bool takes_e_z = source == Source::theta_offset && !is_felt(Source::e_z, robot.actuator());
+  return takes_e_z ? std::hypot(own, tolerances.std(Source::e_z)) : own;
+}
+
+SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
+  SourceErrors errors;
+  const Machine& machine = robot.nominal();
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Vector3d along = limb.frame.transpose() * turn;
+    Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
+    errors(i, Source::alpha0) = along.x();
+    if (limb.actuator == Actuator::linear) {
+      errors(i, Source::beta0) = along.z();
+      shift += limb.arm * along.y() * limb.frame.col(2);
+    } else {
+      errors(i, Source::beta0) = along.y();
+      errors(i, Source::theta_offset) = along.z();
+    }
+    shift_limb(robot, i, shift, errors);
+  }
+  return errors;
+}
+
+}  // namespace paracal
