@@ -71,6 +71,8 @@ Measurements read_file(const MeasuringOptions& options, const std::optional<io::
     return io::read_file(options.poses);
   };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
+  const bool heights = header_of(file.text).find("height_mm") != std::string_view::npos;
+  if (heights) return io::read_heights(file, poses(), joints);
   const bool points = holds_points(header_of(file.text), !options.poses.empty());
   return points ? io::read_points(file, joints) : io::read_distances(file, poses(), joints);
 }
@@ -90,6 +92,11 @@ NoiseModel MeasuringOptions::noise() const {
     check_noise("--sigma-mm", *sigma_mm, "mm");
     noise.distance = noise.point = *sigma_mm;
   }
+  if (height_sigma_mm) {
+    check_noise("--height-sigma-mm", *height_sigma_mm, "mm");
+    noise.height = *height_sigma_mm;
+  }
+  noise.distance_bias = distance_bias_mm;
   check_noise("--sigma-deg", sigma_deg, "deg");
   noise.rotation = to_radians(sigma_deg);
   if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
@@ -115,15 +122,24 @@ void add_noise_options(CLI::App& command, MeasuringOptions& options) {
 CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options) {
   CLI::Option* measurements =
       command
-          .add_option(
-              "--measurements", options.files,
-              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]) or distances (CSV: from,to,distance_mm[,...]); "
-              "several files, each in its own frame")
+          .add_option("--measurements", options.files,
+                      "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]), distances (CSV: "
+                      "from,to,distance_mm[,...]) or heights above a plane (CSV: pose,height_mm[,sigma_mm]); several "
+                      "files, each in its own frame")
           ->required();
   command.add_option("--poses", options.poses, "poses that distances or an instrument's export name (CSV)");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
   add_noise_options(command, options);
+  command
+      .add_option("--height-sigma-mm", options.height_sigma_mm,
+                  "standard deviation of a height above a plane that states none (0.05)")
+      ->check(positive_finite());
+  command
+      .add_option("--distance-bias-mm", options.distance_bias_mm,
+                  "standard deviation of an error that all distances share, as a calliper's zero or a wall's width")
+      ->check(non_negative_finite())
+      ->capture_default_str();
   command.add_option("--frame", options.frame, "frame of measured points")
       ->check(CLI::IsMember({"unknown", "robot"}))
       ->capture_default_str();

@@ -19,7 +19,8 @@ namespace paracal::app {
 struct MeasuringOptions {
   std::vector<std::string> files;
   std::string poses, columns, unit;
-  std::optional<double> sigma_mm;
+  std::optional<double> sigma_mm, height_sigma_mm;
+  double distance_bias_mm = 0.0;
   double sigma_deg = 0.3;
   bool sigma_known = false;
   std::vector<double> tracker_um;

@@ -73,6 +73,11 @@ std::string Calibration::brief() const {
   if (readings == 0) return text;
   fmt::format_to(out, "  distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
                  before.rms_distance, after.rms_distance, readings, degrees_of_freedom);
+  if (after.rms_height) {
+    fmt::format_to(out, "  heights, rms: {:.3f} mm before, {:.3f} mm after\n", before.rms_height.value_or(0.0),
+                   *after.rms_height);
+  }
+  if (distance_bias) fmt::format_to(out, "  all distances were read {:+.3f} mm too long\n", *distance_bias);
   if (!points.empty()) {
     fmt::format_to(out, "  points, largest after alignment: {:.3f} mm before, {:.3f} mm after; noise {:.3f} mm\n",
                    before.max_volumetric_aligned, after.max_volumetric_aligned, noise);

@@ -38,7 +38,7 @@ PoseErrorSummary summarize_fit(const Observation& observation, const std::vector
   for (std::size_t s = 0; s < observation.series_count(); ++s) {
     const std::vector<PosePair> pairs = station_pairs(observation, stations, unknowns, s);
     const bool rotations = std::ranges::any_of(observation.groups(), [&](const Group& group) {
-      return group.is_point && group.series == s && observation.point(group).rotation;
+      return group.is_point() && group.series == s && observation.point(group).rotation;
     });
     const PoseErrorSummary one = summarize(pairs, rotations);
     widen(all.max_abs_distance, one.max_abs_distance);
@@ -48,15 +48,22 @@ PoseErrorSummary summarize_fit(const Observation& observation, const std::vector
     sum += one.rms_distance * one.rms_distance * static_cast<double>(pairs.size() - 1);
     count += pairs.size() - 1;
   }
+  double heights = 0.0;
+  std::size_t height_count = 0;
   for (const Group& group : observation.groups()) {
-    if (group.is_point || !group.active) continue;
-    const DistanceReading& reading = observation.distance(group);
-    const double length = (stations[reading.to].plate.position - stations[reading.from].plate.position).norm();
-    widen(all.max_abs_distance, reading.distance - length);
+    if (group.is_point() || !group.active) continue;
+    if (group.is_height()) {
+      heights += std::pow(observation.height_residual(group, stations[group.station], unknowns), 2);
+      ++height_count;
+      continue;
+    }
+    const double residual = observation.distance_residual(group, stations, unknowns);
+    widen(all.max_abs_distance, residual);
     widen_rotation(observation.rotation_residual(group, stations, unknowns));
-    sum += (reading.distance - length) * (reading.distance - length);
+    sum += residual * residual;
     ++count;
   }
+  if (height_count > 0) all.rms_height = std::sqrt(heights / static_cast<double>(height_count));
   if (count > 0) all.rms_distance = std::sqrt(sum / static_cast<double>(count));
   return all;
 }
@@ -102,7 +109,16 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
   }
   for (const Group& group : after.observation->groups()) {
     const auto rotation_before = turned(group, before), rotation_after = turned(group, after);
-    if (group.is_point) {
+    if (group.is_height()) {
+      const auto residual = [&](const Snapshot& at) {
+        return -at.observation->height_residual(group, (*at.stations)[group.station], at.unknowns);
+      };
+      calibration.heights.push_back({measurements.planes[group.series].name, measurements.stations[group.station].name,
+                                     after.observation->height(group).height, residual(before), residual(after),
+                                     !group.active});
+      continue;
+    }
+    if (group.is_point()) {
       const auto residual = [&](const Snapshot& at) {
         return Eigen::Vector3d(-at.observation->point_residual(group, (*at.stations)[group.station], at.unknowns));
       };
@@ -112,12 +128,11 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
     }
     const DistanceReading& reading = after.observation->distance(group);
     const auto residual = [&](const Snapshot& at) {
-      return reading.distance -
-             ((*at.stations)[reading.to].plate.position - (*at.stations)[reading.from].plate.position).norm();
+      return -at.observation->distance_residual(group, *at.stations, at.unknowns);
     };
     calibration.distances.push_back({measurements.stations[reading.from].name, measurements.stations[reading.to].name,
                                      reading.distance, residual(before), residual(after), reading.rotation,
-                                     rotation_before, rotation_after});
+                                     rotation_before, rotation_after, !group.active});
   }
 }
 
@@ -187,10 +202,13 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
 /// distance where no points were read. Without priors the scatter of the residuals replaces what nobody stated.
 double noise_of(const Measurements& measurements, const Observation& observation, const Calibration& calibration) {
   const bool found = !has_priors(observation) && !all_stated(observation);
+  const ReadingKind kind = !measurements.series.empty()      ? ReadingKind::point
+                           : !measurements.distances.empty() ? ReadingKind::distance
+                                                             : ReadingKind::height;
   double sum = 0.0;
   int count = 0;
   for (const Group& group : observation.groups()) {
-    if (!group.active || group.is_point == measurements.series.empty()) continue;
+    if (!group.active || group.kind != kind) continue;
     const double sigma = observation.sigma_of(group) * (group.stated ? 1.0 : observation.noise_scale());
     sum += sigma * sigma;
     ++count;
@@ -204,6 +222,11 @@ void add_frames(const Measurements& measurements, const Observation& observation
     calibration.frames.push_back({measurements.series[s].name, observation.frame(s, unknowns),
                                   observation.rotation_zero(s, unknowns), observation.second_reflector(s, unknowns)});
   }
+  for (std::size_t s = 0; s < measurements.planes.size(); ++s) {
+    const Eigen::Vector3d plane = observation.plane(s, unknowns);
+    calibration.planes.push_back({measurements.planes[s].name, plane(0), plane(1), plane(2)});
+  }
+  calibration.distance_bias = observation.distance_bias(unknowns);
 }
 
 /// Values, standard deviations and shares of information.
@@ -307,7 +330,7 @@ std::vector<PosePair> station_pairs(const Observation& observation, const std::v
   };
   std::map<std::size_t, Mean> means;
   for (const Group& group : observation.groups()) {
-    if (!group.is_point || group.series != series || !group.active) continue;
+    if (!group.is_point() || group.series != series || !group.active) continue;
     const StationState& station = stations[group.station];
     Mean& mean = means[group.station];
     if (mean.points == 0) {

@@ -228,28 +228,37 @@ bool goes_fine(const Robot& robot, const Measurements& measurements, const Calib
 
 Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   check(measurements, robot.limb_count());
-  if (measurements.distances.empty() && measurements.series.empty()) {
-    throw InvalidArgument("measurements: expected at least one reading, got none");
+  const bool paper = options.method == Method::paper;
+  if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.planes.empty())) {
+    throw InvalidArgument(measurements.planes.empty()
+                              ? "measurements: expected at least one reading, got none"
+                              : "method paper: expected points or distances, got heights alone");
   }
   const bool fine = goes_fine(robot, measurements, options);
-  const bool paper = options.method == Method::paper;
   const std::vector<SoughtSource> sought =
       paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options);
   if (fine && sought.empty()) {
     throw InvalidArgument(
         "calibration: expected a source error to seek, got none that has a tolerance and is not fixed");
   }
-  const Measurements used = paper ? as_distances(measurements) : detail::as_points(measurements).value_or(measurements);
+  const bool biased = options.noise.distance_bias > 0.0;  // such distances are none between points
+  const Measurements used = paper    ? as_distances(measurements)
+                            : biased ? measurements
+                                     : detail::as_points(measurements).value_or(measurements);
   Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
 
-  StageFit rough(robot, used, options, detail::encoder_offsets(robot, options), {});
-  rough.solve();
-  detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
-  if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
-    detail::state_evidence(used, rough.observation(), rough.fit(), rough.scatter(), {}, calibration);
-    return calibration;
+  // Not from heights: to them offsets alone are hardly more than the height and the tilt of the plane.
+  SourceErrors offsets;
+  if (!fine || used.planes.empty()) {
+    StageFit rough(robot, used, options, detail::encoder_offsets(robot, options), {});
+    rough.solve();
+    detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
+    if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
+      detail::state_evidence(used, rough.observation(), rough.fit(), rough.scatter(), {}, calibration);
+      return calibration;
+    }
+    offsets = rough.observation().errors(rough.fit().parameters);
   }
-  const SourceErrors offsets = rough.observation().errors(rough.fit().parameters);
   StageFit stage(robot, used, options, sought, offsets);
   if (paper) {
     stage.solve_by_pseudo_inverse();

@@ -53,6 +53,15 @@ void check_point(const PointSeries& series, const PointReading& reading, std::si
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
 }
 
+void check_height(const HeightSeries& series, const HeightReading& reading, std::size_t number, std::size_t stations) {
+  const auto refuse = [&](const char* expected) {
+    throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
+  };
+  if (reading.station >= stations) refuse("a station of the list");
+  if (!std::isfinite(reading.height)) refuse("a finite height");
+  if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
+}
+
 /// Readings of one station as their mean.
 struct StationMean {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
@@ -75,6 +84,11 @@ void check(const Measurements& measurements, std::size_t limb_count) {
   for (const PointSeries& series : measurements.series) {
     for (std::size_t k = 0; k < series.readings.size(); ++k) {
       check_point(series, series.readings[k], k + 1, measurements.stations.size());
+    }
+  }
+  for (const HeightSeries& plane : measurements.planes) {
+    for (std::size_t k = 0; k < plane.readings.size(); ++k) {
+      check_height(plane, plane.readings[k], k + 1, measurements.stations.size());
     }
   }
 }

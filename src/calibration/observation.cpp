@@ -1,5 +1,6 @@
 #include "observation.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,7 @@ Eigen::Matrix3d carrier(const StationState& station, ReflectorMount mount) {
   return plate * Eigen::AngleAxisd(station.rotation, Eigen::Vector3d::UnitZ());
 }
 
-constexpr Eigen::Index kFrame = 6;
+constexpr Eigen::Index kFrame = 6, kPlane = 3;
 
 }  // namespace
 
@@ -54,6 +55,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) joints_.push_back(believed_joints(robot, station));
   lay_out_nuisance();
+  lay_out_priors();
   add_groups();
 }
 
@@ -69,28 +71,83 @@ void Observation::lay_out_nuisance() {
     }
     nuisance_.push_back(nuisance);
   }
+  for (std::size_t k = 0; k < measurements_.planes.size(); ++k) {
+    planes_.push_back(std::exchange(nuisance_count_, nuisance_count_ + kPlane));
+  }
+  const bool has_bias = options_.noise.distance_bias > 0.0 && !measurements_.distances.empty();
+  if (has_bias) bias_ = nuisance_count_++;
+}
+
+/// C = diag(prior^2) with what common errors correlate; prior_std has their share already.
+void Observation::lay_out_priors() {
+  if (options_.common.empty() || !has_priors(*this)) return;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(source_count(), source_count());
+  for (Eigen::Index i = 0; i < source_count(); ++i) {
+    const SoughtSource& one = sought_[static_cast<std::size_t>(i)];
+    constexpr double kNone = 1e6;  // mm or rad: sought without a prior among others that have one
+    covariance(i, i) = std::pow(one.prior_std.value_or(kNone), 2);
+    for (Eigen::Index k = 0; k < i; ++k) {
+      const SoughtSource& other = sought_[static_cast<std::size_t>(k)];
+      if (!one.prior_std || !other.prior_std) continue;
+      for (const CommonError& error : options_.common) {
+        covariance(i, k) +=
+            error.std * error.std * error.direction(one.limb, one.source) * error.direction(other.limb, other.source);
+      }
+      covariance(k, i) = covariance(i, k);
+    }
+  }
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  common_prior_ = root.matrixL().solve(Eigen::MatrixXd::Identity(source_count(), source_count()));
+}
+
+void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
+  if (bias_ >= 0) root.add_prior(bias_, unknowns(bias_), 0.0, options_.noise.distance_bias);
+  for (const Eigen::Index plane : planes_) {
+    if (!options_.plane_slope) break;
+    root.add_prior(plane + 1, unknowns(plane + 1), 0.0, *options_.plane_slope);
+    root.add_prior(plane + 2, unknowns(plane + 2), 0.0, *options_.plane_slope);
+  }
+  if (common_prior_.size() > 0) {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(source_count(), unknown_count() + 1);
+    rows.middleCols(nuisance_count_, source_count()) = common_prior_;
+    rows.rightCols<1>() = common_prior_ * unknowns.tail(source_count());
+    return root.add(rows);
+  }
+  for (Eigen::Index k = 0; k < source_count(); ++k) {
+    const SoughtSource& one = sought_[static_cast<std::size_t>(k)];
+    const Eigen::Index column = nuisance_count_ + k;
+    if (one.prior_std) root.add_prior(column, unknowns(column), 0.0, *one.prior_std);
+  }
 }
 
 void Observation::add_groups() {
   std::size_t count = measurements_.distances.size();
   for (const PointSeries& series : measurements_.series) count += series.readings.size();
+  for (const HeightSeries& plane : measurements_.planes) count += plane.readings.size();
   groups_.reserve(count);
-  const auto add = [&](bool is_point, std::size_t series, std::size_t index, std::size_t station, bool stated) {
+  const auto add = [&](ReadingKind kind, std::size_t series, std::size_t index, std::size_t station, bool stated) {
     groups_.push_back({.series = static_cast<std::uint32_t>(series),
                        .index = static_cast<std::uint32_t>(index),
                        .station = static_cast<std::uint32_t>(station),
-                       .is_point = is_point,
+                       .kind = kind,
                        .stated = stated || options_.noise_is_known});
   };
   for (std::size_t s = 0; s < measurements_.series.size(); ++s) {
     const std::vector<PointReading>& readings = measurements_.series[s].readings;
     for (std::size_t k = 0; k < readings.size(); ++k) {
-      add(true, s, k, readings[k].station, readings[k].sigma.has_value() || options_.noise.tracker.has_value());
+      const bool stated = readings[k].sigma.has_value() || options_.noise.tracker.has_value();
+      add(ReadingKind::point, s, k, readings[k].station, stated);
     }
   }
   for (std::size_t k = 0; k < measurements_.distances.size(); ++k) {
     const DistanceReading& reading = measurements_.distances[k];
-    add(false, 0, k, reading.to, reading.distance_sigma.has_value() && !reading.rotation);
+    add(ReadingKind::distance, 0, k, reading.to, reading.distance_sigma.has_value() && !reading.rotation);
+  }
+  for (std::size_t s = 0; s < measurements_.planes.size(); ++s) {
+    const std::vector<HeightReading>& readings = measurements_.planes[s].readings;
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      add(ReadingKind::height, s, k, readings[k].station, readings[k].sigma.has_value());
+    }
   }
 }
 
@@ -120,6 +177,13 @@ std::optional<Eigen::VectorXd> Observation::start(const SourceErrors& errors) {
   const auto states = stations(unknowns);
   if (!states) return std::nullopt;
   for (std::size_t s = 0; s < measurements_.series.size(); ++s) align(s, *states, unknowns);
+  for (std::size_t s = 0; s < planes_.size(); ++s) {
+    std::vector<Eigen::Vector3d> levels;
+    for (const HeightReading& reading : measurements_.planes[s].readings) {
+      levels.emplace_back(0.0, 0.0, (*states)[reading.station].plate.position.z() - reading.height);
+    }
+    if (!levels.empty()) unknowns(planes_[s]) = median(levels).z();
+  }
   return unknowns;
 }
 
@@ -198,17 +262,26 @@ RigidMotion Observation::frame(std::size_t series, const Eigen::VectorXd& unknow
 
 void Observation::rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
                        Eigen::MatrixXd& block) const {
-  group.is_point ? point_rows(group, stations[group.station], unknowns, block) : distance_rows(group, stations, block);
+  switch (group.kind) {
+    case ReadingKind::point:
+      point_rows(group, stations[group.station], unknowns, block);
+      break;
+    case ReadingKind::distance:
+      distance_rows(group, stations, unknowns, block);
+      break;
+    case ReadingKind::height:
+      height_rows(group, stations[group.station], unknowns, block);
+      break;
+  }
   if (!group.stated) block /= noise_scale_;
   if (group.weight != 1.0) block *= std::sqrt(group.weight);
 }
 
 void Observation::distance_rows(const Group& group, const std::vector<StationState>& stations,
-                                Eigen::MatrixXd& block) const {
+                                const Eigen::VectorXd& unknowns, Eigen::MatrixXd& block) const {
   const DistanceReading& reading = distance(group);
   const StationState &from = stations[reading.from], &to = stations[reading.to];
   const Eigen::Vector3d between = to.plate.position - from.plate.position;
-  const double length = between.norm();
   const double sigma = sigma_of(reading);
   // A derivative kept at the nominal machine needs the direction there, too: otherwise turns of the whole robot, which
   // no distance sees, become weakly visible, and an undamped step along them is wild.
@@ -218,11 +291,47 @@ void Observation::distance_rows(const Group& group, const std::vector<StationSta
   block.setZero(reading.rotation ? 2 : 1, residual + 1);
   block.block(0, nuisance_count_, 1, source_count()).noalias() =
       (direction.normalized().transpose() / sigma) * (to.jacobian.topRows<3>() - from.jacobian.topRows<3>());
-  block(0, residual) = (length - reading.distance) / sigma;
+  if (bias_ >= 0) block(0, bias_) = 1.0 / sigma;
+  block(0, residual) = distance_residual(group, stations, unknowns) / sigma;
   if (!reading.rotation) return;
   block.row(1).segment(nuisance_count_, source_count()) =
       (to.jacobian.row(3) - from.jacobian.row(3)) / options_.noise.rotation;
   block(1, residual) = (to.rotation - from.rotation - *reading.rotation) / options_.noise.rotation;
+}
+
+void Observation::height_rows(const Group& group, const StationState& station, const Eigen::VectorXd& unknowns,
+                              Eigen::MatrixXd& block) const {
+  const Eigen::Vector3d& r = station.plate.position;
+  const Eigen::Vector3d of_plane = plane(group.series, unknowns);
+  const Eigen::Index at = planes_[group.series];
+  const double sigma = sigma_of(group);
+  block.setZero(1, unknown_count() + 1);
+  block.block<1, 3>(0, at) << -1.0, -r.x(), -r.y();
+  block.block(0, nuisance_count_, 1, source_count()).noalias() =
+      Eigen::RowVector3d(-of_plane(1), -of_plane(2), 1.0) * station.jacobian.topRows<3>();
+  block(0, unknown_count()) = height_residual(group, station, unknowns);
+  block /= sigma;
+}
+
+Eigen::Vector3d Observation::plane(std::size_t series, const Eigen::VectorXd& unknowns) const {
+  return unknowns.segment<3>(planes_[series]);
+}
+
+double Observation::height_residual(const Group& group, const StationState& station,
+                                    const Eigen::VectorXd& unknowns) const {
+  const Eigen::Vector3d& r = station.plate.position;
+  return r.z() - plane(group.series, unknowns).dot(Eigen::Vector3d(1.0, r.x(), r.y())) - height(group).height;
+}
+
+std::optional<double> Observation::distance_bias(const Eigen::VectorXd& unknowns) const {
+  return bias_ < 0 ? std::nullopt : std::optional(unknowns(bias_));
+}
+
+double Observation::distance_residual(const Group& group, const std::vector<StationState>& stations,
+                                      const Eigen::VectorXd& unknowns) const {
+  const DistanceReading& reading = distance(group);
+  const double length = (stations[reading.to].plate.position - stations[reading.from].plate.position).norm();
+  return length + distance_bias(unknowns).value_or(0.0) - reading.distance;
 }
 
 Eigen::Matrix3d Observation::whitening_of(const PointReading& reading, const Eigen::Vector3d& point) const {
@@ -293,7 +402,8 @@ Eigen::Vector3d Observation::point_residual(const Group& group, const StationSta
 
 std::optional<double> Observation::rotation_residual(const Group& group, const std::vector<StationState>& stations,
                                                      const Eigen::VectorXd& unknowns) const {
-  if (!group.is_point) {
+  if (group.is_height()) return std::nullopt;
+  if (group.is_distance()) {
     const DistanceReading& reading = distance(group);
     if (!reading.rotation) return std::nullopt;
     return stations[reading.to].rotation - stations[reading.from].rotation - *reading.rotation;
@@ -305,12 +415,7 @@ std::optional<double> Observation::rotation_residual(const Group& group, const s
 
 RowModel with_priors(const Observation& observation) {
   return [&](const Eigen::VectorXd& unknowns, InformationRoot& root) {
-    // First the priors: on an empty root they cost nothing.
-    for (Eigen::Index k = 0; k < observation.source_count(); ++k) {
-      const SoughtSource& one = observation.sought()[static_cast<std::size_t>(k)];
-      const Eigen::Index column = observation.nuisance_count() + k;
-      if (one.prior_std) root.add_prior(column, unknowns(column), 0.0, *one.prior_std);
-    }
+    observation.add_priors(unknowns, root);  // first: on an empty root they cost nothing
     return observation(unknowns, root);
   };
 }

@@ -28,25 +28,33 @@ struct StationState {
   Eigen::Matrix<double, 7, Eigen::Dynamic> jacobian;
 };
 
+enum class ReadingKind : std::uint8_t { distance, point, height };
+
 /// One reading (small: half a million distances are no rarity): 1 or 2 rows for a distance (and its rotation), up to 7
-/// for a point (both reflectors, rotation).
+/// for a point (both reflectors, rotation), 1 for a height.
 struct Group {
   double weight = 1.0;        ///< of its squared residuals, while a robust loss seeks gross errors
-  std::uint32_t series = 0;   ///< of a point
+  std::uint32_t series = 0;   ///< of a point or a height
   std::uint32_t index = 0;    ///< into the series' readings or the distances
-  std::uint32_t station = 0;  ///< of a point
-  bool is_point = false;
+  std::uint32_t station = 0;  ///< of a point or a height
+  ReadingKind kind = ReadingKind::distance;
   bool stated = false;  ///< its standard deviation is known; otherwise noise_scale multiplies it
   bool active = true;   ///< takes part in the fit
+
+  bool is_point() const { return kind == ReadingKind::point; }
+  bool is_height() const { return kind == ReadingKind::height; }
+  bool is_distance() const { return kind == ReadingKind::distance; }
 };
 
 /// All readings as a function of the unknowns
 ///
-///   (nuisance of every series: frame turn, frame shift, [encoder zero], [second reflector] | sought source errors)
+///   (nuisance of every series: frame turn, frame shift, [encoder zero], [second reflector];
+///    of every plane: z_0, s_x, s_y; [bias of the distances] | sought source errors)
 ///
 /// with the exact machine behind it:
 ///
-///   distance   |r_to - r_from|
+///   distance   |r_to - r_from| + bias
+///   height     z - (z_0 + s_x x + s_y y)
 ///   point      t + Q r            r: exact plate centre; Q = exp([turn]) Q_0, Q_0 from a robust rigid fit
 ///   second     t + Q (r + M rho)  M: rotation of the plate, or of the end-effector
 ///   rotation   phi - zero
@@ -106,17 +114,30 @@ class Observation {
   /// What was found of a series' set-up; empty where there was nothing to find.
   std::optional<double> rotation_zero(std::size_t series, const Eigen::VectorXd& unknowns) const;
   std::optional<Eigen::Vector3d> second_reflector(std::size_t series, const Eigen::VectorXd& unknowns) const;
+  /// Predicted minus measured, mm.
+  double distance_residual(const Group& group, const std::vector<StationState>& stations,
+                           const Eigen::VectorXd& unknowns) const;
+  double height_residual(const Group& group, const StationState& station, const Eigen::VectorXd& unknowns) const;
+  /// z_0, s_x, s_y of a plane.
+  Eigen::Vector3d plane(std::size_t series, const Eigen::VectorXd& unknowns) const;
+  std::optional<double> distance_bias(const Eigen::VectorXd& unknowns) const;
+  /// Adds what is known beforehand, as rows: of the sought errors, one by one and together, of slopes and of the bias.
+  void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
   std::size_t series_count() const { return nuisance_.size(); }
   const PointReading& point(const Group& group) const {
     return measurements_.series[group.series].readings[group.index];
   }
   const DistanceReading& distance(const Group& group) const { return measurements_.distances[group.index]; }
+  const HeightReading& height(const Group& group) const {
+    return measurements_.planes[group.series].readings[group.index];
+  }
   /// Standard deviation before noise_scale, mm: of a distance; of a coordinate, as a mean over the three.
   double sigma_of(const DistanceReading& reading) const {
     return reading.distance_sigma.value_or(options_.noise.distance);
   }
   double sigma_of(const Group& group) const {
-    if (!group.is_point) return sigma_of(distance(group));
+    if (group.is_height()) return height(group).sigma.value_or(options_.noise.height);
+    if (group.is_distance()) return sigma_of(distance(group));
     return std::sqrt(3.0) / whitening_of(point(group), point(group).point).norm();
   }
 
@@ -129,9 +150,13 @@ class Observation {
 
   std::shared_ptr<const std::vector<StationState>> evaluate(const Eigen::VectorXd& unknowns) const;
   void lay_out_nuisance();
+  void lay_out_priors();
   void add_groups();
   void align(std::size_t series, const std::vector<StationState>& stations, Eigen::VectorXd& unknowns);
-  void distance_rows(const Group& group, const std::vector<StationState>& stations, Eigen::MatrixXd& block) const;
+  void distance_rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
+                     Eigen::MatrixXd& block) const;
+  void height_rows(const Group& group, const StationState& station, const Eigen::VectorXd& unknowns,
+                   Eigen::MatrixXd& block) const;
   void point_rows(const Group& group, const StationState& station, const Eigen::VectorXd& unknowns,
                   Eigen::MatrixXd& block) const;
   StationState state_of(const Machine& machine, const PlateState& plate, const Joints& joints) const;
@@ -145,6 +170,9 @@ class Observation {
   std::vector<Joints> joints_;
   std::vector<Group> groups_;
   std::vector<Nuisance> nuisance_;
+  std::vector<Eigen::Index> planes_;  ///< where the nuisance of each plane begins
+  Eigen::Index bias_ = -1;
+  Eigen::MatrixXd common_prior_;  ///< W, W^T W the inverse prior covariance of the sought errors, where they share some
   std::vector<StationState> nominal_;
   Eigen::Index nuisance_count_ = 0;
   double noise_scale_ = 1.0;

@@ -92,19 +92,23 @@ void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& sta
   if (!stations) return;
   std::vector<double> distances;
   for (const Group& group : observation.groups()) {
-    if (group.is_point)
+    if (group.is_point())
       distances.push_back(observation.point_residual(group, (*stations)[group.station], start).norm());
   }
   if (distances.empty()) return;
   const double limit = std::max(kGross * median_of(distances), 5.0);
   std::size_t k = 0;
   for (Group& group : observation.groups()) {
-    if (group.is_point && distances[k++] > limit) group.active = false;
+    if (group.is_point() && distances[k++] > limit) group.active = false;
   }
 }
 
 std::string label(const Observation& observation, const Measurements& measurements, const Group& group) {
-  if (!group.is_point) {
+  if (group.is_height()) {
+    return fmt::format("height {} of {}", measurements.stations[group.station].name,
+                       measurements.planes[group.series].name);
+  }
+  if (group.is_distance()) {
     const DistanceReading& reading = observation.distance(group);
     return fmt::format("distance {} - {}", measurements.stations[reading.from].name,
                        measurements.stations[reading.to].name);
@@ -125,11 +129,11 @@ std::string explanation(const Observation& observation, const Measurements& meas
                         const Eigen::VectorXd& unknowns) {
   constexpr double kNear = 2.0;  // mm: a calibrated machine's reading lies this close to its station
   const auto stations = observation.stations(unknowns);
-  if (!group.is_point || !stations) return {};
+  if (!group.is_point() || !stations) return {};
   const auto near = [&](const Group& reading, std::size_t station) {
     return observation.point_residual(reading, (*stations)[station], unknowns).norm() < kNear;
   };
-  const auto same_series = [&](const Group& other) { return other.is_point && other.series == group.series; };
+  const auto same_series = [&](const Group& other) { return other.is_point() && other.series == group.series; };
   for (const Group& other : observation.groups()) {
     if (!same_series(other) || other.station == group.station || !near(group, other.station)) continue;
     const bool swapped = std::ranges::any_of(observation.groups(), [&](const Group& one) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "paracal/mechanism/base_motion.hpp"
@@ -50,7 +51,14 @@ std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationO
   const Tolerances tolerances = options.tolerances.value_or(tolerances_of(robot));
   std::vector<SoughtSource> sought = select(robot, options, [](Source) { return true; });
   for (SoughtSource& one : sought) {
-    if (!listed(options.free, one.limb, one.source)) one.prior_std = felt_std(robot, tolerances, one.source);
+    if (listed(options.free, one.limb, one.source)) continue;
+    double variance = std::pow(felt_std(robot, tolerances, one.source), 2);
+    if (variance > 0.0) {
+      for (const CommonError& error : options.common) {
+        variance += std::pow(error.std * error.direction(one.limb, one.source), 2);
+      }
+    }
+    one.prior_std = std::sqrt(variance);
   }
   std::erase_if(sought, [](const SoughtSource& one) { return one.prior_std == 0.0; });
   return sought;

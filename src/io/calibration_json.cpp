@@ -111,11 +111,20 @@ Json residuals_json(const Calibration& calibration) {
                     {"to", residual.to},
                     {"distance_mm", residual.distance},
                     {"before_mm", residual.distance_before},
-                    {"after_mm", residual.distance_after}});
+                    {"after_mm", residual.distance_after},
+                    {"excluded", residual.excluded}});
     if (!residual.rotation) continue;
     json.back()["rotation_deg"] = optional_degrees(residual.rotation);
     json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
     json.back()["rotation_after_deg"] = optional_degrees(residual.rotation_after);
+  }
+  for (const HeightResidual& residual : calibration.heights) {
+    json.push_back({{"series", residual.series},
+                    {"pose", residual.station},
+                    {"height_mm", residual.height},
+                    {"before_mm", residual.before},
+                    {"after_mm", residual.after},
+                    {"excluded", residual.excluded}});
   }
   for (const PointResidual& residual : calibration.points) {
     json.push_back({{"series", residual.series},
@@ -149,6 +158,20 @@ Json frames_json(const Calibration& calibration) {
     frame["second_reflector_mm"] = one.second ? array(*one.second) : Json(nullptr);
     json.push_back(std::move(frame));
   }
+  return json;
+}
+
+Json planes_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const FoundPlane& one : calibration.planes) {
+    json.push_back({{"series", one.name}, {"z_mm", one.height}, {"slope_x", one.slope_x}, {"slope_y", one.slope_y}});
+  }
+  return json;
+}
+
+Json common_json(const std::vector<CommonError>& errors) {
+  Json json = Json::array();
+  for (const CommonError& error : errors) json.push_back({{"text", error.text}, {"std_mm", error.std}});
   return json;
 }
 
@@ -221,6 +244,7 @@ Json to_json(const PoseErrorSummary& summary) {
           {"rms_distance_mm", summary.rms_distance},
           {"max_volumetric_mm", summary.max_volumetric},
           {"max_volumetric_aligned_mm", summary.max_volumetric_aligned},
+          {"rms_height_mm", optional(summary.rms_height)},
           {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
 }
 
@@ -242,6 +266,10 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"distance_sigma_mm", options.noise.distance},
             {"point_sigma_mm", options.noise.point},
             {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
+            {"height_sigma_mm", options.noise.height},
+            {"distance_bias_sigma_mm", options.noise.distance_bias},
+            {"plane_slope_sigma_rad", optional(options.plane_slope)},
+            {"common", common_json(options.common)},
             {"noise_is_known", options.noise_is_known},
             {"fixed", selectors_json(options.fixed)},
             {"free", selectors_json(options.free)},
@@ -287,6 +315,8 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"residuals", residuals_json(calibration)},
           {"suspects", suspects_json(calibration)},
           {"frames", frames_json(calibration)},
+          {"planes", planes_json(calibration)},
+          {"distance_bias_mm", optional(calibration.distance_bias)},
           {"options", to_json(calibration.options, calibration.robot.actuator())},
           {"inputs", to_json(calibration.files)}};
 }

@@ -42,6 +42,10 @@ class Merger {
     for (const Station& station : part.stations) places.push_back(append_station(station, title));
     for (const DistanceReading& reading : part.distances) append_distance(reading, places);
     for (const PointSeries& series : part.series) append_series(series, places);
+    for (HeightSeries plane : part.planes) {
+      for (HeightReading& reading : plane.readings) reading.station = place_of(places, reading.station);
+      merged_.planes.push_back(std::move(plane));
+    }
     for (const InputFile& file : part.files) append_file(file);
   }
 

@@ -8,8 +8,10 @@
 
 #include "columns.hpp"
 #include "names.hpp"
+#include "paracal/error.hpp"
 #include "paracal/io/csv.hpp"
 #include "paracal/units.hpp"
+#include "readings.hpp"
 
 namespace paracal::io {
 namespace {
@@ -94,6 +96,24 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
     measurements.distances.push_back(reading);
   }
   measurements.files = {{distances.name, sha256(distances.text)}, {poses.name, sha256(poses.text)}};
+  return measurements;
+}
+
+Measurements read_heights(const TextFile& heights, const TextFile& poses, const JointSpace& joints) {
+  Measurements measurements;
+  measurements.stations = read_poses(poses, joints);
+  const StationIndex stations(measurements.stations);
+  const CsvTable table(heights);
+  table.allow_only({"pose", "height_mm", "sigma_mm"});
+  HeightSeries plane{title_of(heights.name), {}};
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    plane.readings.push_back({.station = stations.at(table, row, "pose", poses.name),
+                              .height = table.number(row, "height_mm"),
+                              .sigma = positive_number(table, row, "sigma_mm")});
+  }
+  if (plane.readings.empty()) throw InputFileError(heights.name, 0, "expected at least one height, got none");
+  measurements.planes.push_back(std::move(plane));
+  measurements.files = {{heights.name, sha256(heights.text)}, {poses.name, sha256(poses.text)}};
   return measurements;
 }
 

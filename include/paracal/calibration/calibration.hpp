@@ -50,6 +50,14 @@ struct SourceSelector {
   }
 };
 
+/// An error that all limbs share, besides the tolerance of each: the length to which a lot of rods was cut, the radius
+/// that a base was bored to.
+struct CommonError {
+  std::string text;
+  SourceErrors direction;  ///< per mm
+  double std = 0.0;        ///< mm
+};
+
 struct CalibrationOptions {
   Method method = Method::best;
   Stage stage = Stage::automatic;
@@ -59,11 +67,15 @@ struct CalibrationOptions {
   RotationZero rotation_zero = RotationZero::unknown;
   ReflectorMount reflectors = ReflectorMount::plate;
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
-  std::vector<SourceSelector> fixed = {};     ///< held at zero
-  std::vector<SourceSelector> free = {};      ///< sought without a prior
-  bool exclude_outliers = true;               ///< method best: leave out readings that contradict the others
-  double outlier_chance = 1e-4;               ///< that a fit without gross errors loses a reading
-  double largest_chance = 0.05;  ///< accept when noise alone improves the fit this much with less probability
+  std::vector<CommonError> common = {};       ///< priors that the limbs have together
+  /// Standard deviation of the slopes of planes that heights are read above, against the robot's own level, rad; empty:
+  /// any.
+  std::optional<double> plane_slope = {};
+  std::vector<SourceSelector> fixed = {};  ///< held at zero
+  std::vector<SourceSelector> free = {};   ///< sought without a prior
+  bool exclude_outliers = true;            ///< method best: leave out readings that contradict the others
+  double outlier_chance = 1e-4;            ///< that a fit without gross errors loses a reading
+  double largest_chance = 0.05;            ///< accept when noise alone improves the fit this much with less probability
 };
 
 /// One source error that a fit seeks. Without a prior the readings alone decide.
@@ -107,6 +119,7 @@ struct DistanceResidual {
   double distance = 0.0;                                            ///< measured, mm
   double distance_before = 0.0, distance_after = 0.0;               ///< mm
   std::optional<double> rotation, rotation_before, rotation_after;  ///< rad
+  bool excluded = false;
 };
 
 /// A point likewise, in the robot's frame as either machine fits it best.
@@ -117,6 +130,14 @@ struct PointResidual {
   bool excluded = false;
 };
 
+/// A height likewise, above the plane as either machine fits it best.
+struct HeightResidual {
+  std::string series, station;
+  double height = 0.0;               ///< measured, mm
+  double before = 0.0, after = 0.0;  ///< mm
+  bool excluded = false;
+};
+
 /// How much a reading contradicts all others. `statistic` is the drop of the weighted residual sum when the reading is
 /// left out, over its number of rows and the scatter of the rest: about 1 for a good one.
 struct Suspect {
@@ -124,6 +145,13 @@ struct Suspect {
   double statistic = 0.0;
   double chance = 1.0;  ///< that the worst of as many good readings looks like this
   bool excluded = false;
+};
+
+/// Where a plane lies that heights were read above, in the robot's frame: z = height + slope_x x + slope_y y.
+struct FoundPlane {
+  std::string name;
+  double height = 0.0;  ///< mm
+  double slope_x = 0.0, slope_y = 0.0;
 };
 
 /// What one stage of the fit did.
@@ -160,8 +188,11 @@ struct [[nodiscard]] Calibration {
   std::size_t readings = 0;  ///< how many there were; more than 20,000 are not listed one by one below
   std::vector<DistanceResidual> distances = {};
   std::vector<PointResidual> points = {};
+  std::vector<HeightResidual> heights = {};
   std::vector<Suspect> suspects = {};  ///< worst first
   std::vector<SeriesFrame> frames = {};
+  std::vector<FoundPlane> planes = {};
+  std::optional<double> distance_bias = {};  ///< found in all distances alike, measured - true, mm
   int degrees_of_freedom = 0;
   /// Root of the weighted residual sum over the degrees of freedom: 1 when the readings scatter as their sigmas say.
   std::optional<double> unit_weight_std = {};

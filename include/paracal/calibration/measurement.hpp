@@ -44,6 +44,19 @@ struct PointSeries {
   std::vector<PointReading> readings;
 };
 
+/// The plate centre above a plane: a probe that triggered, a nozzle on a sheet of paper, a dial gauge.
+struct HeightReading {
+  std::size_t station = 0;           ///< index into the stations
+  double height = 0.0;               ///< along the robot's z, mm
+  std::optional<double> sigma = {};  ///< standard deviation, mm, where stated
+};
+
+/// Heights above one plane whose own height and tilt are not known, as a printer's bed.
+struct HeightSeries {
+  std::string name;
+  std::vector<HeightReading> readings;
+};
+
 /// A file that the measurements came from, so that a calibration can name its inputs.
 struct InputFile {
   std::string name;
@@ -54,6 +67,7 @@ struct Measurements {
   std::vector<Station> stations = {};  ///< the first is home
   std::vector<DistanceReading> distances = {};
   std::vector<PointSeries> series = {};
+  std::vector<HeightSeries> planes = {};
   std::vector<InputFile> files = {};
   std::vector<std::string> notes = {};  ///< what the import had to pass over: missing or doubled readings
 };

@@ -22,9 +22,13 @@ struct TrackerModel {
 /// one, the scatter of the residuals decides, and these values only set the proportion of lengths to angles.
 struct NoiseModel {
   double distance = 0.05;             ///< mm: positioning repeatability in [huang2016, section 5.2]
+  double height = 0.05;               ///< mm: a probe that triggers within some hundredths
   double point = 0.017;               ///< mm a coordinate: one third of it, read as 3 sigma
   double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section
   std::optional<TrackerModel> tracker = {};
+  /// Standard deviation of an error that all distances share (a calliper's zero, a printed wall too thick), mm; 0:
+  /// none.
+  double distance_bias = 0.0;
 };
 
 /// W with W^T W = inverse covariance of a point read by the tracker: (1/radial) u u^T + (1/transverse) (I - u u^T).

@@ -25,10 +25,11 @@ PoseError error_relative_to(const PosePair& home, const PosePair& pose);
 
 /// Largest errors over many poses.
 struct PoseErrorSummary {
-  double max_abs_distance = 0.0;        ///< of d_rho, mm
-  double rms_distance = 0.0;            ///< of d_rho, mm
-  double max_volumetric = 0.0;          ///< of d_v, mm: depends on how the frames are aligned
-  double max_volumetric_aligned = 0.0;  ///< mm: largest |dr| after the rigid motion that fits best has been removed
+  double max_abs_distance = 0.0;          ///< of d_rho, mm
+  double rms_distance = 0.0;              ///< of d_rho, mm
+  double max_volumetric = 0.0;            ///< of d_v, mm: depends on how the frames are aligned
+  double max_volumetric_aligned = 0.0;    ///< mm: largest |dr| after the rigid motion that fits best has been removed
+  std::optional<double> rms_height = {};  ///< of heights above a plane, mm; empty where none were read
   std::optional<double> max_abs_rotation = {};  ///< of d_phi, rad; empty where no rotation was read
 };
 

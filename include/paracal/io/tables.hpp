@@ -32,6 +32,10 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
 Measurements read_distances(const std::filesystem::path& distances, const std::filesystem::path& poses,
                             const JointSpace& joints = {});
 
+/// Height table (CSV): pose,height_mm and optional sigma_mm; names are those of the pose table, repeats are further
+/// rows. One file is one plane, named after the file.
+Measurements read_heights(const TextFile& heights, const TextFile& poses, const JointSpace& joints = {});
+
 /// A pose with the name of its row.
 struct NamedPose {
   std::string name;
