@@ -1,0 +1,44 @@
+#pragma once
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/mechanism/robot.hpp"
+#include "paracal/printer/delta_geometry.hpp"
+
+namespace paracal {
+
+/// A linear-delta printer as a robot: the firmware's frame moved so that {O} lies at the height of the endstops.
+///
+///   z of the robot = z of the firmware + bed        q_i = -drop_i
+struct PrinterMachine {
+  Robot robot;           ///< towers at their design angles, the firmware's radius, rods of the mean length of its arms
+  SourceErrors assumed;  ///< what the firmware's geometry differs by from that
+  double bed = 0.0;      ///< height of the firmware's z = 0, mm
+};
+
+/// @param print_radius  of the bed, mm; 0: most of what the arms reach. Readings say where a printer is known.
+/// What a firmware does not know (radius of the effector, width of its rods' pairs) is taken as in linear_delta; it
+/// matters only for tilt. Tolerances are those of printers: see printer_tolerances().
+/// @throws InvalidArgument for a geometry that makes no sense.
+PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius = 0.0);
+
+/// Half-widths (3 sigma) of a printer's parts against each other: rods cut in one jig alike to 0.1 mm, rails within 0.3
+/// mm of where they belong at both ends (0.04 deg), endstops anywhere within 10 mm, ball joints as people assemble
+/// them.
+Tolerances printer_tolerances(double parallelogram_width);
+
+/// What the limbs of a printer share, and nobody has measured: the delta radius and the length of the rods. Heights
+/// alone hardly tell the two apart; then the rods are left as they are typed.
+std::vector<CommonError> printer_common_errors(const Robot& robot, bool rods_too);
+
+/// The readings as stations (named by kind and number, from 0 as in printer.cfg), heights above one bed, and distances.
+/// @throws InvalidArgument where the firmware's geometry does not close.
+Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeometry& geometry,
+                                  const DeltaReadings& readings);
+
+/// How printers are measured: probes repeat to 0.02 mm, callipers on printed pillars to 0.06 mm, and all distances
+/// share a bias of 0.2 mm (walls too thick or too thin); beds are square to the rails within 0.5 mrad. These, the
+/// tolerances and the common errors are alike for all printers.
+CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings);
+
+}  // namespace paracal

@@ -1,0 +1,143 @@
+#include "paracal/printer/projection.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "paracal/kinematics/forward.hpp"
+
+namespace paracal {
+namespace {
+
+/// Where the machine stands above its bed when the carriages hang so far below their endstops.
+struct Place {
+  CarriageDrops drops{};
+  Eigen::Vector3d above_bed;
+};
+
+/// A point of the robot's frame in the bed's: turned by the bed's small slopes, z from the bed.
+Eigen::Vector3d above(const FoundPlane& bed, const Eigen::Vector3d& p) {
+  const double height = p.z() - bed.height - bed.slope_x * p.x() - bed.slope_y * p.y();
+  return {p.x() + bed.slope_x * height, p.y() + bed.slope_y * height, height};
+}
+
+/// Drops by which a firmware goes to a point of its frame; NaN when out of reach.
+CarriageDrops drops_to(const DeltaGeometry& g, const Eigen::Vector3d& p) {
+  CarriageDrops drops{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double dx = g.radius * std::cos(g.tower_angle[i]) - p.x(), dy = g.radius * std::sin(g.tower_angle[i]) - p.y();
+    const double square = g.arm[i] * g.arm[i];
+    drops[i] = g.endstop[i] + std::sqrt(square - g.radius * g.radius) - p.z() - std::sqrt(square - dx * dx - dy * dy);
+  }
+  return drops;
+}
+
+/// Rings of the workspace at several heights above the bed.
+std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geometry) {
+  constexpr int kHeights = 3, kRings = 4, kAround = 12;
+  const Workspace& workspace = known.printer.robot.workspace();
+  const Machine machine = build(known.printer.robot, known.errors);
+  std::vector<Place> places;
+  for (int level = 0; level < kHeights; ++level) {
+    const double z = 0.5 * workspace.height * level / (kHeights - 1);
+    for (int ring = 0; ring <= kRings; ++ring) {
+      for (int k = 0; k < (ring == 0 ? 1 : kAround); ++k) {
+        const double radius = workspace.radius * ring / kRings;
+        Place place{drops_to(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z)), {}};
+        Joints joints(3);
+        joints << -place.drops[0], -place.drops[1], -place.drops[2];
+        if (!joints.allFinite()) continue;
+        const ForwardResult taken = forward(machine, joints);
+        if (!taken.ok()) continue;
+        place.above_bed = above(known.bed, taken.plate.position);
+        places.push_back(place);
+      }
+    }
+  }
+  return places;
+}
+
+DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry& geometry) {
+  std::vector<Eigen::Vector3d> believed, actual;
+  for (const Place& place : places) {
+    const auto p = nozzle(geometry, place.drops);
+    if (!p) continue;
+    believed.push_back(*p);
+    actual.push_back(place.above_bed);
+  }
+  DeltaAccuracy accuracy;
+  const auto count = static_cast<double>(believed.size());
+  if (believed.empty()) return accuracy;
+  // Shift and turn in the plane: the turn that fits best, and the mean of what it leaves.
+  double sine = 0.0, cosine = 0.0;
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < believed.size(); ++k) {
+    from += believed[k] / count;
+    to += actual[k] / count;
+  }
+  for (std::size_t k = 0; k < believed.size(); ++k) {
+    const Eigen::Vector3d b = believed[k] - from, a = actual[k] - to;
+    cosine += b.x() * a.x() + b.y() * a.y();
+    sine += b.x() * a.y() - b.y() * a.x();
+  }
+  const Eigen::AngleAxisd turn(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
+  for (std::size_t k = 0; k < believed.size(); ++k) {
+    Eigen::Vector3d left = turn * (believed[k] - from) - (actual[k] - to);
+    left.z() = believed[k].z() - actual[k].z();
+    const double absolute = (believed[k] - actual[k]).norm(), shape = left.norm();
+    accuracy.absolute_rms += absolute * absolute / count;
+    accuracy.shape_rms += shape * shape / count;
+    accuracy.absolute_max = std::max(accuracy.absolute_max, absolute);
+    accuracy.shape_max = std::max(accuracy.shape_max, shape);
+  }
+  accuracy.absolute_rms = std::sqrt(accuracy.absolute_rms);
+  accuracy.shape_rms = std::sqrt(accuracy.shape_rms);
+  return accuracy;
+}
+
+}  // namespace
+
+DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry) {
+  return accuracy_at(places_of(known, geometry), geometry);
+}
+
+DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerArms arms) {
+  const std::vector<Place> places = places_of(known, start);
+  const Eigen::Index held = arms == ControllerArms::each ? 9 : arms == ControllerArms::alike ? 7 : 6;
+  DeltaGeometry alike = start;
+  if (arms == ControllerArms::alike) alike.arm.fill((start.arm[0] + start.arm[1] + start.arm[2]) / 3.0);
+  // Unknowns: the nine numbers, or seven with one arm for all, or six; then shift x, y and turn.
+  const auto geometry_of = [&](const Eigen::VectorXd& unknowns) {
+    if (held != 7) return with_numbers(alike, unknowns.head(held));
+    Eigen::VectorXd numbers(9);
+    numbers << unknowns.head(6), unknowns(6), unknowns(6), unknowns(6);
+    return with_numbers(alike, numbers);
+  };
+  const auto model = [&](const Eigen::VectorXd& unknowns, InformationRoot& root) {
+    const DeltaGeometry geometry = geometry_of(unknowns);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(unknowns(held + 2), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, held + 4);
+    for (const Place& place : places) {
+      const auto p = nozzle(geometry, place.drops);
+      if (!p) return false;
+      const NozzleJacobian by_number = turn * nozzle_jacobian(geometry, place.drops, *p);
+      const Eigen::Vector3d turned = turn * *p;
+      rows.leftCols(held) = by_number.leftCols(held);
+      if (held == 7) rows.col(6) = by_number.rightCols<3>().rowwise().sum();
+      rows.middleCols<2>(held) = Eigen::Matrix<double, 3, 2>::Identity();
+      rows.col(held + 2) = Eigen::Vector3d::UnitZ().cross(turned);
+      rows.col(held + 3) = turned + Eigen::Vector3d(unknowns(held), unknowns(held + 1), 0.0) - place.above_bed;
+      root.add(rows);
+    }
+    return true;
+  };
+  Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(held + 3);
+  unknowns.head(held) = numbers_of(alike).head(held);
+  const LeastSquaresResult found = solve_least_squares(model, unknowns);
+  const DeltaGeometry geometry = geometry_of(found.parameters);
+  return {found.status, geometry, accuracy_at(places, geometry)};
+}
+
+}  // namespace paracal

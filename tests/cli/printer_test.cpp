@@ -1,0 +1,74 @@
+// What the owner of a printer types.
+
+#include "broken_input.hpp"
+#include "json_checks.hpp"
+#include "printer/klipper_sets.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class PrinterCommand : public testing::Test {
+ protected:
+  std::string config(const std::string& id) const {
+    for (const KlipperSet& set : klipper_sets()) {
+      if (set.id == id) return set.config;
+    }
+    return {};
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(PrinterCommand, SaysWhatToDoAndWhatToSave) {
+  folder.write("printer.cfg", config("K18"));
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+  EXPECT_EQ(result.exit_code, kDone);
+  for (const char* said : {"accept the new values", "turned about z", "absolute",
+                           "#*# [printer]\n#*# delta_radius = ", "#*# [stepper_c]\n#*# angle = 90.000000\n"}) {
+    EXPECT_THAT(result.out, HasSubstr(said));
+  }
+  EXPECT_THAT(folder.run("calibrate --printer printer.cfg --write marlin").out, HasSubstr("\nM665 L"));
+}
+
+TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
+  folder.write("printer.cfg", config("K18"));
+  const json object = json_of(folder.run("calibrate --printer printer.cfg --json"));
+  ASSERT_TRUE(has_keys(object, "accepted parameters planes distance_bias_mm printer"));
+  const json& printer = object["printer"];
+  ASSERT_TRUE(has_keys(
+      printer, "recommended findings saved firmware new accuracy_saved accuracy_new left_out left_out_firmware"));
+  EXPECT_TRUE(printer["recommended"].get<bool>());
+  EXPECT_EQ(printer["firmware"]["parameters"], 9);
+  EXPECT_LT(printer["accuracy_new"]["shape_rms_mm"], printer["accuracy_saved"]["shape_rms_mm"]);
+}
+
+TEST_F(PrinterCommand, WarnsWhereNothingIsGained) {
+  folder.write("printer.cfg", config("K37"));
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+  EXPECT_THAT(result.out, HasSubstr("the saved values do not belong to these readings"));
+  EXPECT_EQ(result.exit_code, result.out.find("warning") == std::string::npos ? kDone : kVerdictIsNo);
+}
+
+TEST_F(PrinterCommand, OtherFirmwaresGiveARobot) {
+  folder.write("config.g", "M665 R105.6 L215.0 B85 H235\nM666 X0.2 Y-0.1 Z0\n");
+  ASSERT_EQ(folder.run("robot --printer config.g --firmware reprapfirmware --out robot.toml").exit_code, kDone);
+  EXPECT_THAT(folder.read("robot.toml"), HasSubstr("actuator = \"linear\""));
+  EXPECT_EQ(folder.run("sensitivity --robot robot.toml").exit_code, kDone);
+}
+
+TEST_F(PrinterCommand, IsRefusedWithoutReadings) {
+  std::string text = config("K18");
+  text.resize(text.find("#*# [delta_calibrate]"));
+  folder.write("printer.cfg", text);
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.err, HasSubstr("printer.cfg: expected heights of the bed"));
+  EXPECT_EQ(folder.run("calibrate --printer printer.cfg --measurements points.csv").exit_code, kWrongUsage);
+  EXPECT_EQ(folder.run("calibrate").exit_code, kWrongUsage);
+}
+
+}  // namespace
+}  // namespace paracal::test
