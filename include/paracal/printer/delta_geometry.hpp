@@ -55,7 +55,7 @@ struct DeltaReadings {
   std::vector<PrintedDistance> distances = {};
 };
 
-/// How well a geometry explains readings, as Klipper's delta_calibrate judges it:
+/// How well a geometry explains readings, as Klipper's delta_calibrate judges it [klipper]:
 ///
 ///   cost = w sum (z - height)^2 + sum (|p_to - p_from| - distance)^2,    w = 2 n_distances / n_heights; 1 without any
 struct DeltaFit {
