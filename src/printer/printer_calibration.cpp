@@ -28,7 +28,7 @@ std::optional<Known> known_from(const DeltaGeometry& start, const DeltaReadings&
   const Measurements measurements = printer_measurements(printer, nominal, readings);
   Calibration calibration = calibrate(printer.robot, measurements, printer_options(printer.robot, readings));
   if (calibration.planes.empty()) return std::nullopt;
-  return Known{std::move(firmware), std::move(printer), std::move(calibration)};
+  return Known{firmware, std::move(printer), std::move(calibration)};
 }
 
 std::optional<Eigen::Vector3d> place_of(const Machine& machine, const CarriageDrops& drops) {
