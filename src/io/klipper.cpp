@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -17,7 +18,19 @@ namespace {
 
 constexpr std::string_view kSavedMark = "#*#";
 constexpr std::array<std::string_view, 3> kTowers{"stepper_a", "stepper_b", "stepper_c"};
-constexpr std::array<double, 3> kUsualAngles{210.0, 330.0, 90.0};  // deg
+
+/// How the keys of one kind of delta are called.
+struct Keys {
+  Actuator actuator;
+  std::string_view kinematics, radius, rod;
+  std::array<double, 3> angles;  ///< deg, where none is stated
+};
+constexpr std::array<Keys, 2> kKinds{
+    {{Actuator::linear, "delta", "delta_radius", "arm_length", {210.0, 330.0, 90.0}},
+     {Actuator::revolute, "rotary_delta", "shoulder_radius", "lower_arm_length", {30.0, 150.0, 270.0}}}};
+constexpr std::string_view kArm = "upper_arm_length", kShoulder = "shoulder_height";
+
+const Keys& keys_of(Actuator actuator) { return *std::ranges::find(kKinds, actuator, &Keys::actuator); }
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
@@ -122,15 +135,18 @@ double gear_ratio(const Settings& settings, std::string_view section) {
   return ratio;
 }
 
-/// mm a micro-step. Older files state it; newer ones the way a turn of the motor makes.
-double step_distance(const Settings& settings, std::string_view section) {
+/// Mm or rad a micro-step. Older files state it; newer ones the way a turn of the motor makes, which of an arm is a
+/// turn over the gear's ratio.
+double step_size(const Settings& settings, std::string_view section, Actuator actuator) {
   constexpr double kUsualSteps = 200.0;
   if (settings.find(section, "step_distance")) return settings.positive(section, "step_distance");
   const double steps = settings.find(section, "full_steps_per_rotation")
                            ? settings.positive(section, "full_steps_per_rotation")
                            : kUsualSteps;
-  return settings.positive(section, "rotation_distance") /
-         (steps * settings.positive(section, "microsteps") * gear_ratio(settings, section));
+  const bool linear = actuator == Actuator::linear;
+  if (!linear) (void)settings.require(section, "gear_ratio");
+  const double turn = linear ? settings.positive(section, "rotation_distance") : 2.0 * std::numbers::pi;
+  return turn / (steps * settings.positive(section, "microsteps") * gear_ratio(settings, section));
 }
 
 /// A key of all towers; of the first, B and C take what they do not state themselves.
@@ -143,36 +159,66 @@ std::array<double, 3> like_the_first(const Settings& settings, std::string_view 
   return values;
 }
 
-DeltaGeometry geometry_of(const Settings& settings) {
-  DeltaGeometry geometry;
-  geometry.radius = settings.positive("printer", "delta_radius");
-  geometry.arm = like_the_first(settings, "arm_length");
-  geometry.endstop = like_the_first(settings, "position_endstop");
-  for (std::size_t i = 0; i < 3; ++i) {
-    geometry.tower_angle[i] = to_radians(settings.optional_number(kTowers[i], "angle").value_or(kUsualAngles[i]));
-    if (geometry.arm[i] > geometry.radius) continue;
-    const auto value = settings.require(kTowers[settings.find(kTowers[i], "arm_length") ? i : 0], "arm_length");
-    settings.fail(value.line, fmt::format("expected arm_length above delta_radius ({} mm), got {} mm", geometry.radius,
-                                          geometry.arm[i]));
+const Keys& kind_of(const Settings& settings) {
+  const Settings::Value kinematics = settings.require("printer", "kinematics");
+  const auto* kind = std::ranges::find(kKinds, kinematics.text, &Keys::kinematics);
+  if (kind == kKinds.end()) {
+    settings.fail(kinematics.line,
+                  fmt::format("expected kinematics: delta or rotary_delta, got \"{}\"", kinematics.text));
   }
+  return *kind;
+}
+
+/// The homed nozzle must be within reach of each tower.
+void check_endstops(const Settings& settings, const Keys& keys, const DeltaGeometry& geometry) {
+  const std::array<double, 3> homed = homed_joints(geometry);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto own = [&](std::string_view key) {
+      return settings.require(kTowers[settings.find(kTowers[i], key) ? i : 0], key);
+    };
+    if (keys.actuator == Actuator::linear && !(geometry.rod[i] > geometry.radius)) {
+      settings.fail(own(keys.rod).line, fmt::format("expected {} above {} ({} mm), got {} mm", keys.rod, keys.radius,
+                                                    geometry.radius, geometry.rod[i]));
+    }
+    if (!std::isfinite(homed[i])) {
+      settings.fail(own("position_endstop").line,
+                    fmt::format("expected position_endstop within reach of the arms, got {} mm", geometry.endstop[i]));
+    }
+  }
+}
+
+DeltaGeometry geometry_of(const Settings& settings) {
+  const Keys& keys = kind_of(settings);
+  DeltaGeometry geometry{.actuator = keys.actuator};
+  geometry.radius = settings.positive("printer", keys.radius);
+  geometry.rod = like_the_first(settings, keys.rod);
+  geometry.endstop = like_the_first(settings, "position_endstop");
+  if (keys.actuator == Actuator::revolute) {
+    geometry.arm = like_the_first(settings, kArm);
+    geometry.shoulder.fill(settings.positive("printer", kShoulder));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    geometry.tower_angle[i] = to_radians(settings.optional_number(kTowers[i], "angle").value_or(keys.angles[i]));
+  }
+  check_endstops(settings, keys, geometry);
   return geometry;
 }
 
-/// Three step counts below the endstops as carriage drops.
-CarriageDrops drops_of(const Settings& settings, const std::string& key, const std::array<double, 3>& step) {
+/// Three step counts below the endstops as drops.
+JointDrops drops_of(const Settings& settings, const std::string& key, const std::array<double, 3>& step) {
   const Settings::Value value = settings.require("delta_calibrate", key);
   const std::vector<std::string_view> counts = cut(value.text, ',');
   if (counts.size() != 3) {
     settings.fail(value.line, fmt::format("expected three step counts for {}, got \"{}\"", key, value.text));
   }
-  CarriageDrops drops{};
+  JointDrops drops{};
   for (std::size_t i = 0; i < 3; ++i) drops[i] = step[i] * settings.number_of({counts[i], value.line}, key);
   return drops;
 }
 
 DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometry, const std::array<double, 3>& step) {
   DeltaReadings readings;
-  const auto require_reachable = [&](const CarriageDrops& drops, const std::string& key) {
+  const auto require_reachable = [&](const JointDrops& drops, const std::string& key) {
     if (nozzle(geometry, drops)) return;
     settings.fail(
         settings.require("delta_calibrate", key).line,
@@ -199,23 +245,29 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
 
 KlipperDelta read_klipper(const TextFile& file) {
   const Settings settings(file);
-  const Settings::Value kinematics = settings.require("printer", "kinematics");
-  if (kinematics.text != "delta") {
-    settings.fail(kinematics.line, fmt::format("expected kinematics: delta, got \"{}\"", kinematics.text));
-  }
   KlipperDelta printer;
   printer.geometry = geometry_of(settings);
-  for (std::size_t i = 0; i < 3; ++i) printer.step_distance[i] = step_distance(settings, kTowers[i]);
-  printer.readings = readings_of(settings, printer.geometry, printer.step_distance);
+  for (std::size_t i = 0; i < 3; ++i) {
+    printer.step_size[i] = step_size(settings, kTowers[i], printer.geometry.actuator);
+  }
+  printer.readings = readings_of(settings, printer.geometry, printer.step_size);
   if (const auto radius = settings.optional_number("printer", "print_radius")) printer.print_radius = *radius;
   return printer;
 }
 
 std::string klipper_save_config(const DeltaGeometry& geometry) {
-  std::string text = fmt::format("#*# [printer]\n#*# delta_radius = {:.6f}\n", geometry.radius);
+  const Keys& keys = keys_of(geometry.actuator);
+  const bool rotary = keys.actuator == Actuator::revolute;
+  std::string text = fmt::format("#*# [printer]\n#*# {} = {:.6f}\n", keys.radius, geometry.radius);
+  if (rotary) {
+    const double shoulder = (geometry.shoulder[0] + geometry.shoulder[1] + geometry.shoulder[2]) / 3.0;
+    text += fmt::format("#*# {} = {:.6f}\n", kShoulder, shoulder);
+  }
   for (std::size_t i = 0; i < 3; ++i) {
-    text += fmt::format("#*#\n#*# [{}]\n#*# angle = {:.6f}\n#*# arm_length = {:.6f}\n#*# position_endstop = {:.6f}\n",
-                        kTowers[i], to_degrees(geometry.tower_angle[i]), geometry.arm[i], geometry.endstop[i]);
+    text += fmt::format("#*#\n#*# [{}]\n#*# angle = {:.6f}\n", kTowers[i], to_degrees(geometry.tower_angle[i]));
+    if (rotary) text += fmt::format("#*# {} = {:.6f}\n", kArm, geometry.arm[i]);
+    text +=
+        fmt::format("#*# {} = {:.6f}\n#*# position_endstop = {:.6f}\n", keys.rod, geometry.rod[i], geometry.endstop[i]);
   }
   return text;
 }

@@ -18,12 +18,11 @@ namespace {
 
 constexpr std::array<double, 3> kDesignAngles{210.0, 330.0, 90.0};  // deg
 constexpr std::array<char, 3> kTowers{'X', 'Y', 'Z'}, kTrims{'A', 'B', 'C'};
+constexpr std::string_view kLinear = "M665", kEndstops = "M666", kRotary = "M669";
 
-/// Words of one code by their letters, the last ones of a file, with their line.
-struct Words {
-  std::map<char, std::string> text;
-  int line = 0;
-};
+using Three = std::array<double, 3>;
+
+double mean_of(const Three& values) { return std::accumulate(values.begin(), values.end(), 0.0) / 3.0; }
 
 std::vector<std::string_view> words_of(std::string_view line) {
   line = line.substr(0, line.find(';'));
@@ -38,128 +37,195 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-class Codes {
+/// The words of one code by their letters, each the last of its letter in the file.
+class Code {
  public:
-  explicit Codes(const TextFile& file) : file_(file.name) {
+  Code(const TextFile& file, std::string_view name) : file_(file.name), name_(name) {
     int number = 0;
     for (const std::string_view line : lines_of(file.text)) {
       ++number;
       const std::vector<std::string_view> words = words_of(line);
-      if (words.empty() || (words[0] != "M665" && words[0] != "M666")) continue;
-      Words& code = words[0] == "M665" ? geometry_ : endstops_;
-      code.line = number;
+      if (words.empty() || words[0] != name) continue;
+      line_ = number;
       for (std::size_t k = 1; k < words.size(); ++k) {
-        const auto letter = static_cast<char>(std::toupper(static_cast<unsigned char>(words[k].front())));
-        code.text[letter] = words[k].substr(1);
+        text_[static_cast<char>(std::toupper(static_cast<unsigned char>(words[k].front())))] = words[k].substr(1);
       }
     }
   }
 
-  [[noreturn]] void fail(int line, const std::string& complaint) const { throw InputFileError(file_, line, complaint); }
+  [[noreturn]] void fail(const std::string& complaint) const { throw InputFileError(file_, line_, complaint); }
 
-  const Words& geometry() const { return geometry_; }
-  const Words& endstops() const { return endstops_; }
-
-  double number(const Words& words, char letter, std::string_view text) const {
-    const std::optional<double> value = finite_number(text);
-    if (!value) fail(words.line, fmt::format("expected a number after {}, got \"{}\"", letter, text));
-    return *value;
-  }
-
-  double number_or(const Words& words, char letter, double otherwise) const {
-    const auto found = words.text.find(letter);
-    return found == words.text.end() ? otherwise : number(words, letter, found->second);
-  }
-
-  const std::string& require(char letter, std::string_view what) const {
-    const auto found = geometry_.text.find(letter);
-    if (found == geometry_.text.end()) {
-      fail(geometry_.line, fmt::format("expected M665 with {} ({}), got none", letter, what));
+  /// The numbers after a letter, between colons.
+  std::vector<double> numbers(char letter, std::string_view what) const {
+    const auto found = text_.find(letter);
+    if (found == text_.end()) fail(fmt::format("expected {} with {} ({}), got none", name_, letter, what));
+    std::vector<double> values;
+    std::string_view rest = found->second;
+    while (true) {
+      const std::size_t end = std::min(rest.find(':'), rest.size());
+      const std::optional<double> value = finite_number(rest.substr(0, end));
+      if (!value) fail(fmt::format("expected a number after {}, got \"{}\"", letter, rest.substr(0, end)));
+      values.push_back(*value);
+      if (end == rest.size()) return values;
+      rest.remove_prefix(end + 1);
     }
-    return found->second;
+  }
+
+  double number(char letter, std::string_view what) const {
+    const std::vector<double> values = numbers(letter, what);
+    if (values.size() != 1) fail(fmt::format("expected one number after {}, got {}", letter, values.size()));
+    return values[0];
+  }
+
+  double number_or(char letter, double otherwise) const {
+    return text_.contains(letter) ? number(letter, {}) : otherwise;
+  }
+
+  /// One number for all towers, or three.
+  Three one_or_three(char letter, std::string_view what) const {
+    const std::vector<double> values = numbers(letter, what);
+    if (values.size() == 1) return {values[0], values[0], values[0]};
+    if (values.size() != 3) fail(fmt::format("expected one number or three after {}, got {}", letter, values.size()));
+    return {values[0], values[1], values[2]};
+  }
+
+  /// Of the towers X, Y and Z; 0 where there is none.
+  Three of_towers() const {
+    return {number_or(kTowers[0], 0.0), number_or(kTowers[1], 0.0), number_or(kTowers[2], 0.0)};
   }
 
  private:
   std::string file_;
-  Words geometry_, endstops_;
+  std::string_view name_;
+  std::map<char, std::string> text_;
+  int line_ = 0;
 };
 
-/// L290 for all, or L290.1:290.2:290.0; Marlin: and trims A, B, C. (B is the printable radius in RepRapFirmware.)
-std::array<double, 3> arms_of(const Codes& codes, CodeDialect dialect) {
-  const std::string& text = codes.require('L', "length of the rods");
-  const auto colons = std::ranges::count(text, ':');
-  if (colons != 0 && colons != 2) {
-    codes.fail(codes.geometry().line, fmt::format("expected one length or three after L, got \"{}\"", text));
-  }
-  std::array<double, 3> arms{};
-  std::string_view rest = text;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t end = std::min(rest.find(':'), rest.size());
-    arms[i] = codes.number(codes.geometry(), 'L', rest.substr(0, end));
-    if (dialect == CodeDialect::marlin) arms[i] += codes.number_or(codes.geometry(), kTrims[i], 0.0);
-    if (end < rest.size()) rest.remove_prefix(end + 1);
-  }
-  return arms;
-}
-
-double below_carriage(const DeltaGeometry& g, std::size_t i) {
-  return std::sqrt(g.arm[i] * g.arm[i] - g.radius * g.radius);
+void turn_towers(const Code& code, DeltaGeometry& geometry) {
+  const Three turned = code.of_towers();
+  for (std::size_t i = 0; i < 3; ++i) geometry.tower_angle[i] = to_radians(kDesignAngles[i] + turned[i]);
 }
 
 /// Height of the nozzle with all carriages at 0.
 double nozzle_below(DeltaGeometry geometry) {
-  for (std::size_t i = 0; i < 3; ++i) geometry.endstop[i] = -below_carriage(geometry, i);
+  for (std::size_t i = 0; i < 3; ++i) geometry.endstop[i] = endstop_of(geometry, i, 0.0);
   const auto place = nozzle(geometry, {0.0, 0.0, 0.0});
   return place ? place->z() : std::nan("");
+}
+
+DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
+  const Code code(file, kLinear), endstops(file, kEndstops);
+  DeltaGeometry geometry{.actuator = Actuator::linear};
+  geometry.rod = code.one_or_three('L', "length of the rods");
+  if (dialect == CodeDialect::marlin) {
+    for (std::size_t i = 0; i < 3; ++i) geometry.rod[i] += code.number_or(kTrims[i], 0.0);
+  }
+  geometry.radius = code.number('R', "delta radius");
+  const double homed = code.number('H', "homed height"), shortest = *std::ranges::min_element(geometry.rod);
+  if (!(geometry.radius > 0.0) || !(shortest > geometry.radius)) {
+    code.fail(fmt::format("expected a delta radius above 0 and rods longer than it, got R {} and L {}", geometry.radius,
+                          shortest));
+  }
+  turn_towers(code, geometry);
+  const double below = nozzle_below(geometry);
+  const Three adjustments = endstops.of_towers();
+  for (std::size_t i = 0; i < 3; ++i) {
+    geometry.endstop[i] = dialect == CodeDialect::marlin ? homed - adjustments[i]
+                                                         : endstop_of(geometry, i, homed - below + adjustments[i]);
+  }
+  return geometry;
+}
+
+DeltaGeometry rotary_delta(const TextFile& file, const Code& code) {
+  const Code endstops(file, kEndstops);
+  DeltaGeometry geometry{.actuator = Actuator::revolute};
+  geometry.radius = code.number('R', "shoulder radius");
+  geometry.arm = code.one_or_three('U', "length of the arms");
+  geometry.rod = code.one_or_three('L', "length of the rods");
+  geometry.shoulder = code.one_or_three('H', "height of the shoulders");
+  const std::vector<double> angles = code.numbers('A', "lowest and highest angle of the arms");
+  if (angles.size() != 2) code.fail(fmt::format("expected two angles after A, got {}", angles.size()));
+  turn_towers(code, geometry);
+  const Three adjustments = endstops.of_towers();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(geometry.radius > 0.0 && geometry.arm[i] > 0.0 && geometry.rod[i] > 0.0)) {
+      code.fail(fmt::format("expected R, U and L above 0, got {}, {} and {}", geometry.radius, geometry.arm[i],
+                            geometry.rod[i]));
+    }
+    geometry.endstop[i] = endstop_of(geometry, i, to_radians(angles[1] + adjustments[i]));
+    if (!std::isfinite(geometry.endstop[i])) {
+      code.fail(fmt::format("expected rods that reach the centre when homed, got L {} with R {} and U {}",
+                            geometry.rod[i], geometry.radius, geometry.arm[i]));
+    }
+  }
+  return geometry;
+}
+
+std::string colons(const Three& values) { return fmt::format("{:.4f}:{:.4f}:{:.4f}", values[0], values[1], values[2]); }
+
+std::string letters(const Three& values) {
+  return fmt::format("X{:.4f} Y{:.4f} Z{:.4f}", values[0], values[1], values[2]);
+}
+
+/// How far the towers stand from where the firmware looks for them, deg.
+Three turned(const DeltaGeometry& geometry) {
+  Three angles{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    angles[i] = std::remainder(to_degrees(geometry.tower_angle[i]) - kDesignAngles[i], 360.0);
+  }
+  return angles;
+}
+
+/// Homed joints as their mean and what each differs from it by.
+Three split(const Three& homed, double& mean) {
+  mean = mean_of(homed);
+  return {homed[0] - mean, homed[1] - mean, homed[2] - mean};
+}
+
+std::string rotary_codes(const DeltaGeometry& geometry) {
+  double homed = 0.0;
+  Three adjustments = split(homed_joints(geometry), homed);
+  for (double& adjustment : adjustments) adjustment = to_degrees(adjustment);
+  return fmt::format(
+      "; A of this line: your lowest angle, then {:.4f}, where the endstops are\nM669 K10 U{} L{} R{:.4f} H{} {}\n"
+      "M666 {}\n",
+      to_degrees(homed), colons(geometry.arm), colons(geometry.rod), geometry.radius, colons(geometry.shoulder),
+      letters(turned(geometry)), letters(adjustments));
+}
+
+std::string linear_codes(const DeltaGeometry& geometry, const std::string& rods, double homed,
+                         const Three& adjustments) {
+  return fmt::format("M665 {} R{:.4f} H{:.4f} {}\nM666 {}\n", rods, geometry.radius, homed, letters(turned(geometry)),
+                     letters(adjustments));
 }
 
 }  // namespace
 
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
-  const Codes codes(file);
-  DeltaGeometry geometry;
-  geometry.arm = arms_of(codes, dialect);
-  geometry.radius = codes.number(codes.geometry(), 'R', codes.require('R', "delta radius"));
-  const double homed = codes.number(codes.geometry(), 'H', codes.require('H', "homed height"));
-  if (!(geometry.radius > 0.0) || !(*std::ranges::min_element(geometry.arm) > geometry.radius)) {
-    codes.fail(codes.geometry().line,
-               fmt::format("expected a delta radius above 0 and rods longer than it, got R {} and L {}",
-                           geometry.radius, *std::ranges::min_element(geometry.arm)));
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    geometry.tower_angle[i] = to_radians(kDesignAngles[i] + codes.number_or(codes.geometry(), kTowers[i], 0.0));
-  }
-  const double below = nozzle_below(geometry);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double adjustment = codes.number_or(codes.endstops(), kTowers[i], 0.0);
-    geometry.endstop[i] =
-        dialect == CodeDialect::marlin ? homed - adjustment : homed - below + adjustment - below_carriage(geometry, i);
-  }
-  return geometry;
+  constexpr double kRotaryKinematics = 10.0;
+  const Code kinematics(file, kRotary);
+  const bool rotary = dialect == CodeDialect::reprapfirmware && kinematics.number_or('K', 0.0) == kRotaryKinematics;
+  return rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect);
 }
 
 std::string machine_codes(const DeltaGeometry& geometry, CodeDialect dialect) {
-  std::array<double, 3> turned{};
-  for (std::size_t i = 0; i < 3; ++i) turned[i] = to_degrees(geometry.tower_angle[i]) - kDesignAngles[i];
-  const auto lines = [&](const std::string& rods, double homed, const std::array<double, 3>& adjustments) {
-    return fmt::format("M665 {} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f}\nM666 X{:.4f} Y{:.4f} Z{:.4f}\n", rods,
-                       geometry.radius, homed, turned[0], turned[1], turned[2], adjustments[0], adjustments[1],
-                       adjustments[2]);
-  };
-  const double mean_arm = (geometry.arm[0] + geometry.arm[1] + geometry.arm[2]) / 3.0;
-  std::array<double, 3> adjustments{};
-  if (dialect == CodeDialect::marlin) {
-    const double homed = *std::ranges::min_element(geometry.endstop);
-    for (std::size_t i = 0; i < 3; ++i) adjustments[i] = homed - geometry.endstop[i];
-    const std::string rods = fmt::format("L{:.4f} A{:.4f} B{:.4f} C{:.4f}", mean_arm, geometry.arm[0] - mean_arm,
-                                         geometry.arm[1] - mean_arm, geometry.arm[2] - mean_arm);
-    return lines(rods, homed, adjustments);
+  const bool marlin = dialect == CodeDialect::marlin;
+  if (geometry.actuator == Actuator::revolute) {
+    if (marlin) throw InvalidArgument("expected a linear delta for Marlin, which knows no rotary ones");
+    return rotary_codes(geometry);
   }
-  for (std::size_t i = 0; i < 3; ++i) adjustments[i] = geometry.endstop[i] + below_carriage(geometry, i);
-  const double carriages = std::accumulate(adjustments.begin(), adjustments.end(), 0.0) / 3.0;
-  for (double& adjustment : adjustments) adjustment -= carriages;
-  return lines(fmt::format("L{:.4f}:{:.4f}:{:.4f}", geometry.arm[0], geometry.arm[1], geometry.arm[2]),
-               carriages + nozzle_below(geometry), adjustments);
+  double homed = 0.0;
+  if (marlin) {
+    const double rod = mean_of(geometry.rod);
+    homed = *std::ranges::min_element(geometry.endstop);
+    Three adjustments{};
+    for (std::size_t i = 0; i < 3; ++i) adjustments[i] = homed - geometry.endstop[i];
+    const std::string rods = fmt::format("L{:.4f} A{:.4f} B{:.4f} C{:.4f}", rod, geometry.rod[0] - rod,
+                                         geometry.rod[1] - rod, geometry.rod[2] - rod);
+    return linear_codes(geometry, rods, homed, adjustments);
+  }
+  const Three adjustments = split(homed_joints(geometry), homed);
+  return linear_codes(geometry, fmt::format("L{}", colons(geometry.rod)), homed + nozzle_below(geometry), adjustments);
 }
 
 }  // namespace paracal::io

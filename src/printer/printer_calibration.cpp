@@ -18,6 +18,7 @@ namespace {
 struct Known {
   DeltaFit firmware;
   PrinterMachine printer;
+  Measurements measurements;
   Calibration calibration;
 };
 
@@ -25,23 +26,21 @@ std::optional<Known> known_from(const DeltaGeometry& start, const DeltaReadings&
   DeltaFit firmware = fit_as_firmware(start, readings);
   const DeltaGeometry& nominal = firmware.ok() ? firmware.geometry : start;
   PrinterMachine printer = printer_machine(nominal, print_radius);
-  const Measurements measurements = printer_measurements(printer, nominal, readings);
+  Measurements measurements = printer_measurements(printer, nominal, readings);
   Calibration calibration = calibrate(printer.robot, measurements, printer_options(printer.robot, readings));
   if (calibration.planes.empty()) return std::nullopt;
-  return Known{firmware, std::move(printer), std::move(calibration)};
+  return Known{firmware, std::move(printer), std::move(measurements), std::move(calibration)};
 }
 
-std::optional<Eigen::Vector3d> place_of(const Machine& machine, const CarriageDrops& drops) {
-  Joints joints(3);
-  joints << -drops[0], -drops[1], -drops[2];
-  const ForwardResult taken = forward(machine, joints);
+std::optional<Eigen::Vector3d> place_of(const Known& known, const Machine& machine, const JointDrops& drops) {
+  const ForwardResult taken = forward(machine, known.printer.joints_at(drops));
   return taken.ok() ? std::optional(taken.plate.position) : std::nullopt;
 }
 
 /// Predicted minus measured, mm: by the firmware's fit, by ours; not finite where a machine does not close.
 std::pair<double, double> errors_of(const Known& known, const BedReading& reading) {
   const auto theirs = nozzle(known.firmware.geometry, reading.drops);
-  const auto ours = place_of(build(known.printer.robot, known.calibration.errors()), reading.drops);
+  const auto ours = place_of(known, build(known.printer.robot, known.calibration.errors()), reading.drops);
   if (!theirs || !ours) return {NAN, NAN};
   const FoundPlane& bed = known.calibration.planes.front();
   return {theirs->z() - reading.height,
@@ -52,7 +51,7 @@ std::pair<double, double> errors_of(const Known& known, const PrintedDistance& r
   const DeltaGeometry& g = known.firmware.geometry;
   const Machine machine = build(known.printer.robot, known.calibration.errors());
   const auto from = nozzle(g, reading.from), to = nozzle(g, reading.to);
-  const auto our_from = place_of(machine, reading.from), our_to = place_of(machine, reading.to);
+  const auto our_from = place_of(known, machine, reading.from), our_to = place_of(known, machine, reading.to);
   if (!from || !to || !our_from || !our_to) return {NAN, NAN};
   return {(*to - *from).norm() - reading.distance,
           (*our_to - *our_from).norm() + known.calibration.distance_bias.value_or(0.0) - reading.distance};
@@ -81,7 +80,7 @@ std::pair<double, double> left_out(const DeltaGeometry& start, const DeltaReadin
 /// Radius of the place where the readings were taken, mm.
 double covered_radius(const DeltaGeometry& geometry, const DeltaReadings& readings) {
   double radius = 0.0;
-  const auto cover = [&](const CarriageDrops& drops) {
+  const auto cover = [&](const JointDrops& drops) {
     if (const auto place = nozzle(geometry, drops)) radius = std::max(radius, place->head<2>().norm());
   };
   for (const BedReading& reading : readings.heights) cover(reading.drops);
@@ -116,7 +115,7 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
   say(has_distances
           ? "heights and distances do not show where along the bed the printer believes its centre, nor how it is "
             "turned about z"
-          : "heights alone do not show the length of the arms, and so not the size of prints: measure printed "
+          : "heights alone do not show the length of the rods, and so not the size of prints: measure printed "
             "distances; nor do they show the centre or the turn about z");
   const DeltaAccuracy &before = result.accuracy_before, &after = result.projection.accuracy;
   say(fmt::format(
@@ -130,14 +129,29 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
                                               result.by_firmware.distance)
                                 : std::string()));
   const bool better = summed(result.predicted) <= kBetter * summed(result.by_firmware);
-  result.recommended = result.projection.ok() && better && result.calibration.verdict != Verdict::not_converged;
-  if (result.recommended) return say("accept the new values");
-  say(belongs ? "warning: keep the saved values: the new ones do not predict readings better"
-              : "warning: the new values do not predict readings better than the firmware's own fit: run that, and "
-                "save it");
+  if (result.projection.ok() && better && result.calibration.verdict != Verdict::not_converged) {
+    result.advice = PrinterAdvice::accept_new;
+    return say("accept the new values");
+  }
+  result.advice = belongs || !result.firmware.ok() ? PrinterAdvice::keep_saved : PrinterAdvice::take_firmware;
+  say(result.advice == PrinterAdvice::keep_saved
+          ? "warning: keep the saved values: the new ones do not predict readings better"
+          : "warning: the new values do not predict readings better than the firmware's own fit: take that one's");
 }
 
 }  // namespace
+
+const DeltaGeometry& PrinterCalibration::advised() const {
+  switch (advice) {
+    case PrinterAdvice::accept_new:
+      return projection.geometry;
+    case PrinterAdvice::take_firmware:
+      return firmware.geometry;
+    case PrinterAdvice::keep_saved:
+      break;
+  }
+  return saved.geometry;
+}
 
 std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const DeltaGeometry& start,
                                                                            const DeltaReadings& readings) {
@@ -157,9 +171,10 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
   PrinterCalibration result{
       .saved = judge_as_firmware(saved, readings),
       .firmware = known->firmware,
+      .measurements = std::move(known->measurements),
       .calibration = std::move(known->calibration),
       .projection = project(machine, known->firmware.geometry,
-                            readings.distances.empty() ? ControllerArms::kept : ControllerArms::each),
+                            readings.distances.empty() ? ControllerRods::kept : ControllerRods::each),
       .accuracy_before = accuracy_of(machine, saved),
       .predicted = {},
       .by_firmware = {},

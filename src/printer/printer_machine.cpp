@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "paracal/error.hpp"
@@ -13,62 +14,104 @@
 namespace paracal {
 namespace {
 
-constexpr std::array<double, 3> kDesignAngles{to_radians(210.0), to_radians(330.0), to_radians(90.0)};
-
 double mean_of(const std::array<double, 3>& values) { return std::accumulate(values.begin(), values.end(), 0.0) / 3.0; }
 
-/// Of the elbows above the bed with the carriages at their endstops.
-std::array<double, 3> homed_heights(const DeltaGeometry& g) {
-  std::array<double, 3> heights{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    heights[i] = g.endstop[i] + std::sqrt(g.arm[i] * g.arm[i] - g.radius * g.radius);
-  }
-  return heights;
+/// Towers are meant to stand at 30 deg and every 60 deg from there.
+double design_angle(double angle) {
+  constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
+  return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
 }
 
-Joints joints_at(const CarriageDrops& drops) {
-  Joints joints(3);
-  joints << -drops[0], -drops[1], -drops[2];
-  return joints;
+bool reaches(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
+  return std::ranges::all_of(joints_to(geometry, place), [](double joint) { return std::isfinite(joint); });
+}
+
+bool reaches_all_around(const DeltaGeometry& geometry, double radius, double z) {
+  constexpr int kAround = 12;
+  for (int k = 0; k < kAround; ++k) {
+    if (!reaches(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z))) return false;
+  }
+  return true;
+}
+
+/// From the bed to half the height of the homed nozzle, most of as far out as the printer goes all around.
+Workspace workspace_of(const DeltaGeometry& geometry, double homed, double print_radius) {
+  constexpr double kSmaller = 0.95, kUsed = 0.9, kLeast = 1.0;
+  const double height = 0.5 * homed;
+  double radius = *std::ranges::min_element(geometry.rod) - geometry.radius;
+  while (radius > kLeast &&
+         !(reaches_all_around(geometry, radius, 0.0) && reaches_all_around(geometry, radius, height))) {
+    radius *= kSmaller;
+  }
+  radius *= kUsed;
+  return {.radius = print_radius > 0.0 ? std::min(print_radius, radius) : radius, .height = height};
+}
+
+/// Towers at their design angles, everything else the mean of the three.
+Geometry design_of(const DeltaGeometry& geometry) {
+  Geometry design = catalogue::linear_delta().geometry();
+  design.actuator = geometry.actuator;
+  design.arm = geometry.actuator == Actuator::linear ? 0.0 : mean_of(geometry.arm);
+  design.base_radius = geometry.radius + design.plate_radius;
+  design.rod = mean_of(geometry.rod);
+  std::ranges::transform(geometry.tower_angle, design.limb_azimuth.begin(), design_angle);
+  return design;
+}
+
+/// Errors of one limb that make the design the firmware's machine.
+void assume(const DeltaGeometry& geometry, std::size_t i, const Geometry& design, SourceErrors& errors) {
+  const double angle = geometry.tower_angle[i], intended = design.limb_azimuth[i];
+  errors(i, Source::e_x) = geometry.radius * (std::cos(angle) - std::cos(intended));
+  errors(i, Source::e_y) = geometry.radius * (std::sin(angle) - std::sin(intended));
+  errors(i, Source::rod_mean) = geometry.rod[i] - design.rod;
+  if (geometry.actuator == Actuator::linear) return;
+  errors(i, Source::beta0) = angle - intended;  // the arm swings in the tower's plane
+  errors(i, Source::e_z) = geometry.shoulder[i] - mean_of(geometry.shoulder);
+  errors(i, Source::arm_length) = geometry.arm[i] - design.arm;
 }
 
 }  // namespace
 
-PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius) {
-  constexpr double kReached = 0.9;  // of what the arms reach
-  const Geometry usual = catalogue::linear_delta().geometry();
-  const std::array<double, 3> heights = homed_heights(geometry);
-  const double homed = mean_of(heights), rod = mean_of(geometry.arm);
-  const double reach = kReached * (rod - geometry.radius);
-  RobotDescription robot;
-  robot.name = "printer";
-  robot.geometry = usual;
-  robot.geometry.arm = 0.0;
-  robot.geometry.base_radius = geometry.radius + usual.plate_radius;
-  robot.geometry.rod = rod;
-  robot.workspace = {.radius = print_radius > 0.0 ? std::min(print_radius, reach) : reach,
-                     .height = 0.5 * homed,
-                     .top_z = -0.5 * homed};
-  robot.tolerances = printer_tolerances(usual.parallelogram_width);
-  PrinterMachine printer{.robot = Robot(std::move(robot)), .assumed = {}, .bed = -homed};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double angle = geometry.tower_angle[i], design = kDesignAngles[i];
-    printer.assumed(i, Source::e_x) = geometry.radius * (std::cos(angle) - std::cos(design));
-    printer.assumed(i, Source::e_y) = geometry.radius * (std::sin(angle) - std::sin(design));
-    printer.assumed(i, Source::rod_mean) = geometry.arm[i] - rod;
-    printer.assumed(i, Source::theta_offset) = heights[i] - homed;
-  }
-  return printer;
+Joints PrinterMachine::joints_at(const JointDrops& drops) const {
+  Joints joints = homed;
+  for (std::size_t i = 0; i < 3; ++i) joints[static_cast<Eigen::Index>(i)] -= drops[i];
+  return joints;
 }
 
-Tolerances printer_tolerances(double parallelogram_width) {
+PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius) {
+  const bool linear = geometry.actuator == Actuator::linear;
+  const std::array<double, 3> homed = homed_joints(geometry);
+  const double origin = linear ? mean_of(homed) : mean_of(geometry.shoulder);
+  RobotDescription robot;
+  robot.name = "printer";
+  robot.geometry = design_of(geometry);
+  robot.workspace = workspace_of(geometry, linear ? origin : mean_of(geometry.endstop), print_radius);
+  robot.workspace.top_z = robot.workspace.height - origin;
+  robot.tolerances = printer_tolerances(robot.geometry);
+  SourceErrors assumed;
+  Joints joints = Joints::Zero(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    assume(geometry, i, robot.geometry, assumed);
+    if (linear) {
+      assumed(i, Source::theta_offset) = homed[i] - origin;
+    } else {
+      joints[static_cast<Eigen::Index>(i)] = homed[i];
+    }
+  }
+  return {.robot = Robot(std::move(robot)), .assumed = assumed, .bed = -origin, .homed = joints};
+}
+
+Tolerances printer_tolerances(const Geometry& geometry) {
+  const bool linear = geometry.actuator == Actuator::linear;
+  const double width = geometry.parallelogram_width;
   Tolerances tolerances;
-  tolerances[Source::theta_offset] = 10.0;
+  tolerances[Source::theta_offset] = linear ? 10.0 : to_radians(5.0);
   tolerances[Source::e_x] = tolerances[Source::e_y] = tolerances[Source::e_z] = 0.3;
-  tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(0.04);
+  tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(linear ? 0.04 : 0.3);
+  tolerances[Source::arm_length] = linear ? 0.0 : 0.1;
   tolerances[Source::rod_mean] = 0.1;
-  tolerances[Source::rod_difference] = 2e-3 * parallelogram_width;
-  tolerances[Source::width_difference] = 4e-3 * parallelogram_width;
+  tolerances[Source::rod_difference] = 2e-3 * width;
+  tolerances[Source::width_difference] = 4e-3 * width;
   tolerances[Source::alpha03] = tolerances[Source::beta03] = tolerances[Source::alpha2] = tolerances[Source::beta2] =
       4e-3;
   return tolerances;
@@ -78,22 +121,25 @@ std::vector<CommonError> printer_common_errors(const Robot& robot, bool rods_too
   constexpr double kUnknown = 5.0;  // mm, standard deviation
   CommonError radius{.text = "delta radius", .direction = {}, .std = kUnknown};
   CommonError rods{.text = "length of the rods", .direction = {}, .std = kUnknown};
+  CommonError arms{.text = "length of the arms", .direction = {}, .std = kUnknown};
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     radius.direction(i, Source::e_x) = robot.nominal().limbs[i].radial.x();
     radius.direction(i, Source::e_y) = robot.nominal().limbs[i].radial.y();
     rods.direction(i, Source::rod_mean) = 1.0;
+    arms.direction(i, Source::arm_length) = 1.0;
   }
-  return rods_too ? std::vector{radius, rods} : std::vector{radius};
+  if (!rods_too) return {radius};
+  return robot.actuator() == Actuator::linear ? std::vector{radius, rods} : std::vector{radius, rods, arms};
 }
 
 Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeometry& geometry,
                                   const DeltaReadings& readings) {
   Measurements measurements;
-  const auto add_station = [&](std::string name, const CarriageDrops& drops) {
+  const auto add_station = [&](std::string name, const JointDrops& drops) {
     const auto place = nozzle(geometry, drops);
     if (!place) throw InvalidArgument(fmt::format("{}: the printer's arms do not meet there", name));
     const Eigen::Vector3d position = *place + Eigen::Vector3d(0.0, 0.0, printer.bed);
-    measurements.stations.push_back({std::move(name), {position, 0.0}, joints_at(drops)});
+    measurements.stations.push_back({std::move(name), {position, 0.0}, printer.joints_at(drops)});
     return measurements.stations.size() - 1;
   };
   if (!readings.heights.empty()) measurements.planes.push_back({"bed", {}});

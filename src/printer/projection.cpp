@@ -11,9 +11,9 @@
 namespace paracal {
 namespace {
 
-/// Where the machine stands above its bed when the carriages hang so far below their endstops.
+/// Where the machine stands above its bed when the joints are so far below their endstops.
 struct Place {
-  CarriageDrops drops{};
+  JointDrops drops{};
   Eigen::Vector3d above_bed;
 };
 
@@ -24,14 +24,28 @@ Eigen::Vector3d above(const FoundPlane& bed, const Eigen::Vector3d& p) {
 }
 
 /// Drops by which a firmware goes to a point of its frame; NaN when out of reach.
-CarriageDrops drops_to(const DeltaGeometry& g, const Eigen::Vector3d& p) {
-  CarriageDrops drops{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double dx = g.radius * std::cos(g.tower_angle[i]) - p.x(), dy = g.radius * std::sin(g.tower_angle[i]) - p.y();
-    const double square = g.arm[i] * g.arm[i];
-    drops[i] = g.endstop[i] + std::sqrt(square - g.radius * g.radius) - p.z() - std::sqrt(square - dx * dx - dy * dy);
+JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
+  const std::array<double, 3> homed = homed_joints(geometry), joints = joints_to(geometry, place);
+  return {homed[0] - joints[0], homed[1] - joints[1], homed[2] - joints[2]};
+}
+
+/// What a controller can be told: endstops, angles, radius (and height of the shoulders) always.
+DeltaBasis told(Actuator actuator, ControllerRods rods) {
+  DeltaBasis basis = DeltaBasis::Zero(DeltaNumber::count, DeltaNumber::count);
+  Eigen::Index held = DeltaNumber::rod;
+  basis.topLeftCorner(held, held).setIdentity();
+  const auto tell_lengths = [&](Eigen::Index first) {
+    if (rods == ControllerRods::alike) basis.col(held++).segment<3>(first).setOnes();
+    if (rods != ControllerRods::each) return;
+    basis.block<3, 3>(first, held).setIdentity();
+    held += 3;
+  };
+  tell_lengths(DeltaNumber::rod);
+  if (actuator == Actuator::revolute) {
+    basis(DeltaNumber::shoulder, held++) = 1.0;
+    tell_lengths(DeltaNumber::arm);
   }
-  return drops;
+  return basis.leftCols(held);
 }
 
 /// Rings of the workspace at several heights above the bed.
@@ -46,8 +60,7 @@ std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geo
       for (int k = 0; k < (ring == 0 ? 1 : kAround); ++k) {
         const double radius = workspace.radius * ring / kRings;
         Place place{drops_to(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z)), {}};
-        Joints joints(3);
-        joints << -place.drops[0], -place.drops[1], -place.drops[2];
+        const Joints joints = known.printer.joints_at(place.drops);
         if (!joints.allFinite()) continue;
         const ForwardResult taken = forward(machine, joints);
         if (!taken.ok()) continue;
@@ -103,17 +116,19 @@ DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geomet
   return accuracy_at(places_of(known, geometry), geometry);
 }
 
-DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerArms arms) {
+DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerRods rods) {
   const std::vector<Place> places = places_of(known, start);
-  const Eigen::Index held = arms == ControllerArms::each ? 9 : arms == ControllerArms::alike ? 7 : 6;
-  DeltaGeometry alike = start;
-  if (arms == ControllerArms::alike) alike.arm.fill((start.arm[0] + start.arm[1] + start.arm[2]) / 3.0);
-  // Unknowns: the nine numbers, or seven with one arm for all, or six; then shift x, y and turn.
+  DeltaGeometry first = start;
+  if (rods == ControllerRods::alike) {
+    first.rod.fill((start.rod[0] + start.rod[1] + start.rod[2]) / 3.0);
+    first.arm.fill((start.arm[0] + start.arm[1] + start.arm[2]) / 3.0);
+  }
+  const DeltaBasis basis = told(start.actuator, rods);
+  const Eigen::Index held = basis.cols();
+  // Unknowns: what the controller is told, then shift x, y and turn.
+  const DeltaNumbers numbers = numbers_of(first);
   const auto geometry_of = [&](const Eigen::VectorXd& unknowns) {
-    if (held != 7) return with_numbers(alike, unknowns.head(held));
-    Eigen::VectorXd numbers(9);
-    numbers << unknowns.head(6), unknowns(6), unknowns(6), unknowns(6);
-    return with_numbers(alike, numbers);
+    return with_numbers(first, numbers + basis * unknowns.head(held));
   };
   const auto model = [&](const Eigen::VectorXd& unknowns, InformationRoot& root) {
     const DeltaGeometry geometry = geometry_of(unknowns);
@@ -122,10 +137,8 @@ DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, C
     for (const Place& place : places) {
       const auto p = nozzle(geometry, place.drops);
       if (!p) return false;
-      const NozzleJacobian by_number = turn * nozzle_jacobian(geometry, place.drops, *p);
       const Eigen::Vector3d turned = turn * *p;
-      rows.leftCols(held) = by_number.leftCols(held);
-      if (held == 7) rows.col(6) = by_number.rightCols<3>().rowwise().sum();
+      rows.leftCols(held) = turn * nozzle_jacobian(geometry, place.drops, *p) * basis;
       rows.middleCols<2>(held) = Eigen::Matrix<double, 3, 2>::Identity();
       rows.col(held + 2) = Eigen::Vector3d::UnitZ().cross(turned);
       rows.col(held + 3) = turned + Eigen::Vector3d(unknowns(held), unknowns(held + 1), 0.0) - place.above_bed;
@@ -133,9 +146,7 @@ DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, C
     }
     return true;
   };
-  Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(held + 3);
-  unknowns.head(held) = numbers_of(alike).head(held);
-  const LeastSquaresResult found = solve_least_squares(model, unknowns);
+  const LeastSquaresResult found = solve_least_squares(model, Eigen::VectorXd::Zero(held + 3));
   const DeltaGeometry geometry = geometry_of(found.parameters);
   return {found.status, geometry, accuracy_at(places, geometry)};
 }

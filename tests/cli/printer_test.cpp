@@ -3,6 +3,7 @@
 #include "broken_input.hpp"
 #include "json_checks.hpp"
 #include "printer/klipper_sets.hpp"
+#include "printer/rotary_printer.hpp"
 
 namespace paracal::test {
 namespace {
@@ -39,8 +40,8 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
   ASSERT_TRUE(has_keys(object, "accepted parameters planes distance_bias_mm printer"));
   const json& printer = object["printer"];
   ASSERT_TRUE(has_keys(
-      printer, "recommended findings saved firmware new accuracy_saved accuracy_new left_out left_out_firmware"));
-  EXPECT_TRUE(printer["recommended"].get<bool>());
+      printer, "advice findings lines saved firmware new accuracy_saved accuracy_new left_out left_out_firmware"));
+  EXPECT_EQ(printer["advice"], "accept_new");
   EXPECT_EQ(printer["firmware"]["parameters"], 9);
   EXPECT_LT(printer["accuracy_new"]["shape_rms_mm"], printer["accuracy_saved"]["shape_rms_mm"]);
 }
@@ -57,6 +58,32 @@ TEST_F(PrinterCommand, OtherFirmwaresGiveARobot) {
   ASSERT_EQ(folder.run("robot --printer config.g --firmware reprapfirmware --out robot.toml").exit_code, kDone);
   EXPECT_THAT(folder.read("robot.toml"), HasSubstr("actuator = \"linear\""));
   EXPECT_EQ(folder.run("sensitivity --robot robot.toml").exit_code, kDone);
+}
+
+TEST_F(PrinterCommand, RotaryDeltasAreToldInTheWordsOfTheirFirmware) {
+  folder.write("printer.cfg", rotary_printer().config);
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+  for (const char* said : {"#*# shoulder_radius = ", "#*# shoulder_height = ", "#*# upper_arm_length = "}) {
+    EXPECT_THAT(result.out, HasSubstr(said));
+  }
+  const json object = json_of(folder.run("calibrate --printer printer.cfg --json --write reprapfirmware"));
+  EXPECT_THAT(object["printer"]["lines"].get<std::string>(), HasSubstr("\nM669 K10 U"));
+  EXPECT_TRUE(has_keys(object["printer"]["new"],
+                       "shoulder_radius_mm shoulder_height_mm upper_arm_length_mm "
+                       "lower_arm_length_mm tower_angle_deg position_endstop_mm"));
+  const ProgramResult refused = folder.run("calibrate --printer printer.cfg --write marlin --report page.html");
+  EXPECT_EQ(refused.exit_code, kWrongUsage);
+  EXPECT_THAT(refused.err, HasSubstr("--write marlin: expected a linear delta, since Marlin knows no rotary ones"));
+  EXPECT_EQ(folder.names(), std::set<std::string>{"printer.cfg"});
+  folder.write("config.g", "M669 K10 U170 L320 R34 H412.5 A-30:60\n");
+  ASSERT_EQ(folder.run("robot --printer config.g --firmware reprapfirmware --out robot.toml").exit_code, kDone);
+  EXPECT_EQ(folder.run("sensitivity --robot robot.toml").exit_code, kDone);
+}
+
+TEST_F(PrinterCommand, DrawsAPage) {
+  folder.write("printer.cfg", config("K18"));
+  ASSERT_EQ(folder.run("calibrate --printer printer.cfg --report page.html").exit_code, kDone);
+  EXPECT_THAT(folder.read("page.html"), HasSubstr("accept the new values"));
 }
 
 TEST_F(PrinterCommand, IsRefusedWithoutReadings) {

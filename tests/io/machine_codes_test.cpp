@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 
@@ -11,7 +13,7 @@ namespace {
 
 const DeltaGeometry kGeometry{.radius = 130.25,
                               .tower_angle = {to_radians(210.5), to_radians(329.75), to_radians(90.0)},
-                              .arm = {290.5, 290.0, 289.75},
+                              .rod = {290.5, 290.0, 289.75},
                               .endstop = {250.0, 250.5, 249.5}};
 
 class EveryDialect : public testing::TestWithParam<CodeDialect> {};
@@ -20,8 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Codes, EveryDialect, testing::Values(CodeDialect::repra
 /// The nozzle stands at the same place wherever the carriages hang.
 TEST_P(EveryDialect, WhatIsWrittenIsTheSamePrinter) {
   const DeltaGeometry again = read_machine_codes({"config.g", machine_codes(kGeometry, GetParam())}, GetParam());
-  for (const CarriageDrops& drops :
-       {CarriageDrops{250, 250, 250}, CarriageDrops{200, 260, 240}, CarriageDrops{0, 0, 0}}) {
+  for (const JointDrops& drops : {JointDrops{250, 250, 250}, JointDrops{200, 260, 240}, JointDrops{0, 0, 0}}) {
     EXPECT_LT((*nozzle(again, drops) - *nozzle(kGeometry, drops)).norm(), 5e-4);  // of four digits
   }
 }
@@ -33,7 +34,7 @@ TEST_P(EveryDialect, AnExampleOfTheManualIsAPerfectDelta) {
       fmt::format("; General\nM665 R105.6 L215.0 {}H235 ; delta radius, rods\nM666 X0 Y0 Z0 ; none\nG28\n", printable);
   const DeltaGeometry geometry = read_machine_codes({"config.g", text}, GetParam());
   EXPECT_EQ(geometry.radius, 105.6);
-  EXPECT_EQ(geometry.arm, (std::array{215.0, 215.0, 215.0}));
+  EXPECT_EQ(geometry.rod, (std::array{215.0, 215.0, 215.0}));
   EXPECT_LT((*nozzle(geometry, {0, 0, 0}) - Eigen::Vector3d(0, 0, 235)).norm(), 1e-9);
   EXPECT_LT((*nozzle(geometry, {235, 235, 235})).norm(), 1e-9);
 }
@@ -45,9 +46,9 @@ TEST(MachineCodes, AdjustmentsRaiseTheEndstopInOneFirmwareAndLowerItInTheOther) 
 }
 
 TEST(MachineCodes, RodsMayDiffer) {
-  EXPECT_EQ(read_machine_codes({"c", "M665 L260.1:260.2:260 R100 H200\n"}, CodeDialect::reprapfirmware).arm,
+  EXPECT_EQ(read_machine_codes({"c", "M665 L260.1:260.2:260 R100 H200\n"}, CodeDialect::reprapfirmware).rod,
             (std::array{260.1, 260.2, 260.0}));
-  EXPECT_EQ(read_machine_codes({"c", "M665 L260 R100 H200 A0.5 C-0.25\n"}, CodeDialect::marlin).arm,
+  EXPECT_EQ(read_machine_codes({"c", "M665 L260 R100 H200 A0.5 C-0.25\n"}, CodeDialect::marlin).rod,
             (std::array{260.5, 260.0, 259.75}));
 }
 
@@ -62,9 +63,54 @@ TEST(MachineCodes, AreRefusedWithTheirLine) {
   refused("G28\nM665 R100 H200\n", "config.g:2: expected M665 with L");
   refused("M665 L200 R100\n", "expected M665 with H");
   refused("\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");
-  refused("M665 L200:201 R100 H200\n", "expected one length or three");
+  refused("M665 L200:201 R100 H200\n", "expected one number or three after L, got 2");
   refused("M665 L90 R100 H200\n", "rods longer than it");
   refused("M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
+}
+
+// ---- rotary deltas
+
+TEST(RotaryMachineCodes, WhatIsWrittenIsTheSamePrinter) {
+  const DeltaGeometry printer{.actuator = Actuator::revolute,
+                              .radius = 33.9,
+                              .tower_angle = {to_radians(30.5), to_radians(149.75), to_radians(270.0)},
+                              .rod = {320.5, 320.0, 319.75},
+                              .endstop = {252.0, 253.5, 251.0},
+                              .arm = {170.5, 170.0, 169.75},
+                              .shoulder = {412.0, 413.0, 412.5}};
+  const std::string codes = machine_codes(printer, CodeDialect::reprapfirmware);
+  // The comment says what the line cannot: A with the printer's own lowest angle.
+  const std::string highest = codes.substr(codes.find("then ") + 5, codes.find(", where") - codes.find("then ") - 5);
+  const std::string text = fmt::format("{}M669 K10 A-40:{}\n", codes, highest);
+  const DeltaGeometry again = read_machine_codes({"config.g", text}, CodeDialect::reprapfirmware);
+  for (const JointDrops& drops : {JointDrops{0.8, 0.8, 0.8}, JointDrops{0.6, 0.9, 0.8}, JointDrops{0, 0, 0}}) {
+    EXPECT_LT((*nozzle(again, drops) - *nozzle(printer, drops)).norm(), 5e-4);  // of four digits
+  }
+  EXPECT_THROW((void)machine_codes(printer, CodeDialect::marlin), InvalidArgument);
+}
+
+/// Arms level at the endstops: the nozzle hangs sqrt(L^2 - (R + U)^2) below the shoulders.
+TEST(RotaryMachineCodes, LevelArmsMakeARightTriangle) {
+  const std::string text = "M669 K10 U170 L320 R34 H412.5 A-30:0 X0.5 ; a comment with L1\n";
+  const DeltaGeometry geometry = read_machine_codes({"config.g", text}, CodeDialect::reprapfirmware);
+  EXPECT_EQ(geometry.actuator, Actuator::revolute);
+  EXPECT_NEAR(to_degrees(geometry.tower_angle[0]), 210.5, 1e-12);
+  for (const double endstop : geometry.endstop) EXPECT_NEAR(endstop, 412.5 - std::sqrt(320. * 320 - 204. * 204), 1e-9);
+}
+
+TEST(RotaryMachineCodes, AreRefusedWithTheirLine) {
+  const auto refused = [](const std::string& text, const std::string& part) {
+    EXPECT_THAT(
+        [&] {
+          (void)read_machine_codes({"config.g", text}, CodeDialect::reprapfirmware);
+        },
+        testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
+  };
+  refused("G28\nM669 K10 U170 L320 R34 A-30:60\n", "config.g:2: expected M669 with H (height of the shoulders)");
+  refused("M669 K10 U170 L320 R34 H412 A60\n", "config.g:1: expected two angles after A, got 1");
+  refused("M669 K10 U170 L150 R34 H412 A-30:0\n", "expected rods that reach the centre when homed, got L 150");
+  refused("M669 K10 U-1 L320 R34 H412 A-30:60\n", "expected R, U and L above 0, got 34, -1 and 320");
+  refused("M669 K3\n", "expected M665 with L");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "paracal/printer/printer_machine.hpp"
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
+#include "printer/rotary_printer.hpp"
 
 namespace paracal {
 namespace {
@@ -28,9 +29,43 @@ TEST(DeltaGeometry, NozzleIsWhereTheMachineIs) {
   }
 }
 
+/// Likewise with arms, whose towers stand where they are and not where they should.
+TEST(DeltaGeometry, NozzleOfARotaryDeltaIsWhereTheMachineIs) {
+  const test::RotaryPrinter printer = test::rotary_printer();
+  const Machine machine = build(printer.machine.robot, printer.machine.assumed);
+  for (const BedReading& reading : printer.readings.heights) {
+    const ForwardResult place = forward(machine, printer.machine.joints_at(reading.drops));
+    ASSERT_TRUE(place.ok());
+    const Eigen::Vector3d lift(0.0, 0.0, printer.machine.bed);
+    EXPECT_LT((place.plate.position - *nozzle(printer.actual, reading.drops) - lift).norm(), 1e-8);
+  }
+}
+
+TEST(DeltaGeometry, EndstopsAndHomedJointsAreOneAndTheSame) {
+  for (const DeltaGeometry& geometry : {klipper_sets().front().geometry, test::rotary_printer().actual}) {
+    const std::array<double, 3> homed = homed_joints(geometry);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(endstop_of(geometry, i, homed[i]), geometry.endstop[i], 1e-9);
+  }
+}
+
+TEST(DeltaGeometry, DerivativesAreDifferences) {
+  constexpr double kStep = 1e-4;
+  for (const DeltaGeometry& geometry : {klipper_sets().front().geometry, test::rotary_printer().actual}) {
+    const JointDrops drops =
+        geometry.actuator == Actuator::linear ? JointDrops{300, 320, 310} : JointDrops{0.8, 0.9, 1};
+    const NozzleJacobian jacobian = nozzle_jacobian(geometry, drops, *nozzle(geometry, drops));
+    for (Eigen::Index k = 0; k < DeltaNumber::count; ++k) {
+      const DeltaNumbers step = kStep * DeltaNumbers::Unit(k), numbers = numbers_of(geometry);
+      const Eigen::Vector3d ahead = *nozzle(with_numbers(geometry, numbers + step), drops),
+                            behind = *nozzle(with_numbers(geometry, numbers - step), drops);
+      EXPECT_LT(((ahead - behind) / (2 * kStep) - jacobian.col(k)).norm(), 1e-5 * (1.0 + jacobian.col(k).norm())) << k;
+    }
+  }
+}
+
 TEST(DeltaGeometry, ArmsThatDoNotMeetHaveNoNozzle) {
   const DeltaGeometry geometry{
-      .radius = 100, .tower_angle = {3.7, 5.8, 1.6}, .arm = {200, 200, 200}, .endstop = {300, 300, 300}};
+      .radius = 100, .tower_angle = {3.7, 5.8, 1.6}, .rod = {200, 200, 200}, .endstop = {300, 300, 300}};
   EXPECT_TRUE(nozzle(geometry, {100, 100, 100}));
   EXPECT_FALSE(nozzle(geometry, {100, 100, 700}));
 }
@@ -45,6 +80,28 @@ TEST(DeltaFit, ReachesTheOptimumOnEverySet) {
     EXPECT_NEAR(judge_as_firmware(set.geometry, set.readings).cost / set.saved_cost, 1.0, 1e-6) << set.id;
     EXPECT_LE(fit.cost, set.saved_cost);
   }
+}
+
+/// Readings of a machine that the firmware's seven numbers describe are explained to the last bit.
+TEST(DeltaFit, FindsARotaryDelta) {
+  const test::RotaryPrinter printer = test::rotary_printer();
+  DeltaGeometry actual = printer.saved;
+  actual.radius += 0.6;
+  actual.tower_angle[1] -= 0.01;
+  actual.shoulder.fill(411.5);
+  actual.endstop = {251.0, 253.5, 252.2};
+  DeltaReadings readings = printer.readings;
+  for (BedReading& one : readings.heights) one.height = nozzle(actual, one.drops)->z();
+  for (PrintedDistance& one : readings.distances) {
+    one.distance = (*nozzle(actual, one.to) - *nozzle(actual, one.from)).norm();
+  }
+  const DeltaFit fit = fit_as_firmware(printer.saved, readings);
+  ASSERT_TRUE(fit.ok());
+  EXPECT_EQ(fit.parameters, 7);
+  EXPECT_LT(fit.cost, 1e-12);
+  EXPECT_LT((numbers_of(fit.geometry) - numbers_of(actual)).cwiseAbs().maxCoeff(), 1e-5);
+  readings.distances.clear();
+  EXPECT_EQ(fit_as_firmware(printer.saved, readings).parameters, 4);
 }
 
 TEST(DeltaFit, NeedsHeights) {

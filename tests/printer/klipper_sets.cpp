@@ -17,8 +17,8 @@ std::string steps(const json& reading, std::size_t first) {
                      reading[first + 2].get<double>());
 }
 
-CarriageDrops drops(const json& reading, std::size_t first, const json& step) {
-  CarriageDrops values{};
+JointDrops drops(const json& reading, std::size_t first, const json& step) {
+  JointDrops values{};
   for (std::size_t i = 0; i < 3; ++i) values[i] = reading[first + i].get<double>() * step[i].get<double>();
   return values;
 }
@@ -55,7 +55,7 @@ KlipperSet set_of(const json& entry) {
   KlipperSet set{.id = entry["id"], .geometry = {.radius = entry["delta_radius_mm"]}, .config = config_of(entry)};
   for (std::size_t i = 0; i < 3; ++i) {
     set.geometry.tower_angle[i] = to_radians(entry["tower_angle_deg"][i].get<double>());
-    set.geometry.arm[i] = entry["arm_length_mm"][i];
+    set.geometry.rod[i] = entry["arm_length_mm"][i];
     set.geometry.endstop[i] = entry["position_endstop_mm"][i];
   }
   const json& step = entry["step_distance_mm"];

@@ -4,16 +4,11 @@
 #include <iterator>
 #include <memory>
 
+#include "calibration_page.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/io/file.hpp"
-#include "paracal/io/klipper.hpp"
-#include "paracal/io/machine_codes.hpp"
-#include "paracal/printer/printer_calibration.hpp"
-#include "paracal/report/error_map.hpp"
-#include "paracal/report/plots.hpp"
-#include "paracal/report/scene.hpp"
-#include "paracal/units.hpp"
+#include "printing.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
 
@@ -24,7 +19,8 @@ constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
 
 struct Options {
   MeasuringOptions measuring;
-  std::string stage = "auto", method = "best", tolerances, printer, write = "klipper";
+  std::string stage = "auto", method = "best", tolerances;
+  PrinterOptions printer;
   std::vector<std::string> fixed, free;
   bool keep_outliers = false;
   std::shared_ptr<std::string> report;
@@ -60,8 +56,9 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.frame = options.measuring.frame_kind();
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.measuring.mount();
-  if (!options.tolerances.empty())
+  if (!options.tolerances.empty()) {
     calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.actuator());
+  }
   calibration.fixed = source_selectors(options.fixed, robot.limb_count());
   calibration.free = source_selectors(options.free, robot.limb_count());
   calibration.exclude_outliers = !options.keep_outliers;
@@ -89,93 +86,8 @@ std::string residual_table(const Calibration& calibration) {
   return text;
 }
 
-/// Predictions of a machine that was not found would mislead: they are drawn for accepted calibrations only.
-void write_page(const Options& options, const Session& session, const Measurements& measurements,
-                const Calibration& calibration, const io::Json& json) {
-  const Robot& robot = calibration.robot;
-  const KnownErrors known = known_errors(calibration);
-  std::vector<report::ErrorArrow> arrows = report::measured_arrows(calibration, measurements);
-  if (arrows.empty() && calibration.accepted()) {
-    arrows = report::predicted_arrows(robot, known.errors, measurements.stations);
-  }
-  io::Json figures{{"observability", report::observability(robot)}};
-  if (!arrows.empty()) figures["scene"] = report::scene(robot, arrows, known.errors);
-  if (calibration.accepted()) figures["error_map"] = report::error_map(robot, known);
-  write_report(*options.report, session, robot,
-               {.kind = "calibration",
-                .results = {{"calibration", json}},
-                .figures = std::move(figures),
-                .inputs = with_files(calibration.files, session, {options.tolerances})});
-}
-
-io::Json json_of(const DeltaGeometry& geometry) {
-  io::Json angles = io::Json::array();
-  for (const double angle : geometry.tower_angle) angles.push_back(to_degrees(angle));
-  return {{"delta_radius_mm", geometry.radius},
-          {"tower_angle_deg", angles},
-          {"arm_length_mm", geometry.arm},
-          {"position_endstop_mm", geometry.endstop}};
-}
-
-io::Json json_of(const DeltaAccuracy& accuracy) {
-  return {{"absolute_rms_mm", accuracy.absolute_rms},
-          {"absolute_max_mm", accuracy.absolute_max},
-          {"shape_rms_mm", accuracy.shape_rms},
-          {"shape_max_mm", accuracy.shape_max}};
-}
-
-io::Json json_of(const DeltaFit& fit) {
-  return {{"cost_mm2", fit.cost},
-          {"rms_height_mm", fit.rms_height},
-          {"rms_distance_mm", fit.rms_distance},
-          {"parameters", fit.parameters},
-          {"geometry", json_of(fit.geometry)}};
-}
-
-io::Json json_of(const PredictionErrors& errors) {
-  return {{"height_mm", errors.height}, {"distance_mm", errors.distance}};
-}
-
-io::Json printer_json(const PrinterCalibration& found) {
-  io::Json json = io::to_json(found.calibration, now());
-  json["printer"] = {{"recommended", found.recommended},
-                     {"findings", found.findings},
-                     {"saved", json_of(found.saved)},
-                     {"firmware", json_of(found.firmware)},
-                     {"new", json_of(found.projection.geometry)},
-                     {"accuracy_saved", json_of(found.accuracy_before)},
-                     {"accuracy_new", json_of(found.projection.accuracy)},
-                     {"left_out", json_of(found.predicted)},
-                     {"left_out_firmware", json_of(found.by_firmware)}};
-  return json;
-}
-
-/// What the controller should be told, as it is told.
-std::string parameters_text(const Options& options, const DeltaGeometry& geometry) {
-  if (options.write == "klipper") return io::klipper_save_config(geometry);
-  return io::machine_codes(geometry,
-                           options.write == "marlin" ? io::CodeDialect::marlin : io::CodeDialect::reprapfirmware);
-}
-
-/// A printer's own file has all that is needed: geometry, readings, and what was read at.
-void run_printer(const Options& options, Session& session) {
-  const io::TextFile file = io::read_file(options.printer);
-  const io::KlipperDelta printer = io::read_klipper(file);
-  if (printer.readings.heights.empty()) {
-    throw InputFileError(file.name, 0, "expected heights of the bed (height0 ... in [delta_calibrate]), got none");
-  }
-  PrinterCalibration found = calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
-  found.calibration.files = {{file.name, io::sha256(file.text)}};
-  if (!found.recommended) session.exit_code = kVerdictIsNo;
-  if (session.json() || !session.out().empty()) session.print_json(printer_json(found));
-  if (session.json()) return;
-  std::string text;
-  for (const std::string& finding : found.findings) text += fmt::format("- {}\n", finding);
-  print_summary(text + "\n" + parameters_text(options, found.projection.geometry));
-}
-
 void run(const Options& options, Session& session) {
-  if (!options.printer.empty()) return run_printer(options, session);
+  if (!options.printer.file.empty()) return calibrate_printer_file(options.printer, *options.report, session);
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
   const Robot robot = session.robot();
   const Measurements measurements = options.measuring.read(robot.joint_space());
@@ -183,7 +95,9 @@ void run(const Options& options, Session& session) {
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);
   const io::Json file = io::to_json(calibration, now());
-  if (!options.report->empty()) write_page(options, session, measurements, calibration, file);
+  if (!options.report->empty()) {
+    write_calibration_page(*options.report, session, measurements, calibration, file, {options.tolerances});
+  }
   if (!session.out().empty()) session.print_json(file);
   if (session.json()) {
     if (session.out().empty()) session.print_json(file);
@@ -204,13 +118,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   add_measuring_options(*command, options->measuring);
   CLI::Option* measurements = command->get_option("--measurements");
   measurements->required(false);
-  command
-      ->add_option("--printer", options->printer,
-                   "instead: a linear delta's Klipper printer.cfg, with what DELTA_CALIBRATE left in it")
-      ->excludes(measurements);
-  command->add_option("--write", options->write, "with --printer: how to write the new values")
-      ->check(CLI::IsMember({"klipper", "reprapfirmware", "marlin"}))
-      ->capture_default_str();
+  add_printer_options(*command, options->printer)->excludes(measurements);
   command->add_flag("--sigma-known", options->measuring.sigma_known,
                     "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");
   command->add_option("--reflectors", options->measuring.reflectors, "what the second reflector is mounted on")

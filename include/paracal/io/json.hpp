@@ -13,6 +13,7 @@
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
+#include "paracal/printer/printer_calibration.hpp"
 
 namespace paracal::io {
 
@@ -49,6 +50,9 @@ Json to_json(const Batch& batch);
 /// Yield, defects per million, fates, and what customers get before and after calibration; keys in docs/files.md.
 /// @param confidence  of the intervals.
 Json to_json(const Batch& batch, const Tally& tally, double confidence);
+
+/// What a printer's owner is told, beside the calibration itself; keys in docs/files.md.
+Json to_json(const PrinterCalibration& found);
 
 /// {value, low, high}
 Json to_json(const Proportion& proportion);

@@ -7,30 +7,33 @@
 
 namespace paracal::io {
 
-/// What a Klipper printer.cfg says of a linear delta: its geometry as it is used (saved values over typed ones), and
-/// the readings that the last DELTA_CALIBRATE and DELTA_ANALYZE left in the SAVE_CONFIG block.
+/// What a Klipper printer.cfg says of a delta: its geometry as it is used (saved values over typed ones), and the
+/// readings that the last DELTA_CALIBRATE and DELTA_ANALYZE left in the SAVE_CONFIG block.
 struct KlipperDelta {
   DeltaGeometry geometry;
-  double print_radius = 0.0;              ///< of the bed, mm
-  DeltaReadings readings;                 ///< probed and manual heights alike; step counts as carriage drops
-  std::array<double, 3> step_distance{};  ///< mm a micro-step
+  double print_radius = 0.0;          ///< of the bed, mm
+  DeltaReadings readings;             ///< probed and manual heights alike; step counts as drops of the joints
+  std::array<double, 3> step_size{};  ///< of a micro-step, mm or rad
 };
 
 /// Sections, `key: value` or `key = value`, comments after # or ;, and at the end the block of lines that begin with
 /// #*#, whose values come before those above. Read are
 ///
-///   [printer]                 kinematics (delta), delta_radius, print_radius
-///   [stepper_a], _b, _c       arm_length, position_endstop, angle, and step_distance or rotation_distance, microsteps,
-///                             full_steps_per_rotation, gear_ratio
+///   [printer]                 kinematics (delta, rotary_delta), print_radius
+///                             delta_radius; of rotary deltas shoulder_radius, shoulder_height
+///   [stepper_a], _b, _c       arm_length; of rotary deltas upper_arm_length, lower_arm_length
+///                             position_endstop, angle, and step_distance or rotation_distance (an arm's is one turn),
+///                             microsteps, full_steps_per_rotation, gear_ratio
 ///   [delta_calibrate]         height0, height0_pos, ..., manual_height0, manual_height0_pos, ..., distance0,
 ///                             distance0_pos1, distance0_pos2, ..., radius
 ///
-/// B and C have the arm and the endstop of A where they state none, as in the firmware. Other sections and keys are the
-/// printer's own business and passed over.
+/// B and C have the lengths and the endstop of A where they state none, as in the firmware. Other sections and keys are
+/// the printer's own business and passed over.
 /// @throws InputFileError for a file without these sections, other kinematics, and values that make no sense.
 KlipperDelta read_klipper(const TextFile& file);
 
-/// The lines that SAVE_CONFIG would write for a geometry, to be put in place of those in printer.cfg.
+/// The lines that SAVE_CONFIG would write for a geometry, to be put in place of those in printer.cfg; of a rotary delta
+/// also the lengths, which its own calibration does not change.
 std::string klipper_save_config(const DeltaGeometry& geometry);
 
 }  // namespace paracal::io

@@ -8,28 +8,32 @@
 
 namespace paracal::io {
 
-/// Firmwares that keep a linear delta's geometry in M665 and M666.
+/// Firmwares that keep a delta's geometry in M-codes [reprapfirmware, marlin].
 enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 
-/// The geometry in the lines of a config.g, or in what M665 and M666 print; the last word of each letter counts,
-/// comments begin with ;.
+/// The geometry in the lines of a config.g, or in what the codes print without parameters; the last word of each letter
+/// counts, comments begin with ;. M669 K10 makes it a rotary delta (RepRapFirmware alone), else it is linear.
 ///
 ///   M665  L  rods, mm (RepRapFirmware also three, L290.1:290.2:290.0)     R  delta radius, mm     H  homed height, mm
 ///         X Y Z  deg: how far the towers stand from 210, 330 and 90 deg, counter-clockwise from above
 ///         A B C  mm: rods of the towers longer than L (Marlin)
-///   M666  X Y Z  mm, endstop adjustments, added to the height of the endstops (RepRapFirmware) or taken off it
-///   (Marlin)
+///   M669  K10    U  arms, L  rods, H  heights of the shoulders, mm (one or three)     R  shoulder radius, mm
+///         A  lowest:highest angle of the arms, deg; the endstops are at the highest     X Y Z  as of M665
+///   M666  X Y Z  endstop adjustments, mm: added to the height of the endstops (RepRapFirmware) or taken off it
+///         (Marlin); of a rotary delta deg, added to the highest angle
 ///
-/// With s_i = sqrt(arm_i^2 - R^2) and z_0 the nozzle with all carriages at 0, the endstops of the library's
+/// With s_i = sqrt(rod_i^2 - R^2) and z_0 the nozzle with all carriages at 0, the endstops of the library's
 /// DeltaGeometry are
 ///
 ///   RepRapFirmware  endstop_i = H - z_0 + adjustment_i - s_i        Marlin  endstop_i = H - adjustment_i
 ///
-/// Other words and lines are passed over.
-/// @throws InputFileError without L, R and H, for anything but finite numbers, and for arms shorter than the radius.
+/// and of a rotary delta those that go with its homed angles. Other words and lines are passed over.
+/// @throws InputFileError without these words, for anything but finite numbers, and for rods that do not reach.
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect);
 
-/// The two lines for a geometry. RepRapFirmware: adjustments sum to zero. Marlin: they are 0 or less.
+/// The lines for a geometry. RepRapFirmware: adjustments sum to zero; a rotary delta's A, whose lowest angle no
+/// geometry knows, stands in a comment. Marlin: adjustments are 0 or less.
+/// @throws InvalidArgument for a rotary delta of Marlin, which knows none.
 std::string machine_codes(const DeltaGeometry& geometry, CodeDialect dialect);
 
 }  // namespace paracal::io

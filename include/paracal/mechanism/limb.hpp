@@ -80,6 +80,14 @@ Vector3<Scalar> elbow_lever(const BasicLimb<Scalar>& limb, Scalar joint, const A
 /// mm that the elbow moves per rad or mm of its joint: L, or 1 on a rail.
 inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::linear ? 1.0 : limb.arm; }
 
+/// (A^2 + B^2) (cos(th), sin(th)) with A cos(th) + B sin(th) = K; of the two roots the one with the larger cosine. One
+/// square root and no division, since only the direction of the arm matters.
+/// @returns NaN without a root. Real-time: yes (no allocation, no exception, no loop).
+inline Eigen::Vector2d outward_direction(double a, double b, double k) noexcept {
+  const double w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
+  return {a * k - b * w, b * k + a * w};
+}
+
 /// Closes the triangle of arm and rod on the centre line of a limb, in closed form: the arm that puts the elbow one
 /// (mean) rod away from a point.
 ///
@@ -87,7 +95,6 @@ inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::
 ///   A = 2 L d.u_0,  B = 2 L d.v_0,  K = d.d + L^2 - l^2,  d = joint_at_plate - b_i.
 ///
 /// Of the two roots it takes the working mode with the elbow outward: the larger u_1.u_0.
-/// One square root and no division, since only the direction of the arm matters.
 ///
 /// @param joint_at_plate  A_i in the base frame, mm.
 /// @returns (A^2 + B^2) (cos(th), sin(th)); NaN when out of reach.
@@ -99,8 +106,7 @@ inline Eigen::Vector2d close_triangle(const Limb& limb, const Eigen::Vector3d& j
   const double b = diameter * d.dot(limb.frame.col(1));
   const double rod = limb.mean_rod();
   const double k = d.squaredNorm() + limb.arm * limb.arm - rod * rod;
-  const double w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
-  return {a * k - b * w, b * k + a * w};
+  return outward_direction(a, b, k);
 }
 
 /// Closes the same triangle where the elbow runs along a rail: the carriage one (mean) rod away from a point.

@@ -6,48 +6,74 @@
 #include <vector>
 
 #include "paracal/calibration/least_squares.hpp"
+#include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal {
 
-/// What the firmware of a linear-delta printer knows of its machine: perfect vertical towers on one circle, three rods.
-/// Mm and rad, in the firmware's frame: z up, 0 on the bed, tower C at its angle by definition.
+/// What the firmware of a delta printer knows of its machine: perfect joints, one rod a tower. Mm and rad, in the
+/// firmware's frame: z up, 0 on the bed, tower C at its angle by definition.
 ///
-///   tower i     (radius cos a_i, radius sin a_i)
-///   carriage    endstop_i + sqrt(arm_i^2 - radius^2) - drop_i
-///   nozzle      the lower point one arm_i away from all three carriages
+///   tower i    stands in the direction u_i = (cos a_i, sin a_i, 0)
+///   elbow i    linear: a carriage, radius u_i + q_i e_z
+///              rotary: the end of an arm, (radius + arm_i cos q_i) u_i + (shoulder_i + arm_i sin q_i) e_z
+///   nozzle     the lower point one rod_i away from all three elbows
+///   q_i        homed_i - drop_i, homed_i: the joint that holds the rod's end at (0, 0, endstop_i)
 struct DeltaGeometry {
-  double radius = 0.0;                  ///< delta radius: from the nozzle, at the centre, to a carriage's joints
-  std::array<double, 3> tower_angle{};  ///< rad
-  std::array<double, 3> arm{};          ///< rods
-  std::array<double, 3> endstop{};      ///< height of the nozzle with this carriage at its endstop, by this tower alone
+  Actuator actuator = Actuator::linear;
+  double radius = 0.0;  ///< from the nozzle, at the centre, to a carriage's joints or to a shoulder
+  std::array<double, 3> tower_angle{};
+  std::array<double, 3> rod{};
+  std::array<double, 3> endstop{};   ///< height of the nozzle with this joint at its endstop, by this tower alone
+  std::array<double, 3> arm{};       ///< of rotary deltas alone
+  std::array<double, 3> shoulder{};  ///< likewise: heights of the motor axes above the bed, less the effector's
 };
 
-/// How far each carriage stands below its endstop, mm: the steps that the controller counted, times their length.
-using CarriageDrops = std::array<double, 3>;
+/// How far each joint stands below its endstop, mm or rad: the steps that the controller counted, times their size.
+using JointDrops = std::array<double, 3>;
+
+/// Joint coordinates q_i that bring the nozzle to a point, elbows outward and above it; NaN where a tower does not
+/// reach.
+std::array<double, 3> joints_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
+
+/// Joint coordinates at the endstops.
+std::array<double, 3> homed_joints(const DeltaGeometry& geometry);
+
+/// The endstop that goes with a homed joint of one tower; NaN where its rod does not reach the centre.
+double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed);
 
 /// Where the firmware believes the nozzle. Empty when the three spheres have no point in common.
-std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const CarriageDrops& drops);
+std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const JointDrops& drops);
 
-/// d nozzle / d (radius, angles A and B, endstops A B C, arms A B C), mm per mm or rad, from
-///   (p - c_i).dp = (p - c_i).dc_i + arm_i d(arm_i),    c_i: carriage i.
+/// The numbers of a geometry: endstops A B C, angles A and B, radius, rods A B C, height of all shoulders (their mean),
+/// arms A B C; mm and rad. A linear delta has the first nine, the rest counts for nothing. The angle of tower C stays.
+struct DeltaNumber {
+  static constexpr Eigen::Index endstop = 0, angle = 3, radius = 5, rod = 6, shoulder = 9, arm = 10, count = 13;
+};
+using DeltaNumbers = Eigen::Matrix<double, DeltaNumber::count, 1>;
+DeltaNumbers numbers_of(const DeltaGeometry& geometry);
+DeltaGeometry with_numbers(DeltaGeometry geometry, const DeltaNumbers& numbers);
+
+/// Directions in the numbers: what a fit may change. One column each.
+using DeltaBasis = Eigen::Matrix<double, DeltaNumber::count, Eigen::Dynamic, 0, DeltaNumber::count, DeltaNumber::count>;
+
+/// d nozzle / d numbers, from
+///
+///   (p - c_i).dp = (p - c_i).dc_i + rod_i d(rod_i),    c_i: elbow i, which moves with its number and with homed_i
+///
 /// @param place  nozzle(geometry, drops).
-using NozzleJacobian = Eigen::Matrix<double, 3, 9>;
-NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const CarriageDrops& drops, const Eigen::Vector3d& place);
-
-/// A geometry as these nine numbers, and back: the angle of tower C stays. With fewer numbers the arms stay, too.
-Eigen::Matrix<double, 9, 1> numbers_of(const DeltaGeometry& geometry);
-DeltaGeometry with_numbers(DeltaGeometry geometry, const Eigen::VectorXd& numbers);
+using NozzleJacobian = Eigen::Matrix<double, 3, DeltaNumber::count>;
+NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& drops, const Eigen::Vector3d& place);
 
 /// The nozzle touched the bed (a probe that reads `height` there, or a sheet of paper).
 struct BedReading {
   double height = 0.0;  ///< of the nozzle above the bed, mm
-  CarriageDrops drops{};
+  JointDrops drops{};
 };
 
 /// A calliper's distance between two places where the nozzle has printed.
 struct PrintedDistance {
   double distance = 0.0;  ///< mm
-  CarriageDrops from{}, to{};
+  JointDrops from{}, to{};
 };
 
 struct DeltaReadings {
@@ -64,11 +90,15 @@ struct DeltaFit {
   double cost = 0.0;          ///< mm^2
   double rms_height = 0.0;    ///< mm; 0 without heights
   double rms_distance = 0.0;  ///< mm; 0 without distances
-  int parameters = 0;         ///< 6 (radius, angles A and B, endstops), with distances also the 3 arms
+  int parameters = 0;         ///< see firmware_basis()
   int iterations = 0;
 
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
+
+/// What that firmware fits. Linear: radius, angles, endstops; with distances also the rods. Rotary: height of the
+/// shoulders, endstops; with distances also radius and angles.
+DeltaBasis firmware_basis(Actuator actuator, bool with_distances);
 
 /// The cost of a geometry as it is. Not evaluable where some reading's spheres have no point in common.
 DeltaFit judge_as_firmware(const DeltaGeometry& geometry, const DeltaReadings& readings);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,28 @@ struct PredictionErrors {
   double distance = 0.0;  ///< 0 without distances
 };
 
+/// What an owner is advised to do.
+enum class PrinterAdvice : std::uint8_t {
+  accept_new,     ///< the projected geometry should replace the saved one
+  take_firmware,  ///< the firmware's own fit should: the saved one does not belong to the readings, ours is no better
+  keep_saved,
+};
+
 /// A printer calibrated from what its owner measured, beside the firmware's own fit.
 struct PrinterCalibration {
-  DeltaFit saved;     ///< the geometry that the firmware has, judged by its cost
-  DeltaFit firmware;  ///< the optimum of that cost
+  DeltaFit saved;             ///< the geometry that the firmware has, judged by its cost
+  DeltaFit firmware;          ///< the optimum of that cost
+  Measurements measurements;  ///< the readings, as the calibration took them
   Calibration calibration;
   DeltaProjection projection;         ///< what the controller should be told
   DeltaAccuracy accuracy_before;      ///< of the saved geometry, if the calibration is right
   PredictionErrors predicted;         ///< by this calibration
   PredictionErrors by_firmware;       ///< by the firmware's fit
   std::vector<std::string> findings;  ///< in plain words: what could be told, what could not, what to do
-  bool recommended = false;           ///< the projected geometry should replace the saved one
+  PrinterAdvice advice = PrinterAdvice::keep_saved;
+
+  /// The geometry that the advice is for.
+  const DeltaGeometry& advised() const;
 };
 
 /// Readings left out one at a time and predicted from the rest, by the firmware's fit and by ours. Nothing of the
@@ -35,8 +47,8 @@ std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const
 
 /// Calibrates with all errors of the machine and projects the answer onto what the controller holds.
 ///
-/// Recommended where readings that it had not seen are predicted better than by the firmware's fit; else the findings
-/// warn.
+/// New values are advised where readings that it had not seen are predicted better than by the firmware's fit; else the
+/// findings warn.
 /// @param print_radius  of the bed, mm; 0: as far out as the readings were taken.
 /// @throws InvalidArgument without heights, or for readings that no machine with this geometry takes.
 PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,

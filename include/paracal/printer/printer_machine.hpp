@@ -7,28 +7,32 @@
 
 namespace paracal {
 
-/// A linear-delta printer as a robot: the firmware's frame moved so that {O} lies at the height of the endstops.
+/// A delta printer as a robot: the firmware's frame moved so that {O} lies at the height of the homed carriages, or of
+/// the shoulders.
 ///
-///   z of the robot = z of the firmware + bed        q_i = -drop_i
+///   z of the robot = z of the firmware + bed        q_i = homed_i - drop_i
 struct PrinterMachine {
-  Robot robot;           ///< towers at their design angles, the firmware's radius, rods of the mean length of its arms
+  Robot robot;           ///< towers at their design angles, the firmware's radius, rods and arms of its mean lengths
   SourceErrors assumed;  ///< what the firmware's geometry differs by from that
   double bed = 0.0;      ///< height of the firmware's z = 0, mm
+  Joints homed;          ///< at the endstops: 0 of carriages, the angles of arms, rad
+
+  Joints joints_at(const JointDrops& drops) const;
 };
 
-/// @param print_radius  of the bed, mm; 0: most of what the arms reach. Readings say where a printer is known.
+/// @param print_radius  of the bed, mm; 0: most of what the printer reaches. Readings say where a printer is known.
 /// What a firmware does not know (radius of the effector, width of its rods' pairs) is taken as in linear_delta; it
 /// matters only for tilt. Tolerances are those of printers: see printer_tolerances().
 /// @throws InvalidArgument for a geometry that makes no sense.
 PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius = 0.0);
 
-/// Half-widths (3 sigma) of a printer's parts against each other: rods cut in one jig alike to 0.1 mm, rails within 0.3
-/// mm of where they belong at both ends (0.04 deg), endstops anywhere within 10 mm, ball joints as people assemble
-/// them.
-Tolerances printer_tolerances(double parallelogram_width);
+/// Half-widths (3 sigma) of a printer's parts against each other: rods (and arms) cut in one jig alike to 0.1 mm, rails
+/// and shoulders within 0.3 mm of where they belong, rails at both ends (0.04 deg), motor axes within 0.3 deg, endstops
+/// anywhere within 10 mm or 5 deg, ball joints as people assemble them.
+Tolerances printer_tolerances(const Geometry& geometry);
 
-/// What the limbs of a printer share, and nobody has measured: the delta radius and the length of the rods. Heights
-/// alone hardly tell the two apart; then the rods are left as they are typed.
+/// What the limbs of a printer share, and nobody has measured: the delta radius and the lengths of rods and arms.
+/// Heights alone hardly tell them apart; then rods and arms are left as they are typed.
 std::vector<CommonError> printer_common_errors(const Robot& robot, bool rods_too);
 
 /// The readings as stations (named by kind and number, from 0 as in printer.cfg), heights above one bed, and distances.

@@ -21,8 +21,8 @@ struct KnownPrinter {
   FoundPlane bed;
 };
 
-/// Which arm lengths a controller is told.
-enum class ControllerArms : std::uint8_t {
+/// Which lengths of rods (and arms) a controller is told.
+enum class ControllerRods : std::uint8_t {
   each,   ///< one for each tower
   alike,  ///< one for all
   kept,   ///< those that it has
@@ -37,7 +37,7 @@ struct DeltaProjection {
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
 
-/// Of a firmware with this geometry, on a grid of the workspace. Places that its arms do not reach are passed over.
+/// Of a firmware with this geometry, on a grid of the workspace. Places that it does not reach are passed over.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
 
 /// The best fit of what a controller holds over the workspace:
@@ -47,6 +47,6 @@ DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geomet
 /// p: where the machine stands with these drops, above the bed. Shift and turn in the bed's plane are free, so tower C
 /// keeps its angle.
 /// @param start  the controller's present geometry.
-DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerArms arms);
+DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerRods rods);
 
 }  // namespace paracal
