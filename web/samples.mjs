@@ -18,6 +18,15 @@ function withGrossError(table) {
   return lines.join("\n");
 }
 
+/// A set of data/klipper-delta as Klipper writes it.
+function printerConfig(id) {
+  const set = JSON.parse(readFileSync(fileURLToPath(new URL("../data/klipper-delta/sets.json", import.meta.url)), "utf8")).find((one) => one.id === id);
+  const towers = ["a", "b", "c"].map((name, k) => `[stepper_${name}]\nangle: ${set.tower_angle_deg[k]}\narm_length: ${set.arm_length_mm[k]}\nposition_endstop: ${set.position_endstop_mm[k]}\nstep_distance: ${set.step_distance_mm[k]}`);
+  const heights = set.heights.map(([height, ...steps], k) => `#*# height${k} = ${height}\n#*# height${k}_pos = ${steps}`);
+  const distances = set.distances.map(([distance, ...steps], k) => `#*# distance${k} = ${distance}\n#*# distance${k}_pos1 = ${steps.slice(0, 3)}\n#*# distance${k}_pos2 = ${steps.slice(3)}`);
+  return ["[printer]", "kinematics: delta", `delta_radius: ${set.delta_radius_mm}`, ...towers, "#*# [delta_calibrate]", ...heights, ...distances, ""].join("\n");
+}
+
 export function samples(program, folder) {
   mkdirSync(folder, { recursive: true });
   const at = (name) => join(folder, name);
@@ -59,6 +68,10 @@ export function samples(program, folder) {
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", ...machine, "--out", "delta.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "delta.csv", "--out", "delta.json", "--report", "delta.html");
 
+  for (const id of ["K18", "K37"]) writeFileSync(at(`${id}.cfg`), printerConfig(id));
+  run("calibrate", "--printer", "K18.cfg", "--out", "printer.json", "--report", "printer.html");
+  refused("calibrate", "--printer", "K37.cfg", "--out", "printer-kept.json", "--report", "keep.html");
+
   run("poses", "--optimal", "200", "--candidates", "400", "--out", "many-plan.csv");
   run("simulate", "--poses", "many-plan.csv", ...machine, "--out", "many.csv");
   run("calibrate", "--measurements", "many.csv", "--out", "many.json", "--report", "many.html");
@@ -68,6 +81,6 @@ export function samples(program, folder) {
   run("tolerance", "analyze", "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
   run("yield", "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

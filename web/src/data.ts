@@ -34,6 +34,14 @@ export interface DistanceResidual {
   to: string;
   before_mm: number;
   after_mm: number;
+  excluded: boolean;
+}
+export interface HeightResidual {
+  series: string;
+  pose: string;
+  before_mm: number;
+  after_mm: number;
+  excluded: boolean;
 }
 export interface PointResidual {
   series: string;
@@ -43,7 +51,37 @@ export interface PointResidual {
   excluded: boolean;
 }
 
+export type Residual = DistanceResidual | HeightResidual | PointResidual;
+
+/// What a delta's firmware is told: a number a tower, or one for all.
+export type DeltaGeometry = Record<string, number | number[]>;
+export interface DeltaFit {
+  rms_height_mm: number;
+  rms_distance_mm: number;
+  parameters: number;
+  geometry: DeltaGeometry;
+}
+export interface DeltaAccuracy {
+  absolute_rms_mm: number;
+  absolute_max_mm: number;
+  shape_rms_mm: number;
+  shape_max_mm: number;
+}
+export interface Printer {
+  advice: "accept_new" | "take_firmware" | "keep_saved";
+  findings: string[];
+  saved: DeltaFit;
+  firmware: DeltaFit;
+  new: DeltaGeometry;
+  lines: string;
+  accuracy_saved: DeltaAccuracy;
+  accuracy_new: DeltaAccuracy;
+  left_out: { height_mm: number; distance_mm: number };
+  left_out_firmware: { height_mm: number; distance_mm: number };
+}
+
 export interface Calibration {
+  printer?: Printer;
   accepted: boolean;
   verdict: string;
   reasons: string[];
@@ -58,7 +96,7 @@ export interface Calibration {
   degrees_of_freedom: number;
   before: Largest;
   after: Largest;
-  residuals: (DistanceResidual | PointResidual)[];
+  residuals: Residual[];
   suspects: { reading: string; statistic: number; chance: number; excluded: boolean }[];
   options: Record<string, unknown>;
   program: string;
@@ -233,7 +271,8 @@ export interface Report {
   inputs: InputFile[];
 }
 
-export const isPoint = (residual: DistanceResidual | PointResidual): residual is PointResidual => "pose" in residual;
+export const isPoint = (residual: Residual): residual is PointResidual => Array.isArray(residual.before_mm);
+export const isHeight = (residual: Residual): residual is HeightResidual => "pose" in residual && !isPoint(residual);
 
 export const length = (v: Vector) => Math.hypot(...v);
 

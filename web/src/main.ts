@@ -8,6 +8,7 @@ import { correlations } from "./sections/correlations";
 import { errorMaps } from "./sections/error_maps";
 import { observability } from "./sections/observability";
 import { parameters } from "./sections/parameters";
+import { printer } from "./sections/printer";
 import { publishedRows } from "./sections/published_rows";
 import { repeat } from "./sections/repeat";
 import { residuals } from "./sections/residuals";
@@ -16,7 +17,7 @@ import { verdict } from "./sections/verdict";
 import { strings } from "./strings";
 import { startTheme, themeButton } from "./theme";
 
-const kSections: ((report: Report) => Section | null)[] = [publishedRows, robot, errorMaps, residuals, parameters, correlations, observability, contributors, batch, repeat];
+const kSections: ((report: Report) => Section | null)[] = [publishedRows, printer, robot, errorMaps, residuals, parameters, correlations, observability, contributors, batch, repeat];
 
 function navigation(sections: Section[]): HTMLElement {
   const link = (id: string, text: string) => h("li", {}, h("a", { href: `#${id}` }, text));

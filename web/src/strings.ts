@@ -10,7 +10,7 @@ export const strings = {
   skip: "Skip to the verdict",
   sections: "Sections of this report",
   theme: { dark: "Dark", light: "Light", change: "Change to the dark or the light page" },
-  nav: { verdict: "Verdict", robot: "Robot", map: "Where", residuals: "Residuals", parameters: "Parameters", correlations: "Correlations", observability: "Poses needed", contributors: "Contributors", batch: "Machines", rows: "Published numbers", repeat: "Repeat" },
+  nav: { verdict: "Verdict", printer: "New values", robot: "Robot", map: "Where", residuals: "Residuals", parameters: "Parameters", correlations: "Correlations", observability: "Poses needed", contributors: "Contributors", batch: "Machines", rows: "Published numbers", repeat: "Repeat" },
   figure: {
     csv: "CSV",
     table: "Numbers as a table",
@@ -19,6 +19,16 @@ export const strings = {
   },
   verdict: {
     yes: { calibration: "Calibration accepted", validation: "Machine within its limits", allocation: "Tolerances found", analysis: "Limits kept at 3 sigma", yield: "Yield of the batch", reached: (share: string) => `Yield of ${share} proven`, reproduction: "All published numbers reproduced", sensitivity: "Sensitivity" },
+    printer: {
+      says: { accept_new: "Accept the new values", take_firmware: "Take the firmware's own fit", keep_saved: "Keep the saved values" },
+      sentence: "What the printer's firmware should be told, from the readings that it left in its configuration.",
+      shape: "Shape of prints, root mean square",
+      absolute: (before: string, after: string) => `Absolute ${before} \u2192 ${after} mm; no height and no distance sees where the centre is, nor the turn about z.`,
+      height: "A height predicted from the others",
+      distance: "A distance predicted from the others",
+      byFirmware: (rms: string) => `The firmware's own fit predicts it to ${rms} mm.`,
+      saved: "Saved values \u2192 new ones.",
+    },
     improved: "Calibration confirmed on other poses",
     no: { calibration: (verdict: string) => `Calibration: ${verdict}`, validation: "Not proven within its limits", improved: "Calibration not confirmed on other poses", allocation: "No tolerances found", analysis: "Limits not kept at 3 sigma", converged: "Too few machines drawn", yield: "Batch not complete", reached: (share: string) => `Yield of ${share} not proven`, reproduction: (n: number) => `${plural(n, "published number")} not reproduced` },
     calibration: (readings: number, noise: number, freedom: number) =>
@@ -90,6 +100,17 @@ export const strings = {
     y: "y, mm",
     sigma: (quantity: string) => `3 sigma of ${quantity}, by layer`,
     sigmaShows: (largest: string, unit: string, z: number, radius: number) => `Largest: ${largest} ${unit}, in the layer z = ${exact(z)} mm at a radius of ${Math.round(radius)} mm. Three layers seen from above, rotation zero.`,
+  },
+  printer: {
+    heading: "What the firmware is told",
+    intro: "Saved: in use now. Firmware's fit: the optimum of its own calibration. New: what comes closest to the calibrated machine over the place of the readings.",
+    columns: ["", "saved", "firmware's fit", "new"],
+    names: { delta_radius_mm: "delta radius, mm", shoulder_radius_mm: "shoulder radius, mm", shoulder_height_mm: "height of shoulder, mm", tower_angle_deg: "angle of tower, deg", arm_length_mm: "rod (arm_length), mm", upper_arm_length_mm: "arm, mm", lower_arm_length_mm: "rod, mm", position_endstop_mm: "endstop, mm" } as Record<string, string>,
+    tower: (name: string, k: number) => `${name}, ${"ABC"[k]}`,
+    lines: "The advised values, to copy",
+    errors: "Error of the nozzle over the place of the readings, if this calibration is right",
+    errorColumns: ["", "saved", "new"],
+    errorNames: { shape_rms_mm: "shape, root mean square, mm", shape_max_mm: "shape, largest, mm", absolute_rms_mm: "absolute, root mean square, mm", absolute_max_mm: "absolute, largest, mm" } as Record<string, string>,
   },
   residuals: {
     heading: "What the model leaves over",

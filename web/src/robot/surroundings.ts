@@ -1,6 +1,7 @@
 // The workspace as a wire cylinder with its size, and the axes.
 import { BufferGeometry, CanvasTexture, Group, Line, LineBasicMaterial, LineLoop, Sprite, SpriteMaterial, Vector3 } from "three";
 import type { Robot } from "../data";
+import { exact } from "../numbers";
 
 export function circle(radius: number, z: number): BufferGeometry {
   const points = Array.from({ length: 96 }, (_, k) => new Vector3(radius * Math.cos((k * Math.PI) / 48), radius * Math.sin((k * Math.PI) / 48), z));
@@ -33,9 +34,9 @@ export function surroundings(robot: Robot, ink: string, muted: string): Group {
     group.add(new Line(new BufferGeometry().setFromPoints([new Vector3(x, y, top), new Vector3(x, y, top - height)]), edges));
   }
   const text = radius / 7;
-  const diameter = sign(`\u2300 ${2 * radius} mm`, muted, text);
+  const diameter = sign(`\u2300 ${exact(2 * radius)} mm`, muted, text);
   diameter.position.set(-1.45 * radius, 0, top);
-  const depth = sign(`${height} mm`, muted, text);
+  const depth = sign(`${exact(height)} mm`, muted, text);
   depth.position.set(1.3 * radius, 0, top - height / 2);
   group.add(diameter, depth);
   const axes: [string, Vector3][] = [["x", new Vector3(1, 0, 0)], ["y", new Vector3(0, 1, 0)], ["z", new Vector3(0, 0, 1)]];

@@ -1,6 +1,6 @@
 // What the fit leaves over, reading by reading, and what other poses say.
 import { dot, line, ruleX, ruleY } from "@observablehq/plot";
-import { isPoint, length, type Calibration, type Report, type Validation } from "../data";
+import { isHeight, isPoint, length, type Calibration, type DistanceResidual, type HeightResidual, type Report, type Validation } from "../data";
 import { h, table } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, normalQuantile, probability } from "../numbers";
@@ -10,18 +10,20 @@ import { strings } from "../strings";
 
 const text = strings.residuals;
 
-interface Residual {
+interface NumberRead {
   index: number;
   name: string;
   before: number;
   after: number;
 }
 
-/// One row a number read: a distance, or each coordinate of a point.
-function residualsOf(calibration: Calibration): Residual[] {
+const nameOf = (residual: DistanceResidual | HeightResidual) => (isHeight(residual) ? residual.pose : `${residual.from} \u2013 ${residual.to}`);
+
+/// One row a number read and used: a distance, a height, or each coordinate of a point.
+function residualsOf(calibration: Calibration): NumberRead[] {
   return calibration.residuals.flatMap((residual, k) => {
-    if (!isPoint(residual)) return [{ index: k + 1, name: `${residual.from} \u2013 ${residual.to}`, before: residual.before_mm, after: residual.after_mm }];
     if (residual.excluded) return [];
+    if (!isPoint(residual)) return [{ index: k + 1, name: nameOf(residual), before: residual.before_mm, after: residual.after_mm }];
     return residual.after_mm.map((value, axis) => ({ index: k + 1, name: `${residual.pose}, ${"xyz"[axis]}`, before: residual.before_mm[axis]!, after: value }));
   });
 }
@@ -71,13 +73,13 @@ function sizeOf(calibration: Calibration): HTMLElement {
   const sizes: Sizes[] = calibration.residuals.map((residual, k) =>
     isPoint(residual)
       ? { index: k + 1, name: residual.pose, before: length(residual.before_mm), after: length(residual.after_mm), out: residual.excluded }
-      : { index: k + 1, name: `${residual.from} \u2013 ${residual.to}`, before: Math.abs(residual.before_mm), after: Math.abs(residual.after_mm) });
+      : { index: k + 1, name: nameOf(residual), before: Math.abs(residual.before_mm), after: Math.abs(residual.after_mm), out: residual.excluded });
   const used = sizes.filter((size) => !size.out);
   const shows = text.sizeShows(digits(rms(used.map((size) => size.before))), digits(rms(used.map((size) => size.after)), 2), sizes.length - used.length);
   return sizesFigure("residual-sizes", text.size, shows, sizes, text.reading, text.size_mm);
 }
 
-function afterFigure(residuals: Residual[], noise: number): HTMLElement {
+function afterFigure(residuals: NumberRead[], noise: number): HTMLElement {
   return figure({
     id: "residuals-after",
     title: text.after,
@@ -96,7 +98,7 @@ function afterFigure(residuals: Residual[], noise: number): HTMLElement {
   });
 }
 
-function normalFigure(residuals: Residual[], noise: number): HTMLElement {
+function normalFigure(residuals: NumberRead[], noise: number): HTMLElement {
   const sorted = residuals.map((one) => one).sort((one, other) => one.after - other.after);
   const points = sorted.map((one, k) => ({ name: one.name, after: one.after, expected: noise * normalQuantile((k + 0.5) / sorted.length) }));
   const end = points[points.length - 1]!.expected * 1.1;
@@ -135,11 +137,17 @@ function validated(validation: Validation): HTMLElement[] {
   ];
 }
 
+/// Whether all readings scatter alike; a probe and a calliper do not.
+function alike({ residuals }: Calibration): boolean {
+  const heights = residuals.filter(isHeight).length;
+  return heights === 0 || heights === residuals.length;
+}
+
 export function residuals({ results }: Report): Section | null {
   const { calibration, validation } = results;
   const numbers = calibration ? residualsOf(calibration) : [];
   if (numbers.length === 0 && !validation) return null;
   return section("residuals", strings.nav.residuals, text.heading, text.intro,
     ...(validation ? validated(validation) : []),
-    ...(calibration && numbers.length > 0 ? [sizeOf(calibration), h("div", { class: "pair" }, afterFigure(numbers, calibration.noise_mm), normalFigure(numbers, calibration.noise_mm)), suspects(calibration)] : []));
+    ...(calibration && numbers.length > 0 ? [sizeOf(calibration), ...(alike(calibration) ? [h("div", { class: "pair" }, afterFigure(numbers, calibration.noise_mm), normalFigure(numbers, calibration.noise_mm))] : []), suspects(calibration)] : []));
 }

@@ -6,6 +6,7 @@ import { ofReproduction, ofYield } from "../verdicts/batch";
 import type { Verdict } from "../verdicts/card";
 import { ofAllocation, ofAnalysis, ofSensitivity } from "../verdicts/design";
 import { ofCalibration, ofValidation } from "../verdicts/machine";
+import { ofPrinter } from "../verdicts/printer";
 
 const text = strings.verdict;
 
@@ -19,7 +20,7 @@ function verdictsOf({ results, figures }: Report): Verdict[] {
   return [
     ...(reproduction ? [ofReproduction(reproduction.rows)] : []),
     ...(validation ? [ofValidation(validation, figures.error_map)] : []),
-    ...(calibration ? [ofCalibration(calibration)] : []),
+    ...(calibration ? [calibration.printer ? ofPrinter(calibration.printer) : ofCalibration(calibration)] : []),
     ...(analysis ? [ofAnalysis(analysis)] : []),
     ...(allocation ? [ofAllocation(allocation)] : []),
     ...(sensitivity && !reproduction ? [ofSensitivity(sensitivity)] : []),
