@@ -1,0 +1,125 @@
+// What fits of linear-delta printers cost, on the published measurements of data/klipper-delta: the firmware's own cost
+// by least squares and by coordinate descent, which is how the firmware finds it, and the whole calibration with every
+// reading left out in turn. Plain chrono code for the reasons that kinematics_benchmark.cpp gives.
+//
+//   paracal-printer-benchmark [data/klipper-delta/sets.json]
+//
+// The opponent is the firmware's algorithm [klipper] on our own compiled cost: the firmware runs it in Python, which
+// takes about a hundred times longer. Reports and never judges: the exit status is 0 whatever the figures.
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host.hpp"
+#include "interleaved_timing.hpp"
+#include "paracal/printer/printer_calibration.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::benchmark {
+namespace {
+
+using nlohmann::json;
+
+struct Set {
+  std::string id;
+  DeltaGeometry geometry;
+  DeltaReadings readings;
+};
+
+JointDrops drops_of(const json& reading, std::size_t first, const json& step) {
+  JointDrops drops{};
+  for (std::size_t i = 0; i < 3; ++i) drops[i] = reading[first + i].get<double>() * step[i].get<double>();
+  return drops;
+}
+
+Set set_of(const json& entry) {
+  Set set{.id = entry["id"], .geometry = {.radius = entry["delta_radius_mm"]}, .readings = {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    set.geometry.tower_angle[i] = to_radians(entry["tower_angle_deg"][i].get<double>());
+    set.geometry.rod[i] = entry["arm_length_mm"][i];
+    set.geometry.endstop[i] = entry["position_endstop_mm"][i];
+  }
+  const json& step = entry["step_distance_mm"];
+  for (const json& one : entry["heights"]) set.readings.heights.push_back({one[0], drops_of(one, 1, step)});
+  for (const json& one : entry["distances"]) {
+    set.readings.distances.push_back({one[0], drops_of(one, 1, step), drops_of(one, 4, step)});
+  }
+  return set;
+}
+
+struct Descent {
+  DeltaGeometry geometry;
+  double cost = 0.0;
+  int rounds = 0;
+};
+
+/// One number after the other, in mm and deg: steps that help grow by a tenth, others shrink by a tenth; until their
+/// sum is below 1e-5, or 10000 rounds.
+Descent coordinate_descent(const DeltaGeometry& start, const DeltaReadings& readings) {
+  const DeltaBasis basis = firmware_basis(start.actuator, !readings.distances.empty());
+  const auto is_angle = [&](Eigen::Index k) { return basis.col(k).segment<2>(DeltaNumber::angle).any(); };
+  Descent found{.geometry = start, .cost = judge_as_firmware(start, readings).cost};
+  Eigen::VectorXd step = Eigen::VectorXd::Ones(basis.cols());
+  for (; step.sum() > 1e-5 && found.rounds < 10000; ++found.rounds) {
+    for (Eigen::Index k = 0; k < basis.cols(); ++k) {
+      const DeltaNumbers numbers = numbers_of(found.geometry);
+      const double size = is_angle(k) ? to_radians(step(k)) : step(k);
+      const auto helps = [&](double change) {
+        const DeltaFit fit = judge_as_firmware(with_numbers(start, numbers + change * basis.col(k)), readings);
+        if (!fit.ok() || !(fit.cost < found.cost)) return false;
+        found.geometry = fit.geometry;
+        found.cost = fit.cost;
+        return true;
+      };
+      step(k) *= helps(size) || helps(-size) ? 1.1 : 0.9;
+    }
+  }
+  return found;
+}
+
+/// Away from the optimum by what an owner's first guess is.
+DeltaGeometry first_guess(DeltaGeometry geometry) {
+  geometry.radius += 0.5;
+  geometry.endstop[0] += 0.4;
+  geometry.endstop[1] -= 0.3;
+  geometry.tower_angle[1] += to_radians(0.2);
+  return geometry;
+}
+
+void report(const Set& set) {
+  constexpr int kRounds = 15, kRepeats = 50;
+  const DeltaGeometry start = first_guess(set.geometry);
+  const auto fits = [&] {
+    for (int k = 0; k < kRepeats; ++k) keep(fit_as_firmware(start, set.readings));
+  };
+  const auto descends = [&] { keep(coordinate_descent(start, set.readings)); };
+  const auto calibrates = [&] { keep(calibrate_printer(set.geometry, set.readings)); };
+  const auto seconds = interleave({fits, descends, calibrates}, kRounds);
+  const Spread fit = spread_of(seconds[0]), descent = spread_of(seconds[1]), whole = spread_of(seconds[2]);
+  const Descent found = coordinate_descent(start, set.readings);
+  const DeltaFit best = fit_as_firmware(start, set.readings);
+  constexpr double kMicro = 1e6 / kRepeats;
+  fmt::print("{:<5}{:>4}{:>4}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>9.0f}{:>8}{:>12.2e}{:>10.1f}\n", set.id,
+             set.readings.heights.size(), set.readings.distances.size(), kMicro * fit.median, kMicro * fit.p99,
+             kMicro * fit.max, 1e3 * descent.median, kRepeats * descent.median / fit.median, found.rounds,
+             found.cost / best.cost - 1.0, 1e3 * whole.median);
+}
+
+void run(const char* file_name) {
+  std::ifstream file(file_name);
+  fmt::print("{}\n", host_description());
+  fmt::print(
+      "heights and distances; fit, us (median, p99, max); coordinate descent of the same cost from the same\n"
+      "start, ms, times the fit, its rounds, by what share its cost stays above; whole calibration with\n"
+      "leave-one-out, ms\n\n");
+  fmt::print("{:<5}{:>4}{:>4}{:>9}{:>9}{:>9}{:>10}{:>9}{:>8}{:>12}{:>10}\n", "set", "h", "d", "fit", "p99", "max",
+             "descent", "times", "rounds", "cost above", "whole");
+  for (const json& entry : json::parse(file)) report(set_of(entry));
+}
+
+}  // namespace
+}  // namespace paracal::benchmark
+
+int main(int argc, char** argv) { paracal::benchmark::run(argc > 1 ? argv[1] : "data/klipper-delta/sets.json"); }
