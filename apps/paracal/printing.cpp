@@ -4,48 +4,103 @@
 
 #include "calibration_page.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/file.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
+#include "paracal/io/printer_tables.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
 namespace {
 
-constexpr std::string_view kKlipper = "klipper", kMarlin = "marlin";
+constexpr std::string_view kKlipper = "klipper", kReprap = "reprapfirmware", kMarlin = "marlin";
+
+CLI::Validator any_firmware() {
+  return CLI::IsMember({std::string(kKlipper), std::string(kReprap), std::string(kMarlin)});
+}
+
+io::CodeDialect dialect_of(std::string_view firmware) {
+  return firmware == kMarlin ? io::CodeDialect::marlin : io::CodeDialect::reprapfirmware;
+}
 
 /// What the controller should be told, as it is told.
-std::string parameters_text(const std::string& write, const DeltaGeometry& geometry) {
-  if (write == kKlipper) return io::klipper_save_config(geometry);
-  return io::machine_codes(geometry, write == kMarlin ? io::CodeDialect::marlin : io::CodeDialect::reprapfirmware);
+std::string parameters_text(const std::string& firmware, const DeltaGeometry& geometry) {
+  if (firmware == kKlipper) return io::klipper_save_config(geometry);
+  return io::machine_codes(geometry, dialect_of(firmware));
+}
+
+/// The printer with what its owner read on it besides; the files are named as inputs.
+PrinterState with_readings(const PrinterOptions& options, std::vector<InputFile>& inputs) {
+  PrinterState printer = read_printer(options.printer);
+  inputs.push_back({printer.file.name, io::sha256(printer.file.text)});
+  for (const std::string& name : options.readings) {
+    const io::TextFile file = io::read_file(name);
+    const DeltaReadings more = io::read_printer_table(file, printer.geometry);
+    DeltaReadings& all = printer.readings;
+    all.heights.insert(all.heights.end(), more.heights.begin(), more.heights.end());
+    all.distances.insert(all.distances.end(), more.distances.begin(), more.distances.end());
+    inputs.push_back({file.name, io::sha256(file.text)});
+  }
+  if (printer.readings.heights.empty()) {
+    const char* expected =
+        options.printer.firmware == kKlipper
+            ? "expected heights of the bed (height0 ... in [delta_calibrate], or --readings), got none"
+            : "expected heights of the bed beside it (--readings), got none";
+    throw InputFileError(printer.file.name, 0, expected);
+  }
+  return printer;
 }
 
 }  // namespace
 
-CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
-  CLI::Option* file = command.add_option(
-      "--printer", options.file,
-      "instead: a delta's Klipper printer.cfg (linear or rotary), with what DELTA_CALIBRATE left in it");
-  command.add_option("--write", options.write, "with --printer: how to write the new values")
-      ->check(CLI::IsMember({"klipper", "reprapfirmware", "marlin"}))
-      ->needs(file)
+CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text) {
+  CLI::Option* name = command.add_option("--printer", file.name, text);
+  command.add_option("--firmware", file.firmware, "with --printer: whose configuration it is")
+      ->check(any_firmware())
+      ->needs(name)
       ->capture_default_str();
+  return name;
+}
+
+PrinterState read_printer(const PrinterFile& file) {
+  io::TextFile text = io::read_file(file.name);
+  if (file.firmware != kKlipper) {
+    const DeltaGeometry geometry = io::read_machine_codes(text, dialect_of(file.firmware));
+    return {.file = std::move(text), .geometry = geometry};
+  }
+  io::KlipperDelta klipper = io::read_klipper(text);
+  return {.file = std::move(text),
+          .geometry = klipper.geometry,
+          .print_radius = klipper.print_radius,
+          .readings = std::move(klipper.readings)};
+}
+
+CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
+  CLI::Option* file =
+      add_printer_file(command, options.printer,
+                       "instead: a delta printer's own configuration: Klipper's printer.cfg with what DELTA_CALIBRATE "
+                       "left in it, or the M-codes of another firmware");
+  command
+      .add_option("--readings", options.readings,
+                  "with --printer: what was measured besides (CSV): heights of the bed, printed distances")
+      ->needs(file)
+      ->delimiter(',');
+  command.add_option("--write", options.write, "with --printer: how to write new values; default: as --firmware")
+      ->check(any_firmware())
+      ->needs(file);
   return file;
 }
 
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session) {
-  const io::TextFile file = io::read_file(options.file);
-  const io::KlipperDelta printer = io::read_klipper(file);
-  if (printer.readings.heights.empty()) {
-    throw InputFileError(file.name, 0, "expected heights of the bed (height0 ... in [delta_calibrate]), got none");
-  }
-  if (options.write == kMarlin && printer.geometry.actuator != Actuator::linear) {
+  std::vector<InputFile> inputs;
+  const PrinterState printer = with_readings(options, inputs);
+  const std::string write = options.write.empty() ? options.printer.firmware : options.write;
+  if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
     throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
   }
   PrinterCalibration found = calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
-  const std::string parameters = parameters_text(options.write, found.advised());
-  found.calibration.files = {{file.name, io::sha256(file.text)}};
+  const std::string parameters = parameters_text(write, found.advised());
+  found.calibration.files = inputs;
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;

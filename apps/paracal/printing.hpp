@@ -2,21 +2,47 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
+
+#include "paracal/io/file.hpp"
+#include "paracal/printer/delta_geometry.hpp"
 
 namespace paracal::app {
 
 class Session;
 
-/// A printer's own configuration and how its owner wants to be answered.
-struct PrinterOptions {
-  std::string file, write = "klipper";
+/// A printer's own configuration: a file and whose it is.
+struct PrinterFile {
+  std::string name, firmware = "klipper";
 };
 
-/// --printer and --write.
+/// --printer and --firmware.
+/// @returns --printer.
+CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text);
+
+/// What it says.
+struct PrinterState {
+  io::TextFile file;
+  DeltaGeometry geometry;
+  double print_radius = 0.0;  ///< mm; 0: not stated
+  DeltaReadings readings = {};
+};
+
+/// @throws InputFileError for a file that is none of this firmware.
+PrinterState read_printer(const PrinterFile& file);
+
+/// What the owner of a printer asks of a calibration.
+struct PrinterOptions {
+  PrinterFile printer;
+  std::vector<std::string> readings;
+  std::string write;  ///< empty: as the printer's firmware
+};
+
+/// --printer, --firmware, --readings and --write.
 /// @returns --printer.
 CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options);
 
-/// Calibrates a printer from its own file, which has all that is needed: geometry, readings, and what was read at.
+/// Calibrates a printer from its own file, and from what else was read on it.
 /// @param page  report to write; empty: none.
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session);
 

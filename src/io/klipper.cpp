@@ -224,10 +224,12 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
         settings.require("delta_calibrate", key).line,
         fmt::format("expected steps that the printer can take for {}, got some where its arms do not meet", key));
   };
-  for (const std::string prefix : {"height", "manual_height"}) {
+  for (const bool by_hand : {false, true}) {
+    const std::string_view prefix = by_hand ? "manual_height" : "height";
     for (int k = 0; settings.find("delta_calibrate", fmt::format("{}{}", prefix, k)); ++k) {
       const std::string key = fmt::format("{}{}", prefix, k), place = key + "_pos";
-      readings.heights.push_back({*settings.optional_number("delta_calibrate", key), drops_of(settings, place, step)});
+      readings.heights.push_back(
+          {*settings.optional_number("delta_calibrate", key), drops_of(settings, place, step), by_hand});
       require_reachable(readings.heights.back().drops, place);
     }
   }

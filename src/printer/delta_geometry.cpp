@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <numeric>
@@ -55,9 +56,10 @@ double joint_to(const DeltaGeometry& g, std::size_t i, const Eigen::Vector3d& pl
 
 double height_weight(const DeltaReadings& readings) {
   constexpr double kMeasureWeight = 0.5;  // the firmware's
-  if (readings.distances.empty()) return 1.0;
-  return static_cast<double>(readings.distances.size()) /
-         (kMeasureWeight * static_cast<double>(readings.heights.size()));
+  if (readings.distances.empty() || readings.heights.empty()) return 1.0;
+  const auto by_hand = std::ranges::count_if(readings.heights, &BedReading::by_hand);
+  const auto probed = static_cast<double>(readings.heights.size()) - static_cast<double>(by_hand);
+  return static_cast<double>(readings.distances.size()) / (kMeasureWeight * std::max(probed, 1.0));
 }
 
 /// Residuals of the heights, then of the distances, mm, unweighted; false where a geometry does not close.
@@ -100,6 +102,11 @@ std::array<double, 3> homed_joints(const DeltaGeometry& geometry) {
   std::array<double, 3> homed{};
   for (std::size_t i = 0; i < 3; ++i) homed[i] = joint_to(geometry, i, {0.0, 0.0, geometry.endstop[i]});
   return homed;
+}
+
+JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
+  const std::array<double, 3> homed = homed_joints(geometry), joints = joints_to(geometry, place);
+  return {homed[0] - joints[0], homed[1] - joints[1], homed[2] - joints[2]};
 }
 
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed) {

@@ -23,12 +23,6 @@ Eigen::Vector3d above(const FoundPlane& bed, const Eigen::Vector3d& p) {
   return {p.x() + bed.slope_x * height, p.y() + bed.slope_y * height, height};
 }
 
-/// Drops by which a firmware goes to a point of its frame; NaN when out of reach.
-JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
-  const std::array<double, 3> homed = homed_joints(geometry), joints = joints_to(geometry, place);
-  return {homed[0] - joints[0], homed[1] - joints[1], homed[2] - joints[2]};
-}
-
 /// What a controller can be told: endstops, angles, radius (and height of the shoulders) always.
 DeltaBasis told(Actuator actuator, ControllerRods rods) {
   DeltaBasis basis = DeltaBasis::Zero(DeltaNumber::count, DeltaNumber::count);

@@ -2,6 +2,8 @@
 
 #include "broken_input.hpp"
 #include "json_checks.hpp"
+#include "paracal/io/machine_codes.hpp"
+#include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 
@@ -78,6 +80,60 @@ TEST_F(PrinterCommand, RotaryDeltasAreToldInTheWordsOfTheirFirmware) {
   folder.write("config.g", "M669 K10 U170 L320 R34 H412.5 A-30:60\n");
   ASSERT_EQ(folder.run("robot --printer config.g --firmware reprapfirmware --out robot.toml").exit_code, kDone);
   EXPECT_EQ(folder.run("sensitivity --robot robot.toml").exit_code, kDone);
+}
+
+/// The same readings by way of tables and M-codes; these hold four digits.
+TEST_F(PrinterCommand, OtherFirmwaresHaveTheirReadingsInTables) {
+  const RotaryPrinter printer = rotary_printer();
+  const double highest = to_degrees(homed_joints(printer.saved)[0]);
+  folder.write("config.g", fmt::format("{}M669 K10 A-60:{:.6f}\n",
+                                       io::machine_codes(printer.saved, io::CodeDialect::reprapfirmware), highest));
+  std::string heights = "x_mm,y_mm,z_mm,height_mm\n";
+  for (const BedReading& one : printer.readings.heights) {
+    const Eigen::Vector3d p = *nozzle(printer.saved, one.drops);
+    heights += fmt::format("{},{},{},{}\n", p.x(), p.y(), p.z(), one.height);
+  }
+  std::string distances = "from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n";
+  for (const PrintedDistance& one : printer.readings.distances) {
+    const Eigen::Vector3d from = *nozzle(printer.saved, one.from), to = *nozzle(printer.saved, one.to);
+    distances += fmt::format("{},{},{},{},{}\n", from.x(), from.y(), to.x(), to.y(), one.distance);
+  }
+  folder.write("heights.csv", heights);
+  folder.write("distances.csv", distances);
+  folder.write("printer.cfg", printer.config);
+  const json object = json_of(
+      folder.run("calibrate --printer config.g --firmware reprapfirmware --readings heights.csv,distances.csv --json"));
+  const json expected = json_of(folder.run("calibrate --printer printer.cfg --json"));
+  EXPECT_EQ(object["inputs"].size(), 3u);
+  EXPECT_EQ(object["printer"]["advice"], expected["printer"]["advice"]);
+  EXPECT_THAT(object["printer"]["lines"].get<std::string>(), HasSubstr("\nM669 K10 U"));
+  for (const char* key : {"shoulder_radius_mm", "shoulder_height_mm", "position_endstop_mm", "lower_arm_length_mm"}) {
+    const json found = json::array({object["printer"]["new"][key]}).flatten(),
+               wanted = json::array({expected["printer"]["new"][key]}).flatten();
+    ASSERT_EQ(found.size(), wanted.size());
+    for (const auto& [path, value] : wanted.items()) {
+      EXPECT_NEAR(found[path].get<double>(), value.get<double>(), 0.02) << key << path;
+    }
+  }
+}
+
+TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
+  folder.write("config.g", "M665 R105.6 L215.0 H235\n");
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    folder.write("readings.csv", text);
+    const ProgramResult result =
+        folder.run("calibrate --printer config.g --firmware marlin --readings readings.csv --out result.json");
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_THAT(result.err, HasSubstr(part));
+    EXPECT_FALSE(folder.names().contains("result.json"));
+  };
+  refused("x_mm,y_mm,z_mm\n0,0,0.1\n300,0,0.1\n",
+          "readings.csv:3: expected a place that the printer reaches, got (300, 0, 0.1) mm");
+  refused("x_mm,y_mm\n0,0\n", "z_mm");
+  refused("x_mm,y_mm,z_mm,bed_mm\n0,0,0,1\n", "bed_mm");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n", "expected distance_mm above 0, got -50");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n", "config.g: expected heights of the bed");
+  EXPECT_EQ(folder.run("calibrate --readings readings.csv").exit_code, kWrongUsage);
 }
 
 TEST_F(PrinterCommand, DrawsAPage) {

@@ -101,6 +101,22 @@ TEST(KlipperFile, SavedValuesAndReadingsAreThoseOfTheSet) {
   }
 }
 
+/// Heights typed by hand count as readings, but the firmware weighs by the number of probed ones.
+TEST(KlipperFile, HeightsByHandDoNotShareTheWeight) {
+  KlipperSet set = set_named("K18");
+  const double probed = judge_as_firmware(set.geometry, set.readings).cost;
+  const BedReading& first = set.readings.heights[0];
+  const double z = nozzle(set.geometry, first.drops)->z(), weight = 2.0 * 12.0 / 7.0;
+  const double step = io::read_klipper({"printer.cfg", set.config}).step_size[0];
+  const std::string typed =
+      fmt::format("{}#*# manual_height0 = {}\n#*# manual_height0_pos = {:.3f},{:.3f},{:.3f}\n", set.config, z + 0.5,
+                  first.drops[0] / step, first.drops[1] / step, first.drops[2] / step);
+  const io::KlipperDelta printer = io::read_klipper({"printer.cfg", typed});
+  ASSERT_EQ(printer.readings.heights.size(), 8u);
+  EXPECT_TRUE(printer.readings.heights.back().by_hand);
+  EXPECT_NEAR(judge_as_firmware(printer.geometry, printer.readings).cost, probed + weight * 0.25, 1e-4);
+}
+
 TEST(KlipperFile, WhatIsWrittenIsReadBack) {
   const KlipperSet set = set_named("K19");
   DeltaGeometry changed = set.geometry;

@@ -37,8 +37,7 @@ JointDrops touching(const RotaryPrinter& printer, const Machine& machine, const 
 
 /// Where the firmware prints a pillar that is meant to stand at a place.
 JointDrops printing(const RotaryPrinter& printer, const Eigen::Vector3d& place) {
-  const auto homed = homed_joints(printer.saved), joints = joints_to(printer.saved, place);
-  return whole_steps({homed[0] - joints[0], homed[1] - joints[1], homed[2] - joints[2]});
+  return whole_steps(drops_to(printer.saved, place));
 }
 
 void read_heights(RotaryPrinter& printer, const Machine& machine, Random& random) {

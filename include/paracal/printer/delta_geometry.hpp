@@ -38,6 +38,9 @@ std::array<double, 3> joints_to(const DeltaGeometry& geometry, const Eigen::Vect
 /// Joint coordinates at the endstops.
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry);
 
+/// Drops by which the firmware goes to a point; NaN where a tower does not reach.
+JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
+
 /// The endstop that goes with a homed joint of one tower; NaN where its rod does not reach the centre.
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed);
 
@@ -68,6 +71,7 @@ NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& 
 struct BedReading {
   double height = 0.0;  ///< of the nozzle above the bed, mm
   JointDrops drops{};
+  bool by_hand = false;  ///< typed, not probed: the firmware does not count it among those that share their weight
 };
 
 /// A calliper's distance between two places where the nozzle has printed.
@@ -83,7 +87,7 @@ struct DeltaReadings {
 
 /// How well a geometry explains readings, as Klipper's delta_calibrate judges it [klipper]:
 ///
-///   cost = w sum (z - height)^2 + sum (|p_to - p_from| - distance)^2,    w = 2 n_distances / n_heights; 1 without any
+///   cost = w sum (z - height)^2 + sum (|p_to - p_from| - distance)^2,    w = 2 n_distances / n_probed; 1 without any
 struct DeltaFit {
   LeastSquaresStatus status = LeastSquaresStatus::not_evaluable;
   DeltaGeometry geometry;
