@@ -18,6 +18,7 @@ const views = {
   published: wide,
   calibration: wide,
   validation: wide,
+  printer: wide,
   sensitivity: wide,
   allocation: wide,
   analysis: wide,
