@@ -2,7 +2,6 @@
 
 #include "paracal/report/error_map.hpp"
 #include "paracal/report/plots.hpp"
-#include "paracal/report/scene.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
 
@@ -19,24 +18,26 @@ void level(std::vector<report::ErrorArrow>& arrows) {
 
 }  // namespace
 
-void write_calibration_page(const std::string& page, const Session& session, const Measurements& measurements,
-                            const Calibration& calibration, const io::Json& json,
-                            const std::vector<std::string>& files) {
+CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements) {
+  CalibrationPage page{.arrows = report::measured_arrows(calibration, measurements), .map = calibration.accepted()};
+  if (!page.arrows.empty() || !calibration.accepted()) return page;
+  page.arrows = report::predicted_arrows(calibration.robot, known_errors(calibration).errors, measurements.stations);
+  if (!measurements.planes.empty()) level(page.arrows);
+  return page;
+}
+
+void write_calibration_page(const std::string& file, const Session& session, const Calibration& calibration,
+                            const io::Json& json, const CalibrationPage& page) {
   const Robot& robot = calibration.robot;
   const KnownErrors known = known_errors(calibration);
-  std::vector<report::ErrorArrow> arrows = report::measured_arrows(calibration, measurements);
-  if (arrows.empty() && calibration.accepted()) {
-    arrows = report::predicted_arrows(robot, known.errors, measurements.stations);
-    if (!measurements.planes.empty()) level(arrows);
-  }
   io::Json figures{{"observability", report::observability(robot)}};
-  if (!arrows.empty()) figures["scene"] = report::scene(robot, arrows, known.errors);
-  if (calibration.accepted()) figures["error_map"] = report::error_map(robot, known);
-  write_report(page, session, robot,
+  if (!page.arrows.empty()) figures["scene"] = report::scene(robot, page.arrows, known.errors);
+  if (page.map) figures["error_map"] = report::error_map(robot, known);
+  write_report(file, session, robot,
                {.kind = "calibration",
                 .results = {{"calibration", json}},
                 .figures = std::move(figures),
-                .inputs = with_files(calibration.files, session, files)});
+                .inputs = with_files(calibration.files, session, page.files)});
 }
 
 }  // namespace paracal::app

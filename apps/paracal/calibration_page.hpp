@@ -5,17 +5,25 @@
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/io/json.hpp"
+#include "paracal/report/scene.hpp"
 
 namespace paracal::app {
 
 class Session;
 
-/// The page of a calibration. Predictions of a machine that was not found would mislead: they are drawn for accepted
-/// calibrations only.
+/// What the page of a calibration draws besides its numbers. Predictions of a machine that was not found would mislead:
+/// they are drawn for accepted calibrations only.
+struct CalibrationPage {
+  std::vector<report::ErrorArrow> arrows = {};
+  bool map = false;                     ///< of errors against the nominal robot, over the workspace
+  std::vector<std::string> files = {};  ///< that were read besides the measurements
+};
+
+/// Errors as measured, or where these have no direction as the calibration predicts them of the nominal robot.
+CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements);
+
 /// @param json  of the calibration, as --json prints it.
-/// @param files  that were read besides the measurements.
-void write_calibration_page(const std::string& page, const Session& session, const Measurements& measurements,
-                            const Calibration& calibration, const io::Json& json,
-                            const std::vector<std::string>& files = {});
+void write_calibration_page(const std::string& file, const Session& session, const Calibration& calibration,
+                            const io::Json& json, const CalibrationPage& page);
 
 }  // namespace paracal::app

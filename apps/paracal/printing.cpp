@@ -51,6 +51,20 @@ PrinterState with_readings(const PrinterOptions& options, std::vector<InputFile>
   return printer;
 }
 
+/// Where the calibration says that the nozzle is, against where the firmware believes it with its saved values.
+std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const DeltaReadings& readings) {
+  std::vector<JointDrops> drops;
+  for (const BedReading& reading : readings.heights) drops.push_back(reading.drops);
+  for (const PrintedDistance& reading : readings.distances) drops.insert(drops.end(), {reading.from, reading.to});
+  std::vector<report::ErrorArrow> arrows;
+  for (std::size_t k = 0; k < drops.size(); ++k) {
+    const Station& station = found.measurements.stations[k];  // in the same order
+    const auto off = deviation(found.known, found.saved.geometry, drops[k]);
+    if (off) arrows.push_back({station.name, station.commanded, *off});
+  }
+  return arrows;
+}
+
 }  // namespace
 
 CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text) {
@@ -104,7 +118,9 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;
-  if (!page.empty()) write_calibration_page(page, session, found.measurements, found.calibration, json);
+  if (!page.empty()) {
+    write_calibration_page(page, session, found.calibration, json, {.arrows = arrows_of(found, printer.readings)});
+  }
   if (found.advice != PrinterAdvice::accept_new) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);
   if (session.json()) return;

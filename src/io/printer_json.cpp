@@ -1,4 +1,5 @@
 #include "paracal/io/json.hpp"
+#include "paracal/printer/printer_calibration.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {

@@ -173,6 +173,7 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .firmware = known->firmware,
       .measurements = std::move(known->measurements),
       .calibration = std::move(known->calibration),
+      .known = machine,
       .projection = project(machine, known->firmware.geometry,
                             readings.distances.empty() ? ControllerRods::kept : ControllerRods::each),
       .accuracy_before = accuracy_of(machine, saved),

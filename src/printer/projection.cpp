@@ -106,6 +106,14 @@ DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry&
 
 }  // namespace
 
+std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
+                                         const JointDrops& drops) {
+  const auto believed = nozzle(geometry, drops);
+  const ForwardResult taken = forward(build(known.printer.robot, known.errors), known.printer.joints_at(drops));
+  if (!believed || !taken.ok()) return std::nullopt;
+  return above(known.bed, taken.plate.position) - *believed;
+}
+
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry) {
   return accuracy_at(places_of(known, geometry), geometry);
 }

@@ -96,7 +96,9 @@ void run(const Options& options, Session& session) {
   const Calibration calibration = calibrate(robot, measurements, wanted);
   const io::Json file = io::to_json(calibration, now());
   if (!options.report->empty()) {
-    write_calibration_page(*options.report, session, measurements, calibration, file, {options.tolerances});
+    CalibrationPage page = page_of(calibration, measurements);
+    page.files = {options.tolerances};
+    write_calibration_page(*options.report, session, calibration, file, page);
   }
   if (!session.out().empty()) session.print_json(file);
   if (session.json()) {

@@ -13,7 +13,10 @@
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
-#include "paracal/printer/printer_calibration.hpp"
+
+namespace paracal {
+struct PrinterCalibration;
+}
 
 namespace paracal::io {
 

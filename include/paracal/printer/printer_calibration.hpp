@@ -27,6 +27,7 @@ struct PrinterCalibration {
   DeltaFit firmware;          ///< the optimum of that cost
   Measurements measurements;  ///< the readings, as the calibration took them
   Calibration calibration;
+  KnownPrinter known;                 ///< what the calibration says
   DeltaProjection projection;         ///< what the controller should be told
   DeltaAccuracy accuracy_before;      ///< of the saved geometry, if the calibration is right
   PredictionErrors predicted;         ///< by this calibration

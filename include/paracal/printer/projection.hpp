@@ -37,6 +37,11 @@ struct DeltaProjection {
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
 
+/// How far the nozzle is from where a firmware with this geometry believes it, above the bed, mm. Empty where either
+/// machine does not close.
+std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
+                                         const JointDrops& drops);
+
 /// Of a firmware with this geometry, on a grid of the workspace. Places that it does not reach are passed over.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
 
