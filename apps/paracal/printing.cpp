@@ -29,24 +29,23 @@ std::string parameters_text(const std::string& firmware, const DeltaGeometry& ge
   return io::machine_codes(geometry, dialect_of(firmware));
 }
 
-/// The printer with what its owner read on it besides; the files are named as inputs.
-PrinterState with_readings(const PrinterOptions& options, std::vector<InputFile>& inputs) {
+/// The printer with what its owner read on it besides.
+PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
-  inputs.push_back({printer.file.name, io::sha256(printer.file.text)});
   for (const std::string& name : options.readings) {
     const io::TextFile file = io::read_file(name);
     const DeltaReadings more = io::read_printer_table(file, printer.geometry);
     DeltaReadings& all = printer.readings;
     all.heights.insert(all.heights.end(), more.heights.begin(), more.heights.end());
     all.distances.insert(all.distances.end(), more.distances.begin(), more.distances.end());
-    inputs.push_back({file.name, io::sha256(file.text)});
+    printer.files.push_back({file.name, io::sha256(file.text)});
   }
   if (printer.readings.heights.empty()) {
     const char* expected =
         options.printer.firmware == kKlipper
             ? "expected heights of the bed (height0 ... in [delta_calibrate], or --readings), got none"
             : "expected heights of the bed beside it (--readings), got none";
-    throw InputFileError(printer.file.name, 0, expected);
+    throw InputFileError(printer.files.front().name, 0, expected);
   }
   return printer;
 }
@@ -77,13 +76,13 @@ CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::s
 }
 
 PrinterState read_printer(const PrinterFile& file) {
-  io::TextFile text = io::read_file(file.name);
+  const io::TextFile text = io::read_file(file.name);
   if (file.firmware != kKlipper) {
     const DeltaGeometry geometry = io::read_machine_codes(text, dialect_of(file.firmware));
-    return {.file = std::move(text), .geometry = geometry};
+    return {.files = {{text.name, io::sha256(text.text)}}, .geometry = geometry};
   }
   io::KlipperDelta klipper = io::read_klipper(text);
-  return {.file = std::move(text),
+  return {.files = std::move(klipper.files),
           .geometry = klipper.geometry,
           .print_radius = klipper.print_radius,
           .readings = std::move(klipper.readings)};
@@ -106,15 +105,14 @@ CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
 }
 
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session) {
-  std::vector<InputFile> inputs;
-  const PrinterState printer = with_readings(options, inputs);
+  const PrinterState printer = with_readings(options);
   const std::string write = options.write.empty() ? options.printer.firmware : options.write;
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
     throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
   }
   PrinterCalibration found = calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
   const std::string parameters = parameters_text(write, found.advised());
-  found.calibration.files = inputs;
+  found.calibration.files = printer.files;
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "paracal/io/file.hpp"
+#include "paracal/calibration/measurement.hpp"
 #include "paracal/printer/delta_geometry.hpp"
 
 namespace paracal::app {
@@ -22,7 +22,7 @@ CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::s
 
 /// What it says.
 struct PrinterState {
-  io::TextFile file;
+  std::vector<InputFile> files;  ///< the configuration, then what it includes
   DeltaGeometry geometry;
   double print_radius = 0.0;  ///< mm; 0: not stated
   DeltaReadings readings = {};

@@ -4,19 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <string_view>
 
 #include "columns.hpp"
+#include "klipper_settings.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kSavedMark = "#*#";
+using Settings = KlipperSettings;
+
 constexpr std::array<std::string_view, 3> kTowers{"stepper_a", "stepper_b", "stepper_c"};
 
 /// How the keys of one kind of delta are called.
@@ -32,92 +33,6 @@ constexpr std::string_view kArm = "upper_arm_length", kShoulder = "shoulder_heig
 
 const Keys& keys_of(Actuator actuator) { return *std::ranges::find(kKinds, actuator, &Keys::actuator); }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-/// Without a comment: # or ; at the beginning or after a blank.
-std::string_view without_comment(std::string_view line) {
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const bool marks = line[k] == '#' || line[k] == ';';
-    if (marks && (k == 0 || line[k - 1] == ' ' || line[k - 1] == '\t')) return line.substr(0, k);
-  }
-  return line;
-}
-
-std::vector<std::string_view> cut(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = text.find(separator); at != std::string_view::npos; at = text.find(separator)) {
-    parts.push_back(trimmed(text.substr(0, at)));
-    text.remove_prefix(at + 1);
-  }
-  parts.push_back(trimmed(text));
-  return parts;
-}
-
-/// Settings by section and key, with the lines where they stand; later ones replace earlier ones, so saved ones win.
-class Settings {
- public:
-  explicit Settings(const TextFile& file) : file_(file.name) {
-    int number = 0;
-    std::string section;
-    for (std::string_view line : lines_of(file.text)) {
-      ++number;
-      const bool saved = line.starts_with(kSavedMark);
-      if (saved) line.remove_prefix(kSavedMark.size());
-      const std::string_view text = trimmed(saved ? line : without_comment(line));
-      if (text.starts_with('[') && text.ends_with(']')) {
-        section = trimmed(text.substr(1, text.size() - 2));
-        continue;
-      }
-      const std::size_t end = text.find_first_of(":=");
-      if (end == std::string_view::npos || section.empty()) continue;
-      values_[{section, std::string(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)), number};
-    }
-  }
-
-  [[noreturn]] void fail(int line, const std::string& complaint) const { throw InputFileError(file_, line, complaint); }
-
-  struct Value {
-    std::string_view text;
-    int line = 0;
-  };
-
-  std::optional<Value> find(std::string_view section, std::string_view key) const {
-    const auto found = values_.find({std::string(section), std::string(key)});
-    return found == values_.end() ? std::nullopt : std::optional(found->second);
-  }
-
-  Value require(std::string_view section, std::string_view key) const {
-    if (const auto value = find(section, key)) return *value;
-    fail(0, fmt::format("expected {} in [{}], got none", key, section));
-  }
-
-  double number_of(const Value& value, std::string_view what) const {
-    const std::optional<double> number = finite_number(value.text);
-    if (!number) fail(value.line, fmt::format("expected a number for {}, got \"{}\"", what, value.text));
-    return *number;
-  }
-
-  std::optional<double> optional_number(std::string_view section, std::string_view key) const {
-    const auto value = find(section, key);
-    return value ? std::optional(number_of(*value, key)) : std::nullopt;
-  }
-
-  double positive(std::string_view section, std::string_view key) const {
-    const Value value = require(section, key);
-    const double number = number_of(value, key);
-    if (!(number > 0.0)) fail(value.line, fmt::format("expected {} above 0, got {}", key, number));
-    return number;
-  }
-
- private:
-  std::string file_;
-  std::map<std::pair<std::string, std::string>, Value> values_;
-};
-
 /// Product of the ratios of "gear_ratio: 80:16, 3:1".
 double gear_ratio(const Settings& settings, std::string_view section) {
   const auto value = settings.find(section, "gear_ratio");
@@ -128,7 +43,7 @@ double gear_ratio(const Settings& settings, std::string_view section) {
     const double driven = finite_number(teeth.front()).value_or(0.0);
     const double driving = teeth.size() == 2 ? finite_number(teeth.back()).value_or(0.0) : 0.0;
     if (!(driven > 0.0 && driving > 0.0)) {
-      settings.fail(value->line, fmt::format("expected gear_ratio as 80:16, got \"{}\"", pair));
+      Settings::fail(*value, fmt::format("expected gear_ratio as 80:16, got \"{}\"", pair));
     }
     ratio *= driven / driving;
   }
@@ -163,8 +78,7 @@ const Keys& kind_of(const Settings& settings) {
   const Settings::Value kinematics = settings.require("printer", "kinematics");
   const auto* kind = std::ranges::find(kKinds, kinematics.text, &Keys::kinematics);
   if (kind == kKinds.end()) {
-    settings.fail(kinematics.line,
-                  fmt::format("expected kinematics: delta or rotary_delta, got \"{}\"", kinematics.text));
+    Settings::fail(kinematics, fmt::format("expected kinematics: delta or rotary_delta, got \"{}\"", kinematics.text));
   }
   return *kind;
 }
@@ -177,12 +91,12 @@ void check_endstops(const Settings& settings, const Keys& keys, const DeltaGeome
       return settings.require(kTowers[settings.find(kTowers[i], key) ? i : 0], key);
     };
     if (keys.actuator == Actuator::linear && !(geometry.rod[i] > geometry.radius)) {
-      settings.fail(own(keys.rod).line, fmt::format("expected {} above {} ({} mm), got {} mm", keys.rod, keys.radius,
-                                                    geometry.radius, geometry.rod[i]));
+      Settings::fail(own(keys.rod), fmt::format("expected {} above {} ({} mm), got {} mm", keys.rod, keys.radius,
+                                                geometry.radius, geometry.rod[i]));
     }
     if (!std::isfinite(homed[i])) {
-      settings.fail(own("position_endstop").line,
-                    fmt::format("expected position_endstop within reach of the arms, got {} mm", geometry.endstop[i]));
+      Settings::fail(own("position_endstop"),
+                     fmt::format("expected position_endstop within reach of the arms, got {} mm", geometry.endstop[i]));
     }
   }
 }
@@ -209,10 +123,11 @@ JointDrops drops_of(const Settings& settings, const std::string& key, const std:
   const Settings::Value value = settings.require("delta_calibrate", key);
   const std::vector<std::string_view> counts = cut(value.text, ',');
   if (counts.size() != 3) {
-    settings.fail(value.line, fmt::format("expected three step counts for {}, got \"{}\"", key, value.text));
+    Settings::fail(value, fmt::format("expected three step counts for {}, got \"{}\"", key, value.text));
   }
   JointDrops drops{};
-  for (std::size_t i = 0; i < 3; ++i) drops[i] = step[i] * settings.number_of({counts[i], value.line}, key);
+  for (std::size_t i = 0; i < 3; ++i)
+    drops[i] = step[i] * Settings::number_of({counts[i], value.file, value.line}, key);
   return drops;
 }
 
@@ -220,8 +135,8 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
   DeltaReadings readings;
   const auto require_reachable = [&](const JointDrops& drops, const std::string& key) {
     if (nozzle(geometry, drops)) return;
-    settings.fail(
-        settings.require("delta_calibrate", key).line,
+    Settings::fail(
+        settings.require("delta_calibrate", key),
         fmt::format("expected steps that the printer can take for {}, got some where its arms do not meet", key));
   };
   for (const bool by_hand : {false, true}) {
@@ -248,6 +163,7 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
 KlipperDelta read_klipper(const TextFile& file) {
   const Settings settings(file);
   KlipperDelta printer;
+  for (const TextFile& one : settings.files()) printer.files.push_back({one.name, sha256(one.text)});
   printer.geometry = geometry_of(settings);
   for (std::size_t i = 0; i < 3; ++i) {
     printer.step_size[i] = step_size(settings, kTowers[i], printer.geometry.actuator);

@@ -136,6 +136,27 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
   EXPECT_EQ(folder.run("calibrate --readings readings.csv").exit_code, kWrongUsage);
 }
 
+/// As configurations are: sections in files of their own.
+TEST_F(PrinterCommand, ConfigurationsMayIncludeOthers) {
+  std::string text = config("K18");
+  const std::size_t first = text.find("[stepper_a]"), saved = text.find("[delta_calibrate]");
+  folder.write("steppers.cfg", text.substr(first, saved - first));
+  text.replace(first, saved - first, "[include stepp*.cfg]\n[include nothing*.cfg]\n");
+  folder.write("printer.cfg", text);
+  const json object = json_of(folder.run("calibrate --printer printer.cfg --json"));
+  EXPECT_EQ(object["printer"]["advice"], "accept_new");
+  ASSERT_EQ(object["inputs"].size(), 2u);
+  EXPECT_THAT(object["inputs"][1]["file"].get<std::string>(), HasSubstr("steppers.cfg"));
+  const auto refused = [&](const std::string& name, const std::string& part) {
+    folder.write("steppers.cfg", "\n[include " + name + "]\n");
+    const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_THAT(result.err, HasSubstr(part));
+  };
+  refused("other.cfg", "steppers.cfg:2: expected a file other.cfg to include, got none");
+  refused("steppers.cfg", "steppers.cfg:2: expected files that do not include themselves, got steppers.cfg");
+}
+
 TEST_F(PrinterCommand, DrawsAPage) {
   folder.write("printer.cfg", config("K18"));
   ASSERT_EQ(folder.run("calibrate --printer printer.cfg --report page.html").exit_code, kDone);

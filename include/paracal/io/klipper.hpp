@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "paracal/calibration/measurement.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/printer/delta_geometry.hpp"
 
@@ -14,6 +16,7 @@ struct KlipperDelta {
   double print_radius = 0.0;          ///< of the bed, mm
   DeltaReadings readings;             ///< probed and manual heights alike; step counts as drops of the joints
   std::array<double, 3> step_size{};  ///< of a micro-step, mm or rad
+  std::vector<InputFile> files = {};  ///< the configuration and what it includes
 };
 
 /// Sections, `key: value` or `key = value`, comments after # or ;, and at the end the block of lines that begin with
@@ -27,9 +30,11 @@ struct KlipperDelta {
 ///   [delta_calibrate]         height0, height0_pos, ..., manual_height0, manual_height0_pos, ..., distance0,
 ///                             distance0_pos1, distance0_pos2, ..., radius
 ///
-/// B and C have the lengths and the endstop of A where they state none, as in the firmware. Other sections and keys are
+/// `[include NAME]` stands for the files of that name or pattern, from the folder of the file that names them. B and C
+/// have the lengths and the endstop of A where they state none, as in the firmware. Other sections and keys are
 /// the printer's own business and passed over.
-/// @throws InputFileError for a file without these sections, other kinematics, and values that make no sense.
+/// @throws InputFileError for a file without these sections, included files that are not there, other kinematics, and
+/// values that make no sense.
 KlipperDelta read_klipper(const TextFile& file);
 
 /// The lines that SAVE_CONFIG would write for a geometry, to be put in place of those in printer.cfg; of a rotary delta

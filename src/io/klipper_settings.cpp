@@ -1,0 +1,132 @@
+#include "klipper_settings.hpp"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "columns.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr std::string_view kSavedMark = "#*#", kInclude = "include ";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+/// Without a comment: # or ; at the beginning or after a blank.
+std::string_view without_comment(std::string_view line) {
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const bool marks = line[k] == '#' || line[k] == ';';
+    if (marks && (k == 0 || line[k - 1] == ' ' || line[k - 1] == '\t')) return line.substr(0, k);
+  }
+  return line;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(), [](unsigned char one) { return std::tolower(one); });
+  return result;
+}
+
+/// Sorted; none where nothing matches.
+std::vector<std::string> matches(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> names;
+  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) names.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  globfree(&found);
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string_view> cut(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = text.find(separator); at != std::string_view::npos; at = text.find(separator)) {
+    parts.push_back(trimmed(text.substr(0, at)));
+    text.remove_prefix(at + 1);
+  }
+  parts.push_back(trimmed(text));
+  return parts;
+}
+
+KlipperSettings::KlipperSettings(const TextFile& file) { add(file, {}); }
+
+void KlipperSettings::add(const TextFile& given, const std::vector<std::string>& within) {
+  const TextFile& file = files_.emplace_back(given);
+  std::vector<std::string> inside(within);
+  inside.push_back(file.name);
+  int number = 0;
+  std::string section;
+  for (std::string_view line : lines_of(file.text)) {
+    ++number;
+    const bool saved = line.starts_with(kSavedMark);
+    if (saved) line.remove_prefix(kSavedMark.size());
+    const std::string_view text = trimmed(saved ? line : without_comment(line));
+    if (text.starts_with('[') && text.ends_with(']')) {
+      const std::string_view name = trimmed(text.substr(1, text.size() - 2));
+      if (name.starts_with(kInclude)) include({trimmed(name.substr(kInclude.size())), &file, number}, inside);
+      section = name;
+      continue;
+    }
+    const std::size_t end = text.find_first_of(":=");
+    if (end == std::string_view::npos || section.empty()) continue;
+    values_[{section, lower(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)), &file, number};
+  }
+}
+
+void KlipperSettings::include(const Value& pattern, const std::vector<std::string>& within) {
+  const std::filesystem::path folder = std::filesystem::path(pattern.file->name).parent_path();
+  const std::string whole = (folder / pattern.text).string();
+  const std::vector<std::string> names = matches(whole);
+  if (names.empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) {
+    fail(pattern, fmt::format("expected a file {} to include, got none", whole));
+  }
+  for (const std::string& name : names) {
+    if (std::ranges::find(within, name) != within.end()) {
+      fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
+    }
+    add(read_file(name), within);
+  }
+}
+
+void KlipperSettings::fail(const Value& value, const std::string& complaint) {
+  throw InputFileError(value.file->name, value.line, complaint);
+}
+
+std::optional<KlipperSettings::Value> KlipperSettings::find(std::string_view section, std::string_view key) const {
+  const auto found = values_.find({std::string(section), std::string(key)});
+  return found == values_.end() ? std::nullopt : std::optional(found->second);
+}
+
+KlipperSettings::Value KlipperSettings::require(std::string_view section, std::string_view key) const {
+  if (const auto value = find(section, key)) return *value;
+  fail({{}, &files_.front(), 0}, fmt::format("expected {} in [{}], got none", key, section));
+}
+
+double KlipperSettings::number_of(const Value& value, std::string_view what) {
+  const std::optional<double> number = finite_number(value.text);
+  if (!number) fail(value, fmt::format("expected a number for {}, got \"{}\"", what, value.text));
+  return *number;
+}
+
+std::optional<double> KlipperSettings::optional_number(std::string_view section, std::string_view key) const {
+  const auto value = find(section, key);
+  return value ? std::optional(number_of(*value, key)) : std::nullopt;
+}
+
+double KlipperSettings::positive(std::string_view section, std::string_view key) const {
+  const Value value = require(section, key);
+  const double number = number_of(value, key);
+  if (!(number > 0.0)) fail(value, fmt::format("expected {} above 0, got {}", key, number));
+  return number;
+}
+
+}  // namespace paracal::io
