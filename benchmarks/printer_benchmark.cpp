@@ -2,52 +2,23 @@
 // by least squares and by coordinate descent, which is how the firmware finds it, and the whole calibration with every
 // reading left out in turn. Plain chrono code for the reasons that kinematics_benchmark.cpp gives.
 //
-//   paracal-printer-benchmark [data/klipper-delta/sets.json]
+//   paracal-printer-benchmark
 //
 // The opponent is the firmware's algorithm [klipper] on our own compiled cost: the firmware runs it in Python, which
 // takes about a hundred times longer. Reports and never judges: the exit status is 0 whatever the figures.
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <nlohmann/json.hpp>
-
 #include "host.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/units.hpp"
+#include "printer/klipper_sets.hpp"
 
 namespace paracal::benchmark {
 namespace {
 
-using nlohmann::json;
-
-struct Set {
-  std::string id;
-  DeltaGeometry geometry;
-  DeltaReadings readings;
-};
-
-JointDrops drops_of(const json& reading, std::size_t first, const json& step) {
-  JointDrops drops{};
-  for (std::size_t i = 0; i < 3; ++i) drops[i] = reading[first + i].get<double>() * step[i].get<double>();
-  return drops;
-}
-
-Set set_of(const json& entry) {
-  Set set{.id = entry["id"], .geometry = {.radius = entry["delta_radius_mm"]}, .readings = {}};
-  for (std::size_t i = 0; i < 3; ++i) {
-    set.geometry.tower_angle[i] = to_radians(entry["tower_angle_deg"][i].get<double>());
-    set.geometry.rod[i] = entry["arm_length_mm"][i];
-    set.geometry.endstop[i] = entry["position_endstop_mm"][i];
-  }
-  const json& step = entry["step_distance_mm"];
-  for (const json& one : entry["heights"]) set.readings.heights.push_back({one[0], drops_of(one, 1, step)});
-  for (const json& one : entry["distances"]) {
-    set.readings.distances.push_back({one[0], drops_of(one, 1, step), drops_of(one, 4, step)});
-  }
-  return set;
-}
+using test::KlipperSet;
 
 struct Descent {
   DeltaGeometry geometry;
@@ -88,7 +59,7 @@ DeltaGeometry first_guess(DeltaGeometry geometry) {
   return geometry;
 }
 
-void report(const Set& set) {
+void report(const KlipperSet& set) {
   constexpr int kRounds = 15, kRepeats = 50;
   const DeltaGeometry start = first_guess(set.geometry);
   const auto fits = [&] {
@@ -107,8 +78,7 @@ void report(const Set& set) {
              found.cost / best.cost - 1.0, 1e3 * whole.median);
 }
 
-void run(const char* file_name) {
-  std::ifstream file(file_name);
+void run() {
   fmt::print("{}\n", host_description());
   fmt::print(
       "heights and distances; fit, us (median, p99, max); coordinate descent of the same cost from the same\n"
@@ -116,10 +86,10 @@ void run(const char* file_name) {
       "leave-one-out, ms\n\n");
   fmt::print("{:<5}{:>4}{:>4}{:>9}{:>9}{:>9}{:>10}{:>9}{:>8}{:>12}{:>10}\n", "set", "h", "d", "fit", "p99", "max",
              "descent", "times", "rounds", "cost above", "whole");
-  for (const json& entry : json::parse(file)) report(set_of(entry));
+  for (const KlipperSet& set : test::klipper_sets()) report(set);
 }
 
 }  // namespace
 }  // namespace paracal::benchmark
 
-int main(int argc, char** argv) { paracal::benchmark::run(argc > 1 ? argv[1] : "data/klipper-delta/sets.json"); }
+int main() { paracal::benchmark::run(); }

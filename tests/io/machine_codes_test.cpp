@@ -52,20 +52,21 @@ TEST(MachineCodes, RodsMayDiffer) {
             (std::array{260.5, 260.0, 259.75}));
 }
 
+void refused(CodeDialect dialect, const std::string& text, const std::string& part) {
+  EXPECT_THAT(
+      [&] {
+        (void)read_machine_codes({"config.g", text}, dialect);
+      },
+      testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
+}
+
 TEST(MachineCodes, AreRefusedWithTheirLine) {
-  const auto refused = [](const std::string& text, const std::string& part) {
-    EXPECT_THAT(
-        [&] {
-          (void)read_machine_codes({"config.g", text}, CodeDialect::marlin);
-        },
-        testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
-  };
-  refused("G28\nM665 R100 H200\n", "config.g:2: expected M665 with L");
-  refused("M665 L200 R100\n", "expected M665 with H");
-  refused("\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");
-  refused("M665 L200:201 R100 H200\n", "expected one number or three after L, got 2");
-  refused("M665 L90 R100 H200\n", "rods longer than it");
-  refused("M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
+  refused(CodeDialect::marlin, "G28\nM665 R100 H200\n", "config.g:2: expected M665 with L");
+  refused(CodeDialect::marlin, "M665 L200 R100\n", "expected M665 with H");
+  refused(CodeDialect::marlin, "\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");
+  refused(CodeDialect::marlin, "M665 L200:201 R100 H200\n", "expected one number or three after L, got 2");
+  refused(CodeDialect::marlin, "M665 L90 R100 H200\n", "rods longer than it");
+  refused(CodeDialect::marlin, "M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
 }
 
 // ---- rotary deltas
@@ -99,18 +100,15 @@ TEST(RotaryMachineCodes, LevelArmsMakeARightTriangle) {
 }
 
 TEST(RotaryMachineCodes, AreRefusedWithTheirLine) {
-  const auto refused = [](const std::string& text, const std::string& part) {
-    EXPECT_THAT(
-        [&] {
-          (void)read_machine_codes({"config.g", text}, CodeDialect::reprapfirmware);
-        },
-        testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
-  };
-  refused("G28\nM669 K10 U170 L320 R34 A-30:60\n", "config.g:2: expected M669 with H (height of the shoulders)");
-  refused("M669 K10 U170 L320 R34 H412 A60\n", "config.g:1: expected two angles after A, got 1");
-  refused("M669 K10 U170 L150 R34 H412 A-30:0\n", "expected rods that reach the centre when homed, got L 150");
-  refused("M669 K10 U-1 L320 R34 H412 A-30:60\n", "expected R, U and L above 0, got 34, -1 and 320");
-  refused("M669 K3\n", "expected M665 with L");
+  refused(CodeDialect::reprapfirmware, "G28\nM669 K10 U170 L320 R34 A-30:60\n",
+          "config.g:2: expected M669 with H (height of the shoulders)");
+  refused(CodeDialect::reprapfirmware, "M669 K10 U170 L320 R34 H412 A60\n",
+          "config.g:1: expected two angles after A, got 1");
+  refused(CodeDialect::reprapfirmware, "M669 K10 U170 L150 R34 H412 A-30:0\n",
+          "expected rods that reach the centre when homed, got L 150");
+  refused(CodeDialect::reprapfirmware, "M669 K10 U-1 L320 R34 H412 A-30:60\n",
+          "expected R, U and L above 0, got 34, -1 and 320");
+  refused(CodeDialect::reprapfirmware, "M669 K3\n", "expected M665 with L");
 }
 
 }  // namespace
