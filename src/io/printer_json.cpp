@@ -62,8 +62,8 @@ Json to_json(const PrinterCalibration& found) {
           {"new", geometry_json(found.projection.geometry)},
           {"accuracy_saved", accuracy_json(found.accuracy_before)},
           {"accuracy_new", accuracy_json(found.projection.accuracy)},
-          {"left_out", errors_json(found.predicted)},
-          {"left_out_firmware", errors_json(found.by_firmware)}};
+          {"left_out", found.tested() ? errors_json(found.predicted) : Json()},
+          {"left_out_firmware", found.tested() ? errors_json(found.by_firmware) : Json()}};
 }
 
 }  // namespace paracal::io

@@ -123,6 +123,13 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
       "saved values, {:.0f} um with the new ones, for which the controller has no parameter; absolute {:.0f} and "
       "{:.0f} um",
       1e3 * before.shape_rms, 1e3 * after.shape_rms, 1e3 * before.absolute_rms, 1e3 * after.absolute_rms));
+  if (!result.tested()) {
+    result.advice = PrinterAdvice::keep_saved;
+    return say(
+        fmt::format("warning: keep the saved values: {} readings are too few to check the {} numbers of the "
+                    "firmware's own fit with; measure more",
+                    readings.heights.size() + readings.distances.size(), result.firmware.parameters));
+  }
   say(fmt::format("readings left out and predicted from the others: heights to {:.3f} mm (firmware's fit {:.3f} mm){}",
                   result.predicted.height, result.by_firmware.height,
                   has_distances ? fmt::format(", distances to {:.3f} mm ({:.3f} mm)", result.predicted.distance,
@@ -155,6 +162,9 @@ const DeltaGeometry& PrinterCalibration::advised() const {
 
 std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const DeltaGeometry& start,
                                                                            const DeltaReadings& readings) {
+  const std::size_t count = readings.heights.size() + readings.distances.size();
+  const auto parameters = firmware_basis(start.actuator, !readings.distances.empty()).cols();
+  if (count <= static_cast<std::size_t>(parameters)) return std::nullopt;
   const auto [their_heights, our_heights] = left_out(start, readings, &DeltaReadings::heights);
   const auto [their_distances, our_distances] = left_out(start, readings, &DeltaReadings::distances);
   if (!std::isfinite(our_heights + our_distances + their_heights + their_distances)) return std::nullopt;
@@ -180,7 +190,7 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .predicted = {},
       .by_firmware = {},
       .findings = {}};
-  if (const auto errors = leave_one_out(result.firmware.geometry, readings)) {
+  if (const auto errors = leave_one_out(saved, readings)) {
     std::tie(result.by_firmware, result.predicted) = *errors;
   }
   tell(readings, result);

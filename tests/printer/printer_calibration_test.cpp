@@ -70,6 +70,18 @@ TEST(PrinterCalibration, SaysWhenTheSavedValuesDoNotBelongToTheReadings) {
   }
 }
 
+/// Six heights fit six numbers whatever they are: nothing is left to tell good values by.
+TEST(PrinterCalibration, KeepsTheSavedValuesWhereReadingsAreTooFew) {
+  KlipperSet set = set_named("K37");
+  for (const std::size_t count : {6, 3, 1}) {
+    set.readings.heights.resize(count);
+    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings);
+    EXPECT_EQ(found.advice, PrinterAdvice::keep_saved) << count;
+    EXPECT_FALSE(found.tested());
+    EXPECT_THAT(found.findings.back(), HasSubstr(fmt::format("{} readings are too few", count)));
+  }
+}
+
 /// A machine that the firmware's parameters describe is found again to what it holds.
 TEST(Projection, OfAMachineThatTheControllerCanDescribeLosesNothing) {
   const KlipperSet set = set_named("K18");

@@ -76,8 +76,8 @@ export interface Printer {
   lines: string;
   accuracy_saved: DeltaAccuracy;
   accuracy_new: DeltaAccuracy;
-  left_out: { height_mm: number; distance_mm: number };
-  left_out_firmware: { height_mm: number; distance_mm: number };
+  left_out: { height_mm: number; distance_mm: number } | null; ///< null: too few readings
+  left_out_firmware: { height_mm: number; distance_mm: number } | null;
 }
 
 export interface Calibration {

@@ -35,6 +35,9 @@ struct PrinterCalibration {
   std::vector<std::string> findings;  ///< in plain words: what could be told, what could not, what to do
   PrinterAdvice advice = PrinterAdvice::keep_saved;
 
+  /// Whether there were readings enough to leave some out.
+  bool tested() const { return by_firmware.height > 0.0; }
+
   /// The geometry that the advice is for.
   const DeltaGeometry& advised() const;
 };
@@ -42,7 +45,9 @@ struct PrinterCalibration {
 /// Readings left out one at a time and predicted from the rest, by the firmware's fit and by ours. Nothing of the
 /// prediction has seen the reading: the nominal machine, too, is that which the firmware's fit finds in the rest.
 /// Readings that contradict all others (named by the calibration) are predicted like the rest.
-/// @param start  a geometry near the optimum. Empty where some fit fails.
+/// @param start  a geometry near the optimum.
+/// @returns nothing where some fit fails, and where all but one reading are fewer than the firmware's parameters: such
+/// a fit stays where it starts, and may know the reading from there.
 std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const DeltaGeometry& start,
                                                                            const DeltaReadings& readings);
 

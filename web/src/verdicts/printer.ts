@@ -18,8 +18,7 @@ export function ofPrinter(printer: Printer): Verdict {
     sentence: text.sentence,
     cards: [
       card(text.shape, [from(digits(before.shape_rms_mm, 2)), digits(after.shape_rms_mm, 2), unitOf("mm")], [text.saved, text.absolute(digits(before.absolute_rms_mm, 2), digits(after.absolute_rms_mm, 2))]),
-      ...predicted(text.height, ours.height_mm, firmware.height_mm),
-      ...predicted(text.distance, ours.distance_mm, firmware.distance_mm),
+      ...(ours && firmware ? [...predicted(text.height, ours.height_mm, firmware.height_mm), ...predicted(text.distance, ours.distance_mm, firmware.distance_mm)] : []),
     ],
     notes: printer.findings,
   };
