@@ -102,7 +102,8 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
   constexpr double kBelongs = 1.01, kBetter = 0.98;  // of the optimum's cost; of what the firmware's fit predicts to
   const double floor = 1e-6 * static_cast<double>(readings.heights.size() + readings.distances.size());  // mm^2
   const bool has_distances = !readings.distances.empty();
-  const bool belongs = result.saved.ok() && result.saved.cost <= kBelongs * result.firmware.cost + floor;
+  const bool belongs =
+      !result.tested() || (result.saved.ok() && result.saved.cost <= kBelongs * result.firmware.cost + floor);
   if (!belongs) {
     say(fmt::format(
         "the saved values do not belong to these readings: they explain the heights to {:.3f} mm, where the "
@@ -110,8 +111,8 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
         result.saved.rms_height, result.firmware.rms_height));
   }
   for (const std::string& note : result.calibration.notes) say(note);
-  say(fmt::format("the readings tell {} things about the machine; the rest is taken to be as printers usually are",
-                  result.calibration.rank));
+  say(fmt::format("the readings tell {} thing{} about the machine; the rest is taken to be as printers usually are",
+                  result.calibration.rank, result.calibration.rank == 1 ? "" : "s"));
   say(has_distances
           ? "heights and distances do not show where along the bed the printer believes its centre, nor how it is "
             "turned about z"

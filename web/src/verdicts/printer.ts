@@ -16,6 +16,7 @@ export function ofPrinter(printer: Printer): Verdict {
     yes: printer.advice === "accept_new",
     says: text.says[printer.advice],
     sentence: text.sentence,
+    reasons: printer.advice === "accept_new" ? [] : printer.findings.slice(-1),
     cards: [
       card(text.shape, [from(digits(before.shape_rms_mm, 2)), digits(after.shape_rms_mm, 2), unitOf("mm")], [text.saved, text.absolute(digits(before.absolute_rms_mm, 2), digits(after.absolute_rms_mm, 2))]),
       ...(ours && firmware ? [...predicted(text.height, ours.height_mm, firmware.height_mm), ...predicted(text.distance, ours.distance_mm, firmware.distance_mm)] : []),
