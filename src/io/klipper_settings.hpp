@@ -46,7 +46,7 @@ class KlipperSettings {
   const std::deque<TextFile>& files() const { return files_; }
 
  private:
-  void add(const TextFile& file, const std::vector<std::string>& within);
+  void add(const TextFile& given, const std::vector<std::string>& within);
   void include(const Value& pattern, const std::vector<std::string>& within);
 
   std::deque<TextFile> files_;  // which the values point into

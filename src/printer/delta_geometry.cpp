@@ -65,17 +65,18 @@ double height_weight(const DeltaReadings& readings) {
 /// Residuals of the heights, then of the distances, mm, unweighted; false where a geometry does not close.
 template <typename Height, typename Distance>
 bool for_residuals(const DeltaGeometry& g, const DeltaReadings& readings, Height&& height, Distance&& distance) {
-  for (const BedReading& reading : readings.heights) {
+  const auto add_height = [&](const BedReading& reading) {
     const auto p = nozzle(g, reading.drops);
-    if (!p) return false;
-    height(reading, *p, p->z() - reading.height);
-  }
-  for (const PrintedDistance& reading : readings.distances) {
+    if (p) height(reading, *p, p->z() - reading.height);
+    return p.has_value();
+  };
+  const auto add_distance = [&](const PrintedDistance& reading) {
     const auto from = nozzle(g, reading.from), to = nozzle(g, reading.to);
     if (!from || !to) return false;
     distance(reading, *from, *to, (*to - *from).norm() - reading.distance);
-  }
-  return true;
+    return true;
+  };
+  return std::ranges::all_of(readings.heights, add_height) && std::ranges::all_of(readings.distances, add_distance);
 }
 
 struct Columns {
