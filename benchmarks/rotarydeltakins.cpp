@@ -60,7 +60,7 @@ class Module final : public RotaryDeltaKins {
 }  // namespace
 
 std::unique_ptr<RotaryDeltaKins> RotaryDeltaKins::of(const Robot& robot) {
-  if (robot.limb_count() != 3) return nullptr;
+  if (robot.limb_count() != 3 || robot.actuator() != Actuator::revolute) return nullptr;
   void* const module = ::dlopen("/usr/lib/linuxcnc/modules/rotarydeltakins.so", RTLD_NOW);
   if (module == nullptr) return nullptr;
   const auto start = reinterpret_cast<int (*)()>(::dlsym(module, "rtapi_app_main"));

@@ -10,7 +10,7 @@ namespace paracal::benchmark {
 /// LinuxCNC's own kinematics of a Delta, the compiled module of its package, called as its motion controller calls it.
 class RotaryDeltaKins {
  public:
-  /// @returns nothing where LinuxCNC is not installed or the robot is not a Delta of three limbs at 120 deg.
+  /// @returns nothing where LinuxCNC is not installed or the robot is not a Delta of three arms at 120 deg.
   static std::unique_ptr<RotaryDeltaKins> of(const Robot& robot);
   virtual ~RotaryDeltaKins() = default;
 
