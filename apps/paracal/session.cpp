@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "paracal/io/file.hpp"
+#include "paracal/io/file_units.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
@@ -97,15 +98,15 @@ std::string pose_text(const std::string& name, const Pose& pose) {
 }
 
 io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator) {
-  const bool angles = joint_unit(actuator) == Unit::rad;
+  const Unit unit = joint_unit(actuator);
   io::Json names = io::Json::array(), joints = io::Json::array();
   for (const io::NamedJoints& row : rows) {
     names.push_back(row.name);
     io::Json coordinates = io::Json::array();
-    for (const double joint : row.joints) coordinates.push_back(angles ? to_degrees(joint) : joint);
+    for (const double joint : row.joints) coordinates.push_back(io::to_file_unit(unit, joint));
     joints.push_back(coordinates);
   }
-  return {{"names", names}, {angles ? "joints_deg" : "joints_mm", joints}};
+  return {{"names", names}, {fmt::format("joints_{}", io::file_unit(unit)), joints}};
 }
 
 void Session::print(std::string_view text) const { out_.empty() ? print_summary(text) : io::write_file(out_, text); }

@@ -10,21 +10,21 @@ namespace {
 
 Json limb_json(const CompensatorLimb<double>& limb) {
   const bool on_rail = limb.on_rail != 0.0;
+  const Unit unit = joint_unit(on_rail ? Actuator::linear : Actuator::revolute);
   Json slide = Json::array();
   for (const double mm_per_rad : limb.slide) slide.push_back(to_radians(mm_per_rad));
-  return {
-      {"base_mm", limb.base},
-      {"radial", limb.radial},
-      {"normal", limb.normal},
-      {"axis", limb.axis},
-      {"plate_mm", limb.plate},
-      {"slide_mm_per_deg", slide},
-      {"elbow_half_mm", limb.elbow_half},
-      {"plate_half_mm", limb.plate_half},
-      {"rod_mm", limb.rod},
-      {"arm_mm", limb.arm},
-      {"on_rail", on_rail},
-      {on_rail ? "joint_offset_mm" : "joint_offset_deg", on_rail ? limb.joint_offset : to_degrees(limb.joint_offset)}};
+  return {{"base_mm", limb.base},
+          {"radial", limb.radial},
+          {"normal", limb.normal},
+          {"axis", limb.axis},
+          {"plate_mm", limb.plate},
+          {"slide_mm_per_deg", slide},
+          {"elbow_half_mm", limb.elbow_half},
+          {"plate_half_mm", limb.plate_half},
+          {"rod_mm", limb.rod},
+          {"arm_mm", limb.arm},
+          {"on_rail", on_rail},
+          {fmt::format("joint_offset_{}", file_unit(unit)), to_file_unit(unit, limb.joint_offset)}};
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ Json to_json(const SelfTestCase& wanted, Actuator actuator) {
   const Unit unit = joint_unit(actuator);
   Json joints = Json::array();
   for (const double joint : wanted.joints) joints.push_back(to_file_unit(unit, joint));
-  return {{"pose", to_json(wanted.pose)}, {unit == Unit::rad ? "joints_deg" : "joints_mm", joints}};
+  return {{"pose", to_json(wanted.pose)}, {fmt::format("joints_{}", file_unit(unit)), joints}};
 }
 
 Json to_json(const FilterSummary& summary) {

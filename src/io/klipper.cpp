@@ -178,8 +178,7 @@ std::string klipper_save_config(const DeltaGeometry& geometry) {
   const bool rotary = keys.actuator == Actuator::revolute;
   std::string text = fmt::format("#*# [printer]\n#*# {} = {:.6f}\n", keys.radius, geometry.radius);
   if (rotary) {
-    const double shoulder = (geometry.shoulder[0] + geometry.shoulder[1] + geometry.shoulder[2]) / 3.0;
-    text += fmt::format("#*# {} = {:.6f}\n", kShoulder, shoulder);
+    text += fmt::format("#*# {} = {:.6f}\n", kShoulder, mean_of(geometry.shoulder));
   }
   for (std::size_t i = 0; i < 3; ++i) {
     text += fmt::format("#*#\n#*# [{}]\n#*# angle = {:.6f}\n", kTowers[i], to_degrees(geometry.tower_angle[i]));

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "columns.hpp"
@@ -21,8 +20,6 @@ constexpr std::array<char, 3> kTowers{'X', 'Y', 'Z'}, kTrims{'A', 'B', 'C'};
 constexpr std::string_view kLinear = "M665", kEndstops = "M666", kRotary = "M669";
 
 using Three = std::array<double, 3>;
-
-double mean_of(const Three& values) { return std::accumulate(values.begin(), values.end(), 0.0) / 3.0; }
 
 std::vector<std::string_view> words_of(std::string_view line) {
   line = line.substr(0, line.find(';'));

@@ -17,8 +17,6 @@ constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "t
 
 std::string_view actuator_name(Actuator actuator) { return actuator == Actuator::linear ? "linear" : "revolute"; }
 
-std::string_view file_unit(Unit unit) { return unit == Unit::rad ? "deg" : "mm"; }
-
 std::string_view file_unit(Source source, Actuator actuator) { return file_unit(unit(source, actuator)); }
 
 std::string file_key(Source source, Actuator actuator) {
@@ -36,10 +34,6 @@ std::vector<Source> tolerance_sources() {
   }
   return sources;
 }
-
-double to_file_unit(Unit unit, double value) { return unit == Unit::rad ? to_degrees(value) : value; }
-
-double from_file_unit(Unit unit, double value) { return unit == Unit::rad ? to_radians(value) : value; }
 
 std::string_view distribution_name(Distribution distribution) {
   return kDistributions[static_cast<std::size_t>(distribution)];

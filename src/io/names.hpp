@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "paracal/io/file_units.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 #include "paracal/mechanism/tolerances.hpp"
 
@@ -19,7 +20,6 @@ std::string_view actuator_name(Actuator actuator);
 constexpr bool is_e(Source source) { return source == Source::e_x || source == Source::e_y || source == Source::e_z; }
 
 /// "deg" or "mm".
-std::string_view file_unit(Unit unit);
 std::string_view file_unit(Source source, Actuator actuator);
 
 /// Name with unit, e.g. "theta_offset_deg".
@@ -30,9 +30,6 @@ std::string tolerance_key(Source source, Actuator actuator);
 
 /// One source a tolerance key, in column order: e_x stands for all of e.
 std::vector<Source> tolerance_sources();
-
-double to_file_unit(Unit unit, double value);
-double from_file_unit(Unit unit, double value);
 
 std::string_view distribution_name(Distribution distribution);
 std::optional<Distribution> distribution_named(std::string_view name);

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "columns.hpp"
 #include "paracal/io/csv.hpp"
 
@@ -33,12 +30,12 @@ class Reader {
 
   JointDrops drops(std::size_t row, std::string_view x, std::string_view y, double z) const {
     const Eigen::Vector3d place(table_.number(row, x), table_.number(row, y), z);
-    const JointDrops drops = drops_to(geometry_, place);
-    if (!std::ranges::all_of(drops, [](double drop) { return std::isfinite(drop); })) {
+    const auto drops = drops_to(geometry_, place);
+    if (!drops) {
       table_.fail(row, fmt::format("expected a place that the printer reaches, got ({:g}, {:g}, {:g}) mm", place.x(),
                                    place.y(), place.z()));
     }
-    return drops;
+    return *drops;
   }
 
   const CsvTable& table_;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <numeric>
 
 #include "paracal/error.hpp"
 #include "paracal/mechanism/limb.hpp"
@@ -95,19 +94,17 @@ DeltaBasis basis_of(std::initializer_list<Columns> columns) {
 
 }  // namespace
 
-std::array<double, 3> joints_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
-  return {joint_to(geometry, 0, place), joint_to(geometry, 1, place), joint_to(geometry, 2, place)};
-}
-
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry) {
   std::array<double, 3> homed{};
   for (std::size_t i = 0; i < 3; ++i) homed[i] = joint_to(geometry, i, {0.0, 0.0, geometry.endstop[i]});
   return homed;
 }
 
-JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
-  const std::array<double, 3> homed = homed_joints(geometry), joints = joints_to(geometry, place);
-  return {homed[0] - joints[0], homed[1] - joints[1], homed[2] - joints[2]};
+std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
+  JointDrops drops = homed_joints(geometry);
+  for (std::size_t i = 0; i < 3; ++i) drops[i] -= joint_to(geometry, i, place);
+  const bool reached = std::ranges::all_of(drops, [](double drop) { return std::isfinite(drop); });
+  return reached ? std::optional(drops) : std::nullopt;
 }
 
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed) {
@@ -118,7 +115,7 @@ double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed
 DeltaNumbers numbers_of(const DeltaGeometry& g) {
   DeltaNumbers numbers;
   numbers << g.endstop[0], g.endstop[1], g.endstop[2], g.tower_angle[0], g.tower_angle[1], g.radius, g.rod[0], g.rod[1],
-      g.rod[2], std::accumulate(g.shoulder.begin(), g.shoulder.end(), 0.0) / 3.0, g.arm[0], g.arm[1], g.arm[2];
+      g.rod[2], mean_of(g.shoulder), g.arm[0], g.arm[1], g.arm[2];
   return numbers;
 }
 
@@ -238,7 +235,6 @@ DeltaFit fit_as_firmware(const DeltaGeometry& start, const DeltaReadings& readin
   const LeastSquaresResult found = solve_least_squares(model, Eigen::VectorXd::Zero(basis.cols()), options);
   DeltaFit fit = judge_as_firmware(geometry_of(found.parameters), readings);
   fit.status = found.status;
-  fit.iterations = found.iterations;
   return fit;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "paracal/error.hpp"
 #include "paracal/mechanism/catalogue.hpp"
@@ -14,22 +13,16 @@
 namespace paracal {
 namespace {
 
-double mean_of(const std::array<double, 3>& values) { return std::accumulate(values.begin(), values.end(), 0.0) / 3.0; }
-
 /// Towers are meant to stand at 30 deg and every 60 deg from there.
 double design_angle(double angle) {
   constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
   return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
 }
 
-bool reaches(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
-  return std::ranges::all_of(joints_to(geometry, place), [](double joint) { return std::isfinite(joint); });
-}
-
 bool reaches_all_around(const DeltaGeometry& geometry, double radius, double z) {
   constexpr int kAround = 12;
   for (int k = 0; k < kAround; ++k) {
-    if (!reaches(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z))) return false;
+    if (!drops_to(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z))) return false;
   }
   return true;
 }

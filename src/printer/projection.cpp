@@ -53,13 +53,11 @@ std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geo
     for (int ring = 0; ring <= kRings; ++ring) {
       for (int k = 0; k < (ring == 0 ? 1 : kAround); ++k) {
         const double radius = workspace.radius * ring / kRings;
-        Place place{drops_to(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z)), {}};
-        const Joints joints = known.printer.joints_at(place.drops);
-        if (!joints.allFinite()) continue;
-        const ForwardResult taken = forward(machine, joints);
+        const auto drops = drops_to(geometry, Workspace::on_circle(radius, 2.0 * std::numbers::pi * k / kAround, z));
+        if (!drops) continue;
+        const ForwardResult taken = forward(machine, known.printer.joints_at(*drops));
         if (!taken.ok()) continue;
-        place.above_bed = above(known.bed, taken.plate.position);
-        places.push_back(place);
+        places.push_back({*drops, above(known.bed, taken.plate.position)});
       }
     }
   }
@@ -122,8 +120,8 @@ DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, C
   const std::vector<Place> places = places_of(known, start);
   DeltaGeometry first = start;
   if (rods == ControllerRods::alike) {
-    first.rod.fill((start.rod[0] + start.rod[1] + start.rod[2]) / 3.0);
-    first.arm.fill((start.arm[0] + start.arm[1] + start.arm[2]) / 3.0);
+    first.rod.fill(mean_of(start.rod));
+    first.arm.fill(mean_of(start.arm));
   }
   const DeltaBasis basis = told(start.actuator, rods);
   const Eigen::Index held = basis.cols();

@@ -37,7 +37,7 @@ JointDrops touching(const RotaryPrinter& printer, const Machine& machine, const 
 
 /// Where the firmware prints a pillar that is meant to stand at a place.
 JointDrops printing(const RotaryPrinter& printer, const Eigen::Vector3d& place) {
-  return whole_steps(drops_to(printer.saved, place));
+  return whole_steps(*drops_to(printer.saved, place));
 }
 
 void read_heights(RotaryPrinter& printer, const Machine& machine, Random& random) {

@@ -7,6 +7,7 @@
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
+#include "paracal/io/file_units.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
@@ -69,16 +70,6 @@ std::vector<Promise> promises(const KnownErrors& after, const std::vector<Sought
   return list;
 }
 
-/// A value of a parameter in the unit of files.
-struct InFileUnit {
-  double factor;
-  const char* unit;
-
-  InFileUnit(const Robot& robot, Source source) : InFileUnit(paracal::unit(source, robot.actuator())) {}
-  explicit InFileUnit(Unit of)
-      : factor(of == Unit::rad ? to_degrees(1.0) : 1.0), unit(of == Unit::rad ? "deg" : "mm") {}
-};
-
 std::string text_of(const Robot& robot, const Identifiability& seen, const std::vector<Promise>& list,
                     const WorkspaceUncertainty& spread) {
   std::string text =
@@ -90,9 +81,9 @@ std::string text_of(const Robot& robot, const Identifiability& seen, const std::
   fmt::format_to(out, "standard deviations after measuring (before: from the tolerances)\n");
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
-    const InFileUnit shown(robot, one.parameter.source);
+    const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
     fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1, name(one.parameter.source),
-                   shown.factor * one.std, shown.unit, shown.factor * before);
+                   io::to_file_unit(unit, one.std), io::file_unit(unit), io::to_file_unit(unit, before));
   }
   fmt::format_to(out,
                  "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
@@ -106,12 +97,12 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   io::Json json{{"rank", seen.rank}, {"rows", seen.rows}, {"parameters", io::Json::array()}};
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
-    const InFileUnit shown(robot, one.parameter.source);
+    const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
     json["parameters"].push_back({{"name", name(one.parameter.source)},
                                   {"limb", one.parameter.limb + 1},
-                                  {"unit", shown.unit},
-                                  {"prior_std", shown.factor * before},
-                                  {"std", shown.factor * one.std},
+                                  {"unit", io::file_unit(unit)},
+                                  {"prior_std", io::to_file_unit(unit, before)},
+                                  {"std", io::to_file_unit(unit, one.std)},
                                   {"data_share", 1.0 - one.std * one.std / (before * before)}});
   }
   json["null_space"] = io::Json::array();

@@ -9,6 +9,7 @@
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
+#include "paracal/io/file_units.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
@@ -107,13 +108,13 @@ void run_selection(const Options& options, Session& session) {
   if (session.json()) {
     const Identifiability seen =
         identifiability(robot, planned_points(robot, selection.stations, options.rotation, options.second));
-    const bool angles = joint_unit(robot.actuator()) == Unit::rad;
+    const Unit unit = joint_unit(robot.actuator());
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},
                   {"value", selection.criterion},
                   {"sweeps", selection.sweeps},
                   {"exchanges", selection.exchanges},
-                  {angles ? "travel_deg" : "travel_mm", angles ? to_degrees(selection.travel) : selection.travel},
+                  {fmt::format("travel_{}", io::file_unit(unit)), io::to_file_unit(unit, selection.travel)},
                   {"workspace_std", workspace_json(selection.uncertainty)},
                   {"curve", io::Json::array()},
                   {"poses", poses_json(selection.stations)}};

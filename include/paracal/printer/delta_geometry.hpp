@@ -31,15 +31,14 @@ struct DeltaGeometry {
 /// How far each joint stands below its endstop, mm or rad: the steps that the controller counted, times their size.
 using JointDrops = std::array<double, 3>;
 
-/// Joint coordinates q_i that bring the nozzle to a point, elbows outward and above it; NaN where a tower does not
-/// reach.
-std::array<double, 3> joints_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
+/// Mean over the three towers.
+inline double mean_of(const std::array<double, 3>& towers) { return (towers[0] + towers[1] + towers[2]) / 3.0; }
 
-/// Joint coordinates at the endstops.
+/// Joint coordinates at the endstops; NaN where a rod does not reach the centre.
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry);
 
-/// Drops by which the firmware goes to a point; NaN where a tower does not reach.
-JointDrops drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
+/// Drops by which the firmware goes to a point, elbows outward and above it. Empty where a tower does not reach.
+std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
 
 /// The endstop that goes with a homed joint of one tower; NaN where its rod does not reach the centre.
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed);
@@ -95,7 +94,6 @@ struct DeltaFit {
   double rms_height = 0.0;    ///< mm; 0 without heights
   double rms_distance = 0.0;  ///< mm; 0 without distances
   int parameters = 0;         ///< see firmware_basis()
-  int iterations = 0;
 
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
