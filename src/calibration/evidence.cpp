@@ -86,7 +86,7 @@ std::optional<Snapshot> snapshot(const Observation& observation, Eigen::VectorXd
 
 /// The same readings, with the same weights, for the nominal machine: frames and the like are all that is sought.
 std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observation& fitted) {
-  nominal.set_noise_scale(fitted.noise_scale());
+  nominal.components() = fitted.components();
   nominal.groups() = fitted.groups();
   auto unknowns = nominal.start({});
   if (!unknowns || nominal.unknown_count() == 0) return unknowns;
@@ -209,7 +209,8 @@ double noise_of(const Measurements& measurements, const Observation& observation
   int count = 0;
   for (const Group& group : observation.groups()) {
     if (!group.active || group.kind != kind) continue;
-    const double sigma = observation.sigma_of(group) * (group.stated ? 1.0 : observation.noise_scale());
+    const double sigma = observation.sigma_of(group) * (group.stated ? observation.components().stated_noise
+                                                                     : observation.components().unstated_noise);
     sum += sigma * sigma;
     ++count;
   }

@@ -92,9 +92,10 @@ class StageFit {
     solve();
     if (std::ranges::all_of(observation_.groups(), &Group::stated)) return;
     for (int round = 0; round < kRounds && fit_.status == LeastSquaresStatus::converged; ++round) {
-      const double scale = std::max(observation_.noise_scale() * unstated_scatter(), kSmallest);
-      if (std::abs(scale / observation_.noise_scale() - 1.0) < kSettled) return;
-      observation_.set_noise_scale(scale);
+      double& noise = observation_.components().unstated_noise;
+      const double scale = std::max(noise * unstated_scatter(), kSmallest);
+      if (std::abs(scale / noise - 1.0) < kSettled) return;
+      noise = scale;
       solve();
     }
   }
@@ -136,7 +137,8 @@ class StageFit {
   bool is_suspicious() const {
     constexpr double kStandsOut = 3.5, kLarge = 1.5;
     const detail::Scatter all = scatter();
-    const bool large = observation_.noise_scale() > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
+    const bool large =
+        observation_.components().unstated_noise > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
     return large || std::ranges::max(detail::studentised(observation_, fit_.parameters, covariance())) > kStandsOut;
   }
 

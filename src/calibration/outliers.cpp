@@ -41,25 +41,20 @@ double median_of(std::vector<double> values) {
 std::vector<Contradiction> contradictions(const Observation& observation, const Eigen::VectorXd& unknowns,
                                           const Eigen::MatrixXd& covariance, const Scatter& scatter) {
   std::vector<Contradiction> all;
-  const auto stations = observation.stations(unknowns);
-  if (!stations) return all;
   const Eigen::Index n = observation.unknown_count();
-  Eigen::MatrixXd block;
-  for (std::size_t g = 0; g < observation.groups().size(); ++g) {
-    const Group& group = observation.groups()[g];
-    observation.rows(group, *stations, unknowns, block);
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block, const Eigen::MatrixXd& own) {
+    const bool active = observation.groups()[g].active;
     const int rows = static_cast<int>(block.rows());
     const auto jacobian = block.leftCols(n);
-    const double sign = group.active ? -1.0 : 1.0;
-    const Eigen::MatrixXd spread =
-        Eigen::MatrixXd::Identity(rows, rows) + sign * jacobian * covariance * jacobian.transpose();
+    const double sign = active ? -1.0 : 1.0;
+    const Eigen::MatrixXd spread = own + sign * jacobian * covariance * jacobian.transpose();
     const double sum = checked_sum(spread, block.col(n));
-    const double freedom = scatter.redundancy - (group.active ? rows : 0);
-    if (freedom < 1.0) continue;
-    const double rest = std::max(scatter.sum - (group.active ? sum : 0.0), 1e-12) / freedom;
+    const double freedom = scatter.redundancy - (active ? rows : 0);
+    if (freedom < 1.0) return;
+    const double rest = std::max(scatter.sum - (active ? sum : 0.0), 1e-12) / freedom;
     const double statistic = sum / rows / rest;
     all.push_back({g, statistic, chance_of_worst(statistic, rows, freedom, observation.groups().size())});
-  }
+  });
   std::ranges::sort(all, std::greater{}, &Contradiction::statistic);
   return all;
 }
@@ -68,19 +63,15 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
                                 const Eigen::MatrixXd& covariance) {
   constexpr double kUncheckable = 1e-3;  // of a reading's rows
   std::vector<double> sizes(observation.groups().size(), 0.0), active;
-  const auto stations = observation.stations(unknowns);
-  if (!stations) return sizes;
   const Eigen::Index n = observation.unknown_count();
-  Eigen::MatrixXd block;
-  for (std::size_t g = 0; g < sizes.size(); ++g) {
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block, const Eigen::MatrixXd& own) {
     const Group& group = observation.groups()[g];
-    if (!group.active) continue;
-    observation.rows(group, *stations, unknowns, block);
+    if (!group.active) return;
+    const double redundancy = own.trace() - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
     const auto rows = static_cast<double>(block.rows());
-    const double redundancy = rows - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
     sizes[g] = std::sqrt(block.col(n).squaredNorm() / group.weight / std::max(redundancy, kUncheckable * rows));
     active.push_back(sizes[g]);
-  }
+  });
   const double middle = active.empty() ? 1.0 : std::max(median_of(active), 1e-12);
   for (double& size : sizes) size /= middle;
   return sizes;

@@ -9,10 +9,10 @@ namespace paracal::detail {
 /// How much readings scatter about a fit, and how much they should: `sum` of weighted squared residuals, and the
 /// `redundancy` that it is expected to equal when the sigmas are right,
 ///
-///   rows - tr(J C J^T) = rows - |R_u R^-1|^2,
+///   tr T - tr(T J C J^T T) = tr T - |R_u R^-1|^2,   T = V^-1 (I without joint effects),
 ///
-/// with C the covariance of all unknowns, priors included, R its root and R_u the root of the readings alone. Priors do
-/// not count as readings: parameters smaller than their tolerances must not make the readings look better.
+/// with C the covariance of all unknowns, priors included, R its root and R_u the root of the checked rows alone.
+/// Priors do not count as readings: parameters smaller than their tolerances must not make the readings look better.
 struct Scatter {
   double sum = 0.0;
   double redundancy = 0.0;
@@ -23,9 +23,15 @@ template <typename Choice>
 Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
                 Choice&& chosen) {
   InformationRoot readings(observation.unknown_count());
-  observation.add_rows(unknowns, readings, chosen);
+  double worth = 0.0;
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& own) {
+    const Group& group = observation.groups()[g];
+    if (!group.active || !chosen(group)) return;
+    readings.add(rows);
+    worth += own.trace();
+  });
   const Eigen::MatrixXd hat = root.triangularView<Eigen::Upper>().transpose().solve(readings.root().transpose());
-  return {readings.squared_residuals(), static_cast<double>(readings.row_count()) - hat.squaredNorm()};
+  return {readings.squared_residuals(), worth - hat.squaredNorm()};
 }
 
 }  // namespace paracal::detail

@@ -71,7 +71,10 @@ struct CalibrationOptions {
   /// Standard deviation of the slopes of planes that heights are read above, against the robot's own level, rad; empty:
   /// any.
   std::optional<double> plane_slope = {};
-  std::vector<SourceSelector> fixed = {};  ///< held at zero
+  /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 2e-5 is 1 K of aluminium,
+  /// nearly 2 K of steel.
+  double scale_std = 0.0;
+  std::vector<SourceSelector> fixed = {};  ///< held at zero: known exactly
   std::vector<SourceSelector> free = {};   ///< sought without a prior
   bool exclude_outliers = true;            ///< method best: leave out readings that contradict the others
   double outlier_chance = 1e-4;            ///< that a fit without gross errors loses a reading

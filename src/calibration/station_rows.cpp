@@ -1,0 +1,139 @@
+// Readings of one station whose joints may stand elsewhere than the model has them.
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <cmath>
+
+#include "observation.hpp"
+
+namespace paracal::detail {
+namespace {
+
+/// V^-1/2 [J | r] up to a rotation: what is left of the rows when dq has been eliminated from
+///
+///   | H    J  r |
+///   | 1/s  0  0 |
+Eigen::MatrixXd whitened(const StationRows& at, double joint) {
+  const Eigen::Index joints = at.by_joint.cols(), count = at.rows.rows();
+  Eigen::MatrixXd stacked(count + joints, joints);
+  stacked << at.by_joint, Eigen::MatrixXd::Identity(joints, joints) / joint;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count + joints, at.rows.cols());
+  rows.topRows(count) = at.rows;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stacked);
+  rows.applyOnTheLeft(qr.householderQ().adjoint());
+  return rows.bottomRows(count);
+}
+
+}  // namespace
+
+StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,
+                                      const Eigen::VectorXd& unknowns) const {
+  const auto joints = static_cast<Eigen::Index>(robot_.limb_count());
+  StationRows at;
+  std::vector<Eigen::MatrixXd> blocks, by_joints;
+  Eigen::Index count = 0;
+  for (const std::uint32_t g : at_station_[station]) {
+    if (!groups_[g].active) continue;
+    at.groups.push_back(g);
+    at.first.push_back(count);
+    rows(groups_[g], stations, unknowns, blocks.emplace_back(), &by_joints.emplace_back());
+    count += blocks.back().rows();
+  }
+  at.rows.resize(count, unknown_count() + 1);
+  at.by_joint.resize(count, joints);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    at.rows.middleRows(at.first[k], blocks[k].rows()) = blocks[k];
+    at.by_joint.middleRows(at.first[k], blocks[k].rows()) = by_joints[k];
+  }
+  at.spread = Eigen::MatrixXd::Zero(joints, joints);
+  if (components_.joint > 0.0) {
+    const double information = 1.0 / (components_.joint * components_.joint);
+    const Eigen::MatrixXd square = at.by_joint.transpose() * at.by_joint;
+    at.spread = (square + information * Eigen::MatrixXd::Identity(joints, joints))
+                    .llt()
+                    .solve(Eigen::MatrixXd::Identity(joints, joints));
+  }
+  at.smoother = at.spread * at.by_joint.transpose();
+  return at;
+}
+
+bool Observation::operator()(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
+  const auto states = stations(unknowns);
+  if (!states) return false;
+  const bool alone = components_.joint == 0.0;
+  Eigen::MatrixXd block;
+  for (const Group& group : groups_) {
+    if (!group.active || !(alone || group.is_distance())) continue;
+    rows(group, *states, unknowns, block);
+    root.add(block);
+  }
+  for (std::size_t s = 0; !alone && s < at_station_.size(); ++s) {
+    const StationRows at = station_rows(s, *states, unknowns);
+    if (!at.groups.empty()) root.add(whitened(at, components_.joint));
+  }
+  return true;
+}
+
+void Observation::check_each(
+    const Eigen::VectorXd& unknowns,
+    const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const {
+  const auto states = stations(unknowns);
+  if (!states) return;
+  const bool alone = components_.joint == 0.0;
+  Eigen::MatrixXd block;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!(alone || groups_[g].is_distance())) continue;
+    rows(groups_[g], *states, unknowns, block);
+    look(g, block, Eigen::MatrixXd::Identity(block.rows(), block.rows()));
+  }
+  for (std::size_t s = 0; !alone && s < at_station_.size(); ++s) check_station(s, *states, unknowns, look);
+}
+
+void Observation::check_station(
+    std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
+    const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const {
+  const StationRows at = station_rows(station, states, unknowns);
+  const Eigen::MatrixXd of_joints = at.smoother * at.rows;  // -dq, and how it follows the unknowns
+  const Eigen::MatrixXd checked = at.rows - at.by_joint * of_joints;
+  const Eigen::MatrixXd own = Eigen::MatrixXd::Identity(at.rows.rows(), at.rows.rows()) - at.by_joint * at.smoother;
+  std::size_t k = 0;
+  Eigen::MatrixXd block, by_joint;
+  for (const std::uint32_t g : at_station_[station]) {
+    if (groups_[g].active) {
+      const Eigen::Index first = at.first[k];
+      const Eigen::Index count = (k + 1 < at.first.size() ? at.first[k + 1] : at.rows.rows()) - first;
+      look(g, checked.middleRows(first, count), own.block(first, first, count, count));
+      ++k;
+      continue;
+    }
+    rows(groups_[g], states, unknowns, block, &by_joint);
+    look(g, block - by_joint * of_joints,
+         Eigen::MatrixXd::Identity(block.rows(), block.rows()) + by_joint * at.spread * by_joint.transpose());
+  }
+}
+
+double Observation::log_determinant(const Eigen::VectorXd& unknowns) const {
+  const auto states = stations(unknowns);
+  if (!states) return 0.0;
+  double sum = 0.0;
+  Eigen::MatrixXd block;
+  for (const Group& group : groups_) {
+    if (!group.active) continue;
+    const ByPlate by_plate = setup_rows(group, *states, unknowns, block);
+    const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
+    sum += 2.0 * static_cast<double>(block.rows()) * std::log(factor);
+    if (group.is_distance() && components_.joint > 0.0) {
+      sum += widening(distance(group), *states, by_plate / factor).array().log().sum();
+    }
+  }
+  if (components_.joint == 0.0) return sum;
+  for (std::size_t s = 0; s < at_station_.size(); ++s) {
+    const StationRows at = station_rows(s, *states, unknowns);
+    // det(I + s^2 H^T H) = s^2n / det P
+    const Eigen::MatrixXd root = at.spread.llt().matrixL();
+    sum += 2.0 * (static_cast<double>(root.rows()) * std::log(components_.joint) - root.diagonal().array().log().sum());
+  }
+  return sum;
+}
+
+}  // namespace paracal::detail
