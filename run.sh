@@ -16,7 +16,7 @@ mkdir -p "$results"
 
 cat "$results/reproduction.txt"
 echo
-sed -n '/^calibration/,/distances, rms/p' "$results/calibration.txt"
+sed -n '/^calibration/,/residuals of distances/p' "$results/calibration.txt"
 echo "program:     $paracal"
 echo "calibration: $results/calibration.json"
 echo "report:      $results/report.html"

@@ -83,7 +83,13 @@ Measurements MeasuringOptions::read(const JointSpace& joints) const {
   const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
   for (const std::string& file : files) parts.push_back(read_file(*this, map, file, joints));
-  return parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
+  Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
+  return at_reference_temperature(std::move(all), expansion());
+}
+
+double MeasuringOptions::expansion() const {
+  constexpr double kReference = 20.0;  // deg C  [iso1]
+  return 1e-6 * (expansion_ppm - instrument_expansion_ppm) * (temperature_c.value_or(kReference) - kReference);
 }
 
 NoiseModel MeasuringOptions::noise() const {
@@ -139,6 +145,23 @@ CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options)
       .add_option("--distance-bias-mm", options.distance_bias_mm,
                   "standard deviation of an error that all distances share, as a calliper's zero or a wall's width")
       ->check(non_negative_finite())
+      ->capture_default_str();
+  command
+      .add_option("--scale-ppm", options.scale_ppm,
+                  "standard deviation of the scale of the readings against the machine (1 K of steel: 11.5)")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  command
+      .add_option("--temperature-c", options.temperature_c, "of the machine while it was measured; lengths are of 20")
+      ->check(CLI::Range(-50.0, 150.0));
+  command
+      .add_option("--expansion-ppm", options.expansion_ppm, "of the machine per K: steel 11.5, aluminium 23, carbon 0")
+      ->check(CLI::Range(-10.0, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--instrument-expansion-ppm", options.instrument_expansion_ppm,
+                  "of the instrument per K; 0: it corrects itself")
+      ->check(CLI::Range(-10.0, 100.0))
       ->capture_default_str();
   command.add_option("--frame", options.frame, "frame of measured points")
       ->check(CLI::IsMember({"unknown", "robot"}))

@@ -22,6 +22,8 @@ struct MeasuringOptions {
   std::optional<double> sigma_mm, height_sigma_mm;
   double distance_bias_mm = 0.0;
   double sigma_deg = 0.3;
+  double scale_ppm = 15.0, expansion_ppm = 11.5, instrument_expansion_ppm = 0.0;
+  std::optional<double> temperature_c;
   bool sigma_known = false;
   std::vector<double> tracker_um;
   std::string frame = "unknown", rotation = "relative", reflectors = "plate";
@@ -29,6 +31,8 @@ struct MeasuringOptions {
   /// Every file by what its header says it is, all in one.
   Measurements read(const JointSpace& joints) const;
   NoiseModel noise() const;
+  /// What is known of lengths read against lengths of the machine at 20 deg C, m/m.
+  double expansion() const;
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
   RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
   ReflectorMount mount() const { return reflectors == "plate" ? ReflectorMount::plate : ReflectorMount::end_effector; }

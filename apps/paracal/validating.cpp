@@ -5,22 +5,30 @@
 
 namespace paracal::app {
 
+AcceptanceLimits LimitOptions::limits() const {
+  AcceptanceLimits limits{.distance = limit_mm, .volumetric = limit_aligned_mm};
+  if (limit_deg) limits.rotation = to_radians(*limit_deg);
+  return limits;
+}
+
+void add_limit_options(CLI::App& command, LimitOptions& options) {
+  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive_finite());
+  command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
+      ->check(positive_finite());
+  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
+}
+
 ValidationOptions ValidatingOptions::options() const {
-  ValidationOptions validation{
-      .noise = measuring.noise(), .frame = measuring.frame_kind(), .rotation_zero = measuring.rotation_kind()};
-  validation.limits.distance = limit_mm;
-  validation.limits.volumetric = limit_aligned_mm;
-  if (limit_deg) validation.limits.rotation = to_radians(*limit_deg);
-  return validation;
+  return {.noise = measuring.noise(),
+          .frame = measuring.frame_kind(),
+          .rotation_zero = measuring.rotation_kind(),
+          .limits = limits.limits()};
 }
 
 CLI::Option* add_validating_options(CLI::App& command, ValidatingOptions& options) {
   command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
   CLI::Option* measurements = add_measuring_options(command, options.measuring);
-  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive_finite());
-  command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
-      ->check(positive_finite());
-  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
+  add_limit_options(command, options.limits);
   return measurements;
 }
 

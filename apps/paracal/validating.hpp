@@ -8,11 +8,20 @@
 
 namespace paracal::app {
 
+/// --limit-mm, --limit-aligned-mm, --limit-deg.
+struct LimitOptions {
+  std::optional<double> limit_mm, limit_aligned_mm, limit_deg;
+
+  AcceptanceLimits limits() const;
+};
+
+void add_limit_options(CLI::App& command, LimitOptions& options);
+
 /// What commands that judge a calibration by measurements ask for.
 struct ValidatingOptions {
   MeasuringOptions measuring;
   std::string calibration;
-  std::optional<double> limit_mm, limit_aligned_mm, limit_deg;
+  LimitOptions limits;
 
   ValidationOptions options() const;
 };

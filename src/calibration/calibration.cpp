@@ -46,17 +46,62 @@ std::vector<Calibration::Correlation> Calibration::correlations(double threshold
 
 namespace {
 
-/// "limb 1  theta_offset   0.206 deg, standard deviation 0.012"
+/// "limb 1  theta_offset   0.206 deg, U 0.026 (k = 2.1)"
 std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
   const bool angle = unit(parameter.source, actuator) == Unit::rad;
   const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
   std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source),
                                  shown(parameter.value), angle ? "deg" : "mm");
-  if (parameter.std) text += fmt::format(", standard deviation {:.3f}", shown(*parameter.std));
+  if (parameter.std) {
+    text += fmt::format(", U {:.3f} (k = {:.1f})", shown(parameter.coverage() * *parameter.std), parameter.coverage());
+  }
   if (parameter.prior_std) {
     text += fmt::format(", {:.0f} % from the readings", 100.0 * parameter.data_share);
   }
   return text + '\n';
+}
+
+std::string use_text(const char* what, const UseQuantity& one, double unit, const char* name) {
+  std::string text = fmt::format("{} within {:.3g} {}", what, one.U * unit, name);
+  if (one.limit) text += fmt::format(" (limit {:.3g}: {})", *one.limit * unit, one.kept() ? "kept" : "not kept");
+  return text;
+}
+
+std::string use_line(const Use& use) {
+  std::string text = fmt::format("  in use, anywhere in the workspace (95 %): {}, {}",
+                                 use_text("distances to home", use.distance, 1.0, "mm"),
+                                 use_text("positions after alignment", use.aligned, 1.0, "mm"));
+  if (use.rotation) text += ", " + use_text("rotations", *use.rotation, to_degrees(1.0), "deg");
+  return text + '\n';
+}
+
+/// Residuals of what was read, and of nothing else.
+std::string residual_lines(const Calibration& calibration) {
+  const PoseErrorSummary &before = calibration.before, &after = calibration.after;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  if (after.reads_distances) {
+    fmt::format_to(out, "  residuals of distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
+                   before.rms_distance, after.rms_distance, calibration.readings, calibration.degrees_of_freedom);
+  }
+  if (after.rms_height) {
+    fmt::format_to(out, "  residuals of heights, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
+                   before.rms_height.value_or(0.0), *after.rms_height, calibration.readings,
+                   calibration.degrees_of_freedom);
+  }
+  if (calibration.distance_bias) {
+    fmt::format_to(out, "  all distances were read {:+.3f} mm too long\n", *calibration.distance_bias);
+  }
+  if (!calibration.points.empty()) {
+    fmt::format_to(
+        out, "  residuals of points, largest after alignment: {:.3f} mm before, {:.3f} mm after; noise {:.3f} mm\n",
+        before.max_volumetric_aligned, after.max_volumetric_aligned, calibration.noise);
+  }
+  if (after.max_abs_rotation) {
+    fmt::format_to(out, "  residuals of rotations, largest: {:.2f} deg before, {:.2f} deg after\n",
+                   to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
+  }
+  return text;
 }
 
 }  // namespace
@@ -64,29 +109,17 @@ std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
 std::string Calibration::brief() const {
   std::string text = fmt::format("calibration of {}: {}\n", robot.name(), paracal::name(verdict));
   const auto out = std::back_inserter(text);
+  if (use) text += use_line(*use);
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
+  for (const std::string& one : assumed) fmt::format_to(out, "  assumed: {}\n", one);
   for (const ParameterEstimate& parameter : parameters) {
-    if (!tilts_plate(parameter.source) || parameter.identified()) text += line_of(parameter, robot.actuator());
+    if (!parameter.held && (!tilts_plate(parameter.source) || parameter.identified())) {
+      text += line_of(parameter, robot.actuator());
+    }
   }
   for (const NullDirection& direction : null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
-  if (readings == 0) return text;
-  fmt::format_to(out, "  distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
-                 before.rms_distance, after.rms_distance, readings, degrees_of_freedom);
-  if (after.rms_height) {
-    fmt::format_to(out, "  heights, rms: {:.3f} mm before, {:.3f} mm after\n", before.rms_height.value_or(0.0),
-                   *after.rms_height);
-  }
-  if (distance_bias) fmt::format_to(out, "  all distances were read {:+.3f} mm too long\n", *distance_bias);
-  if (!points.empty()) {
-    fmt::format_to(out, "  points, largest after alignment: {:.3f} mm before, {:.3f} mm after; noise {:.3f} mm\n",
-                   before.max_volumetric_aligned, after.max_volumetric_aligned, noise);
-  }
-  if (after.max_abs_rotation) {
-    fmt::format_to(out, "  rotations, largest: {:.2f} deg before, {:.2f} deg after\n",
-                   to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
-  }
-  return text;
+  return readings == 0 ? text : text + residual_lines(*this);
 }
 
 }  // namespace paracal

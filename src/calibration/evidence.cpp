@@ -8,9 +8,13 @@
 #include <cmath>
 #include <map>
 
+#include "considered.hpp"
 #include "null_space.hpp"
 #include "pair_covariance.hpp"
 #include "paracal/calibration/identifiability.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/error.hpp"
+#include "paracal/units.hpp"
 #include "sought.hpp"
 
 namespace paracal::detail {
@@ -64,6 +68,7 @@ PoseErrorSummary summarize_fit(const Observation& observation, const std::vector
     ++count;
   }
   if (height_count > 0) all.rms_height = std::sqrt(heights / static_cast<double>(height_count));
+  all.reads_distances = count > 0 || height_count == 0;
   if (count > 0) all.rms_distance = std::sqrt(sum / static_cast<double>(count));
   return all;
 }
@@ -166,6 +171,41 @@ void add_suspects(const Measurements& measurements, const Observation& observati
   }
 }
 
+/// A limit that U in use breaks, in words; empty when all are kept.
+std::string broken_limit(const Calibration& calibration) {
+  const AcceptanceLimits& limits = calibration.options.limits;
+  if (!limits.any()) return {};
+  if (!calibration.use) return "no uncertainty in use could be stated to hold against the limits";
+  if (limits.rotation && !calibration.use->rotation)
+    return "a limit on rotation was set for a plate that does not turn";
+  const auto broken = [](const char* what, const UseQuantity& one, double unit, const char* name) {
+    return one.kept() ? std::string()
+                      : fmt::format(
+                            "U of {} over the workspace, {:.3g} {}, is above the limit of {:.3g} {}: measure "
+                            "more poses, or more often",
+                            what, one.U * unit, name, *one.limit * unit, name);
+  };
+  std::string text = broken("distances", calibration.use->distance, 1.0, "mm");
+  if (text.empty()) text = broken("positions after alignment", calibration.use->aligned, 1.0, "mm");
+  if (text.empty() && calibration.use->rotation) {
+    text = broken("rotations", *calibration.use->rotation, to_degrees(1.0), "deg");
+  }
+  return text;
+}
+
+/// What seeking every error under its tolerance would be worth where the offsets alone were sought.
+void add_promise_of_fine(const Measurements& measurements, Calibration& calibration) {
+  const bool offsets_alone = calibration.options.method == Method::best && calibration.stages.back().name == "rough";
+  if (!offsets_alone || !calibration.use) return;
+  const Robot& robot = calibration.robot;
+  const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options));
+  if (fine.distance.U >= calibration.use->distance.U) return;
+  calibration.notes.push_back(fmt::format(
+      "these are the encoder offsets alone, which leave distances known to {:.3g} mm; the fine stage, which "
+      "seeks every error under its tolerance, would know them to about {:.3g} mm",
+      calibration.use->distance.U, fine.distance.U));
+}
+
 void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration) {
   const auto say = [&](Verdict verdict, std::string reason) {
     calibration.verdict = verdict;
@@ -179,15 +219,16 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
   if (fit.status == LeastSquaresStatus::not_converged) {
     return say(Verdict::not_converged, fmt::format("the fit did not settle in {} iterations", fit.iterations));
   }
+  const auto sought = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
   if (!determined) {
-    return say(Verdict::not_identifiable, fmt::format("the readings determine {} of {} parameters: measure more poses",
-                                                      calibration.rank, calibration.parameters.size()));
+    return say(Verdict::not_identifiable,
+               fmt::format("the readings determine {} of {} parameters: measure more poses", calibration.rank, sought));
   }
   if (!calibration.chance) {
     return say(Verdict::rejected,
                fmt::format("{} readings for {} parameters leave nothing to check the fit with: measure more poses or "
                            "state their sigma",
-                           calibration.readings, calibration.parameters.size()));
+                           calibration.readings, sought));
   }
   if (*calibration.chance > calibration.options.largest_chance) {
     return say(Verdict::rejected,
@@ -195,26 +236,8 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
                            "shown to be real",
                            *calibration.chance, calibration.options.largest_chance));
   }
+  if (std::string broken = broken_limit(calibration); !broken.empty()) return say(Verdict::rejected, std::move(broken));
   calibration.verdict = Verdict::accepted;
-}
-
-/// Root mean square of the standard deviations with which the readings in use entered: of a coordinate, or of a
-/// distance where no points were read. Without priors the scatter of the residuals replaces what nobody stated.
-double noise_of(const Measurements& measurements, const Observation& observation, const Calibration& calibration) {
-  const bool found = !has_priors(observation) && !all_stated(observation);
-  const ReadingKind kind = !measurements.series.empty()      ? ReadingKind::point
-                           : !measurements.distances.empty() ? ReadingKind::distance
-                                                             : ReadingKind::height;
-  double sum = 0.0;
-  int count = 0;
-  for (const Group& group : observation.groups()) {
-    if (!group.active || group.kind != kind) continue;
-    const double sigma = observation.sigma_of(group) * (group.stated ? observation.components().stated_noise
-                                                                     : observation.components().unstated_noise);
-    sum += sigma * sigma;
-    ++count;
-  }
-  return std::sqrt(sum / std::max(count, 1)) * (found ? calibration.unit_weight_std.value_or(1.0) : 1.0);
 }
 
 void add_frames(const Measurements& measurements, const Observation& observation, const Eigen::VectorXd& unknowns,
@@ -230,15 +253,21 @@ void add_frames(const Measurements& measurements, const Observation& observation
   calibration.distance_bias = observation.distance_bias(unknowns);
 }
 
-/// Values, standard deviations and shares of information.
-void add_parameters(const Observation& observation, const Eigen::VectorXd& unknowns, Calibration& calibration) {
-  calibration.parameters.clear();
-  for (Eigen::Index k = 0; k < observation.source_count(); ++k) {
-    const SoughtSource& one = observation.sought()[static_cast<std::size_t>(k)];
-    ParameterEstimate parameter{
-        .limb = one.limb, .source = one.source, .value = unknowns(observation.nuisance_count() + k)};
+/// Values, standard deviations, their degrees of freedom and shares of information: the sought errors, then those held.
+void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  const Eigen::MatrixXd &covariance = calibration.covariance, &noise = calibration.noise_covariance;
+  std::vector<SoughtSource> all = observation.sought();
+  all.insert(all.end(), held.begin(), held.end());
+  for (Eigen::Index k = 0; k < std::ssize(all); ++k) {
+    const SoughtSource& one = all[static_cast<std::size_t>(k)];
+    ParameterEstimate parameter{.limb = one.limb, .source = one.source, .held = k >= observation.source_count()};
+    if (!parameter.held) parameter.value = fit.fit().parameters(observation.nuisance_count() + k);
     parameter.prior_std = one.prior_std;
-    if (calibration.covariance.size() > 0) parameter.std = std::sqrt(calibration.covariance(k, k));
+    if (k < covariance.rows()) {
+      parameter.std = std::sqrt(covariance(k, k));
+      parameter.dof = calibration.noise_dof * std::pow(covariance(k, k) / std::max(noise(k, k), 1e-300), 2);
+    }
     if (one.prior_std && parameter.std) {
       parameter.data_share = 1.0 - std::min(1.0, std::pow(*parameter.std / *one.prior_std, 2));
     }
@@ -246,20 +275,72 @@ void add_parameters(const Observation& observation, const Eigen::VectorXd& unkno
   }
 }
 
-/// Notes on a scatter that the stated sigmas do not explain, and on parameters far outside their tolerances.
-void add_warnings(Calibration& calibration) {
-  constexpr double kImprobable = 0.01, kFarOutside = 4.0;
-  if (calibration.fit_probability && *calibration.fit_probability < kImprobable) {
-    calibration.notes.push_back(fmt::format(
-        "the readings scatter {:.1f} times as much as their stated sigmas; all standard deviations are widened by that",
-        *calibration.unit_weight_std));
+/// "alpha0 of all limbs, e_x of limb 2".
+std::string listed(const std::vector<SourceSelector>& selectors) {
+  std::string text;
+  for (const SourceSelector& one : selectors) {
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", name(one.source),
+                        one.limb ? fmt::format("limb {}", *one.limb + 1) : "all limbs");
   }
-  for (const ParameterEstimate& parameter : calibration.parameters) {
-    if (!parameter.prior_std || std::abs(parameter.value) < kFarOutside * *parameter.prior_std) continue;
+  return text;
+}
+
+/// What no reading showed and nobody stated.
+void add_assumptions(const StageFit& fit, Calibration& calibration) {
+  const CalibrationOptions& options = calibration.options;
+  const auto assume = [&](std::string text) { calibration.assumed.push_back(std::move(text)); };
+  if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
+  if (options.scale_std > 0.0) {
+    assume(fmt::format("the scale of the readings is right within {:.3g} ppm (one standard deviation)",
+                       1e6 * options.scale_std));
+  }
+  const FitScatter scatter = fit_scatter(fit);
+  const bool unstated = !all_stated(fit.observation());
+  if (unstated && scatter.visits.redundancy < 1.0) {
+    assume(
+        "no pose was visited twice, and the noise is not stated: nobody can tell noise from backlash, friction or "
+        "load");
+  }
+  if (unstated && fit.scatter().redundancy < 1.0) {
+    assume(
+        fmt::format("the readings leave nothing to tell their noise by: {:.3g} mm", reading_noise(fit.observation())));
+  }
+  const auto held = std::ranges::count(calibration.parameters, true, &ParameterEstimate::held);
+  if (held > 0) {
+    assume(fmt::format("{} other errors are held at nominal; their tolerances are in every uncertainty", held));
+  }
+}
+
+/// U over the workspace against its limits.
+void state_use(Calibration& calibration) {
+  if (!calibration.options.states_use || calibration.covariance.size() == 0) return;
+  try {
+    calibration.use = use_over_workspace(calibration.robot, known_errors(calibration));
+  } catch (const Unreachable&) {
+    calibration.notes.emplace_back("the calibrated machine does not close everywhere in its workspace");
+    return;
+  }
+  const AcceptanceLimits& limits = calibration.options.limits;
+  calibration.use->distance.limit = limits.distance;
+  calibration.use->aligned.limit = limits.volumetric;
+  if (calibration.use->rotation) calibration.use->rotation->limit = limits.rotation;
+}
+
+/// Components of variance that are certain enough are notes; the others are said among what was assumed. Readings that
+/// scatter less than stated make U wider than it need be, which nobody is harmed by, but ought to know.
+void add_components(Calibration& calibration) {
+  for (const Component& one : calibration.components) {
+    (one.told ? calibration.notes : calibration.assumed)
+        .push_back(one.told ? one.text + "; all uncertainties include it"
+                            : fmt::format("{}, perhaps (chance alone would show as much in {:.1g} of machines): all "
+                                          "uncertainties include it",
+                                          one.text, one.chance));
+  }
+  if (calibration.fit_probability && 1.0 - *calibration.fit_probability < calibration.options.tell_chance) {
     calibration.notes.push_back(
-        fmt::format("{} of limb {} is {:.1f} standard deviations of its tolerance away from "
-                    "nominal: a wrong part, or a wrong tolerance",
-                    name(parameter.source), parameter.limb + 1, std::abs(parameter.value) / *parameter.prior_std));
+        fmt::format("the readings scatter only {:.2g} times as much as their stated sigmas: the noise is less than was "
+                    "stated, and U larger than it need be",
+                    *calibration.unit_weight_std));
   }
 }
 
@@ -272,32 +353,80 @@ bool is_determined(const Observation& observation, const Calibration& calibratio
   return may_leave_motions && std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
 }
 
-/// Scatter and covariance. With priors the covariance is the posterior's; without, it is scaled by the scatter: always
-/// where no sigma is stated, upwards only where all are.
-void state_uncertainty(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
-                       const Scatter& scatter_of_fit, Calibration& calibration) {
-  constexpr double kImprobable = 0.01;
-  const double sum = scatter_of_fit.sum, freedom = scatter_of_fit.redundancy;
+/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C, P: the information of the priors.
+Eigen::MatrixXd noise_part(const Observation& observation, const Eigen::VectorXd& unknowns,
+                           const Eigen::MatrixXd& covariance) {
+  InformationRoot priors(observation.unknown_count());
+  observation.add_priors(unknowns, priors);
+  const Eigen::MatrixXd known = priors.root() * covariance;
+  return covariance - known.transpose() * known;
+}
+
+/// What estimates the noise: the joints' effects where these are sought, for they are fewer than the readings; else the
+/// redundancy of the readings, unless all noise is stated and believed.
+double noise_freedom(const StageFit& fit, const Scatter& scatter) {
+  if (fit.components().joint) return std::max(fit.joint_freedom(), 1.0);
+  const bool known = all_stated(fit.observation()) && !fit.components().stated_noise;
+  return known ? std::numeric_limits<double>::infinity() : std::max(scatter.redundancy, 1.0);
+}
+
+/// Without priors: scaled by the scatter, always where no sigma is stated, upwards only where all are.
+void state_bare_covariance(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
+                           Calibration& calibration) {
+  const Observation& observation = fit.observation();
   const bool stated = all_stated(observation);
+  if (!calibration.unit_weight_std && !stated) return;
+  const double scatter = calibration.unit_weight_std.value_or(1.0);
+  const Spectrum all = analyse(fit.fit().at_answer.root(), kRankTolerance);
+  const Eigen::Index n = observation.source_count();
+  if (calibration.options.method == Method::paper) {
+    calibration.noise_covariance =
+        covariance_of_pairs(measurements, observation, fit.fit().parameters, all.covariance, scatter_of_fit.sum);
+  } else if (is_determined(observation, calibration)) {
+    const double factor = stated ? std::max(1.0, scatter) : scatter;
+    calibration.noise_covariance = all.covariance.bottomRightCorner(n, n) * factor * factor;
+  }
+  const bool known = stated && scatter <= 1.0 && calibration.options.method != Method::paper;
+  if (!known) calibration.noise_dof = std::max(scatter_of_fit.redundancy, 1.0);
+  calibration.covariance = calibration.noise_covariance;
+}
+
+/// How many parameters' worth of readings the fit used up: with priors no whole number.
+double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& scatter) {
+  const Observation& observation = fit.observation();
+  if (!has_priors(observation)) {
+    return static_cast<double>(rows - observation.nuisance_count()) - scatter.redundancy;
+  }
+  const Eigen::MatrixXd covariance = fit.covariance();
+  InformationRoot priors(observation.unknown_count());
+  observation.add_priors(fit.fit().parameters, priors);
+  const Eigen::MatrixXd known = priors.root() * covariance * priors.root().transpose();
+  return static_cast<double>(observation.source_count()) -
+         known.bottomRightCorner(observation.source_count(), observation.source_count()).trace();
+}
+
+/// Scatter and covariance. With priors the covariance is the posterior's.
+void state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
+                       Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  // Of the sigmas as they were stated, whatever the fit then made of them.
+  const double stated = all_stated(observation) ? std::pow(observation.components().stated_noise, 2) : 1.0;
+  const double sum = scatter_of_fit.sum * stated, freedom = scatter_of_fit.redundancy;
   if (freedom >= 0.5) calibration.unit_weight_std = std::sqrt(sum / freedom);
-  if (freedom >= 0.5 && stated) {
+  if (freedom >= 0.5 && all_stated(observation)) {
     calibration.fit_probability =
         boost::math::cdf(boost::math::complement(boost::math::chi_squared_distribution<>(freedom), sum));
   }
+  calibration.joint_std = observation.components().joint;
+  if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
   const Eigen::Index n = observation.source_count();
-  const double scatter = calibration.unit_weight_std.value_or(1.0);
-  if (has_priors(observation)) {
-    const double factor = calibration.fit_probability.value_or(1.0) < kImprobable ? scatter : 1.0;
-    calibration.covariance = inverse_information(fit.at_answer.root()).bottomRightCorner(n, n) * factor * factor;
-    return;
-  }
-  if (!calibration.unit_weight_std && !stated) return;
-  const Spectrum all = analyse(fit.at_answer.root(), kRankTolerance);
-  if (calibration.options.method == Method::paper) {
-    calibration.covariance = covariance_of_pairs(measurements, observation, fit.parameters, all.covariance, sum);
-  } else if (is_determined(observation, calibration)) {
-    const double factor = stated ? std::max(1.0, scatter) : scatter;
-    calibration.covariance = all.covariance.bottomRightCorner(n, n) * factor * factor;
+  const Eigen::MatrixXd covariance = fit.covariance();
+  calibration.covariance = covariance.bottomRightCorner(n, n);
+  calibration.noise_covariance = noise_part(observation, fit.fit().parameters, covariance).bottomRightCorner(n, n);
+  calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
+  if (const auto few = fit.prior_freedom()) {  // tolerances that a few errors told are no better known than noise
+    calibration.noise_covariance = calibration.covariance;
+    calibration.noise_dof = std::min(calibration.noise_dof, std::max(*few, 1.0));
   }
 }
 
@@ -370,31 +499,37 @@ void add_stage(const char* name, const Observation& observation, const LeastSqua
   calibration.stages.push_back(std::move(stage));
 }
 
-void state_evidence(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
-                    const Scatter& scatter, const std::vector<Contradiction>& suspects, Calibration& calibration) {
-  if (fit.status == LeastSquaresStatus::not_evaluable) return judge(fit, false, calibration);
+void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
+                    Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  const LeastSquaresResult& answer = fit.fit();
+  if (answer.status == LeastSquaresStatus::not_evaluable) return judge(answer, false, calibration);
+  const Scatter scatter = fit.scatter();
   calibration.readings = observation.groups().size();
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
-  state_rank(measurements, observation, fit, calibration);
-  state_uncertainty(measurements, observation, fit, scatter, calibration);
-  add_parameters(observation, fit.parameters, calibration);
-  add_frames(measurements, observation, fit.parameters, calibration);
+  state_rank(measurements, observation, answer, calibration);
+  state_uncertainty(measurements, fit, scatter, calibration);
+  const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
+  add_parameters(fit, held, calibration);
+  add_frames(measurements, observation, answer.parameters, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);
-  const auto after = snapshot(observation, fit.parameters);
+  const auto after = snapshot(observation, answer.parameters);
   const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;
-  if (!after || !before) return judge(fit, false, calibration);
+  if (!after || !before) return judge(answer, false, calibration);
   add_residuals(measurements, *before, *after, calibration);
   calibration.before = summarize_fit(nominal, *before->stations, before->unknowns);
   calibration.after = summarize_fit(observation, *after->stations, after->unknowns);
-  // As many parameters as the readings were used up for: with priors that is no whole number.
-  const double found = static_cast<double>(after->rows - observation.nuisance_count()) - scatter.redundancy;
-  calibration.chance =
-      chance_of(before->sum - fit.at_answer.squared_residuals(), found, scatter, all_stated(observation));
-  calibration.noise = noise_of(measurements, observation, calibration);
+  calibration.chance = chance_of(before->sum - answer.at_answer.squared_residuals(),
+                                 found_parameters(fit, after->rows, scatter), scatter, all_stated(observation));
+  const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
+  calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
   add_suspects(measurements, observation, after->unknowns, suspects, calibration);
-  add_warnings(calibration);
-  judge(fit, is_determined(observation, calibration), calibration);
+  add_components(calibration);
+  add_assumptions(fit, calibration);
+  state_use(calibration);
+  add_promise_of_fine(measurements, calibration);
+  judge(answer, is_determined(observation, calibration), calibration);
 }
 
 }  // namespace paracal::detail

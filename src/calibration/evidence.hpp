@@ -2,9 +2,10 @@
 
 // Private to calibration: from a finished fit to numbers that can be signed.
 
+#include "components.hpp"
 #include "observation.hpp"
 #include "outliers.hpp"
-#include "paracal/calibration/least_squares.hpp"
+#include "stage_fit.hpp"
 
 namespace paracal::detail {
 
@@ -13,8 +14,8 @@ void add_stage(const char* name, const Observation& observation, const LeastSqua
                Calibration& calibration);
 
 /// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
-void state_evidence(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
-                    const Scatter& scatter, const std::vector<Contradiction>& suspects, Calibration& calibration);
+void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
+                    Calibration& calibration);
 
 /// Measured points of a series in the robot's frame beside the machine's poses, one pair a station, repeats averaged,
 /// home (or the first station read) first. Readings left out do not count.

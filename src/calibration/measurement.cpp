@@ -93,6 +93,21 @@ void check(const Measurements& measurements, std::size_t limb_count) {
   }
 }
 
+Measurements at_reference_temperature(Measurements measurements, double expansion) {
+  const double factor = 1.0 / (1.0 + expansion);
+  for (DistanceReading& reading : measurements.distances) reading.distance *= factor;
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) {
+      reading.point *= factor;
+      if (reading.second) *reading.second *= factor;
+    }
+  }
+  for (HeightSeries& plane : measurements.planes) {
+    for (HeightReading& reading : plane.readings) reading.height *= factor;
+  }
+  return measurements;
+}
+
 Joints believed_joints(const Robot& robot, const Station& station) {
   if (station.believed) return *station.believed;
   const InverseResult nominal = inverse(robot.nominal(), station.commanded);

@@ -79,10 +79,13 @@ void Observation::lay_out_nuisance() {
   if (seeks_scale_) distance_scale_ = take(1);
 }
 
-Eigen::Index Observation::known_nuisance_count() const {
-  Eigen::Index count = (bias_ >= 0 ? 1 : 0) + (distance_scale_ >= 0 ? 1 : 0);
-  for (const Nuisance& nuisance : nuisance_) count += nuisance.scale >= 0 ? 1 : 0;
-  return count;
+std::vector<Eigen::Index> Observation::scale_columns() const {
+  std::vector<Eigen::Index> columns;
+  for (const Nuisance& nuisance : nuisance_) {
+    if (nuisance.scale >= 0) columns.push_back(nuisance.scale);
+  }
+  if (distance_scale_ >= 0) columns.push_back(distance_scale_);
+  return columns;
 }
 
 void Observation::widen_priors(const std::vector<std::size_t>& places, double factor) {
@@ -118,11 +121,7 @@ void Observation::lay_out_priors() {
 
 void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   if (bias_ >= 0) root.add_prior(bias_, unknowns(bias_), 0.0, options_.noise.distance_bias);
-  const auto scale_prior = [&](Eigen::Index at) {
-    if (at >= 0) root.add_prior(at, unknowns(at), 0.0, options_.scale_std);
-  };
-  for (const Nuisance& nuisance : nuisance_) scale_prior(nuisance.scale);
-  scale_prior(distance_scale_);
+  for (const Eigen::Index scale : scale_columns()) root.add_prior(scale, unknowns(scale), 0.0, options_.scale_std);
   for (const Eigen::Index plane : planes_) {
     if (!options_.plane_slope) break;
     root.add_prior(plane + 1, unknowns(plane + 1), 0.0, *options_.plane_slope);
@@ -292,6 +291,25 @@ RigidMotion Observation::frame(std::size_t series, const Eigen::VectorXd& unknow
   const Nuisance& nuisance = nuisance_[series];
   if (nuisance.frame < 0) return {};
   return {turn_by(unknowns.segment<3>(nuisance.frame)) * nuisance.turned, unknowns.segment<3>(nuisance.frame + 3)};
+}
+
+double reading_noise(const Observation& observation) {
+  const auto& groups = observation.groups();
+  const auto read = [&](ReadingKind kind) {
+    return std::ranges::any_of(groups, [&](const Group& g) { return g.kind == kind; });
+  };
+  const ReadingKind kind = read(ReadingKind::point)      ? ReadingKind::point
+                           : read(ReadingKind::distance) ? ReadingKind::distance
+                                                         : ReadingKind::height;
+  double sum = 0.0;
+  int count = 0;
+  for (const Group& group : groups) {
+    if (!group.active || group.kind != kind) continue;
+    const VarianceComponents& factors = observation.components();
+    sum += std::pow(observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise), 2);
+    ++count;
+  }
+  return std::sqrt(sum / std::max(count, 1));
 }
 
 RowModel with_priors(const Observation& observation) {

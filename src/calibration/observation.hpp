@@ -151,8 +151,8 @@ class Observation {
   /// Readings of a series, or of the distances, are this much longer than the machine: 1 + scale.
   double series_scale(std::size_t series, const Eigen::VectorXd& unknowns) const;
   double distance_scale(const Eigen::VectorXd& unknowns) const;
-  /// Unknowns of the set-up that have a prior.
-  Eigen::Index known_nuisance_count() const;
+  /// Places of the scales among the unknowns.
+  std::vector<Eigen::Index> scale_columns() const;
   /// Adds what is known beforehand, as rows: of the sought errors, one by one and together, of slopes and of the bias.
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
   std::size_t series_count() const { return nuisance_.size(); }
@@ -234,6 +234,10 @@ Eigen::Matrix3d carrier(const StationState& station, ReflectorMount mount);
 inline bool has_priors(const Observation& observation) {
   return std::ranges::any_of(observation.sought(), [](const SoughtSource& one) { return one.prior_std.has_value(); });
 }
+
+/// Root mean square of the standard deviations with which the readings in use entered, mm: of a coordinate; of a
+/// distance where no points were read, of a height where neither.
+double reading_noise(const Observation& observation);
 
 /// Readings as rows, and what was known before as rows. `observation` must outlive the model.
 RowModel with_priors(const Observation& observation);

@@ -22,11 +22,12 @@ namespace {
 /// Candidates as weighted rows over x = (frame and the like | source errors), each in units of its prior, so that the
 /// covariance before measuring is I.
 struct Problem {
-  int rows = 0;              ///< a candidate
-  Eigen::MatrixXd weighted;  ///< unknowns x (rows x candidates): A_k^T side by side
-  Eigen::MatrixXd goal;      ///< B of the criterion tr(B C)
-  Eigen::VectorXd scale;     ///< of the source errors in x: their prior std
-  Eigen::MatrixXd visible;   ///< orthonormal directions of x, in the group of interest, that the candidates see
+  int rows = 0;                                ///< a candidate
+  Eigen::MatrixXd weighted;                    ///< unknowns x (rows x candidates): A_k^T side by side
+  Eigen::MatrixXd goal;                        ///< B of the criterion tr(B C)
+  Eigen::VectorXd scale;                       ///< of the source errors in x: their prior std
+  std::vector<Eigen::Index> known_setup = {};  ///< places in x of what is known of the set-up: the instrument's scale
+  Eigen::MatrixXd visible;  ///< orthonormal directions of x, in the group of interest, that the candidates see
   Eigen::Index candidates() const { return weighted.cols() / rows; }
 };
 
@@ -44,6 +45,7 @@ Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<Sou
   rows << problem.weighted.topRows(setup).transpose(), problem.weighted(wanted, Eigen::all).transpose(),
       Eigen::VectorXd::Zero(rows.rows());
   InformationRoot root(setup + n);
+  for (const Eigen::Index known : problem.known_setup) root.add_prior(known, 0.0, 0.0, 1.0);
   root.add(rows);
   const Spectrum spectrum = analyse(root.root().bottomRightCorner(n, n), kRankTolerance, Eigen::VectorXd::Ones(n));
   const Eigen::MatrixXd whole =
@@ -61,7 +63,7 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   calibration.noise = options.noise;
   calibration.tolerances = options.tolerances;
   const Measurements plan = planned_points(robot, candidates, options.rotation, options.second);
-  detail::Observation observation(robot, plan, calibration, detail::all_with_priors(robot, calibration));
+  detail::Observation observation(robot, plan, calibration, detail::all_with_priors(robot, calibration), true);
   const auto unknowns = observation.start({});
   const auto stations = unknowns ? observation.stations(*unknowns) : nullptr;
   if (!stations) throw Unreachable("a candidate pose is out of the nominal machine's reach");
@@ -73,6 +75,8 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   for (std::size_t k = 0; k < observation.sought().size(); ++k) {
     unit(observation.nuisance_count() + static_cast<Eigen::Index>(k)) = observation.sought()[k].prior_std.value_or(1.0);
   }
+  problem.known_setup = observation.scale_columns();
+  for (const Eigen::Index scale : problem.known_setup) unit(scale) = calibration.scale_std;
   problem.scale = unit.tail(observation.source_count());
   Eigen::MatrixXd block;
   for (std::size_t k = 0; k < observation.groups().size(); ++k) {

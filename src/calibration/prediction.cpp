@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "distance_geometry.hpp"
 #include "observation.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/random.hpp"
 #include "sought.hpp"
 
 namespace paracal {
@@ -30,14 +34,55 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
   return displacements - motions * motions.colPivHouseholderQr().solve(displacements);
 }
 
+/// B with B B^T = C, whether C has full rank or not.
+Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// Of the largest |value| of each column, a machine, what a twentieth of the machines exceeds.
+double exceeded_by_a_twentieth(const Eigen::MatrixXd& machines) {
+  const Eigen::VectorXd of_each = machines.cwiseAbs().colwise().maxCoeff();
+  std::vector<double> largest(of_each.begin(), of_each.end());
+  const auto place = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() * 95 / 100);
+  std::ranges::nth_element(largest, place);
+  return *place;
+}
+
 Eigen::VectorXd variances(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covariance) {
   return (rows * covariance).cwiseProduct(rows).rowwise().sum().cwiseMax(0.0);  // rounding may leave a zero below
 }
 
 }  // namespace
 
+double coverage_factor(double dof) {
+  constexpr double kEachTail = 0.02275;  // of a standard normal variable beyond 2
+  constexpr double kMany = 1e6;
+  if (!(dof < kMany)) return kCoverageFactor;
+  return boost::math::quantile(boost::math::complement(boost::math::students_t_distribution<>(dof), kEachTail));
+}
+
+Eigen::MatrixXd KnownErrors::expanded_covariance() const {
+  if (noise_covariance.size() == 0) return covariance;
+  const double wider = std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0;
+  return covariance + wider * noise_covariance;
+}
+
+Eigen::MatrixXd KnownErrors::pose_covariance() const {
+  Eigen::MatrixXd all = expanded_covariance();
+  for (std::size_t k = 0; all.size() > 0 && k < parameters.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    if (parameters[k].source == Source::theta_offset) all(at, at) += std::pow(expanded_joint_std(), 2);
+  }
+  return all;
+}
+
+double KnownErrors::expanded_joint_std() const { return joint_std * coverage_factor(noise_dof) / kCoverageFactor; }
+
 KnownErrors known_errors(const Calibration& calibration) {
-  KnownErrors known{calibration.errors(), {}, calibration.covariance};
+  KnownErrors known{calibration.errors(),   {},
+                    calibration.covariance, calibration.noise_covariance,
+                    calibration.noise_dof,  calibration.joint_std};
   for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
   return known;
 }
@@ -45,7 +90,7 @@ KnownErrors known_errors(const Calibration& calibration) {
 KnownErrors promised(const Robot& robot, const Measurements& given, const CalibrationOptions& options) {
   check(given, robot.limb_count());
   const Measurements plan = detail::as_points(given).value_or(given);
-  detail::Observation observation(robot, plan, options, detail::all_with_priors(robot, options));
+  detail::Observation observation(robot, plan, options, detail::all_with_priors(robot, options), true);
   const auto start = observation.start({});
   InformationRoot root(observation.unknown_count());
   if (!start || !detail::with_priors(observation)(*start, root)) {
@@ -70,20 +115,28 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   return jacobian;
 }
 
+Eigen::MatrixXd joint_jacobian(const Machine& machine, const Joints& joints) {
+  std::vector<SoughtSource> offsets;  // a joint that stands elsewhere is one whose zero lies elsewhere
+  for (std::size_t limb = 0; limb < machine.limb_count; ++limb) offsets.push_back({limb, Source::theta_offset});
+  return pose_jacobian(machine, joints, offsets);
+}
+
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
   const Machine machine = build(robot, known.errors);
   const ForwardResult result = forward(machine, joints);
   const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
   if (!result.usable() || jacobian.rows() == 0) throw Unreachable("the machine does not close at these joints");
   return {{result.plate.position, machine.rotation_of(result.plate.slide)},
-          jacobian * known.covariance * jacobian.transpose()};
+          jacobian * known.pose_covariance() * jacobian.transpose()};
 }
 
 PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std::vector<SoughtSource>& parameters,
                        const std::vector<Station>& stations) {
   const Machine machine = build(robot, errors);
   const auto n = static_cast<Eigen::Index>(parameters.size()), poses = static_cast<Eigen::Index>(stations.size());
-  Eigen::MatrixXd displacements(3 * poses, n), rotations(poses, n);
+  const auto limbs = static_cast<Eigen::Index>(robot.limb_count());
+  Eigen::MatrixXd displacements(3 * poses, n), rotations(poses, n), rotations_joint(poses, limbs);
+  position_joint_.resize(3 * poses, limbs);
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);
@@ -91,30 +144,75 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
     if (jacobian.rows() == 0) throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
     displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRows<3>();
     rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3);
+    const Eigen::MatrixXd by_joint = joint_jacobian(machine, joints);
+    position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = by_joint.topRows<3>();
+    rotations_joint.row(static_cast<Eigen::Index>(k)) = by_joint.row(3);
     points.push_back(forward(machine, joints).plate.position);
   }
   aligned_ = without_rigid_motion(displacements, points);
   distance_.resize(poses - 1, n);
   rotation_.resize(poses - 1, n);
+  distance_joint_.resize(poses - 1, limbs);
+  home_distance_joint_.resize(poses - 1, limbs);
+  rotation_joint_ = rotations_joint;
   for (Eigen::Index k = 1; k < poses; ++k) {
     const Eigen::Vector3d direction = (points[static_cast<std::size_t>(k)] - points[0]).normalized();
     distance_.row(k - 1) = direction.transpose() * (displacements.middleRows<3>(3 * k) - displacements.topRows<3>());
     rotation_.row(k - 1) = rotations.row(k) - rotations.row(0);
+    distance_joint_.row(k - 1) = direction.transpose() * position_joint_.middleRows<3>(3 * k);
+    home_distance_joint_.row(k - 1) = direction.transpose() * position_joint_.topRows<3>();
   }
 }
 
-std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance) const {
+std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance, double joint_std) const {
   const Eigen::VectorXd distance = variances(distance_, covariance), aligned = variances(aligned_, covariance),
                         rotation = variances(rotation_, covariance);
+  const double joint = joint_std * joint_std;
   std::vector<PoseStd> poses(static_cast<std::size_t>(aligned.size() / 3));
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    poses[k].aligned = std::sqrt(aligned.segment<3>(3 * row).sum());
+    poses[k].aligned =
+        std::sqrt(aligned.segment<3>(3 * row).sum() + joint * position_joint_.middleRows<3>(3 * row).squaredNorm());
     if (k == 0) continue;
-    poses[k].distance = std::sqrt(distance(row - 1));
-    poses[k].rotation = std::sqrt(rotation(row - 1));
+    poses[k].distance = std::sqrt(distance(row - 1) + joint * (distance_joint_.row(row - 1).squaredNorm() +
+                                                               home_distance_joint_.row(row - 1).squaredNorm()));
+    poses[k].rotation = std::sqrt(
+        rotation(row - 1) + joint * (rotation_joint_.row(row).squaredNorm() + rotation_joint_.row(0).squaredNorm()));
   }
   return poses;
+}
+
+Use PoseSpread::worst(const KnownErrors& known) const {
+  constexpr Eigen::Index kMachines = 1000;
+  constexpr std::uint64_t kSeed = 95;
+  RandomStream random(kSeed);
+  const auto normal = [&] { return random.normal(); };
+  const Eigen::MatrixXd root = square_root(known.expanded_covariance());
+  const Eigen::MatrixXd errors = root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, normal);
+  Eigen::MatrixXd distances = distance_ * errors, aligned = aligned_ * errors, rotations = rotation_ * errors;
+  const double joint_std = known.expanded_joint_std();
+  const Eigen::Index poses = aligned_.rows() / 3;
+  for (Eigen::Index machine = 0; joint_std > 0.0 && machine < kMachines; ++machine) {
+    const Eigen::MatrixXd joints = joint_std * Eigen::MatrixXd::NullaryExpr(position_joint_.cols(), poses, normal);
+    for (Eigen::Index k = 0; k < poses; ++k) {
+      aligned.col(machine).segment<3>(3 * k) += position_joint_.middleRows<3>(3 * k) * joints.col(k);
+      if (k == 0) continue;
+      distances(k - 1, machine) +=
+          distance_joint_.row(k - 1).dot(joints.col(k)) - home_distance_joint_.row(k - 1).dot(joints.col(0));
+      rotations(k - 1, machine) +=
+          rotation_joint_.row(k).dot(joints.col(k)) - rotation_joint_.row(0).dot(joints.col(0));
+    }
+  }
+  const Eigen::MatrixXd positions = aligned.reshaped(3, poses * kMachines).colwise().norm().reshaped(poses, kMachines);
+  return {.distance = {exceeded_by_a_twentieth(distances)},
+          .aligned = {exceeded_by_a_twentieth(positions)},
+          .rotation = UseQuantity{exceeded_by_a_twentieth(rotations)}};
+}
+
+Use use_over_workspace(const Robot& robot, const KnownErrors& known) {
+  Use use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
+  if (!robot.slide()) use.rotation.reset();
+  return use;
 }
 
 WorkspaceUncertainty PoseSpread::uncertainty(const Eigen::MatrixXd& covariance) const {

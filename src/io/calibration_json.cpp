@@ -38,6 +38,9 @@ Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::
           {"value", to_file_unit(unit_inside, parameter.value)},
           {"unit", file_unit(unit_inside)},
           {"std", in_file_unit(parameter.std)},
+          {"U", parameter.std ? Json(to_file_unit(unit_inside, parameter.coverage() * *parameter.std)) : Json(nullptr)},
+          {"k", parameter.std ? Json(parameter.coverage()) : Json(nullptr)},
+          {"dof", std::isfinite(parameter.dof) ? Json(parameter.dof) : Json(nullptr)},
           {"status", status},
           {"prior_std", in_file_unit(parameter.prior_std)},
           {"data_share", parameter.data_share}};
@@ -61,14 +64,14 @@ Json parameters_json(const Calibration& calibration) {
   return json;
 }
 
-/// Covariance in file units: deg instead of rad.
-Json covariance_json(const Calibration& calibration) {
-  if (calibration.covariance.size() == 0) return nullptr;
+/// A covariance of the parameters in file units: deg instead of rad.
+Json covariance_json(const Calibration& calibration, const Eigen::MatrixXd& covariance) {
+  if (covariance.size() == 0) return nullptr;
   Eigen::VectorXd factor(static_cast<Eigen::Index>(calibration.parameters.size()));
   std::ranges::transform(calibration.parameters, factor.begin(), [&](const ParameterEstimate& parameter) {
     return file_factor(parameter, calibration.robot.actuator());
   });
-  return rows_json(factor.asDiagonal() * calibration.covariance * factor.asDiagonal());
+  return rows_json(factor.asDiagonal() * covariance * factor.asDiagonal());
 }
 
 Json correlations_json(const Calibration& calibration) {
@@ -79,6 +82,27 @@ Json correlations_json(const Calibration& calibration) {
   Json json = Json::array();
   for (const Calibration::Correlation& pair : calibration.correlations()) {
     json.push_back({{"one", named(pair.one)}, {"other", named(pair.other)}, {"value", pair.value}});
+  }
+  return json;
+}
+
+/// {U, limit, verdict}, in mm or deg.
+Json use_json(const UseQuantity& one, double unit) {
+  return {{"U", one.U * unit},
+          {"limit", one.limit ? Json(*one.limit * unit) : Json(nullptr)},
+          {"verdict", one.limit ? Json(one.kept() ? "kept" : "not kept") : Json(nullptr)}};
+}
+
+Json use_json(const Use& use) {
+  return {{"distance_mm", use_json(use.distance, 1.0)},
+          {"aligned_mm", use_json(use.aligned, 1.0)},
+          {"rotation_deg", use.rotation ? use_json(*use.rotation, to_degrees(1.0)) : Json(nullptr)}};
+}
+
+Json components_json(const Calibration& calibration) {
+  Json json = Json::array();
+  for (const Component& one : calibration.components) {
+    json.push_back({{"text", one.text}, {"drop", one.drop}, {"chance", one.chance}, {"told", one.told}});
   }
   return json;
 }
@@ -240,10 +264,11 @@ std::string utc(std::int64_t time) {
 }
 
 Json to_json(const PoseErrorSummary& summary) {
-  return {{"max_abs_distance_mm", summary.max_abs_distance},
-          {"rms_distance_mm", summary.rms_distance},
-          {"max_volumetric_mm", summary.max_volumetric},
-          {"max_volumetric_aligned_mm", summary.max_volumetric_aligned},
+  const auto read = [&](double value) { return summary.reads_distances ? Json(value) : Json(nullptr); };
+  return {{"max_abs_distance_mm", read(summary.max_abs_distance)},
+          {"rms_distance_mm", read(summary.rms_distance)},
+          {"max_volumetric_mm", read(summary.max_volumetric)},
+          {"max_volumetric_aligned_mm", read(summary.max_volumetric_aligned)},
           {"rms_height_mm", optional(summary.rms_height)},
           {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
 }
@@ -274,6 +299,10 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"fixed", selectors_json(options.fixed)},
             {"free", selectors_json(options.free)},
             {"exclude_outliers", options.exclude_outliers},
+            {"scale_sigma_ppm", 1e6 * options.scale_std},
+            {"limit_distance_mm", optional(options.limits.distance)},
+            {"limit_aligned_mm", optional(options.limits.volumetric)},
+            {"limit_rotation_deg", optional_degrees(options.limits.rotation)},
             {"outlier_chance", options.outlier_chance},
             {"largest_chance", options.largest_chance}};
   if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
@@ -294,16 +323,23 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"accepted", calibration.accepted()},
           {"verdict", name(calibration.verdict)},
           {"reasons", calibration.reasons},
+          {"use", calibration.use ? use_json(*calibration.use) : Json(nullptr)},
           {"notes", calibration.notes},
+          {"assumed", calibration.assumed},
+          {"components", components_json(calibration)},
           {"robot", to_json(calibration.robot)},
           {"parameters", parameters_json(calibration)},
-          {"covariance", covariance_json(calibration)},
+          {"covariance", covariance_json(calibration, calibration.covariance)},
+          {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},
+          {"noise_dof", std::isfinite(calibration.noise_dof) ? Json(calibration.noise_dof) : Json(nullptr)},
+          {calibration.robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg",
+           to_file_unit(joint_unit(calibration.robot.actuator()), calibration.joint_std)},
           {"correlations", correlations_json(calibration)},
           {"coverage_factor", kCoverageFactor},
           {"rank", calibration.rank},
           {"null_space", null_space_json(calibration)},
           {"stages", stages_json(calibration)},
-          {"residual_rms_mm", calibration.after.rms_distance},
+          {"residual_rms_mm", calibration.after.reads_distances ? Json(calibration.after.rms_distance) : Json(nullptr)},
           {"readings", calibration.readings},
           {"noise_mm", calibration.noise},
           {"degrees_of_freedom", calibration.degrees_of_freedom},
@@ -322,7 +358,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
 }
 
 KnownErrors CalibratedMachine::known() const {
-  KnownErrors known{errors, {}, covariance};
+  KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std};
   if (covariance.size() == 0) return known;
   known.parameters.reserve(parameters.size());
   for (const ParameterEstimate& one : parameters) known.parameters.push_back({one.limb, one.source});
@@ -344,8 +380,14 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       machine.errors(parameter.limb, parameter.source) = parameter.value;
       if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
     }
-    machine.covariance =
-        read_covariance(json.value("covariance", Json()), machine.parameters, robot.actuator(), refuse);
+    const auto covariance_named = [&](const char* key) {
+      return read_covariance(json.value(key, Json()), machine.parameters, robot.actuator(), refuse);
+    };
+    machine.covariance = covariance_named("covariance");
+    machine.noise_covariance = covariance_named("covariance_of_noise");
+    if (const Json dof = json.value("noise_dof", Json()); dof.is_number()) machine.noise_dof = dof.get<double>();
+    const char* joint = robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg";
+    machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
   } catch (const Json::parse_error& error) {
     throw InputFileError(file.name, line_of(file.text, error.byte), "expected JSON, got something else");
   } catch (const Json::exception&) {

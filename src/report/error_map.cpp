@@ -50,7 +50,8 @@ io::Json error_map(const Robot& robot, const KnownErrors& known) {
   const RigidMotion aligned = alignment(pairs);
   std::vector<PoseStd> spread;
   if (known.covariance.size() > 0) {
-    spread = PoseSpread(robot, known.errors, known.parameters, stations).each(known.covariance);
+    spread = PoseSpread(robot, known.errors, known.parameters, stations)
+                 .each(known.expanded_covariance(), known.expanded_joint_std());
   }
   io::Json json = detail::map_axes(robot.workspace());
   json["coverage_factor"] = kCoverageFactor;

@@ -196,12 +196,14 @@ TEST(RobotCommand, TheDefaultIsThePublishedRobot) {
 TEST(CalibrateCommand, Keys) {
   const json object = json_of(run_program(published_calibration({"--json"})));
   ASSERT_TRUE(has_keys(object, "accepted stages parameters rank null_space residual_rms_mm before after"));
-  ASSERT_TRUE(has_keys(object, "robot covariance program date inputs"));
+  ASSERT_TRUE(has_keys(object, "robot covariance program date inputs use notes assumed"));
+  ASSERT_TRUE(has_keys(object["use"], "distance_mm aligned_mm rotation_deg"));
+  ASSERT_TRUE(has_keys(object["use"]["distance_mm"], "U limit verdict"));
   EXPECT_EQ(object["accepted"], true);
   EXPECT_EQ(object["rank"], 4);
   EXPECT_THAT(object["null_space"], IsEmpty());
   EXPECT_THAT(object["stages"], SizeIs(1));
-  EXPECT_TRUE(is_matrix(object["covariance"], 4, 4));
+  EXPECT_TRUE(is_matrix(object["covariance"], 56, 56));
   EXPECT_LT(object["residual_rms_mm"], 0.2);
   EXPECT_GT(object["before"].at("max_abs_distance_mm"), object["after"].at("max_abs_distance_mm"));
 }
@@ -210,7 +212,7 @@ TEST(CalibrateCommand, ParameterKeys) {
   const json object = json_of(run_program(published_calibration({"--json"})));
   std::size_t identified = 0;
   for (const json& parameter : object.at("parameters")) {
-    ASSERT_TRUE(has_keys(parameter, "name limb value unit std status"));
+    ASSERT_TRUE(has_keys(parameter, "name limb value unit std U k dof status"));
     EXPECT_THAT(json(words("identified fixed prior")), testing::Contains(parameter["status"]));
     if (parameter["status"] != "identified") continue;
     ++identified;

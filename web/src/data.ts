@@ -11,11 +11,24 @@ export interface Robot {
 }
 
 export interface Largest {
-  max_abs_distance_mm: number;
-  rms_distance_mm: number;
-  max_volumetric_mm: number;
-  max_volumetric_aligned_mm: number;
+  max_abs_distance_mm: number | null; ///< the first four: null where heights alone were read
+  rms_distance_mm: number | null;
+  max_volumetric_mm: number | null;
+  max_volumetric_aligned_mm: number | null;
+  rms_height_mm?: number | null;
   max_abs_rotation_deg: number | null;
+}
+
+/// U of one quantity anywhere in the workspace, against its limit where one was set.
+export interface UseQuantity {
+  U: number;
+  limit: number | null;
+  verdict: "kept" | "not kept" | null;
+}
+export interface Use {
+  distance_mm: UseQuantity;
+  aligned_mm: UseQuantity;
+  rotation_deg: UseQuantity | null;
 }
 
 export interface Parameter {
@@ -24,6 +37,8 @@ export interface Parameter {
   value: number;
   unit: string;
   std: number | null;
+  U: number | null;
+  k: number | null;
   status: string;
   prior_std: number | null;
   data_share: number;
@@ -85,7 +100,9 @@ export interface Calibration {
   accepted: boolean;
   verdict: string;
   reasons: string[];
+  use: Use | null;
   notes: string[];
+  assumed: string[];
   parameters: Parameter[];
   covariance: number[][] | null;
   correlations: { one: string; other: string; value: number }[];

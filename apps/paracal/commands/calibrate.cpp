@@ -11,6 +11,7 @@
 #include "printing.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
+#include "validating.hpp"
 
 namespace paracal::app {
 namespace {
@@ -20,6 +21,7 @@ constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
 struct Options {
   MeasuringOptions measuring;
   std::string stage = "auto", method = "best", tolerances;
+  LimitOptions limits;
   PrinterOptions printer;
   std::vector<std::string> fixed, free;
   bool keep_outliers = false;
@@ -62,6 +64,8 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.fixed = source_selectors(options.fixed, robot.limb_count());
   calibration.free = source_selectors(options.free, robot.limb_count());
   calibration.exclude_outliers = !options.keep_outliers;
+  calibration.scale_std = 1e-6 * options.measuring.scale_ppm;
+  calibration.limits = options.limits.limits();
   check_selection(calibration, robot.limb_count());
   return calibration;
 }
@@ -74,6 +78,13 @@ std::string residual_table(const Calibration& calibration) {
     for (const DistanceResidual& residual : calibration.distances) {
       fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}\n", residual.from + " - " + residual.to,
                      residual.distance, residual.distance_before, residual.distance_after);
+    }
+  }
+  if (!calibration.heights.empty() && calibration.heights.size() <= kLongestTable) {
+    fmt::format_to(out, "  measured minus predicted, mm         height     before      after\n");
+    for (const HeightResidual& residual : calibration.heights) {
+      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}{}\n", residual.station, residual.height, residual.before,
+                     residual.after, residual.excluded ? "  left out" : "");
     }
   }
   if (!calibration.points.empty() && calibration.points.size() <= kLongestTable) {
@@ -120,6 +131,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   add_measuring_options(*command, options->measuring);
   CLI::Option* measurements = command->get_option("--measurements");
   measurements->required(false);
+  add_limit_options(*command, options->limits);
   add_printer_options(*command, options->printer)->excludes(measurements);
   command->add_flag("--sigma-known", options->measuring.sigma_known,
                     "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");

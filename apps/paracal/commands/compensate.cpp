@@ -105,7 +105,7 @@ void state_uncertainty(const Robot& robot, const io::CalibratedMachine& machine,
                        const CompensatorParameters<double>& parameters, const std::vector<Station>& stations,
                        std::vector<Compensated>& rows) {
   if (machine.covariance.size() == 0) return;
-  const auto covariance = compensator_covariance(robot, machine.parameters, machine.covariance);
+  const auto covariance = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     CompensatorUncertainty<double> stated;
     const CompensatorPose<double> pose = compensator_pose(stations[k].commanded);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,6 +59,15 @@ struct CommonError {
   double std = 0.0;        ///< mm
 };
 
+/// What customers were promised; empty: no limit.
+struct AcceptanceLimits {
+  std::optional<double> distance = {};    ///< of |d_rho|, mm
+  std::optional<double> volumetric = {};  ///< of aligned |dr|, mm
+  std::optional<double> rotation = {};    ///< of |d_phi|, rad
+
+  bool any() const { return distance || volumetric || rotation; }
+};
+
 struct CalibrationOptions {
   Method method = Method::best;
   Stage stage = Stage::automatic;
@@ -71,9 +81,15 @@ struct CalibrationOptions {
   /// Standard deviation of the slopes of planes that heights are read above, against the robot's own level, rad; empty:
   /// any.
   std::optional<double> plane_slope = {};
-  /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 2e-5 is 1 K of aluminium,
-  /// nearly 2 K of steel.
-  double scale_std = 0.0;
+  /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 15 ppm: 1.3 K of steel, 0.65 K
+  /// of aluminium.
+  double scale_std = 1.5e-5;
+  /// A component of variance (see Component) enters the uncertainty when it makes -2 log likelihood drop by this much
+  /// more than chance would by the number of components tried; 4: one clean machine in 50 is given one too many.
+  double admit_drop = 4.0;
+  double tell_chance = 1e-3;     ///< and it becomes a note when chance alone is less probable than this
+  AcceptanceLimits limits = {};  ///< that U in use must keep for a calibration to be accepted
+  bool states_use = true;        ///< compute U in use over the workspace; a batch of machines has no need of it
   std::vector<SourceSelector> fixed = {};  ///< held at zero: known exactly
   std::vector<SourceSelector> free = {};   ///< sought without a prior
   bool exclude_outliers = true;            ///< method best: leave out readings that contradict the others
@@ -96,6 +112,13 @@ enum class Verdict : std::uint8_t {
   not_converged,     ///< the fit did not settle; parameters are the best found and must not be used
 };
 
+/// Coverage factor of an expanded uncertainty U = k std whose std is known  [gum, 6.2].
+inline constexpr double kCoverageFactor = 2.0;
+
+/// Coverage factor where `dof` degrees of freedom estimate the std: Student's t for 95.45 %, 2 when they are many
+/// [gum, G.3].
+double coverage_factor(double dof);
+
 /// One identified source error.
 struct ParameterEstimate {
   std::size_t limb = 0;  ///< from 0
@@ -104,9 +127,39 @@ struct ParameterEstimate {
   std::optional<double> std = {};        ///< standard deviation, mm or rad; empty where the readings cannot tell
   std::optional<double> prior_std = {};  ///< before the readings, from the tolerances; empty: no prior
   double data_share = 1.0;               ///< share of the information that the readings gave: 1 - std^2 / prior_std^2
+  /// Degrees of freedom of std^2 (Welch and Satterthwaite, [gum, G.4]): those that estimate the noise over the square
+  /// of the noise's share in std^2.
+  double dof = std::numeric_limits<double>::infinity();
+  bool held = false;  ///< not sought: held at nominal, while its tolerance counts in every uncertainty
 
   /// The readings gave at least half of the information.
-  bool identified() const { return data_share >= 0.5; }
+  bool identified() const { return !held && data_share >= 0.5; }
+  /// k of U = k std, about 95 %.
+  double coverage() const { return coverage_factor(dof); }
+};
+
+/// A variance that the readings themselves show: what the noise, the tolerances and the exact model do not explain.
+struct Component {
+  std::string text;     ///< a sentence with its size
+  double factor = 1.0;  ///< of the standard deviations that it widens; of joints: their standard deviation, rad or mm
+  double drop = 0.0;    ///< of -2 log likelihood, less what the number of components tried costs
+  double chance = 1.0;  ///< that a machine without it shows as much
+  bool told = false;    ///< certain enough for a note
+};
+
+/// U of one quantity in use: 95 % of such machines are nowhere in the workspace off by more.
+struct UseQuantity {
+  double U = 0.0;  ///< mm or rad
+  std::optional<double> limit = {};
+
+  bool kept() const { return !limit || U <= *limit; }
+};
+
+/// How well the calibrated machine is known over its workspace: distances to home, positions after the best alignment,
+/// rotations relative to home.
+struct Use {
+  UseQuantity distance, aligned;
+  std::optional<UseQuantity> rotation = {};
 };
 
 /// A direction of the parameters that the readings do not see.
@@ -182,9 +235,17 @@ struct [[nodiscard]] Calibration {
   Verdict verdict = Verdict::not_converged;
   std::vector<std::string> reasons = {};  ///< why it was not accepted; empty when it was
   std::vector<std::string> notes = {};    ///< what a careful reader should know
+  std::vector<std::string> assumed = {};  ///< what no reading showed and nobody stated
   std::vector<ParameterEstimate> parameters = {};
-  Eigen::MatrixXd covariance = {};  ///< of the parameters, mm and rad; empty where no std could be stated
-  int rank = 0;                     ///< of the position group (and of the tilt group where tilt was measured)
+  Eigen::MatrixXd covariance = {};        ///< of the parameters, mm and rad; empty where no std could be stated
+  Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
+  /// Degrees of freedom that estimate the noise; infinite where it is known.
+  double noise_dof = std::numeric_limits<double>::infinity();
+  /// Standard deviation with which joints stand elsewhere than the model has them, at each pose anew, rad or mm.
+  double joint_std = 0.0;
+  std::vector<Component> components = {};  ///< in the order in which they were found
+  std::optional<Use> use = {};             ///< empty where no covariance could be stated
+  int rank = 0;                            ///< of the position group (and of the tilt group where tilt was measured)
   std::vector<NullDirection> null_space = {};
   std::vector<StageReport> stages = {};
   PoseErrorSummary before = {}, after = {};
@@ -223,9 +284,6 @@ struct [[nodiscard]] Calibration {
   /// A few lines for a person: verdict, parameters, residuals.
   std::string brief() const;
 };
-
-/// Coverage factor of every expanded uncertainty U = k std  [gum, 6.2].
-inline constexpr double kCoverageFactor = 2.0;
 
 /// "accepted", "rejected", "not identifiable", "not converged".
 std::string_view name(Verdict verdict);

@@ -77,6 +77,10 @@ struct Measurements {
 /// from 1 in messages.
 void check(const Measurements& measurements, std::size_t limb_count);
 
+/// The lengths that instrument and machine would have shown at 20 deg C  [iso1]: all lengths read over 1 + expansion.
+/// @param expansion  of the machine less that of the instrument, m/m: (a_machine - a_instrument) (T - 20 deg C).
+Measurements at_reference_temperature(Measurements measurements, double expansion);
+
 /// Joint coordinates that the controller believed at a station.
 /// @throws Unreachable when they are not stated and the nominal robot does not reach the commanded pose.
 Joints believed_joints(const Robot& robot, const Station& station);

@@ -29,6 +29,7 @@ struct PoseErrorSummary {
   double rms_distance = 0.0;              ///< of d_rho, mm
   double max_volumetric = 0.0;            ///< of d_v, mm: depends on how the frames are aligned
   double max_volumetric_aligned = 0.0;    ///< mm: largest |dr| after the rigid motion that fits best has been removed
+  bool reads_distances = true;            ///< the four above stand for readings; false: heights alone were read
   std::optional<double> rms_height = {};  ///< of heights above a plane, mm; empty where none were read
   std::optional<double> max_abs_rotation = {};  ///< of d_phi, rad; empty where no rotation was read
 };

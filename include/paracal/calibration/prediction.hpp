@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
@@ -14,7 +15,18 @@ namespace paracal {
 struct KnownErrors {
   SourceErrors errors;
   std::vector<SoughtSource> parameters;
-  Eigen::MatrixXd covariance;  ///< of the parameters, mm and rad
+  Eigen::MatrixXd covariance;             ///< of the parameters, mm and rad
+  Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
+  double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
+  double joint_std = 0.0;  ///< of where joints stand at each pose against the model, rad or mm
+
+  /// C + ((k / 2)^2 - 1) C_noise: U = 2 std by this covariance. Student's k for the degrees of freedom multiplies the
+  /// noise's part alone, for tolerances and what is known need none; a little more than Welch and Satterthwaite state.
+  Eigen::MatrixXd expanded_covariance() const;
+  /// The same for one pose by itself, where a joint that stands elsewhere is one whose zero lies elsewhere.
+  Eigen::MatrixXd pose_covariance() const;
+  /// expanded_covariance() of the joints' standard deviation.
+  double expanded_joint_std() const;
 };
 
 KnownErrors known_errors(const Calibration& calibration);
@@ -28,10 +40,17 @@ KnownErrors promised(const Robot& robot, const Measurements& given, const Calibr
 Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters);
 
+/// How well a calibrated machine is known over its workspace_stations().
+/// @throws Unreachable when it does not reach them.
+Use use_over_workspace(const Robot& robot, const KnownErrors& known);
+
+/// d(x, y, z, phi) / d(joint coordinates): 4 rows, a column a limb.
+Eigen::MatrixXd joint_jacobian(const Machine& machine, const Joints& joints);
+
 /// A pose as the identified machine takes it, with its uncertainty in the robot's frame.
 struct PredictedPose {
   Pose pose;
-  Eigen::Matrix4d covariance;  ///< of x, y, z (mm), phi (rad)
+  Eigen::Matrix4d covariance;  ///< of x, y, z (mm), phi (rad), by KnownErrors::pose_covariance: U = 2 std
 };
 
 /// @throws Unreachable when the machine does not close at these joints.
@@ -59,13 +78,20 @@ class PoseSpread {
 
   WorkspaceUncertainty uncertainty(const Eigen::MatrixXd& covariance) const;
   /// At every pose; home has neither distance nor rotation.
-  std::vector<PoseStd> each(const Eigen::MatrixXd& covariance) const;
+  /// @param joint_std  of where joints stand at each pose, independently; rad or mm.
+  std::vector<PoseStd> each(const Eigen::MatrixXd& covariance, double joint_std = 0.0) const;
+  /// What 95 % of the machines with these uncertainties nowhere exceed, from drawn machines; limits are left open. The
+  /// same numbers for the same arguments.
+  Use worst(const KnownErrors& known) const;
   /// B with tr(B C) = mean over the poses of the variance of the aligned position and of `lever` x rotation, mm^2.
   Eigen::MatrixXd mean_square(double lever) const;
 
  private:
   // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home.
   Eigen::MatrixXd distance_, aligned_, rotation_;
+  // The same by the joints of one pose: distance (along its direction from home) and rotation at every pose but home,
+  // then what home's own do; x, y, z at every pose.
+  Eigen::MatrixXd distance_joint_, home_distance_joint_, rotation_joint_, position_joint_;
 };
 
 }  // namespace paracal

@@ -27,13 +27,6 @@ struct Iso9283 {
   double max_AP = 0.0, max_RP = 0.0, max_AD = 0.0, max_RD = 0.0;
 };
 
-/// What customers were promised; empty: no limit.
-struct AcceptanceLimits {
-  std::optional<double> distance = {};    ///< of |d_rho|, mm
-  std::optional<double> volumetric = {};  ///< of aligned |dr|, mm
-  std::optional<double> rotation = {};    ///< of |d_phi|, rad
-};
-
 enum class Conformity : std::uint8_t {
   conforming,      ///< error + U <= limit: proven within  [iso14253-1]
   not_conforming,  ///< error - U > limit: proven beyond

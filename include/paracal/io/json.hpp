@@ -85,6 +85,9 @@ struct CalibratedMachine {
   SourceErrors errors;
   std::vector<ParameterEstimate> parameters = {};  ///< those that were sought; limb, source and value only
   Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty where none was stated
+  Eigen::MatrixXd noise_covariance = {};           ///< the part of it that comes from the noise of the readings
+  double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
+  double joint_std = 0.0;                                      ///< as Calibration::joint_std, rad or mm
 
   /// What predictions are made from; no parameters where no covariance was stated.
   KnownErrors known() const;

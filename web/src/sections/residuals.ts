@@ -129,7 +129,7 @@ function suspects(calibration: Calibration): HTMLElement {
 
 function validated(validation: Validation): HTMLElement[] {
   const sizes = validation.poses.map((one, k) => ({ index: k + 1, name: one.pose, before: one.before.d_v_mm, after: one.after.d_v_mm }));
-  const shows = text.posesShows(digits(validation.before.max_volumetric_mm), digits(validation.after.max_volumetric_mm, 2));
+  const shows = text.posesShows(digits(validation.before.max_volumetric_mm ?? 0), digits(validation.after.max_volumetric_mm ?? 0, 2));
   const { poses } = validation.iso9283;
   return [
     sizesFigure("validated-poses", text.poses, shows, sizes, text.pose, text.error_mm),

@@ -19,8 +19,8 @@ function verdictsOf({ results, figures }: Report): Verdict[] {
   const { reproduction, validation, calibration, analysis, allocation, sensitivity, yield: batch } = results;
   return [
     ...(reproduction ? [ofReproduction(reproduction.rows)] : []),
-    ...(validation ? [ofValidation(validation, figures.error_map)] : []),
-    ...(calibration ? [calibration.printer ? ofPrinter(calibration.printer) : ofCalibration(calibration)] : []),
+    ...(validation ? [ofValidation(validation, figures.error_map, calibration)] : []),
+    ...(calibration && !validation ? [calibration.printer ? ofPrinter(calibration.printer) : { ...ofCalibration(calibration), ...(reproduction ? { yes: null } : {}) }] : []),
     ...(analysis ? [ofAnalysis(analysis)] : []),
     ...(allocation ? [ofAllocation(allocation)] : []),
     ...(sensitivity && !reproduction ? [ofSensitivity(sensitivity)] : []),

@@ -1,15 +1,14 @@
 // Is the machine good? A calibration and a validation.
-import type { Calibration, ErrorMap, Largest, Validation } from "../data";
+import type { Calibration, ErrorMap, Largest, Use, UseQuantity, Validation } from "../data";
 import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
 import { strings } from "../strings";
 import { card, from, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict;
 
-/// "3.35 → 0.02 mm"; both to the last digit that the uncertainty lets count.
-function beforeAfter(name: string, before: number, after: number, unit: string, uncertainty: number | null, notes: (string | null)[]): HTMLElement {
-  const decimals = uncertainty === null ? decimalsFor(after) : Math.max(0, decimalsFor(uncertainty) - (uncertainty < 1 ? 0 : 1));
-  const number = (value: number) => fixed(value, decimals);
+/// "3.35 → 0.02 mm".
+function beforeAfter(name: string, before: number, after: number, unit: string, notes: (string | null)[]): HTMLElement {
+  const number = (value: number) => fixed(value, decimalsFor(after));
   return card(name, [from(number(before)), number(after), unitOf(unit)], notes);
 }
 
@@ -20,28 +19,42 @@ interface Notes {
   rotation: string | null;
 }
 
-function largestCards(before: Largest, after: Largest, uncertainty: number | null, notes: Notes): HTMLElement[] {
-  const cards = [
-    beforeAfter(text.distance, before.max_abs_distance_mm, after.max_abs_distance_mm, "mm", uncertainty, [text.rms(digits(before.rms_distance_mm, 3), digits(after.rms_distance_mm, 2)), notes.distance]),
-    ...(before.max_volumetric_aligned_mm > 0 ? [beforeAfter(text.aligned, before.max_volumetric_aligned_mm, after.max_volumetric_aligned_mm, "mm", uncertainty, [notes.aligned])] : []),
+/// Before and after, of what was read: nothing is shown that no reading tells.
+function largestCards(before: Largest, after: Largest, names: Record<keyof Notes, string>, notes: Notes): HTMLElement[] {
+  const largest = (name: string, was: number | null, is: number | null, unit: string, ...more: (string | null)[]) =>
+    was === null || is === null || was === 0 ? [] : [beforeAfter(name, was, is, unit, more)];
+  const rms = before.rms_distance_mm === null || after.rms_distance_mm === null ? null : text.rms(digits(before.rms_distance_mm, 3), digits(after.rms_distance_mm, 2));
+  return [
+    ...largest(names.distance, before.max_abs_distance_mm, after.max_abs_distance_mm, "mm", rms, notes.distance),
+    ...largest(names.aligned, before.max_volumetric_aligned_mm, after.max_volumetric_aligned_mm, "mm", notes.aligned),
+    ...largest(names.rotation, before.max_abs_rotation_deg, after.max_abs_rotation_deg, "deg", notes.rotation),
   ];
-  if (before.max_abs_rotation_deg !== null && after.max_abs_rotation_deg !== null) {
-    cards.push(beforeAfter(text.rotation, before.max_abs_rotation_deg, after.max_abs_rotation_deg, "deg", null, [notes.rotation]));
-  }
-  return cards;
+}
+
+/// How good the machine is where nobody measured: what a buyer asks for.
+function useCards(use: Use | null): HTMLElement[] {
+  const one = (name: string, quantity: UseQuantity | null, unit: string) =>
+    quantity === null ? [] : [card(name, [`\u00b1\u00a0${digits(quantity.U, 2)}`, unitOf(unit)], [quantity.limit === null ? null : text.use.limit(digits(quantity.limit), unit, quantity.verdict ?? ""), text.use.everywhere])];
+  if (use === null) return [];
+  return [...one(text.use.distance, use.distance_mm, "mm"), ...one(text.use.aligned, use.aligned_mm, "mm"), ...one(text.use.rotation, use.rotation_deg, "deg")];
+}
+
+function notesOf(calibration: Calibration): string[] {
+  const unseen = calibration.null_space.map((direction) => direction.text);
+  return [...calibration.notes, ...calibration.assumed.map(text.assumed), ...(unseen.length > 0 ? [text.unseen(unseen, calibration.accepted)] : [])];
 }
 
 export function ofCalibration(calibration: Calibration): Verdict {
-  const points = calibration.residuals.some((residual) => "pose" in residual);
-  const uncertainty = 2 * calibration.noise_mm * (points ? Math.SQRT2 : 1);
-  const unseen = calibration.null_space.map((direction) => direction.text);
+  const { before, after } = calibration;
+  const heights = before.rms_height_mm != null && after.rms_height_mm != null ? [beforeAfter(text.residual.height, before.rms_height_mm, after.rms_height_mm, "mm", [text.residual.fitted])] : [];
+  const fitted = { distance: text.residual.fitted, aligned: text.residual.fitted, rotation: text.residual.fitted };
   return {
     yes: calibration.accepted,
     says: calibration.accepted ? text.yes.calibration : text.no.calibration(calibration.verdict),
     sentence: text.calibration(calibration.readings, calibration.noise_mm, calibration.degrees_of_freedom),
     reasons: calibration.reasons,
-    cards: largestCards(calibration.before, calibration.after, uncertainty, { distance: text.reading(digits(uncertainty, 2)), aligned: text.point(digits(2 * calibration.noise_mm, 2)), rotation: null }),
-    notes: [...calibration.notes, ...(unseen.length > 0 ? [text.unseen(unseen, calibration.accepted)] : [])],
+    cards: [...useCards(calibration.use), ...largestCards(before, after, text.residual, fitted), ...heights],
+    notes: notesOf(calibration),
   };
 }
 
@@ -54,7 +67,8 @@ function predictedNotes(map: ErrorMap | undefined): Notes {
   return { distance: note("distance", "mm"), aligned: note("position", "mm"), rotation: note("rotation", "deg") };
 }
 
-export function ofValidation(validation: Validation, map: ErrorMap | undefined): Verdict {
+/// One banner: a calibration that other poses were measured for is judged by these; what it says of itself stands below.
+export function ofValidation(validation: Validation, map: ErrorMap | undefined, calibration: Calibration | undefined): Verdict {
   const limited = validation.checks.length > 0;
   const iso = validation.iso9283;
   const inUnit = (quantity: string, value: number) => (quantity.endsWith("rad") ? (value * 180) / Math.PI : value);
@@ -70,8 +84,10 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined):
     reasons: validation.reasons,
     cards: [
       ...checks,
-      ...largestCards(validation.before, validation.after, null, predictedNotes(map)),
+      ...largestCards(validation.before, validation.after, text, predictedNotes(map)),
+      ...useCards(calibration?.use ?? null),
       ...(iso.poses.length > 0 ? [card(text.iso, [`AP ${digits(iso.max_AP_mm)}`, unitOf("mm")], [text.isoMore(digits(iso.max_RP_mm, 2), digits(iso.max_AD_mm), digits(iso.max_RD_mm, 2))])] : []),
     ],
+    notes: calibration ? notesOf(calibration) : [],
   };
 }

@@ -1,0 +1,263 @@
+#include "components.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include "paracal/units.hpp"
+
+namespace paracal::detail {
+namespace {
+
+/// By how much -2 log likelihood can drop at best when the variance of `freedom` squares, `ratio` times what was
+/// expected, is sought: freedom (ratio - 1 - log ratio), none for squares that are too small.
+double promised_drop(double ratio, double freedom) {
+  return ratio > 1.0 && freedom > 0.0 ? freedom * (ratio - 1.0 - std::log(ratio)) : 0.0;
+}
+
+/// A component that may be there.
+struct Candidate {
+  double promised = 0.0;  ///< drop of -2 log likelihood
+  double price = 0.0;     ///< what trying as many alike takes from that drop: 2 log of their number
+  std::function<void(StageFit&)> begin;
+  std::function<double(const StageFit&)> size;              ///< what it came to
+  std::function<std::string(const StageFit&, double)> say;  ///< in words, of its size
+};
+
+/// Rows of repeated readings, by station, kind and series.
+using Visits = std::map<std::array<std::uint32_t, 3>, std::vector<Eigen::VectorXd>>;
+
+Visits repeated_visits(const StageFit& fit) {
+  Visits visits;
+  const Observation& observation = fit.observation();
+  const auto states = observation.stations(fit.fit().parameters);
+  if (!states) return visits;
+  Eigen::MatrixXd block;
+  for (const Group& group : observation.groups()) {
+    if (!group.active || group.is_distance()) continue;
+    observation.rows(group, *states, fit.fit().parameters, block);
+    visits[{group.station, static_cast<std::uint32_t>(group.kind), group.series}].push_back(
+        block.col(observation.unknown_count()));
+  }
+  return visits;
+}
+
+class Finder {
+ public:
+  Finder(StageFit& fit, const Robot& robot, const CalibrationOptions& options)
+      : fit_(fit), robot_(robot), options_(options) {}
+
+  std::vector<Component> find() {
+    constexpr int kMost = 8, kTries = 3;
+    std::vector<Component> found;
+    while (fit_.converged() && std::ssize(found) < kMost) {
+      std::vector<Candidate> candidates = this->candidates();
+      std::ranges::sort(candidates, std::greater{}, [](const Candidate& one) { return one.promised - one.price; });
+      if (candidates.size() > kTries) candidates.resize(kTries);
+      std::optional<Component> best = most_telling(candidates);
+      if (!best) break;
+      found.push_back(std::move(*best));
+    }
+    return found;
+  }
+
+ private:
+  /// Tries candidates; the fit is left with the best of those that are admitted.
+  std::optional<Component> most_telling(const std::vector<Candidate>& candidates) {
+    const StageFit::State before = fit_.state();
+    const double likelihood = fit_.minus_twice_log_likelihood();
+    std::optional<Component> best;
+    std::optional<StageFit::State> best_state;
+    for (const Candidate& candidate : candidates) {
+      candidate.begin(fit_);
+      fit_.settle();
+      const double drop = likelihood - fit_.minus_twice_log_likelihood() - candidate.price;
+      if (fit_.converged() && drop > options_.admit_drop && (!best || drop > best->drop)) {
+        best = described(candidate, drop);
+        best_state = fit_.state();
+      }
+      fit_.restore(before);
+    }
+    if (best_state) fit_.restore(std::move(*best_state));
+    return best;
+  }
+
+  /// A variance that may only grow: half the probability that a chi-square of one degree of freedom is larger
+  /// [self-liang1987].
+  Component described(const Candidate& candidate, double drop) const {
+    const double chance =
+        boost::math::cdf(boost::math::complement(boost::math::normal_distribution<>(), std::sqrt(drop)));
+    const double size = candidate.size(fit_);
+    return {candidate.say(fit_, size), size, drop, chance, chance < options_.tell_chance};
+  }
+
+  std::vector<Candidate> candidates() const {
+    constexpr double kWorthTrying = 2.0;
+    std::vector<Candidate> all;
+    add_joint(all);
+    add_stated_noise(all);
+    add_priors(all);
+    std::erase_if(all, [](const Candidate& one) { return one.promised - one.price < kWorthTrying; });
+    return all;
+  }
+
+  void add_joint(std::vector<Candidate>& all) const {
+    const auto& groups = fit_.observation().groups();
+    const bool stated = std::ranges::any_of(groups, &Group::stated);
+    const FitScatter scatter = fit_scatter(fit_);
+    if (fit_.components().joint || !(stated || scatter.visits.redundancy >= 3.0)) return;
+    const double visits = scatter.visits.redundancy >= 3.0 ? scatter.visits.sum / scatter.visits.redundancy : 1.0;
+    if (!(scatter.poses.redundancy >= 3.0) || !(visits > 0.0)) return;
+    const double ratio = scatter.poses.sum / scatter.poses.redundancy / visits;
+    const bool repeated = scatter.visits.redundancy >= 3.0;
+    all.push_back({.promised = promised_drop(ratio, scatter.poses.redundancy),
+                   .begin = [](StageFit& fit) { fit.seek_joint(first_joint_std(fit)); },
+                   .size = [](const StageFit& fit) { return fit.observation().components().joint; },
+                   .say = [repeated](const StageFit& fit, double) { return joint_sentence(fit, repeated); }});
+  }
+
+  static std::string joint_sentence(const StageFit& fit, bool repeated) {
+    return fmt::format("{} {:.3f} mm, poses disagree with the model by {:.3f} mm: backlash, friction or load{}",
+                       repeated ? "visits repeat to" : "the noise is stated as", reading_noise(fit.observation()),
+                       pose_disagreement(fit), repeated ? "" : ", or more noise than is stated");
+  }
+
+  /// What the joints' standard deviation does to a coordinate of the plate, root mean square over the stations, mm.
+  static double pose_disagreement(const StageFit& fit) {
+    const auto states = fit.observation().stations(fit.fit().parameters);
+    double squares = 0.0;
+    for (const StationState& station : *states) squares += station.by_joint.topRows<3>().squaredNorm() / 3.0;
+    return fit.observation().components().joint * std::sqrt(squares / static_cast<double>(states->size()));
+  }
+
+  /// Standard deviation that moves a row by as much as its noise.
+  static double first_joint_std(const StageFit& fit) {
+    const Observation& observation = fit.observation();
+    const auto states = observation.stations(fit.fit().parameters);
+    double squares = 0.0, rows = 0.0;
+    Eigen::MatrixXd block, by_joint;
+    for (const Group& group : observation.groups()) {
+      if (!group.active) continue;
+      observation.rows(group, *states, fit.fit().parameters, block, &by_joint);
+      squares += by_joint.squaredNorm();
+      rows += static_cast<double>(by_joint.rows());
+    }
+    return std::sqrt(rows / std::max(squares, 1e-300));
+  }
+
+  void add_stated_noise(std::vector<Candidate>& all) const {
+    if (fit_.components().stated_noise) return;
+    const auto& groups = fit_.observation().groups();
+    if (std::ranges::none_of(groups, &Group::stated)) return;
+    const Scatter stated = detail::scatter(fit_.observation(), fit_.fit().parameters, fit_.fit().at_answer.root(),
+                                           [](const Group& group) { return group.stated; });
+    if (stated.redundancy < 1.0) return;
+    const double ratio = stated.sum / stated.redundancy;
+    all.push_back({.promised = promised_drop(ratio, stated.redundancy),
+                   .begin = [ratio](StageFit& fit) { fit.seek_stated_noise(std::sqrt(ratio)); },
+                   .size = [](const StageFit& fit) { return fit.observation().components().stated_noise; },
+                   .say =
+                       [](const StageFit&, double size) {
+                         return fmt::format("the readings scatter {:.2g} times as much as their stated sigmas", size);
+                       }});
+  }
+
+  void add_priors(std::vector<Candidate>& all) const {
+    const std::vector<SoughtSource>& sought = fit_.observation().sought();
+    const auto places = [&](const auto& chosen) {
+      std::vector<std::size_t> list;
+      for (std::size_t k = 0; k < sought.size(); ++k) {
+        if (sought[k].prior_std && chosen(sought[k])) list.push_back(k);
+      }
+      return list;
+    };
+    const double groups = 2.0 * std::log(3.0), kinds = 2.0 * std::log(static_cast<double>(kSourceCount)),
+                 ones = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(sought.size(), 1)));
+    const auto times = [](std::string whose) {
+      return [whose = std::move(whose)](const StageFit&, double size) {
+        return fmt::format("{} {:.1f} times as large as the tolerances say", whose, size);
+      };
+    };
+    add_prior(all, times("all errors are"), groups, places([](const SoughtSource&) { return true; }));
+    add_prior(all, times("the errors of the position group are"), groups,
+              places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
+    add_prior(all, times("the errors of the tilt group are"), groups,
+              places([](const SoughtSource& one) { return tilts_plate(one.source); }));
+    for (const Source source : all_sources()) {
+      add_prior(all, times(fmt::format("{} of all limbs is", name(source))), kinds,
+                places([source](const SoughtSource& one) { return one.source == source; }));
+    }
+    for (std::size_t k = 0; k < sought.size(); ++k) {
+      if (!sought[k].prior_std) continue;
+      const SoughtSource one = sought[k];
+      add_prior(all,
+                [one](const StageFit&, double size) {
+                  return fmt::format(
+                      "{} of limb {} is {:.1f} standard deviations of its tolerance away from nominal: a "
+                      "wrong part, or a wrong tolerance",
+                      name(one.source), one.limb + 1, size);
+                },
+                ones, {k});
+    }
+  }
+
+  void add_prior(std::vector<Candidate>& all, std::function<std::string(const StageFit&, double)> say, double price,
+                 std::vector<std::size_t> places) const {
+    const std::vector<WidenedPriors>& known = fit_.components().priors;
+    if (places.empty() || std::ranges::any_of(known, [&](const auto& one) { return one.places == places; })) return;
+    const Scatter squares = fit_.prior_squares(places, covariance());
+    const double ratio = squares.redundancy > 0.0 ? squares.sum / squares.redundancy : 0.0;
+    all.push_back({.promised = promised_drop(ratio, squares.redundancy),
+                   .price = price,
+                   .begin = [places, start = std::sqrt(std::max(ratio, 1.0))](
+                                StageFit& fit) { fit.seek_wider_priors(places, start); },
+                   .size = [](const StageFit& fit) { return fit.components().priors.back().factor; },
+                   .say = std::move(say)});
+  }
+
+  const Eigen::MatrixXd& covariance() const {
+    if (covariance_at_ != fit_.iterations()) {
+      covariance_ = fit_.covariance();
+      covariance_at_ = fit_.iterations();
+    }
+    return covariance_;
+  }
+
+  StageFit& fit_;
+  const Robot& robot_;
+  const CalibrationOptions& options_;
+  mutable Eigen::MatrixXd covariance_;
+  mutable int covariance_at_ = -1;
+};
+
+}  // namespace
+
+FitScatter fit_scatter(const StageFit& fit) {
+  FitScatter scatter;
+  for (const auto& [place, visits] : repeated_visits(fit)) {
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(visits.front().size());
+    std::size_t alike = 0;
+    for (const Eigen::VectorXd& one : visits) {
+      if (one.size() == mean.size()) mean += (one - mean) / static_cast<double>(++alike);
+    }
+    for (const Eigen::VectorXd& one : visits) {
+      if (one.size() == mean.size()) scatter.visits.sum += (one - mean).squaredNorm();
+    }
+    scatter.visits.redundancy += static_cast<double>(alike - 1) * static_cast<double>(mean.size());
+  }
+  const Scatter all = fit.scatter();
+  scatter.poses = {std::max(all.sum - scatter.visits.sum, 0.0), all.redundancy - scatter.visits.redundancy};
+  return scatter;
+}
+
+std::vector<Component> find_components(StageFit& fit, const Robot& robot, const CalibrationOptions& options) {
+  return Finder(fit, robot, options).find();
+}
+
+}  // namespace paracal::detail

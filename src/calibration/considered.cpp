@@ -1,0 +1,93 @@
+#include "considered.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "sought.hpp"
+
+namespace paracal::detail {
+namespace {
+
+bool same(const SoughtSource& one, const SoughtSource& other) {
+  return one.limb == other.limb && one.source == other.source;
+}
+
+/// Variances that the tolerances give some errors; 0: exact.
+Eigen::VectorXd variances(const std::vector<SoughtSource>& errors, const std::vector<SoughtSource>& tolerated) {
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(std::ssize(errors));
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    const auto found = std::ranges::find_if(tolerated, [&](const auto& one) { return same(one, errors[k]); });
+    if (found != tolerated.end()) variances(static_cast<Eigen::Index>(k)) = std::pow(found->prior_std.value_or(0.0), 2);
+  }
+  return variances;
+}
+
+/// K B and K J of the errors p, from the rows' root over [set-up | p | q] with scales among the set-up.
+struct Gains {
+  Eigen::MatrixXd held;    ///< K B: p x q, scales first
+  Eigen::MatrixXd sought;  ///< K J: p x p
+};
+
+Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales, Eigen::Index setup,
+            Eigen::Index sought) {
+  constexpr double kRankTolerance = 1e-7;
+  std::vector<Eigen::Index> first, last = scales;
+  for (Eigen::Index k = 0; k < setup + sought; ++k) {
+    if (std::ranges::find(scales, k) == scales.end()) first.push_back(k);
+  }
+  for (Eigen::Index k = setup + sought; k < root.cols(); ++k) last.push_back(k);
+  const Eigen::MatrixXd estimated = root(Eigen::indexing::all, first), held = root(Eigen::indexing::all, last);
+  Eigen::VectorXd scale = estimated.colwise().norm();
+  scale = (scale.array() > 0.0).select(scale, 1.0);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(kRankTolerance);
+  decomposition.compute(estimated * scale.cwiseInverse().asDiagonal());
+  const Eigen::MatrixXd inverse = scale.cwiseInverse().asDiagonal() * decomposition.pseudoInverse();
+  return {(inverse * held).bottomRows(sought), (inverse * estimated).bottomRightCorner(sought, sought)};
+}
+
+}  // namespace
+
+std::vector<SoughtSource> consider_held(const Measurements& measurements, const StageFit& fit,
+                                        Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  if (has_priors(observation) || calibration.covariance.size() == 0) return {};
+  const std::vector<SoughtSource> tolerated = all_with_priors(calibration.robot, calibration.options);
+  std::vector<SoughtSource> held;
+  for (const SoughtSource& one : tolerated) {
+    const bool sought = std::ranges::any_of(observation.sought(), [&](const auto& other) { return same(one, other); });
+    if (!sought && one.prior_std) held.push_back(one);
+  }
+  std::vector<SoughtSource> all = observation.sought();
+  all.insert(all.end(), held.begin(), held.end());
+  for (SoughtSource& one : all) one.prior_std.reset();
+  Observation whole(calibration.robot, measurements, calibration.options, all, true);
+  whole.groups() = observation.groups();
+  whole.components() = observation.components();
+  const auto start = whole.start(observation.errors(fit.fit().parameters));
+  InformationRoot root(whole.unknown_count());
+  if (!start || !whole(*start, root)) return {};
+
+  const Eigen::Index sought = observation.source_count(), count = std::ssize(held);
+  const std::vector<Eigen::Index> scales = whole.scale_columns();
+  const Gains gain = gains(root.root(), scales, whole.nuisance_count(), sought);
+  const double scale_variance = std::pow(calibration.options.scale_std, 2);
+  Eigen::VectorXd held_variances(std::ssize(scales) + count);
+  held_variances << Eigen::VectorXd::Constant(std::ssize(scales), scale_variance), variances(held, tolerated);
+  const Eigen::MatrixXd open = Eigen::MatrixXd::Identity(sought, sought) - gain.sought;
+  const Eigen::MatrixXd through = gain.held * held_variances.asDiagonal();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(sought + count, sought + count), noise = covariance;
+  noise.topLeftCorner(sought, sought) = calibration.noise_covariance;
+  covariance.topLeftCorner(sought, sought) =
+      calibration.noise_covariance + through * gain.held.transpose() +
+      open * variances(observation.sought(), tolerated).asDiagonal() * open.transpose();
+  covariance.topRightCorner(sought, count) = -through.rightCols(count);
+  covariance.bottomLeftCorner(count, sought) = -through.rightCols(count).transpose();
+  covariance.bottomRightCorner(count, count).diagonal() = held_variances.tail(count);
+  calibration.covariance = covariance;
+  calibration.noise_covariance = noise;
+  return held;
+}
+
+}  // namespace paracal::detail

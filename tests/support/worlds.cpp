@@ -1,0 +1,284 @@
+#include "support/worlds.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/mechanism/random.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::test {
+namespace {
+
+constexpr std::uint64_t kErrors = 101, kNoise = 102;
+constexpr int kVisits = 3;
+
+RigidMotion some_frame() {
+  return {Eigen::AngleAxisd(-1.3, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix(), {-900, 2200, 1400}};
+}
+
+SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random) {
+  SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  // [huang2016, Table 4] has lengths below 0.7 mm and angles below 0.45 / 375 rad.
+  constexpr double kTable4Share = 0.3;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      double& error = errors(limb, source);
+      error *= tilts_plate(source) ? world.tilt_tolerances : world.position_tolerances;
+      if (world.table4_sized && source != Source::theta_offset) error *= kTable4Share;
+    }
+  }
+  if (world.wrong_part) {
+    const auto limb = static_cast<std::size_t>(random.uniform() * static_cast<double>(robot.limb_count()));
+    const auto source = static_cast<Source>(static_cast<int>(random.uniform() * kPositionSourceCount));
+    errors(limb, source) = (random.uniform() < 0.5 ? -10.0 : 10.0) * (*robot.tolerances())[source];
+  }
+  return errors;
+}
+
+/// One machine as it really is.
+class Truth {
+ public:
+  Truth(const Robot& robot, const World& world, int number)
+      : robot_(robot), world_(world), random_(kErrors, static_cast<std::uint64_t>(number)) {
+    errors_ = drawn(robot, world, random_);
+    cold_ = build(robot, errors_);
+    SourceErrors warm = errors_;
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      warm(limb, Source::arm_length) += world.warm_arms * robot.geometry().arm;
+    }
+    warm_ = build(robot, warm);
+  }
+
+  const SourceErrors& errors() const { return errors_; }
+
+  /// Where the plate stands at a station this time; the same joints are off the same way at every visit.
+  Pose at(const Station& station, bool warm = false) {
+    Joints joints = believed_joints(robot_, station);
+    for (Eigen::Index k = 0; k < joints.size(); ++k) {
+      const double q = joints(k);
+      joints(k) += world_.encoder_once_a_turn * std::sin(q);
+      if (world_.backlash > 0.0) joints(k) += random_.uniform() < 0.5 ? -world_.backlash : world_.backlash;
+    }
+    const Machine& machine = warm ? warm_ : cold_;
+    const PlateState plate = forward(machine, joints).plate;
+    const double sag = world_.sag_at_rim * plate.position.head<2>().norm() / robot_.workspace().radius;
+    return {plate.position - Eigen::Vector3d(0.0, 0.0, sag), machine.rotation_of(plate.slide)};
+  }
+
+ private:
+  const Robot& robot_;
+  const World& world_;
+  RandomStream random_;
+  SourceErrors errors_;
+  Machine cold_, warm_;
+};
+
+/// Noise of a reading, mm.
+class Noise {
+ public:
+  Noise(const World& world, int number) : world_(world), random_(kNoise, static_cast<std::uint64_t>(number)) {}
+
+  double operator()() {
+    double draw = random_.normal();
+    if (world_.student) {
+      double squares = 0.0;
+      for (int k = 0; k < 3; ++k) squares += std::pow(random_.normal(), 2);
+      draw /= std::sqrt(squares / 3.0);
+    }
+    return draw * world_.noise_factor * kWorldNoise * (gross_ ? 5.0 : 1.0);
+  }
+  /// Begins a reading, which may be a gross one.
+  void next_reading() { gross_ = random_.uniform() < world_.gross_share; }
+
+ private:
+  const World& world_;
+  RandomStream random_;
+  bool gross_ = false;
+};
+
+Measurements points(const Robot&, const World& world, Truth& truth, Noise& noise, std::vector<Station> stations,
+                    int visits) {
+  const RigidMotion frame = some_frame();
+  Measurements measured{.stations = std::move(stations), .series = {{"tracker", {}}}};
+  for (std::size_t k = 0; k < measured.stations.size(); ++k) {
+    const bool warm = 2 * k >= measured.stations.size();
+    const Pose pose = truth.at(measured.stations[k], warm);
+    for (int visit = 0; visit < visits; ++visit) {
+      noise.next_reading();
+      PointReading reading{.station = k};
+      reading.point = (1.0 + world.scale) * frame(pose.position) + Eigen::Vector3d(noise(), noise(), noise());
+      measured.series.front().readings.push_back(std::move(reading));
+    }
+  }
+  return measured;
+}
+
+/// Home, and two rings of six on the middle layer: heights above a plane that nobody knows.
+std::vector<Station> height_stations(const Robot& robot) {
+  std::vector<Station> stations{{"home", {robot.workspace().centre(), 0.0}}};
+  for (int k = 0; k < 12; ++k) {
+    const double radius = robot.workspace().radius * (k < 6 ? 0.5 : 0.95),
+                 angle = to_radians(60.0 * k + (k < 6 ? 30 : 0));
+    stations.push_back(
+        {"H" + std::to_string(k + 1),
+         {robot.workspace().centre() + radius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0), 0.0}});
+  }
+  return stations;
+}
+
+Measurements heights(const Robot& robot, Truth& truth, Noise& noise, bool distances) {
+  Measurements measured{.stations = height_stations(robot), .planes = {{"bed", {}}}};
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t k = 0; k < measured.stations.size(); ++k) {
+    places.push_back(truth.at(measured.stations[k]).position);
+    const Eigen::Vector3d& r = places.back();
+    measured.planes.front().readings.push_back(
+        {.station = k, .height = r.z() - (places.front().z() + 1e-3 * r.x() - 2e-3 * r.y()) + noise()});
+  }
+  for (std::size_t k = 7; distances && k < 13; k += 2) {
+    measured.distances.push_back({.from = 0, .to = k, .distance = (places[k] - places[0]).norm() + noise()});
+  }
+  return measured;
+}
+
+Measurements distances(const Robot& robot, Truth& truth, Noise& noise) {
+  Measurements measured{.stations = rough_stations(robot, 6)};
+  std::vector<Eigen::Vector3d> places;
+  for (const Station& station : measured.stations) places.push_back(truth.at(station).position);
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    measured.distances.push_back({.from = 0, .to = k, .distance = (places[k] - places[0]).norm() + noise()});
+  }
+  return measured;
+}
+
+Measurements measured(const Bench& bench, const World& world, Truth& truth, int number) {
+  Noise noise(world, number);
+  switch (world.readings) {
+    case Readings::points:
+      return points(bench.robot, world, truth, noise, bench.selected, kVisits);
+    case Readings::seven_points:
+      return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1);
+    case Readings::six_distances:
+      return distances(bench.robot, truth, noise);
+    case Readings::heights:
+      return heights(bench.robot, truth, noise, false);
+    case Readings::heights_and_distances:
+      break;
+  }
+  return heights(bench.robot, truth, noise, true);
+}
+
+CalibrationOptions options_of(const World& world) {
+  CalibrationOptions options;
+  options.noise_is_known = world.noise_is_known;
+  options.noise.point = options.noise.distance = options.noise.height = kWorldNoise;
+  return options;
+}
+
+/// Largest 2 std of a distance, Student's factor included, over the poses.
+std::vector<double> expanded_distances(const Bench& bench, const KnownErrors& known) {
+  const std::vector<PoseStd> each = PoseSpread(bench.robot, known.errors, known.parameters, bench.others)
+                                        .each(known.expanded_covariance(), known.expanded_joint_std());
+  std::vector<double> U;
+  for (std::size_t k = 1; k < each.size(); ++k) U.push_back(kCoverageFactor * each[k].distance);
+  return U;
+}
+
+/// A fit that was told the true noise and the true tolerances, and seeks nothing else.
+Calibration oracle(const Bench& bench, const World& world, const Measurements& readings) {
+  CalibrationOptions options = options_of(world);
+  options.noise_is_known = true;
+  options.noise.point = options.noise.distance = options.noise.height = world.noise_factor * kWorldNoise;
+  options.admit_drop = 1e300;
+  options.tolerances = *bench.robot.tolerances();
+  for (const Source source : all_sources()) {
+    (*options.tolerances)[source] *= tilts_plate(source) ? world.tilt_tolerances : world.position_tolerances;
+  }
+  return calibrate(bench.robot, readings, options);
+}
+
+void judge_machine(const Bench& bench, const World& world, int number, bool with_oracle, Judgement& all) {
+  Truth truth(bench.robot, world, number);
+  const Measurements readings = measured(bench, world, truth, number);
+  const Calibration calibration = calibrate(bench.robot, readings, options_of(world));
+  ++all.machines;
+  for (const std::string& note : calibration.notes) all.notes.push_back(std::to_string(number) + ": " + note);
+  if (!calibration.accepted()) return;
+  ++all.accepted;
+  if (!calibration.notes.empty()) ++all.noted;
+  for (const ParameterEstimate& one : calibration.parameters) {
+    if (!one.identified() || !one.std) continue;
+    ++all.errors;
+    const double U = one.coverage() * *one.std;
+    if (std::abs(one.value - truth.errors()(one.limb, one.source)) <= U) ++all.errors_held;
+  }
+  const KnownErrors known = known_errors(calibration);
+  const std::vector<double> U = expanded_distances(bench, known);
+  const auto predicted = [&](const Station& station) {
+    return predict(bench.robot, known, believed_joints(bench.robot, station)).pose.position;
+  };
+  const Eigen::Vector3d home = truth.at(bench.others.front()).position, believed_home = predicted(bench.others.front());
+  double largest = 0.0;
+  for (std::size_t k = 1; k < bench.others.size(); ++k) {
+    const double is = (truth.at(bench.others[k]).position - home).norm(),
+                 believed = (predicted(bench.others[k]) - believed_home).norm();
+    ++all.distances;
+    if (std::abs(is - believed) <= U[k - 1]) ++all.distances_held;
+    largest = std::max(largest, std::abs(is - believed));
+  }
+  all.largest_distance_error.push_back(largest);
+  all.largest_U.push_back(std::ranges::max(U));
+  if (calibration.use && largest > calibration.use->distance.U) ++all.use_exceeded;
+  if (!with_oracle) return;
+  const Calibration told = oracle(bench, world, readings);
+  all.U_over_oracle.push_back(std::ranges::max(U) / std::ranges::max(expanded_distances(bench, known_errors(told))));
+}
+
+}  // namespace
+
+std::vector<World> wrong_worlds() {
+  return {{.name = "clean"},
+          {.name = "noise known", .noise_is_known = true},
+          {.name = "six distances", .readings = Readings::six_distances, .table4_sized = true},
+          {.name = "seven points", .readings = Readings::seven_points},
+          {.name = "13 heights", .readings = Readings::heights},
+          {.name = "13 heights, 3 distances", .readings = Readings::heights_and_distances},
+          {.name = "all errors x 3", .position_tolerances = 3.0, .tilt_tolerances = 3.0},
+          {.name = "position errors x 3", .position_tolerances = 3.0},
+          {.name = "tilt errors x 3", .tilt_tolerances = 3.0},
+          {.name = "one wrong part", .wrong_part = true},
+          {.name = "backlash 0.02 deg", .backlash = to_radians(0.02)},
+          {.name = "backlash 0.005 deg", .backlash = to_radians(0.005)},
+          {.name = "backlash 0.02 deg, noise known", .noise_is_known = true, .backlash = to_radians(0.02)},
+          {.name = "encoder 0.01 deg a turn", .encoder_once_a_turn = to_radians(0.01), .errors_cannot_be_told = true},
+          {.name = "arms warm up 1e-4", .warm_arms = 1e-4, .errors_cannot_be_told = true},
+          {.name = "sag 0.05 mm", .sag_at_rim = 0.05, .errors_cannot_be_told = true},
+          {.name = "scale 20 ppm", .scale = 2e-5, .errors_cannot_be_told = true},
+          {.name = "noise 3 times the stated", .noise_is_known = true, .noise_factor = 3.0},
+          {.name = "noise a third of the stated", .noise_is_known = true, .noise_factor = 1.0 / 3.0},
+          {.name = "Student t3", .student = true},
+          {.name = "10 % at 5 sigma", .gross_share = 0.1}};
+}
+
+Bench bench_of(Robot robot) {
+  constexpr std::uint64_t kPlanSeed = 7, kOtherSeed = 11;
+  std::vector<Station> candidates = candidate_stations(robot, 1000, kPlanSeed);
+  std::vector<Station> selected = select_stations(robot, candidates, {.poses = 20}).stations;
+  std::vector<Station> others = candidate_stations(robot, 40, kOtherSeed);
+  return {std::move(robot), std::move(selected), std::move(others)};
+}
+
+Judgement judge_world(const Bench& bench, const World& world, int first, int count, bool with_oracle) {
+  Judgement all;
+  for (int number = first; number < first + count; ++number) judge_machine(bench, world, number, with_oracle, all);
+  return all;
+}
+
+}  // namespace paracal::test

@@ -1,0 +1,68 @@
+#pragma once
+
+// Virtual machines whose truth the model does not hold, and what a calibration then says of them.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal::test {
+
+/// What is measured of a machine.
+enum class Readings { points, seven_points, six_distances, heights, heights_and_distances };
+
+/// A world that a machine may live in; by default the one that the model believes in.
+struct World {
+  std::string name;
+  Readings readings = Readings::points;                     ///< points: 20 selected poses, three visits each
+  bool noise_is_known = false;                              ///< and stated as kWorldNoise
+  double position_tolerances = 1.0, tilt_tolerances = 1.0;  ///< errors over their tolerances
+  bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]
+  bool wrong_part = false;    ///< one error of the position group is ten tolerances off
+  double backlash = 0.0;      ///< rad: each joint stands this much to one side at a pose, at every visit the same
+  double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q
+  double warm_arms = 0.0;            ///< arms are longer by this share in the second half of the readings
+  double sag_at_rim = 0.0;           ///< mm, proportional to the radius
+  double scale = 0.0;                ///< of the instrument, m/m
+  double noise_factor = 1.0;         ///< true noise over kWorldNoise
+  bool student = false;              ///< noise has Student's t distribution of 3 degrees of freedom
+  double gross_share = 0.0;          ///< of the readings have five times the noise
+  /// Geometry imitates it so well that no reading can tell: predicted distances must hold, the errors need not.
+  bool errors_cannot_be_told = false;
+};
+
+inline constexpr double kWorldNoise = 0.017;  // mm a coordinate
+
+/// The worlds that a calibration is judged in.
+std::vector<World> wrong_worlds();
+
+/// A robot, its plans and where it is judged: made once, for selecting poses takes seconds.
+struct Bench {
+  Robot robot;
+  std::vector<Station> selected;  ///< 20 poses
+  std::vector<Station> others;    ///< home and 39 poses that were not measured
+};
+Bench bench_of(Robot robot);
+
+/// What happened to the machines of a world.
+struct Judgement {
+  int machines = 0, accepted = 0, noted = 0;  ///< noted: accepted with a note
+  int errors = 0, errors_held = 0;            ///< identified errors, and those whose 95 % interval holds the truth
+  int distances = 0, distances_held = 0;      ///< to home, at the other poses
+  std::vector<double> largest_distance_error = {}, largest_U = {};  ///< of each accepted machine, mm
+  std::vector<double> U_over_oracle = {};  ///< largest U of a distance over that of a fit that was told the truth
+  int use_exceeded = 0;                    ///< machines somewhere off by more than U over the workspace
+  std::vector<std::string> notes = {};     ///< all of them
+
+  double error_coverage() const { return errors == 0 ? 1.0 : static_cast<double>(errors_held) / errors; }
+  double distance_coverage() const { return distances == 0 ? 1.0 : static_cast<double>(distances_held) / distances; }
+};
+
+/// Machines `first` ... `first + count - 1` of a world, measured and calibrated with `options`.
+Judgement judge_world(const Bench& bench, const World& world, int first, int count, bool with_oracle = false);
+
+}  // namespace paracal::test
