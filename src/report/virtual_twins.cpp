@@ -7,13 +7,15 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::report::detail {
 namespace {
 
 constexpr std::uint64_t kSeed = 2016;
 constexpr int kFinePoints = 9;
-constexpr double kNoise = 0.017;  // mm: a third of the positioning repeatability, read as 3 sigma
+constexpr double kNoise = 0.05 / 3.0;                     // mm
+constexpr double kRotationNoise = to_radians(0.3) / 3.0;  // rad
 
 SourceErrors with_drawn_tilt(const Robot& robot, const SourceErrors& position, RandomStream& random) {
   SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
@@ -30,40 +32,55 @@ Pose pose_of(const Machine& machine, const Joints& joints) {
   return {plate.position, machine.rotation_of(plate.slide)};
 }
 
-/// Index of the pose with the largest error.
-template <typename Error>
-Place worst_place(const Robot& robot, const std::vector<PosePair>& pairs, const std::vector<Station>& stations,
-                  Error&& error) {
-  std::size_t worst = 0;
-  double largest = -1.0;
-  for (std::size_t k = 1; k < pairs.size(); ++k) {
-    const double value = std::abs(error(error_relative_to(pairs.front(), pairs[k])));
-    if (value <= largest) continue;
-    largest = value;
-    worst = k;
-  }
-  const Eigen::Vector3d& r = stations[worst].commanded.position;
+Pose read(Pose pose, RandomStream& random) {
+  for (double& coordinate : pose.position) coordinate += kNoise * random.normal();
+  pose.rotation += kRotationNoise * random.normal();
+  return pose;
+}
+
+Place place_of(const Robot& robot, const Station& station) {
+  const Eigen::Vector3d& r = station.commanded.position;
   const Workspace& workspace = robot.workspace();
   return {static_cast<int>(std::lround(2.0 * (workspace.top_z - r.z()) / workspace.height)), r.head<2>().norm()};
 }
 
-void add(const Robot& robot, const std::vector<PosePair>& pairs, const std::vector<Station>& stations, Twins& twins) {
-  const PoseErrorSummary largest = summarize(pairs, true);
-  twins.distance.push_back(largest.max_abs_distance);
-  twins.volumetric.push_back(largest.max_volumetric);
-  twins.rotation.push_back(*largest.max_abs_rotation);
-  const auto worst = [&](double PoseError::*what) {
-    return worst_place(robot, pairs, stations, [what](const PoseError& error) { return error.*what; });
-  };
-  twins.worst_distance.push_back(worst(&PoseError::distance));
-  twins.worst_volumetric.push_back(worst(&PoseError::volumetric));
-  twins.worst_rotation.push_back(worst(&PoseError::rotation));
+/// Largest magnitude of one kind of error, and where it stands.
+void add(const Robot& robot, const std::vector<PosePair>& pairs, const std::vector<Station>& stations,
+         double PoseError::*kind, std::vector<double>& values, std::vector<Place>& places) {
+  std::vector<double> errors;
+  errors.reserve(pairs.size());
+  for (const PosePair& pair : pairs) errors.push_back(std::abs(error_relative_to(pairs.front(), pair).*kind));
+  const auto largest = std::ranges::max_element(errors);
+  values.push_back(*largest);
+  places.push_back(place_of(robot, stations[static_cast<std::size_t>(largest - errors.begin())]));
+}
+
+void add(const Robot& robot, const std::vector<PosePair>& pairs, const std::vector<Station>& stations,
+         Largest& largest) {
+  add(robot, pairs, stations, &PoseError::distance, largest.distance, largest.of_distance);
+  add(robot, pairs, stations, &PoseError::volumetric, largest.volumetric, largest.of_volumetric);
+  add(robot, pairs, stations, &PoseError::rotation, largest.rotation, largest.of_rotation);
+}
+
+/// The validation of one twin: against the commanded poses, and against those that its calibration predicts.
+void validate_twin(const Robot& robot, const Machine& actual, const Machine& believed, RandomStream& random,
+                   Twins& twins) {
+  const std::vector<Station> stations = validation_stations(robot);
+  std::vector<PosePair> before, after;
+  for (const Station& station : stations) {
+    const Joints joints = believed_joints(robot, station);
+    const Pose seen = read(pose_of(actual, joints), random);
+    before.push_back({station.commanded, seen});
+    after.push_back({pose_of(believed, joints), seen});
+  }
+  add(robot, before, stations, twins.before);
+  add(robot, after, stations, twins.after);
 }
 
 }  // namespace
 
 Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count) {
-  const std::vector<Station> measured = fine_stations(robot, kFinePoints), validated = validation_stations(robot);
+  const std::vector<Station> measured = fine_stations(robot, kFinePoints);
   const CalibrationOptions paper{.method = Method::paper, .stage = Stage::fine};
   Twins twins{.count = count};
   for (int number = 0; number < count; ++number) {
@@ -76,20 +93,34 @@ Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count)
         twins.identified[limb][k].push_back(found(limb, static_cast<Source>(k)));
       }
     }
-    const Machine actual = build(robot, errors), believed = build(robot, found);
-    std::vector<PosePair> pairs;
-    for (const Station& station : validated) {
-      const Joints joints = believed_joints(robot, station);
-      pairs.push_back({pose_of(believed, joints), pose_of(actual, joints)});
-    }
-    add(robot, pairs, validated, twins);
+    validate_twin(robot, build(robot, errors), build(robot, found), random, twins);
   }
   return twins;
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+Tilts tilt_twins(const Robot& robot, const SourceErrors& table4, int count) {
+  const std::vector<Station> stations = validation_stations(robot);
+  std::vector<Joints> joints;
+  joints.reserve(stations.size());
+  for (const Station& station : stations) joints.push_back(believed_joints(robot, station));
+  Tilts tilts;
+  for (int number = 0; number < count; ++number) {
+    RandomStream random(kSeed, static_cast<std::uint64_t>(number));
+    const Machine machine = build(robot, with_drawn_tilt(robot, table4, random));
+    const Eigen::Vector3d home = forward(machine, joints.front()).plate.tilt;
+    double largest = 0.0, bottom = 0.0;
+    Place where;
+    for (std::size_t k = 1; k < stations.size(); ++k) {
+      const double tilt = (forward(machine, joints[k]).plate.tilt - home).head<2>().norm();
+      const Place place = place_of(robot, stations[k]);
+      if (tilt > largest) where = place;
+      largest = std::max(largest, tilt);
+      if (place.layer == Place::kBottom) bottom = std::max(bottom, tilt);
+    }
+    tilts.bottom.push_back(bottom);
+    tilts.largest.push_back(where);
+  }
+  return tilts;
 }
 
 }  // namespace paracal::report::detail

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include "json_checks.hpp"
 
@@ -315,12 +317,42 @@ TEST(CalibrateCommand, AnUnacceptedResultIsPrintedAndKept) {
 }
 
 TEST(ReproduceCommand, Keys) {
-  const json rows = json_of(run_program({"reproduce", "huang2016", "--json"})).at("rows");
-  EXPECT_THAT(rows, Not(IsEmpty()));
-  for (const json& row : rows) {
-    ASSERT_TRUE(has_keys(row, "id quantity paper ours tolerance ok"));
-    EXPECT_EQ(row["ok"], true) << row;
+  const json result = json_of(run_program({"reproduce", "huang2016", "--json"}));
+  ASSERT_TRUE(has_keys(result, "paper rule rows counts"));
+  EXPECT_THAT(result.at("rule"), Not(IsEmpty()));
+  std::map<std::string, int> counts{{"reproduced", 0}, {"not reproduced", 0}, {"cannot be tested", 0}};
+  for (const json& row : result.at("rows")) {
+    ASSERT_TRUE(has_keys(row, "id table quantity unit paper ours tolerance ok verdict reason"));
+    const auto verdict = row["verdict"].get<std::string>();
+    ++counts.at(verdict);
+    EXPECT_EQ(row["ok"], verdict == "reproduced") << row;
+    EXPECT_THAT(row["reason"].get<std::string>(), Not(IsEmpty())) << row;
+    if (!row["ok"]) continue;
+    EXPECT_LE(std::abs(row["ours"].get<double>() - row["paper"].get<double>()), row["tolerance"]) << row;
   }
+  for (const auto& [verdict, count] : counts) EXPECT_GT(count, 0) << verdict;
+  EXPECT_EQ(result["counts"]["reproduced"], counts["reproduced"]);
+  EXPECT_EQ(result["counts"]["not_reproduced"], counts["not reproduced"]);
+  EXPECT_EQ(result["counts"]["cannot_be_tested"], counts["cannot be tested"]);
+}
+
+/// Numbers that do not come out are results: the program is done, says which and why, and counts what it has printed.
+TEST(ReproduceCommand, CountsWhatItPrints) {
+  const ProgramResult result = run_program({"reproduce", "huang2016"});
+  EXPECT_EQ(result.exit_code, kDone);
+  std::map<std::string, int> printed;
+  std::string last;
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line); last = line) {
+    for (const char* verdict : {"reproduced", "not reproduced", "cannot be tested"}) {
+      if (line.starts_with("  ") && line.ends_with(std::string("  ") + verdict)) ++printed[verdict];
+    }
+  }
+  const int all = printed["reproduced"] + printed["not reproduced"] + printed["cannot be tested"];
+  EXPECT_EQ(last, fmt::format("{} published numbers: {} reproduced, {} not reproduced, {} cannot be tested", all,
+                              printed["reproduced"], printed["not reproduced"], printed["cannot be tested"]));
+  EXPECT_THAT(result.out, HasSubstr("half a unit of the last printed digit"));
+  EXPECT_THAT(result.out, HasSubstr("why not all: "));
 }
 
 TEST(Program, AnswersHelpAndVersion) {

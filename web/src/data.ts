@@ -209,12 +209,20 @@ export interface Yield {
 
 export interface Row {
   id: string;
+  table: string;
   quantity: string;
   unit: string;
   paper: number;
   ours: number;
   tolerance: number;
   ok: boolean;
+  verdict: "reproduced" | "not reproduced" | "cannot be tested";
+  reason: string;
+}
+export interface Reproduction {
+  rule: string[];
+  rows: Row[];
+  counts: { reproduced: number; not_reproduced: number; cannot_be_tested: number };
 }
 
 export interface InputFile {
@@ -275,7 +283,7 @@ export interface Report {
     allocation?: Allocation;
     analysis?: Analysis;
     yield?: Yield;
-    reproduction?: { rows: Row[] };
+    reproduction?: Reproduction;
   };
   figures: {
     scene?: Scene;

@@ -31,7 +31,7 @@ const kMarks = {
 };
 const kMarksOf = [
   [/^(residual|normal|validated|parameters|observability)/, "dots", 1],
-  [/^(offsets|table|figure\d)/, "dots", 2], // paper and ours
+  [/^(offsets|table|figure\d|tilt)/, "dots", 2], // paper and ours
   [/^(map|sigma|correlations)/, "cells", 1],
   [/^(pareto|global|allocated)/, "bars", 1],
   [/^(batch|machines)/, "rects", 1],
@@ -85,6 +85,19 @@ test("how soon the first figure stands", async () => {
     })));
   }
   console.log(`first figure after ${times.map((time) => Math.round(time)).join(", ")} ms`); // told, not judged: the machine may be busy
+  await context.close();
+});
+
+test("every published number stands with its verdict and reason, and the counts above", async () => {
+  const { page, context } = await open(browser, pages.reproduction);
+  const { rows, counts, rule } = (await dataOf(page)).results.reproduction;
+  const shown = await page.locator("#published > .scroll tbody tr").evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+  assert.deepEqual(shown.map((cells) => [cells[0], ...cells.slice(-2)]), rows.map((row) => [row.quantity, row.verdict, row.reason]));
+  const head = await page.locator("#verdict .verdict").first().textContent();
+  assert.ok(head.includes(`${counts.reproduced} of ${rows.length} published numbers reproduced`), head);
+  assert.ok(head.includes(`${counts.not_reproduced} are not reproduced and ${counts.cannot_be_tested} cannot be tested`), head);
+  const text = await page.locator("#published").textContent();
+  for (const sentence of rule) assert.ok(text.includes(sentence), sentence);
   await context.close();
 });
 

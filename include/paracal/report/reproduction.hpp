@@ -5,32 +5,35 @@
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/io/published.hpp"
+#include "paracal/report/reproduction_rule.hpp"
 
 namespace paracal::report {
 
 /// One published number beside ours.
 struct ReproductionRow {
   std::string id;        ///< stable name for scripts, e.g. "table3.before.P1.d_rho"
+  std::string table;     ///< of the paper, in words: rows of one table stand together
   std::string quantity;  ///< in words
   std::string unit;      ///< deg, mm, points, or 1
   double paper = 0.0;
   double ours = 0.0;
-  double tolerance = 0.0;  ///< largest |ours - paper| that we call reproduced; docs/paper-slips.md says why this much
+  Judgement judgement = {};
+  std::string cause = {};  ///< of a number that is not reproduced: what we know of why, the same for a whole table
 
-  bool ok() const;
+  bool ok() const { return judgement.finding == Finding::reproduced; }
 };
 
 struct Reproduction {
   Calibration calibration;  ///< rough calibration from the published distances alone
   std::vector<ReproductionRow> rows;
 
-  bool ok() const;
+  std::size_t count(Finding finding) const;
 };
 
 /// What can be computed again of [huang2016] from its own numbers: the encoder offsets from the six distances of Table
-/// 3, Table 3 from the four published offsets, the numbers of points of Figures 7 and 8, Table 5 'before' from Table 4,
-/// and Table 4, Table 5 'after' and Figure 9 on virtual twins of the machine (Table 4's errors, Table 2's tilt errors)
-/// calibrated as the paper does.
+/// 3, Table 3 from the four published offsets, Table 2, the numbers of points of Figures 7 and 8, and on virtual twins
+/// of the machine (Table 4's errors, Table 2's tilt errors) its tilt, Figure 6 and 9, and Tables 4 and 5, calibrated as
+/// the paper does. Judged by the rule of reproduction_rule.hpp.
 Reproduction reproduce_huang2016(const io::PublishedHuang2016& published);
 
 }  // namespace paracal::report

@@ -25,18 +25,20 @@ function shortened(names: string[]): string[] {
   return words.map((one) => one.slice(start, one.length - end).join(" ").replace(/,$/, ""));
 }
 
+const kShares = ["figure9", "tilt"]; // no tolerance reaches beyond 1
+
 /// The paper's number with the tolerance around it, ours on it; one panel a unit, for mm and deg share no axis.
 function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
   const units = [...new Set(rows.map((row) => row.unit))];
   return units.map((unit) => {
-    const own = rows.filter((row) => row.unit === unit).map((row) => ({ ...row, from: row.paper - row.tolerance, to: row.paper + row.tolerance }));
+    const own = rows.filter((row) => row.unit === unit).map((row) => ({ ...row, from: row.paper - row.tolerance, to: Math.min(row.paper + row.tolerance, kShares.includes(id) ? 1 : Infinity) }));
     const names = shortened(own.map((row) => row.quantity));
     return figure({
       id: `${id.replaceAll(".", "-")}-${unit.replaceAll(/[^a-z]/gi, "")}`,
       title: units.length > 1 ? `${title}, ${unit}` : title,
       shows: text.shows(own.filter((row) => row.ok).length, own.length),
       marks: own.length,
-      sheet: { columns: text.columns, rows: own.map((row) => [row.quantity, row.unit, row.paper, row.ours, row.ours - row.paper, row.tolerance, row.ok ? text.yes : text.no]) },
+      sheet: { columns: text.columns, rows: own.map((row) => [row.quantity, row.unit, row.paper, row.ours, row.ours - row.paper, row.tolerance, row.verdict, row.reason]) },
       draw: (width) => {
         const labels = Math.min(260, width * 0.5);
         const short = (name: string) => (name.length * 6.6 > labels ? `${name.slice(0, Math.floor(labels / 6.6) - 1)}\u2026` : name);
@@ -62,16 +64,22 @@ function groupFigure(id: string, title: string, rows: Row[]): HTMLElement[] {
   });
 }
 
+const verdictOf = (row: Row) => (row.verdict === "not reproduced" ? h("span", { class: "differs" }, row.verdict) : row.verdict);
+
 export function publishedRows({ results }: Report): Section | null {
-  const rows = results.reproduction?.rows;
-  if (!rows) return null;
-  const figures = Object.entries(text.groups).flatMap(([prefix, title]) => {
+  if (!results.reproduction) return null;
+  const { rows, rule } = results.reproduction;
+  const figures = text.drawn.flatMap((prefix) => {
     const own = rows.filter((row) => row.id.startsWith(prefix));
-    return own.length > 0 ? groupFigure(prefix, title, own) : [];
+    return own.length > 0 ? groupFigure(prefix, own[0]!.table, own) : [];
   });
   const number = (row: Row, value: number) => (row.tolerance > 0 ? fixed(value, decimalsFor(row.tolerance)) : digits(value));
-  const cells = rows.map((row) => [row.quantity, row.unit, number(row, row.paper), number(row, row.ours), number(row, row.ours - row.paper), number(row, row.tolerance), row.ok ? text.yes : h("span", { class: "differs" }, text.no)]);
+  const tables = [...new Set(rows.map((row) => row.table))].flatMap((name) => {
+    const cells = rows.filter((row) => row.table === name).map((row) => [row.quantity, row.unit, number(row, row.paper), number(row, row.ours), number(row, row.ours - row.paper), number(row, row.tolerance), verdictOf(row), row.reason]);
+    return [h("h4", {}, name), table(text.columns, cells, name, [2, 3, 4, 5])];
+  });
   return section("published", strings.nav.rows, text.heading, text.intro,
+    h("ul", {}, ...rule.map((sentence) => h("li", {}, sentence))),
     h("div", { class: "pair" }, ...figures),
-    h("h3", {}, text.all), table(text.columns, cells, text.all, [2, 3, 4, 5]));
+    h("h3", {}, text.all), ...tables);
 }

@@ -18,7 +18,7 @@ function sign(yes: boolean): SVGElement {
 function verdictsOf({ results, figures }: Report): Verdict[] {
   const { reproduction, validation, calibration, analysis, allocation, sensitivity, yield: batch } = results;
   return [
-    ...(reproduction ? [ofReproduction(reproduction.rows)] : []),
+    ...(reproduction ? [ofReproduction(reproduction)] : []),
     ...(validation ? [ofValidation(validation, figures.error_map, calibration)] : []),
     ...(calibration && !validation ? [calibration.printer ? ofPrinter(calibration.printer) : { ...ofCalibration(calibration), ...(reproduction ? { yes: null } : {}) }] : []),
     ...(analysis ? [ofAnalysis(analysis)] : []),

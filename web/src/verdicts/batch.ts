@@ -1,5 +1,5 @@
-// Is a batch good, and is the program right?
-import type { Row, Spread, Yield } from "../data";
+// Is a batch good, and how much of a paper comes out?
+import type { Reproduction, Spread, Yield } from "../data";
 import { decimalsFor, digits, exact, fixed, milli, percent } from "../numbers";
 import { strings } from "../strings";
 import { card, from, unitOf, type Verdict } from "./card";
@@ -27,7 +27,7 @@ export function ofYield({ machines, partial, passed, min_yield: asked, yield: sh
   };
 }
 
-export function ofReproduction(rows: Row[]): Verdict {
-  const good = rows.filter((row) => row.ok).length;
-  return { yes: good === rows.length, says: good === rows.length ? text.yes.reproduction : text.no.reproduction(rows.length - good), sentence: text.rows(good, rows.length), cards: [] };
+/// A finding, not a verdict on the machine or the program: numbers that do not come out are results too.
+export function ofReproduction({ rows, counts }: Reproduction): Verdict {
+  return { yes: null, says: text.reproduced(counts.reproduced, rows.length), sentence: text.counts(counts.not_reproduced, counts.cannot_be_tested), cards: [] };
 }

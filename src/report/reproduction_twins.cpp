@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "paracal/units.hpp"
+#include "reproduction_rows.hpp"
+#include "virtual_twins.hpp"
+
+namespace paracal::report::detail {
+namespace {
+
+constexpr int kTwins = 399;                 // 10 below and 10 above the central 95 % for one more
+constexpr int kTilted = 2000;               // no fit, so more of them: the share that is asked for is small
+constexpr double kPublishedTilt = 0.86e-3;  // rad: 0.086/100  [huang2016, sections 5.1 and 6]
+
+std::vector<double> scaled(std::vector<double> values, double scale) {
+  for (double& value : values) value *= scale;
+  return values;
+}
+
+/// Found again: the median of what the paper's method finds on machines that have Table 4's errors. Of e_y1 and e_y2
+/// only the difference can be found (docs/paper-slips.md, 2.3).
+class Table4 {
+ public:
+  Table4(const Robot& robot, const SourceErrors& paper, const Twins& twins, Rows& rows)
+      : robot_(robot),
+        paper_(paper),
+        twins_(twins),
+        table_(rows, fmt::format("Table 4: found again on {} twins", twins.count),
+               "each of these intervals misses by chance in 1 of 20") {}
+
+  void add_rows() {
+    for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
+      for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
+        if (paper_(limb, static_cast<Source>(k)) != 0.0) add(limb, static_cast<Source>(k));
+      }
+    }
+    add_difference();
+  }
+
+ private:
+  void add(std::size_t limb, Source source) {
+    const bool angle = unit(source, robot_.actuator()) == Unit::rad;
+    const double scale = angle ? robot_.geometry().arm : 1.0, paper = scale * paper_(limb, source);
+    const std::vector<double> found = scaled(twins_.identified[limb][index(source)], scale);
+    const bool unseen = source == Source::e_y && limb < 2;
+    table_.add(fmt::format("table4.{}.limb{}", name(source), limb + 1),
+               fmt::format("{}{} of limb {}", angle ? "L " : "", name(source), limb + 1), "mm", paper, median(found),
+               unseen ? unidentifiable(found) : judged(paper, found));
+  }
+
+  void add_difference() {
+    std::vector<double> found = twins_.identified[0][index(Source::e_y)];
+    for (std::size_t n = 0; n < found.size(); ++n) found[n] -= twins_.identified[1][index(Source::e_y)][n];
+    const double paper = paper_(0, Source::e_y) - paper_(1, Source::e_y);
+    table_.add("table4.e_y.limb1-limb2", "e_y of limb 1 less limb 2", "mm", paper, median(found),
+               judged(paper, found, 2));
+  }
+
+  static Judgement judged(double paper, const std::vector<double>& found, int printed = 1) {
+    return judge(paper, median(found), printed * rounding(3), median_interval(found));
+  }
+
+  /// The tolerance says how much its finding scatters all the same.
+  static Judgement unidentifiable(const std::vector<double>& found) {
+    const Interval range = median_interval(found);
+    return {0.5 * (range.high - range.low), Finding::cannot_be_tested,
+            "no distance sees it, only the difference of limbs 1 and 2"};
+  }
+
+  const Robot& robot_;
+  const SourceErrors& paper_;
+  const Twins& twins_;
+  Table table_;
+};
+
+/// The published machine among its twins, measured as it was: all six by the same range.
+void add_table5(const char* state, const PoseError& paper, const Largest& twins, Rows& rows) {
+  Table table(rows, fmt::format("Table 5, {}: among the central 95 % of twins (median shown)", state),
+              "d_v depends on how the instrument's frame was aligned, which the paper does not say");
+  const auto add = [&](const char* symbol, const char* words, const char* unit, double published,
+                       const std::vector<double>& found, int decimals) {
+    table.add(fmt::format("table5.{}.{}", state, symbol), words, unit, published, median(found),
+              judge(published, median(found), rounding(decimals), central_range(found)));
+  };
+  add("d_rho", "largest distance error", "mm", paper.distance, twins.distance, 3);
+  add("d_v", "largest volumetric error", "mm", paper.volumetric, twins.volumetric, 3);
+  add("d_phi", "largest rotational error", "deg", to_degrees(paper.rotation), scaled(twins.rotation, to_degrees(1.0)),
+      1);
+}
+
+Proportion share(const std::vector<Place>& places, double rim, int layer) {
+  const auto there = std::ranges::count_if(
+      places, [&](const Place& place) { return place.layer == layer && place.radius > 0.99 * rim; });
+  return proportion(static_cast<std::uint64_t>(there), places.size(), kConfidence);
+}
+
+/// The published machine did so: 1 of 1.
+void add_share(Table& table, const char* id, const char* words, const Proportion& share) {
+  table.add(id, words, "1", 1.0, share.value, judge_share(share));
+}
+
+/// Figure 9 shows where the largest errors of one machine stand.
+void add_figure9(const Robot& robot, const Largest& twins, Rows& rows) {
+  Table table(rows, "Figure 9: share of twins worst where the paper's machine was");
+  const double rim = robot.workspace().radius;
+  add_share(table, "figure9.a", "distance error, bottom rim", share(twins.of_distance, rim, Place::kBottom));
+  add_share(table, "figure9.b", "volumetric error, bottom rim", share(twins.of_volumetric, rim, Place::kBottom));
+  add_share(table, "figure9.c", "rotational error, top rim", share(twins.of_rotation, rim, Place::kTop));
+}
+
+/// The concluding tilt and where it was found, among machines within Table 2's tolerances.
+void add_tilt(const Robot& robot, const Tilts& tilts, Rows& rows) {
+  const auto reached = std::ranges::count_if(tilts.bottom, [](double tilt) { return tilt >= kPublishedTilt; });
+  Table table(rows, "Tilt within Table 2's tolerances: share of twins as the paper's machine",
+              fmt::format("half of the twins stay below {:.3f}/100; readings of tilt are not allowed for, since the "
+                          "distance between the paper's two reflectors is not printed",
+                          100.0 * median(tilts.bottom)));
+  add_share(table, "tilt.reached", "tilt of 0.086/100 reached in the bottom layer",
+            proportion(static_cast<std::uint64_t>(reached), tilts.bottom.size(), kConfidence));
+  add_share(table, "tilt.bottom", "largest tilt of all layers, bottom rim",
+            share(tilts.largest, robot.workspace().radius, Place::kBottom));
+}
+
+}  // namespace
+
+void add_twins(const Robot& robot, const io::PublishedHuang2016& published, Rows& rows) {
+  add_tilt(robot, tilt_twins(robot, published.table4, kTilted), rows);
+  const Twins twins = calibrate_twins(robot, published.table4, kTwins);
+  Table4(robot, published.table4, twins, rows).add_rows();
+  add_table5("before", published.table5_before, twins.before, rows);
+  add_table5("after", published.table5_after, twins.after, rows);
+  add_figure9(robot, twins.after, rows);
+}
+
+}  // namespace paracal::report::detail
