@@ -265,8 +265,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       origin_.tool_length = true;
       return shift_origin();
     case Effect::no_tool_length:
-      if (origin_.tool_length) shift_origin();
-      origin_.tool_length = false;
+      origin_.tool_length = false;  // another origin than with it, and than any before it: G43 has counted a shift
       return;
     case Effect::shift_if_stated:
       if (!has_letter(block, "LP")) return;

@@ -71,6 +71,22 @@ TEST_P(ValidationLaw, LimitsAreKeptOnlyWithTheUncertaintyAdded) {
   }
 }
 
+/// Four repeats halve the standard deviation of a mean; a difference of two has sqrt(2) times it, an aligned position
+/// once; k = 2.
+TEST_P(ValidationLaw, UncertaintiesOfTheLimitsByHand) {
+  const bool turns = robot.slide().has_value();
+  const Measurements measurements = held_out({.noise = 0.02, .repeats = 4, .reads_rotation = turns});
+  ValidationOptions options{.noise = {.point = 0.02, .rotation = 1e-3}};
+  options.limits = {.distance = 10.0, .volumetric = 20.0};
+  if (turns) options.limits.rotation = 1.0;
+  const Validation validation = validate(robot, known_errors(calibration), measurements, options);
+  ASSERT_EQ(validation.checks.size(), turns ? 3u : 2u);
+  EXPECT_NEAR(validation.checks[0].uncertainty, 2.0 * std::sqrt(2.0) * 0.01, 1e-12);
+  EXPECT_NEAR(validation.checks[1].uncertainty, 2.0 * 0.01, 1e-12);
+  if (!turns) return;
+  EXPECT_NEAR(validation.checks[2].uncertainty, 2.0 * std::sqrt(2.0) * 0.5e-3, 1e-12);
+}
+
 TEST_P(ValidationLaw, UselessCalibrationIsNotAccepted) {
   const KnownErrors nothing{};
   const Validation validation = validate(robot, nothing, held_out({.noise = 0.017}));
@@ -115,6 +131,32 @@ TEST(Iso9283, CriteriaOfFourRepeatsByHand) {
   EXPECT_NEAR(one.RP, 0.1, 1e-9);  // all at 0.1 from the barycentre: S_l = 0
   EXPECT_NEAR(one.AD, 0.3, 1e-4);
   EXPECT_NEAR(one.RD, 3.0 * std::sqrt((0.01 + 0.01) / 3.0), 1e-3);
+}
+
+/// Rotations of 1, 2, 3 and 2 mrad at one pose: S^2 = (1 + 0 + 1 + 0) / 3, RP = 3 S.
+TEST(Iso9283, RepeatabilityOfRotationByHand) {
+  const Robot robot = catalogue::huang2016();
+  const Eigen::Vector3d home = robot.workspace().centre();
+  Measurements measurements;
+  measurements.series.push_back({"hand", {}});
+  for (const Eigen::Vector3d& from_home : {Eigen::Vector3d(0, 0, 0), {300, 0, 0}, {0, 300, 0}, {0, 0, 100}}) {
+    measurements.stations.push_back({"S" + std::to_string(measurements.stations.size()), Pose{home + from_home, 0.0}});
+    for (const double turn : {1e-3, 2e-3, 3e-3, 2e-3}) {
+      measurements.series[0].readings.push_back({.station = measurements.stations.size() - 1,
+                                                 .point = home + from_home + Eigen::Vector3d(turn, 0, 0),
+                                                 .rotation = turn});
+    }
+  }
+  const Validation validation =
+      validate(robot, {}, measurements, {.frame = Frame::robot, .rotation_zero = RotationZero::known});
+  ASSERT_EQ(validation.iso9283.poses.size(), 4u);
+  for (const PoseCriteria& one : validation.iso9283.poses) {
+    ASSERT_TRUE(one.RP_rotation && one.AP_rotation);
+    EXPECT_NEAR(*one.RP_rotation, 3.0 * std::sqrt(2e-6 / 3.0), 1e-9) << one.pose;
+    EXPECT_NEAR(*one.AP_rotation, 2e-3, 1e-9) << one.pose;
+    // Distances from the barycentre 1, 0, 1, 0 um: mean 0.5, S^2 = 4 (0.5)^2 / 3.
+    EXPECT_NEAR(one.RP, 0.5e-3 + 3.0 * std::sqrt(1e-6 / 3.0), 1e-9) << one.pose;
+  }
 }
 
 TEST(Validation, NeedsPointsOfSeveralPoses) {

@@ -266,20 +266,30 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "stated yet"},
         Passed{"machine_coordinates_recover", "G53 G0 Z0", "another origin", "G0 Z-900", ""},
         Passed{"other_system", "G55", "", kAll, "another origin"},
+        Passed{"other_system_and_back", "G55\nG54", "", kAll, "another origin"},
+        Passed{"power_on_system_is_not_g54", "G54", "", kAll, "another origin"},
         Passed{"shift", "G92 X0", "", kAll, "another origin"},
         Passed{"shift_local", "G52 X1 Y2", "", kAll, "another origin"},
         Passed{"shift_table", "G10 L2 P1 X5", "", kAll, "another origin"}, Passed{"retraction", "G10", "", "G1 X1", ""},
         Passed{"extruder_zero", "G92 E0", "", "G1 X1", ""}, Passed{"tool_length", "G43 H1", "", kAll, "another origin"},
         Passed{"no_tool_length", "G49", "", "G1 X1", ""}, Passed{"cutter_radius", "G41 D1", "", kAll, "offset"},
         Passed{"no_cutter_radius", "G40", "", "G1 X1", ""},
-        Passed{"turned_and_back", "G68 X0 Y0 R30\nG69", "", kAll, ""},
-        Passed{"scaled", "G51 X0 Y0 P2", "", kAll, "scaled"},
+        Passed{"turned_and_back", "G68 X0 Y0 R30\nG69", "", kAll, ""}, Passed{"polar", "G16", "", kAll, "turned"},
+        Passed{"polar_and_back", "G16\nG15", "", kAll, ""}, Passed{"diameters", "G7", "", kAll, "turned"},
+        Passed{"diameters_and_back", "G7\nG8", "", kAll, ""}, Passed{"scaled", "G51 X0 Y0 P2", "", kAll, "scaled"},
+        Passed{"scaled_and_back", "G51 X0 Y0 P2\nG50", "", kAll, ""},
+        Passed{"mirrored_ends_other_than_scaled", "G51.1 X0\nG50", "", kAll, "scaled"},
         Passed{"cycle", "G81 X1 Y2 Z-910 R-900 F100", "cycles", "G80 G0 X1", "stated yet"},
         Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "stated yet"},
         Passed{"homing", "G28", "", "G1 X1", "stated yet"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
         Passed{"homing_over", "G28 Z-800", "homing", kAll, ""}, Passed{"dwell_in_x", "G4 X2.5", "", "Y1", ""},
         Passed{"m_code", "M92 X80", "M code", "G1 Y1", "stated yet"}, Passed{"m_code_beside", "M3 S1000", "", "X1", ""},
-        Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"}, Passed{"end", "M30", "", kAll, "unclear"},
+        Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"},
+        Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "stated yet"},
+        Passed{"tool_alone", "T2", "", "G1 X1", "stated yet"},
+        Passed{"home_offsets", "M206 X5", "M code", kAll, "another origin"},
+        Passed{"tool_offsets", "M218 T1 X5", "M code", kAll, "another origin"},
+        Passed{"home_offsets_from_here", "M428", "", kAll, "another origin"}, Passed{"end", "M30", "", kAll, "unclear"},
         Passed{"expression", "G1 X[1+2] Y3", "expressions", "G1 Z-900", "stated yet"},
         Passed{"parameter", "G1 X#1", "expressions", "G1 X1", ""}, Passed{"assignment", "#1 = 5", "", "X1", ""},
         Passed{"assignment_of_expression", "#<a> = sin[3 * [1+1]]", "", "X1", ""},
@@ -303,6 +313,21 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"out_of_reach", "G1 X4000", "out of reach", "G1 X1", ""},
         Passed{"extruder", "G1 E5 F100", "", "G1 X1", ""}),
     [](const auto& one) { return std::string(one.param.name); });
+
+/// A start is told in the system that holds when the program begins: after another one nothing is known, nor is it back
+/// in the first.
+TEST_F(Gcode, ASystemForgetsTheStart) {
+  const GcodeFrame frame{.start = Pose{{0, 0, -900}, 0.0}};
+  EXPECT_EQ(filtered("G55\nG1 X1\n", frame).passed("not been stated"), 1);
+  EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("not been stated"), 1);
+  EXPECT_EQ(filtered("G55\n" + kStart + "G55\nG1 X1\n").summary.corrected, 2);  // the same again changes nothing
+}
+
+/// G49 without a length is nothing; with one the origin is another, and stays so.
+TEST_F(Gcode, AToolLengthThatEndsIsAnotherOrigin) {
+  EXPECT_EQ(filtered("G43 H1\n" + kStart + "G49\n" + kStart).passed("another origin"), 1);
+  EXPECT_EQ(filtered("G49\n" + kStart + "G49\nG1 X1\n").summary.corrected, 2);
+}
 
 TEST_F(Gcode, TheFirstSystemIsTheOrigins) {
   EXPECT_TRUE(filtered("G55 G92 X0 Y0 Z0\n" + kStart + "G1 X1\n").summary.complete());

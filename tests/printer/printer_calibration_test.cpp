@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "paracal/error.hpp"
@@ -101,6 +102,35 @@ TEST(Projection, OfAMachineThatTheControllerCanDescribeLosesNothing) {
   ASSERT_TRUE(poorer.ok());
   EXPECT_GT(poorer.accuracy.shape_rms, 1e-3);
   EXPECT_LT(poorer.accuracy.shape_rms, accuracy_of(known, start).shape_rms);
+}
+
+/// The same by turning: the bed's x, y and z as directions, z along its normal.
+TEST(Projection, CountsFromABedThatIsNotSquare) {
+  const DeltaGeometry geometry = set_named("K18").geometry;
+  const PrinterMachine printer = printer_machine(geometry);
+  const FoundPlane bed{.name = "bed", .height = printer.bed, .slope_x = 2e-3, .slope_y = -3e-3};
+  const Eigen::Vector3d normal = Eigen::Vector3d(-bed.slope_x, -bed.slope_y, 1.0).normalized();
+  const Eigen::Quaterniond onto_bed = Eigen::Quaterniond::FromTwoVectors(normal, Eigen::Vector3d::UnitZ());
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(60, 0, 0), {0, 60, 0}, {-40, 30, 0}, {30, -20, 100}}) {
+    const auto drops = drops_to(geometry, p);
+    ASSERT_TRUE(drops);
+    const auto moved = deviation({printer, printer.assumed, bed}, geometry, *drops);
+    ASSERT_TRUE(moved);
+    // Second order of the slopes: 1e-5 of 100 mm.
+    EXPECT_LT((*moved - (onto_bed * p - p)).norm(), 2e-3) << p.transpose();
+  }
+}
+
+/// No turn and no shift along the bed takes a wrong height away: it is an error of shape.
+TEST(Projection, HeightsAreNotFitted) {
+  const DeltaGeometry geometry = set_named("K18").geometry;
+  const PrinterMachine printer = printer_machine(geometry);
+  const DeltaAccuracy lower =
+      accuracy_of({printer, printer.assumed, {.name = "bed", .height = printer.bed - 0.3}}, geometry);
+  EXPECT_NEAR(lower.shape_rms, 0.3, 1e-9);
+  EXPECT_NEAR(lower.shape_max, 0.3, 1e-9);
+  EXPECT_NEAR(lower.absolute_rms, 0.3, 1e-9);
+  EXPECT_NEAR(lower.absolute_max, 0.3, 1e-9);
 }
 
 TEST(KlipperFile, SavedValuesAndReadingsAreThoseOfTheSet) {

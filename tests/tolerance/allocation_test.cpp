@@ -48,6 +48,17 @@ TEST(EqualInfluence, GoesWithTheLimit) {
   EXPECT_NEAR(two.cost, 0.5 * one.cost, 1e-6 * one.cost);
 }
 
+/// The price of the limit is what a wider one saves.
+TEST(EqualInfluence, PriceIsTheDerivativeOfTheCost) {
+  const Robot robot = catalogue::huang2016();
+  for (const Bound bound : {Bound::sum_of_maxima, Bound::true_maximum}) {
+    const auto at = [&](double limit) { return allocate(robot, EqualInfluence{.max_tilt = limit, .bound = bound}); };
+    constexpr double kLimit = 1.3e-3, kStep = 1e-6;
+    const double saved = (at(kLimit - kStep).cost - at(kLimit + kStep).cost) / (2.0 * kStep);
+    EXPECT_NEAR(at(kLimit).requirements.front().price / saved, 1.0, 1e-3);
+  }
+}
+
 /// 0.02/100 is a bound on the tolerance; as one on sigma it contradicts the paper's own Table 2.
 TEST(EqualInfluence, LowerBoundHasTwoReadings) {
   const Robot robot = catalogue::huang2016();

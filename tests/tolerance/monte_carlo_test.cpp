@@ -152,6 +152,56 @@ TEST(MonteCarlo, StopsWhenAskedAndSaysSo) {
   EXPECT_THROW((void)monte_carlo(robot, {}, {}, {}), InvalidArgument);
 }
 
+/// What is normal and has one component: its sample variance scatters by sigma^2 sqrt(2 / n), so a 90 % interval holds
+/// sigma in 90 % of the batches, and has that width.
+TEST(MonteCarlo, IntervalOfANormalSpreadCovers) {
+  const Robot robot = catalogue::huang2016();
+  const std::vector<Pose> pose{{Workspace::on_circle(400.0, 0.3, -900.0), 0.0}};
+  const Characteristic what{Quantity::rotation};
+  const double sigma =
+      sigma_of(squared_sensitivities(LinearModel(robot).rows(pose[0], what)), variances(*robot.tolerances()));
+  constexpr int kBatches = 400;
+  int inside = 0;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    const MonteCarlo drawn = monte_carlo(
+        robot, *robot.tolerances(), {{what, 1.0}}, pose,
+        {.model = Model::linear, .seed = static_cast<std::uint64_t>(batch), .sigma_error = 1.0, .confidence = 0.9});
+    const Interval interval = drawn.requirements[0].poses[0].interval;
+    inside += interval.contains(sigma) ? 1 : 0;
+    const double relative = 1.6449 * std::sqrt(2.0 / static_cast<double>(drawn.machines));
+    EXPECT_NEAR((interval.high - interval.low) / sigma / relative, 1.0, 0.25);
+  }
+  EXPECT_TRUE(proportion_interval(static_cast<std::uint64_t>(inside), kBatches, 0.999).contains(0.9)) << inside;
+}
+
+/// A sum of normal sources: a mean far away makes the length one, its indices are exactly the contributors' shares, and
+/// 90 % intervals hold them in 90 % of all seeds.
+TEST(Sobol, IntervalsOfALinearFunctionCover) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances tolerances;
+  tolerances[Source::arm_length] = 0.3;
+  tolerances[Source::e_x] = 0.3;
+  tolerances[Source::e_z] = 0.2;
+  tolerances.measured[index(Source::rod_mean)] = {99.999, 100.0, 100.001};
+  const Pose pose{Workspace::on_circle(400.0, 0.3, -1000.0), 0.0};
+  const Characteristic what{Quantity::distance};
+  const std::vector<Contributor> shares = contributors(LinearModel(robot).rows(pose, what), tolerances);
+  constexpr int kSeeds = 150;
+  std::uint64_t inside = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    for (const SobolIndex& one :
+         sobol_indices(robot, tolerances, what, pose,
+                       {.model = Model::linear, .seed = seed, .samples = 512, .confidence = 0.9, .threads = 1})) {
+      const double exact = std::ranges::find(shares, one.source, &Contributor::source)->share;
+      if (exact < 0.02) continue;
+      inside += (one.first_interval.contains(exact) ? 1U : 0U) + (one.total_interval.contains(exact) ? 1U : 0U);
+      all += 2;
+    }
+  }
+  EXPECT_GT(all, 500U);
+  EXPECT_NEAR(static_cast<double>(inside) / static_cast<double>(all), 0.9, 0.03);
+}
+
 /// Of a sum (a large mean makes the length one) the indices are the contributors' shares.
 TEST(Sobol, AreTheSharesOfALinearFunction) {
   const Robot robot = catalogue::huang2016();
