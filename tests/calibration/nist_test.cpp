@@ -14,6 +14,7 @@
 #include <ostream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <unsupported/Eigen/AutoDiff>
 #include <vector>
@@ -257,37 +258,87 @@ constexpr double kParameterDigits = 6.0;
 /// rounding inside the model costs a little more.
 double standard_error_digits(const std::string& problem) { return problem == "Lanczos1" ? 2.5 : 4.0; }
 
-/// One set of options for all problems. A first step that is small, because some starts are far away; many iterations,
-/// because from its first start MGH10 creeps along a curved valley, 50 decades of b1 down and up again; a rank
-/// tolerance near rounding, because every parameter here can be identified, however weakly: on its way MGH17 passes
-/// where two exponentials nearly coincide.
-constexpr LeastSquaresOptions kOptions{
-    .max_iterations = 10'000, .step_tolerance = 1e-14, .rank_tolerance = 1e-12, .initial_damping = 1e3};
+/// Digits that an answer shares with the certified one; the least of all parameters.
+struct Agreement {
+  double parameters = 0.0, errors = 0.0;
+};
 
-class NistStrd : public testing::TestWithParam<std::tuple<Problem, std::size_t>> {};
-
-TEST_P(NistStrd, CertifiedParametersAndStandardErrors) {
-  const auto& [problem, start] = GetParam();
-  const Dataset data = read_dataset(problem.name);
-  ASSERT_FALSE(data.parameters.empty()) << "cannot read " << problem.name << ".dat";
-  ASSERT_EQ(data.observations.size(), data.observation_count);
-
-  const LeastSquaresResult fit = solve_least_squares(row_model(problem, data), data.start(start), kOptions);
-  EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
-
+Agreement agreement(const LeastSquaresResult& fit, const Dataset& data) {
   const Eigen::VectorXd errors = standard_errors(fit.at_answer);
-  Eigen::VectorXd parameter_digits(errors.size()), error_digits(errors.size());
+  Agreement least{99.0, 99.0};
   for (Eigen::Index k = 0; k < errors.size(); ++k) {
     const CertifiedParameter& certified = data.parameters[static_cast<std::size_t>(k)];
-    parameter_digits(k) = digits(fit.parameters(k), certified.value);
-    error_digits(k) = digits(errors(k), certified.deviation);
-    EXPECT_GE(parameter_digits(k), kParameterDigits) << "b" << k + 1 << " = " << fit.parameters(k);
-    EXPECT_GE(error_digits(k), standard_error_digits(problem.name))
-        << "standard error of b" << k + 1 << ": " << errors(k);
+    least.parameters = std::min(least.parameters, digits(fit.parameters(k), certified.value));
+    least.errors = std::min(least.errors, digits(errors(k), certified.deviation));
   }
-  RecordProperty("parameter_digits", std::to_string(parameter_digits.minCoeff()));
-  RecordProperty("error_digits", std::to_string(error_digits.minCoeff()));
+  return least;
+}
+
+/// For all 54 together. A first step that is small, because some starts are far away; many iterations, because from
+/// its first start MGH10 creeps along a curved valley, 50 decades of b1 down and up again; a rank tolerance near
+/// rounding, because every parameter here can be identified, however weakly: on its way MGH17 passes where two
+/// exponentials nearly coincide.
+constexpr LeastSquaresOptions kPatient{
+    .max_iterations = 10'000, .step_tolerance = 1e-14, .rank_tolerance = 1e-12, .initial_damping = 1e3};
+
+class NistStrd : public testing::TestWithParam<std::tuple<Problem, std::size_t>> {
+ protected:
+  void SetUp() override {
+    ASSERT_FALSE(data.parameters.empty()) << "cannot read " << problem().name << ".dat";
+    ASSERT_EQ(data.observations.size(), data.observation_count);
+  }
+
+  Problem problem() const { return std::get<0>(GetParam()); }
+  std::size_t start() const { return std::get<1>(GetParam()); }
+  LeastSquaresResult solve(const LeastSquaresOptions& options) const {
+    const Problem solved = problem();
+    return solve_least_squares(row_model(solved, data), data.start(start()), options);
+  }
+
+  const Dataset data = read_dataset(problem().name);
+};
+
+TEST_P(NistStrd, CertifiedParametersAndStandardErrors) {
+  const LeastSquaresResult fit = solve(kPatient);
+  EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
+  const Agreement found = agreement(fit, data);
+  EXPECT_GE(found.parameters, kParameterDigits);
+  EXPECT_GE(found.errors, standard_error_digits(problem().name));
+  RecordProperty("parameter_digits", std::to_string(found.parameters));
+  RecordProperty("error_digits", std::to_string(found.errors));
   RecordProperty("iterations", fit.iterations);
+}
+
+/// What the library's own options do: they are made for machines near their nominal dimensions, and these need more.
+struct Demanding {
+  const char* problem;
+  std::size_t start;
+  const char* needs;
+};
+
+constexpr std::array kDemanding{
+    Demanding{"Bennett5", 0, "iterations"}, Demanding{"Bennett5", 1, "iterations"},
+    Demanding{"BoxBOD", 0, "iterations"},   Demanding{"Eckerle4", 0, "iterations"},
+    Demanding{"Lanczos1", 0, "iterations"}, Demanding{"Lanczos2", 0, "iterations"},
+    Demanding{"Lanczos3", 0, "iterations"}, Demanding{"MGH09", 0, "iterations"},
+    Demanding{"MGH10", 0, "iterations"},    Demanding{"MGH10", 1, "iterations"},
+    Demanding{"Nelson", 0, "iterations"},   Demanding{"MGH17", 0, "rank"},
+};
+
+/// Residuals of 1e-13 and 1e-7 of the responses: settled before they are this small, so s is not theirs.
+bool fits_beyond_the_step(std::string_view problem) { return problem == "Lanczos1" || problem == "Lanczos2"; }
+
+TEST_P(NistStrd, TheLibrarysOwnOptionsGiveFourDigitsOrSaySo) {
+  const LeastSquaresResult fit = solve({});
+  const auto* const demanding = std::ranges::find_if(kDemanding, [&](const Demanding& one) {
+    return one.problem == std::string(problem().name) && one.start == start();
+  });
+  const std::string needs = demanding == kDemanding.end() ? "" : demanding->needs;
+  EXPECT_EQ(fit.status, needs == "iterations" ? LeastSquaresStatus::not_converged : LeastSquaresStatus::converged);
+  const Agreement found = agreement(fit, data);
+  EXPECT_EQ(found.parameters >= 4.0, needs.empty()) << found.parameters << " digits";
+  if (fits_beyond_the_step(problem().name)) return;
+  EXPECT_EQ(found.errors >= 4.0, needs.empty()) << found.errors << " digits";
 }
 
 INSTANTIATE_TEST_SUITE_P(BothStarts, NistStrd, testing::Combine(testing::ValuesIn(kProblems), testing::Values(0U, 1U)),
