@@ -219,7 +219,9 @@ class Run {
 
   BatchResult in_folder() const {
     const ChunkFolder folder(batch_, options_);
-    BatchResult result{.tally = {}, .complete = make_own(folder) && make_missing(folder)};
+    // Not as an initialiser of `complete`: where that throws, GCC 12 destroys `tally` twice.
+    BatchResult result;
+    result.complete = make_own(folder) && make_missing(folder);
     if (options_.rank.number == 0) result.complete &= add_up(folder, result.tally);
     return result;
   }

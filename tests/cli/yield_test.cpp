@@ -233,6 +233,17 @@ TEST_F(Yield, ADeadRankCostsItsChunk) {
 
 // ---- interrupted
 
+/// A disk that fills up or a folder that goes away: told as what cannot be written, not a crash.
+TEST_F(Yield, AFolderThatVanishesIsTold) {
+  const auto running = start(kept_yield(kEndless, "--threads 1 --robot huang2016"));
+  wait_for_chunks(1);
+  std::filesystem::rename(folder.path() / "folder", folder.path() / "elsewhere");
+  const ProgramResult result = running->result();
+  EXPECT_EQ(result.exit_code, kWrongUsage);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, AllOf(HasSubstr("folder"), HasSubstr("cannot be written")));
+}
+
 TEST_F(Yield, InterruptedItSaysThatItIsPartial) {
   for (const int signal : {SIGINT, SIGTERM}) {
     SCOPED_TRACE(signal);
