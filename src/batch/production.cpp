@@ -99,10 +99,6 @@ bool keeps(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& 
                              [&](ErrorKind kind) { return !limits[kind] || accuracy[kind] <= *limits[kind]; });
 }
 
-bool any(const PerErrorKind<std::optional<double>>& limits) {
-  return std::ranges::any_of(kErrorKinds, [&](ErrorKind kind) { return limits[kind].has_value(); });
-}
-
 }  // namespace
 
 std::string_view name(ErrorKind kind) {
@@ -117,6 +113,10 @@ std::string_view name(Fate fate) {
   constexpr std::array<std::string_view, kFates.size()> kNames{"accepted", "rejected", "not_identifiable",
                                                                "not_converged", "does_not_close"};
   return kNames[static_cast<std::size_t>(fate)];
+}
+
+bool has_limits(const ProductionPlan& plan) {
+  return std::ranges::any_of(kErrorKinds, [&](ErrorKind kind) { return plan.limits[kind].has_value(); });
 }
 
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
@@ -153,7 +153,7 @@ MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint
   const std::optional<Accuracy> after =
       before && delivery.compensated ? validate(build(robot, *delivery.compensated)) : before;
   if (!before || !after) return {};
-  const bool passes = any(plan.limits) ? keeps(*after, plan.limits) : delivery.fate == Fate::accepted;
+  const bool passes = has_limits(plan) ? keeps(*after, plan.limits) : delivery.fate == Fate::accepted;
   return {delivery.fate, passes, *before, *after};
 }
 

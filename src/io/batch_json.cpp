@@ -92,6 +92,15 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
   return json;
 }
 
+/// Null where no limits were stated: then nothing passes, and nothing fails.
+Json passed_json(const Batch& batch, const Tally& tally, double confidence) {
+  if (!has_limits(batch.plan)) return {{"passed", nullptr}, {"yield", nullptr}, {"dpmo", nullptr}};
+  const Proportion share = yield(tally, confidence);
+  Json json{{"passed", tally.passed}, {"yield", to_json(share)}, {"dpmo", to_json(defects_per_million(share))}};
+  json["yield"]["confidence"] = confidence;
+  return json;
+}
+
 }  // namespace
 
 Json to_json(const Proportion& proportion) {
@@ -121,13 +130,10 @@ Json to_json(const Batch& batch) {
 }
 
 Json to_json(const Batch& batch, const Tally& tally, double confidence) {
-  const Proportion share = yield(tally, confidence);
   Json json{{"machines", tally.machines()}};
   for (const Fate fate : kFates) json["fates"][std::string(name(fate))] = tally.of(fate);
-  json["passed"] = tally.passed;
-  json["yield"] = to_json(share);
-  json["yield"]["confidence"] = confidence;
-  json["dpmo"] = to_json(defects_per_million(share));
+  json["confidence"] = confidence;
+  json.update(passed_json(batch, tally, confidence));
   json["quantities"] = quantities_json(batch, tally, confidence);
   return json;
 }

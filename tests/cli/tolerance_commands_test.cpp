@@ -88,6 +88,19 @@ TEST_F(ToleranceCommands, AnAllocationKeepsItsLimit) {
   EXPECT_THAT(found.at("contributors"), Not(IsEmpty()));
 }
 
+TEST_F(ToleranceCommands, TheLimitOnTiltJudgesTilt) {
+  const auto judged = [&](const std::string& limit) {
+    return json_from("tolerance analyze --sigma-error 0.2 --max-tilt " + limit);
+  };
+  const json usual = judged("0.001");
+  ASSERT_THAT(usual.at("requirements"), SizeIs(1));
+  EXPECT_EQ(usual.at("requirements")[0].at("quantity"), "tilt");
+  EXPECT_EQ(usual.at("requirements")[0].at("limit"), 1e-3);
+  const double largest = usual.at("requirements")[0].at("worst_case");
+  EXPECT_EQ(judged(json(largest).dump()).at("yield").at("value"), 1.0);
+  EXPECT_EQ(judged("1e-6").at("yield").at("value"), 0.0);
+}
+
 TEST_F(ToleranceCommands, AProblemOfSeveralRequirements) {
   folder.write("problem.toml", kProblem);
   const json found = json_from("tolerance allocate --problem problem.toml --toml chosen.toml");

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <memory>
 #include <thread>
+#include <tuple>
 
 #include "json_checks.hpp"
 
@@ -27,7 +28,7 @@ constexpr int kMachines = 37, kChunk = 5;
 constexpr int kEndless = 100000000;  // machines
 
 std::string yield_of(int machines, const std::string& options = "") {
-  return fmt::format("yield --machines {} --max-position-mm 0.05 --seed 3 --json {}", machines, options);
+  return fmt::format("yield --machines {} --max-position-aligned-mm 0.05 --seed 3 --json {}", machines, options);
 }
 
 /// The same with a checkpoint folder.
@@ -84,7 +85,8 @@ class Yield : public testing::Test {
 
 TEST_F(Yield, SaysWhatCustomersGet) {
   const json object = json::parse(undisturbed());
-  ASSERT_TRUE(has_keys(object, "machines machines_asked partial fates passed yield dpmo quantities batch inputs"));
+  ASSERT_TRUE(
+      has_keys(object, "machines machines_asked partial fates confidence passed yield dpmo quantities batch inputs"));
   EXPECT_EQ(object["machines"], kMachines);
   EXPECT_EQ(object["partial"], false);
   ASSERT_TRUE(has_keys(object["fates"], "accepted rejected not_identifiable not_converged does_not_close"));
@@ -119,6 +121,43 @@ TEST_F(Yield, ARigidPlateHasNoRotation) {
   const json object = json_of(folder.run("yield --machines 2 --robot rotary_delta --json"));
   EXPECT_TRUE(object["quantities"]["rotation_deg"].is_null());
   EXPECT_EQ(folder.run("yield --machines 2 --robot rotary_delta --max-rotation-deg 1").exit_code, kWrongUsage);
+}
+
+/// Nothing was asked of the machines, so none keeps it.
+TEST_F(Yield, WithoutLimitsThereIsNone) {
+  const ProgramResult text = folder.run("yield --machines 2 --report page.html");
+  EXPECT_THAT(text.out, AllOf(HasSubstr("no limits (--max-...): no yield"), HasSubstr("2 accepted"),
+                              Not(HasSubstr("yield 1")), Not(HasSubstr("defects"))));
+  const json object = json_of(folder.run("yield --machines 2 --json"));
+  for (const char* key : {"passed", "yield", "dpmo"}) EXPECT_TRUE(object.at(key).is_null()) << key;
+  EXPECT_EQ(object.at("confidence"), 0.95);
+  EXPECT_THAT(folder.read("page.html"), HasSubstr("\"passed\":null,\"yield\":null"));
+  const ProgramResult refused = folder.run("yield --machines 2 --min-yield 0.1");
+  EXPECT_EQ(refused.exit_code, kWrongUsage);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("--min-yield"), HasSubstr("--max-")));
+}
+
+/// One machine: it fails just below the number in the row, and passes just above it.
+TEST_F(Yield, EveryLimitJudgesTheRowOfItsName) {
+  const std::string command = "yield --machines 1 --seed 5";
+  const json quantities = json_of(folder.run(command + " --json")).at("quantities");
+  const std::string table = folder.run(command).out;
+  for (const auto& [option, key, row] :
+       {std::tuple("--max-distance-mm", "distance_mm", "distance, mm"),
+        std::tuple("--max-position-mm", "volumetric_mm", "position, mm"),
+        std::tuple("--max-position-aligned-mm", "volumetric_aligned_mm", "position aligned, mm"),
+        std::tuple("--max-rotation-deg", "rotation_deg", "rotation, deg"),
+        std::tuple("--max-tilt-rad", "tilt_rad", "tilt, rad")}) {
+    const double after = quantities.at(key).at("after").at("mean");
+    for (const auto& [factor, passed] : {std::pair(0.98, 0), std::pair(1.02, 1)}) {
+      const json judged = json_of(folder.run(fmt::format("{} --json {} {}", command, option, factor * after)));
+      EXPECT_EQ(judged.at("passed"), passed) << option;
+    }
+    const std::size_t line = table.find(std::string("\n  ") + row);
+    ASSERT_NE(line, std::string::npos) << row;
+    const double shown = std::stod(table.substr(table.find("after", line) + 5));
+    EXPECT_NEAR(shown / after, 1.0, 0.005) << row;
+  }
 }
 
 TEST_F(Yield, NamesItsInputs) {
@@ -342,7 +381,7 @@ TEST_F(Yield, RefusesTheFolderOfAnotherBatch) {
     EXPECT_THAT(result.err, AllOf(HasSubstr("folder/batch.json"), HasSubstr(expected)));
   };
   const std::string kept = " --checkpoint folder --chunk " + std::to_string(kChunk);
-  const std::string machines = "yield --machines 2 --max-position-mm 0.05";
+  const std::string machines = "yield --machines 2 --max-position-aligned-mm 0.05";
   expect_refused(machines + " --seed 4" + kept, "expected seed 4, got 3");
   expect_refused(machines + " --seed 3 --checkpoint folder --chunk 3", "expected chunk 3, got");
   expect_refused(machines + " --seed 3 --noise-mm 0.02" + kept, "expected instrument/noise_mm 0.02, got 0.017");

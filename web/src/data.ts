@@ -200,10 +200,10 @@ export interface Yield {
   machines: number;
   partial: boolean;
   fates: Record<string, number>;
-  passed: number;
+  passed: number | null; ///< null, as yield and dpmo: no limits
   min_yield?: number;
   yield: (Proportion & { confidence: number }) | null;
-  dpmo: Proportion;
+  dpmo: Proportion | null;
   quantities: Record<string, { before: Spread; after: Spread } | null>;
 }
 

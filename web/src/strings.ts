@@ -61,6 +61,7 @@ export const strings = {
     interval: (low: string, high: string, confidence: number) => `${low} to ${high} at ${digits(100 * confidence)} % confidence`,
     after: (low: string, high: string) => `${low} to ${high} after`,
     yield: "Machines within the limits",
+    noLimits: (all: string) => `${all} machines, without limits that they must keep.`,
     dpmo: "Defects per million machines",
     threeSigma: (quantity: string) => `3 sigma of ${quantity}`,
     limit: (limit: string, cpk: string) => `limit ${limit}, Cpk ${cpk}`,

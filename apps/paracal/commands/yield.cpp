@@ -21,12 +21,26 @@ namespace {
 constexpr double kUsualRotationNoise = 0.3;  // deg: rotational repeatability in [huang2016, section 5.2]
 constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000'000;
 
+/// A row of the table, and the option that judges it.
+struct Row {
+  ErrorKind kind;
+  const char *text, *option;
+  double factor;  ///< from mm or rad to the row's unit
+};
+
+constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-distance-mm", 1.0},
+                           Row{ErrorKind::volumetric, "position, mm", "--max-position-mm", 1.0},
+                           Row{ErrorKind::volumetric_aligned, "position aligned, mm", "--max-position-aligned-mm", 1.0},
+                           Row{ErrorKind::rotation, "rotation, deg", "--max-rotation-deg", to_degrees(1.0)},
+                           Row{ErrorKind::tilt, "tilt, rad", "--max-tilt-rad", 1.0}};
+
 struct Options {
   std::uint64_t machines = 0;
   std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
   std::uint64_t chunk = io::BatchOptions{}.chunk;
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
-  std::optional<double> max_distance_mm, max_position_mm, max_rotation_deg, max_tilt_rad, min_yield;
+  PerErrorKind<std::optional<double>> limits = {};  ///< in the units of kRows
+  std::optional<double> min_yield = {};
   double confidence = 0.95;
   std::shared_ptr<std::string> report;
 };
@@ -48,20 +62,21 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
 }
 
 PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
-  if (options.max_rotation_deg && !robot.slide()) {
-    throw WrongUsage(fmt::format("--max-rotation-deg: expected a robot that turns its plate, got {}", robot.name()));
-  }
   PerErrorKind<std::optional<double>> limits;
-  limits[ErrorKind::distance] = options.max_distance_mm;
-  limits[ErrorKind::volumetric_aligned] = options.max_position_mm;
-  if (options.max_rotation_deg) limits[ErrorKind::rotation] = to_radians(*options.max_rotation_deg);
-  limits[ErrorKind::tilt] = options.max_tilt_rad;
+  for (const Row& row : kRows) {
+    if (!options.limits[row.kind]) continue;
+    if (row.kind == ErrorKind::rotation && !robot.slide()) {
+      throw WrongUsage(fmt::format("{}: expected a robot that turns its plate, got {}", row.option, robot.name()));
+    }
+    limits[row.kind] = *options.limits[row.kind] / row.factor;
+  }
   return limits;
 }
 
 /// Reads the inputs and keeps their hashes.
 Order order_of(const Options& options, const Session& session) {
-  Order order{.batch = {.robot = session.robot(), .plan = {}, .seed = session.seed()}, .inputs = {}};
+  Order order{.batch = {.robot = session.robot(), .plan = {}, .seed = session.seed()},
+              .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
     io::TextFile file = io::read_file(name);
     order.inputs.push_back({file.name, io::sha256(file.text)});
@@ -78,6 +93,9 @@ Order order_of(const Options& options, const Session& session) {
   plan.calibration.noise = first_guess(plan.instrument);
   plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   plan.limits = limits_of(options, robot);
+  if (options.min_yield && !has_limits(plan)) {
+    throw WrongUsage("--min-yield: expected a limit that machines must keep (--max-...) with it, got none");
+  }
   order.batch.plan = settled(robot, std::move(plan));
   return order;
 }
@@ -118,31 +136,26 @@ std::string spread_line(const Histogram& histogram, double factor, double confid
   return text;
 }
 
-/// What an error is called, and its unit.
-struct Label {
-  ErrorKind kind;
-  const char* text;
-  double factor;
-};
-
-constexpr std::array kLabels{
-    Label{ErrorKind::distance, "distance, mm", 1.0}, Label{ErrorKind::volumetric, "position, mm", 1.0},
-    Label{ErrorKind::volumetric_aligned, "position aligned, mm", 1.0},
-    Label{ErrorKind::rotation, "rotation, deg", to_degrees(1.0)}, Label{ErrorKind::tilt, "tilt, rad", 1.0}};
-
 std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
   std::string text = fmt::format(
       "  largest error of a machine over {} poses: so many percent of the machines are within\n"
       "  {:<22}{:8}{:>10}{:>10}{:>10}{:>10}{:>10}   {} interval of the 95 %\n",
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
-  for (const Label& label : kLabels) {
-    if (label.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
-    text +=
-        fmt::format("  {:<22}", label.text) + spread_line(tally.before[label.kind], label.factor, confidence, "before");
-    text += fmt::format("  {:<22}", "") + spread_line(tally.after[label.kind], label.factor, confidence, "after");
+  for (const Row& row : kRows) {
+    if (row.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    text += fmt::format("  {:<22}", row.text) + spread_line(tally.before[row.kind], row.factor, confidence, "before");
+    text += fmt::format("  {:<22}", "") + spread_line(tally.after[row.kind], row.factor, confidence, "after");
   }
   return text;
+}
+
+std::string yield_line(const Options& options, const Batch& batch, const Tally& tally) {
+  if (!has_limits(batch.plan)) return "  no limits (--max-...): no yield\n";
+  const Proportion share = yield(tally, options.confidence), defects = defects_per_million(share);
+  return fmt::format("  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
+                     percent(share.value), percent(share.interval.low), percent(share.interval.high),
+                     100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
 }
 
 std::string text_of(const Options& options, const Batch& batch, const io::BatchResult& result) {
@@ -156,11 +169,7 @@ std::string text_of(const Options& options, const Batch& batch, const io::BatchR
                  "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
                  tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
                  tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
-  const Proportion share = yield(tally, options.confidence), defects = defects_per_million(share);
-  fmt::format_to(out, "  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
-                 percent(share.value), percent(share.interval.low), percent(share.interval.high),
-                 100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
-  return text + accuracy_table(batch, tally, options.confidence);
+  return text + yield_line(options, batch, tally) + accuracy_table(batch, tally, options.confidence);
 }
 
 // ---- what a program reads
@@ -177,12 +186,12 @@ io::Json json_of(const Options& options, const Order& order, const io::BatchResu
 /// A histogram an error, before and after on bins of their own.
 io::Json histograms(const Batch& batch, const Tally& tally) {
   io::Json json = io::Json::array();
-  for (const Label& label : kLabels) {
-    if (label.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
-    json.push_back({{"quantity", label.text},
-                    {"before", report::histogram(tally.before[label.kind], label.factor)},
-                    {"after", report::histogram(tally.after[label.kind], label.factor)}});
-    if (const auto& limit = batch.plan.limits[label.kind]) json.back()["limit"] = label.factor * *limit;
+  for (const Row& row : kRows) {
+    if (row.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    json.push_back({{"quantity", row.text},
+                    {"before", report::histogram(tally.before[row.kind], row.factor)},
+                    {"after", report::histogram(tally.after[row.kind], row.factor)}});
+    if (const auto& limit = batch.plan.limits[row.kind]) json.back()["limit"] = row.factor * *limit;
   }
   return json;
 }
@@ -213,13 +222,11 @@ void run(const Options& options, Session& session) {
 }
 
 void add_limits(CLI::App& command, Options& options) {
-  const auto add = [&](const char* name, std::optional<double>& limit, const char* what) {
-    command.add_option(name, limit, what)->check(positive_finite())->group("Limits after calibration");
-  };
-  add("--max-distance-mm", options.max_distance_mm, "of the error of the distance to home");
-  add("--max-position-mm", options.max_position_mm, "of the position error after the best alignment");
-  add("--max-rotation-deg", options.max_rotation_deg, "of the rotation error relative to home");
-  add("--max-tilt-rad", options.max_tilt_rad, "of the tilt of the plate");
+  for (const Row& row : kRows) {
+    command.add_option(row.option, options.limits[row.kind], fmt::format("of the row \"{}\"", row.text))
+        ->check(positive_finite())
+        ->group("Limits after calibration");
+  }
   command
       .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
       ->check(non_negative_finite())

@@ -61,6 +61,9 @@ struct ProductionPlan {
 /// [huang2016, section 5.2], mm.
 inline constexpr double kUsualNoise = 0.017;
 
+/// Without limits nothing can be said about keeping them.
+bool has_limits(const ProductionPlan& plan);
+
 /// The paper's scheme: home and nine points on each of two rims measured with kUsualNoise, 120 poses to validate; the
 /// tolerances are the metrologist's priors, too.
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances);

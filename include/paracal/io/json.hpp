@@ -50,7 +50,8 @@ Json to_json(const CalibrationOptions& options, Actuator actuator);
 /// the program, can be told apart. Numbers as they are inside the library (mm, rad), to the last bit.
 Json to_json(const Batch& batch);
 
-/// Yield, defects per million, fates, and what customers get before and after calibration; keys in docs/files.md.
+/// Fates, what customers get before and after calibration and, where limits were stated, yield and defects per million;
+/// keys in docs/files.md.
 /// @param confidence  of the intervals.
 Json to_json(const Batch& batch, const Tally& tally, double confidence);
 

@@ -19,7 +19,7 @@ export function ofYield({ machines, partial, passed, min_yield: asked, yield: sh
   return {
     yes: partial ? false : reached,
     says: partial ? text.no.yield : reached === null ? text.yes.yield : reached ? text.yes.reached(`${exact(100 * asked!)} %`) : text.no.reached(`${exact(100 * asked!)} %`),
-    sentence: `${text.yield}: ${text.of(String(passed), String(machines))}.`,
+    sentence: passed === null ? text.noLimits(String(machines)) : `${text.yield}: ${text.of(String(passed), String(machines))}.`,
     cards: [
       ...(share ? [card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low), percent(share.high), share.confidence)])] : []),
       ...Object.entries(quantities).flatMap(([key, both]) => (both ? [spreadCard(key, both.before, both.after)] : [])),
