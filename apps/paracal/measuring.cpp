@@ -236,12 +236,18 @@ io::Json workspace_json(const WorkspaceUncertainty& spread) {
           {"max_rotation_deg", to_degrees(spread.max_rotation)}};
 }
 
-Tolerances read_priors(const io::TextFile& file, Actuator actuator) {
-  Tolerances tolerances = io::read_tolerances(file, actuator);
+Tolerances read_priors(const io::TextFile& file, const Geometry& geometry) {
+  Tolerances tolerances = io::read_tolerances(file, geometry);
   if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
     throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
   }
   return tolerances;
+}
+
+std::string assumed_lines(const std::vector<std::string>& assumed, std::string_view mark) {
+  std::string text;
+  for (const std::string& one : assumed) text += fmt::format("{} assumed: {}\n", mark, one);
+  return text;
 }
 
 std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count) {

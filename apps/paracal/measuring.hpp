@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
@@ -67,7 +68,10 @@ io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Half-widths (TOML) that are to be priors.
 /// @throws InputFileError where all are zero: there is then nothing that a fit could seek.
-Tolerances read_priors(const io::TextFile& file, Actuator actuator);
+Tolerances read_priors(const io::TextFile& file, const Geometry& geometry);
+
+/// A line each; tables take `mark` "#".
+std::string assumed_lines(const std::vector<std::string>& assumed, std::string_view mark = " ");
 
 /// "e_x2": e_x of limb 2; "e_x": of all limbs.
 /// @throws WrongUsage for anything else.

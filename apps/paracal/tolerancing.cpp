@@ -13,7 +13,7 @@
 namespace paracal::app {
 
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
-  if (!file.empty()) return read_priors(io::read_file(file), robot.actuator());
+  if (!file.empty()) return read_priors(io::read_file(file), robot.geometry());
   return paracal::tolerances_of(robot);
 }
 
@@ -76,6 +76,7 @@ CLI::Validator characteristic_validator() {
 SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
                                      const GlobalSensitivityOptions& options) {
   SensitivityFindings found{.what = what, .global = global_sensitivity(robot, what, options)};
+  found.assumed = tolerances.assumed;
   found.worst = worst_spread(robot, what, tolerances, Spread::statistical);
   found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances);
   return found;
@@ -107,6 +108,7 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
   json["worst"] = io::to_json(found.worst.pose);
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors);
+  json["assumed"] = found.assumed;
   return json;
 }
 

@@ -40,6 +40,7 @@ struct SensitivityFindings {
   std::optional<PerSource> local = {};
   ValueAtPose worst = {};  ///< largest 3 sigma
   std::vector<Contributor> contributors = {};
+  std::vector<std::string> assumed = {};  ///< of the tolerances
 };
 SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
                                      const GlobalSensitivityOptions& options = {});

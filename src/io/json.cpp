@@ -21,9 +21,13 @@ Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
 
 Json to_json(const Tolerances& tolerances, Actuator actuator) {
   Json json;
-  for (const Source source : tolerance_sources()) {
+  const std::vector<Source> listed = listed_tolerances(tolerances);
+  for (const Source source : listed) {
     json[tolerance_key(source, actuator)] = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
   }
+  if (listed.size() < tolerance_sources().size()) json["others"] = "exact";
+  const std::vector<std::string> generous = generous_keys(tolerances, actuator);
+  if (!generous.empty()) json["generous"] = generous;
   json["distribution"] = distribution_name(tolerances.distribution);
   for (const Source source : tolerance_sources()) {
     for (const double value : tolerances.measured[index(source)]) {

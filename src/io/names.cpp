@@ -35,6 +35,20 @@ std::vector<Source> tolerance_sources() {
   return sources;
 }
 
+std::vector<Source> listed_tolerances(const Tolerances& tolerances) {
+  std::vector<Source> sources = tolerance_sources();
+  std::erase_if(sources, [&](Source source) { return tolerances.origin[index(source)] == Origin::exact; });
+  return sources;
+}
+
+std::vector<std::string> generous_keys(const Tolerances& tolerances, Actuator actuator) {
+  std::vector<std::string> keys;
+  for (const Source source : tolerance_sources()) {
+    if (tolerances.origin[index(source)] == Origin::generous) keys.push_back(tolerance_key(source, actuator));
+  }
+  return keys;
+}
+
 std::string_view distribution_name(Distribution distribution) {
   return kDistributions[static_cast<std::size_t>(distribution)];
 }

@@ -31,6 +31,12 @@ std::string tolerance_key(Source source, Actuator actuator);
 /// One source a tolerance key, in column order: e_x stands for all of e.
 std::vector<Source> tolerance_sources();
 
+/// Those that a file lists: all but what a table took for exact without listing it.
+std::vector<Source> listed_tolerances(const Tolerances& tolerances);
+
+/// Keys of those whose values nobody states.
+std::vector<std::string> generous_keys(const Tolerances& tolerances, Actuator actuator);
+
 std::string_view distribution_name(Distribution distribution);
 std::optional<Distribution> distribution_named(std::string_view name);
 /// All names, for messages.

@@ -73,10 +73,21 @@ std::vector<double> Section::numbers(std::string_view key, std::optional<std::si
   return values;
 }
 
-std::string Section::text(std::string_view key) {
-  const toml::node& node = require(key, "a text");
+std::string Section::text_of(const toml::node& node, std::string_view key) const {
   if (!node.is_string()) fail(node, fmt::format("expected a text for {}, got {}", key_path(key), type_name(node)));
   return **node.as_string();
+}
+
+std::string Section::text(std::string_view key) { return text_of(require(key, "a text"), key); }
+
+std::vector<std::string> Section::texts(std::string_view key) {
+  const toml::node& node = require(key, "an array of texts");
+  if (!node.is_array()) {
+    fail(node, fmt::format("expected an array of texts for {}, got {}", key_path(key), type_name(node)));
+  }
+  std::vector<std::string> values;
+  for (const toml::node& element : *node.as_array()) values.push_back(text_of(element, key));
+  return values;
 }
 
 std::optional<Section> Section::optional_table(std::string_view key) {

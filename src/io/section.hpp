@@ -36,6 +36,9 @@ class Section {
   std::vector<double> numbers(std::string_view key, std::optional<std::size_t> count = std::nullopt);
 
   std::string text(std::string_view key);
+  std::vector<std::string> texts(std::string_view key);
+
+  std::string text_of(const toml::node& node, std::string_view key) const;
 
   Section table(std::string_view key) { return as_table(require(key, "a table"), key); }
   std::optional<Section> optional_table(std::string_view key);

@@ -10,7 +10,7 @@
 #include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
-#include "section.hpp"
+#include "robot_tables.hpp"
 
 namespace paracal::io {
 namespace {
@@ -62,51 +62,15 @@ Workspace workspace_of(Section section) {
   return workspace;
 }
 
-Tolerances tolerances_of(Section section, Actuator actuator) {
-  Tolerances tolerances;
-  const auto half_width = [&](const std::string& key) {
-    const double value = section.number_or(key, 0.0);
-    if (value < 0.0) {
-      section.fail(*section.find(key),
-                   fmt::format("expected a half-width of at least 0 for {}, got {}", section.key_path(key), value));
-    }
-    return value;
-  };
-  for (const Source source : all_sources()) {
-    tolerances[source] = from_file_unit(unit(source, actuator), half_width(tolerance_key(source, actuator)));
-  }
-  if (const toml::node* node = section.find("distribution")) {
-    const std::string name = section.text("distribution");
-    const std::optional<Distribution> distribution = distribution_named(name);
-    if (!distribution) {
-      section.fail(*node, fmt::format("expected {} for {}, got \"{}\"", distribution_names(),
-                                      section.key_path("distribution"), name));
-    }
-    tolerances.distribution = *distribution;
-  }
-  if (auto measured = section.optional_table("measured")) {
-    for (const Source source : all_sources()) {
-      const std::string key = tolerance_key(source, actuator);
-      if (!measured->find(key)) continue;
-      for (const double value : measured->numbers(key)) {
-        tolerances.measured[index(source)].push_back(from_file_unit(unit(source, actuator), value));
-      }
-    }
-    measured->refuse_others();
-  }
-  section.refuse_others();
-  return tolerances;
-}
-
-RobotDescription description_of(const TextFile& file, const toml::table& document) {
-  Section root(file.name, "", document);
+RobotDescription description_of(const std::string& file, const toml::table& document) {
+  Section root(file, "", document);
   RobotDescription robot;
   robot.name = root.text("name");
   robot.geometry = geometry_of(root.table("geometry"));
   if (const auto plate = root.optional_table("plate")) robot.slide = slide_of(*plate);
   robot.workspace = workspace_of(root.table("workspace"));
   if (const auto tolerances = root.optional_table("tolerances")) {
-    robot.tolerances = tolerances_of(*tolerances, robot.geometry.actuator);
+    robot.tolerances = tolerances_of(*tolerances, robot.geometry);
   }
   root.refuse_others();
   return robot;
@@ -126,39 +90,18 @@ std::string quoted(const std::string& text) {
   return stream.str();
 }
 
-std::string array(const auto& values) {
-  std::string text;
-  for (const double value : values) fmt::format_to(std::back_inserter(text), "{}{}", text.empty() ? "" : ", ", value);
-  return "[" + text + "]";
-}
-
 }  // namespace
 
-Robot read_robot(const TextFile& file) {
-  const toml::table document = parse_toml(file);
+Robot robot_of(const std::string& file, const toml::table& document) {
   RobotDescription description = description_of(file, document);
   try {
     return Robot(std::move(description));
   } catch (const InvalidArgument& complaint) {
-    throw InputFileError(file.name, line_of_complaint(document, complaint.what()), complaint.what());
+    throw InputFileError(file, line_of_complaint(document, complaint.what()), complaint.what());
   }
 }
 
-std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
-  std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
-  for (const Source source : tolerance_sources()) {
-    const std::string key = tolerance_key(source, actuator);
-    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(unit(source, actuator), tolerances[source])));
-    std::vector<double> values;
-    for (const double value : tolerances.measured[index(source)]) {
-      values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
-    }
-    if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
-  }
-  text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
-  if (!measured.empty()) text += "\n[tolerances.measured]  # errors of built parts\n" + measured;
-  return text;
-}
+Robot read_robot(const TextFile& file) { return robot_of(file.name, parse_toml(file)); }
 
 std::string robot_toml(const Robot& robot) {
   std::string text;
@@ -180,13 +123,6 @@ std::string robot_toml(const Robot& robot) {
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
   if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.actuator()));
   return text;
-}
-
-Tolerances read_tolerances(const TextFile& file, Actuator actuator) {
-  const toml::table document = parse_toml(file);
-  Section root(file.name, "", document);
-  if (!root.find("tolerances")) return tolerances_of(root, actuator);
-  return tolerances_of(root.table("tolerances"), actuator);
 }
 
 std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints) {

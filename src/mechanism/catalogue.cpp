@@ -19,6 +19,16 @@ struct Entry {
 constexpr std::array<Entry, 3> kEntries{
     {{"huang2016", huang2016}, {"rotary_delta", rotary_delta}, {"linear_delta", linear_delta}}};
 
+/// The paper states those of the tilt group alone.
+Tolerances table2(const Geometry& geometry) {
+  Tolerances tolerances = generous_tolerances(geometry);
+  for (const Source source : all_sources()) {
+    if (tilts_plate(source)) tolerances.origin[index(source)] = Origin::stated;
+  }
+  list_assumed(tolerances, geometry.actuator);
+  return tolerances;
+}
+
 }  // namespace
 
 Robot huang2016() {
@@ -36,7 +46,7 @@ Robot huang2016() {
                      .top_z = -763.0,
                      .min_rotation = to_radians(-180),
                      .max_rotation = to_radians(180)};
-  robot.tolerances = generous_tolerances(robot.geometry);
+  robot.tolerances = table2(robot.geometry);
   return Robot(std::move(robot));
 }
 

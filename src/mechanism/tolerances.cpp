@@ -1,5 +1,7 @@
 #include "paracal/mechanism/tolerances.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +11,12 @@
 #include "paracal/units.hpp"
 
 namespace paracal {
+
+void Tolerances::state(Source source, double value) {
+  half_width[index(source)] = value;
+  measured[index(source)].clear();
+  origin[index(source)] = Origin::stated;
+}
 
 double Tolerances::mean(Source source) const {
   const std::vector<double>& values = measured[index(source)];
@@ -43,6 +51,40 @@ double Tolerances::std(Source source) const {
   return 0.0;
 }
 
+namespace {
+
+/// e_x, e_y and e_z share one tolerance; the other two, and what the actuator does not feel, say nothing new.
+bool speaks_for_itself(Source source, Actuator actuator) {
+  return source != Source::e_y && source != Source::e_z && is_felt(source, actuator);
+}
+
+/// "theta_offset 1.5 deg, e 3 mm": sources of one origin, with their half-widths where these are not zero by
+/// definition.
+std::string listed(const Tolerances& tolerances, Origin origin, Actuator actuator) {
+  std::string text;
+  for (const Source source : all_sources()) {
+    if (tolerances.origin[index(source)] != origin || !speaks_for_itself(source, actuator)) continue;
+    text.append(text.empty() ? "" : ", ").append(source == Source::e_x ? "e" : name(source));
+    if (origin == Origin::exact) continue;
+    const bool angle = unit(source, actuator) == Unit::rad;
+    text +=
+        fmt::format(" {:.3g} {}", angle ? to_degrees(tolerances[source]) : tolerances[source], angle ? "deg" : "mm");
+  }
+  return text;
+}
+
+}  // namespace
+
+void list_assumed(Tolerances& tolerances, Actuator actuator) {
+  tolerances.assumed.clear();
+  const std::string generous = listed(tolerances, Origin::generous, actuator);
+  const std::string exact = listed(tolerances, Origin::exact, actuator);
+  if (!generous.empty()) {
+    tolerances.assumed.push_back("tolerances that nobody states, generous defaults (half-widths): " + generous);
+  }
+  if (!exact.empty()) tolerances.assumed.push_back("tolerances that a table takes for zero, unlisted: " + exact);
+}
+
 Tolerances generous_tolerances(const Geometry& geometry) {
   const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
@@ -57,6 +99,8 @@ Tolerances generous_tolerances(const Geometry& geometry) {
   tolerances[Source::beta03] = 0.52e-3;
   tolerances[Source::alpha2] = 0.25e-3;
   tolerances[Source::beta2] = 0.84e-3;
+  tolerances.origin.fill(Origin::generous);
+  list_assumed(tolerances, geometry.actuator);
   return tolerances;
 }
 

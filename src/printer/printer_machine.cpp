@@ -107,6 +107,8 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   tolerances[Source::width_difference] = 4e-3 * width;
   tolerances[Source::alpha03] = tolerances[Source::beta03] = tolerances[Source::alpha2] = tolerances[Source::beta2] =
       4e-3;
+  tolerances.origin.fill(Origin::generous);
+  list_assumed(tolerances, geometry.actuator);
   return tolerances;
 }
 

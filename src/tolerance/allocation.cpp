@@ -161,9 +161,7 @@ class Allocator {
 Tolerances with_tilt_group(Tolerances rest, const PerSource& half_widths) {
   rest.distribution = Distribution::normal;
   for (const Source source : all_sources()) {
-    if (!tilts_plate(source)) continue;
-    rest.measured[index(source)].clear();
-    rest[source] = half_widths(place(source));
+    if (tilts_plate(source)) rest.state(source, half_widths(place(source)));
   }
   return rest;
 }
@@ -216,6 +214,7 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
   worst.value *= tightest;
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
   allocation.tolerances = with_tilt_group(problem.rest, tightest * ratio * units);
+  list_assumed(allocation.tolerances, robot.actuator());
   allocation.cost = (3.0 / (tightest * ratio.tail<ErrorModel::kTilt>())).mean();
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
@@ -225,7 +224,9 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
 
 Allocation allocate(const Robot& robot, const AllocationProblem& problem) {
   check(problem);
-  return Allocator(robot, problem).run();
+  Allocation allocation = Allocator(robot, problem).run();
+  list_assumed(allocation.tolerances, robot.actuator());
+  return allocation;
 }
 
 }  // namespace paracal

@@ -109,8 +109,7 @@ Tolerances with(const AllocationProblem& problem, const Eigen::VectorXd& half_wi
   Tolerances tolerances = problem.rest;
   for (std::size_t v = 0; v < problem.variables.size(); ++v) {
     for (const Source source : problem.variables[v].sources) {
-      tolerances[source] = half_widths(static_cast<Eigen::Index>(v));
-      tolerances.measured[index(source)].clear();
+      tolerances.state(source, half_widths(static_cast<Eigen::Index>(v)));
     }
   }
   return tolerances;

@@ -33,6 +33,7 @@ rotation_deg = [-180, 180]
 theta_offset_deg = 1.5                       # line 20
 e_mm = 1.5
 distribution = "normal"
+others = "generous"
 )";
 
 const std::string kRigidRobot = R"(name = "rigid"                               # line 1

@@ -10,7 +10,7 @@ namespace paracal::test {
 namespace {
 
 using nlohmann::json;
-using testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
+using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs;
 
 const std::vector<std::string> kTiltKeys{
     "rod_difference_over_c", "width_difference_over_c", "alpha03", "beta03", "alpha2", "beta2"};
@@ -130,12 +130,47 @@ TEST_F(ToleranceCommands, ThreadsDoNotChangeTheResult) {
 }
 
 TEST_F(ToleranceCommands, MeasuredPartsReplaceTheDistribution) {
-  folder.write("parts.toml", "alpha2_deg = 0.02\n[measured]\nalpha2_deg = [0.01, 0.012, 0.011]\n");
+  folder.write("parts.toml", "others = \"exact\"\nalpha2_deg = 0.02\n[measured]\nalpha2_deg = [0.01, 0.012, 0.011]\n");
   const json shifted = json_from("tolerance analyze --tolerances parts.toml --sigma-error 0.1");
-  folder.write("parts.toml", "alpha2_deg = 0.02\n");
+  folder.write("parts.toml", "others = \"exact\"\nalpha2_deg = 0.02\n");
   const json drawn = json_from("tolerance analyze --tolerances parts.toml --sigma-error 0.1");
   EXPECT_LT(shifted.at("rss_3sigma").get<double>(), drawn.at("rss_3sigma").get<double>());
   EXPECT_EQ(shifted.at("worst_case"), drawn.at("worst_case"));
+}
+
+/// What was assumed stands in every result that depends on it.
+TEST_F(ToleranceCommands, WhatIsAssumedIsSaid) {
+  const std::string robot = " --robot rotary_delta";
+  const auto done = [&](const std::string& command) {
+    const ProgramResult result = folder.run(command + robot);
+    EXPECT_EQ(result.exit_code, kDone) << command << ": " << result.err;
+    return result.out;
+  };
+  done("poses --stage fine --out poses.csv");
+  done("simulate --poses poses.csv --truth truth.toml --out points.csv");
+  for (const char* command : {"sensitivity", "tolerance analyze --sigma-error 0.2", "tolerance allocate",
+                              "yield --machines 1", "identifiability --poses poses.csv"}) {
+    EXPECT_THAT(done(command), HasSubstr("\n  assumed: tolerances that nobody states")) << command;
+  }
+  for (const char* command : {"poses --optimal 5 --candidates 20", "simulate --poses poses.csv"}) {
+    EXPECT_THAT(done(command), HasSubstr("# assumed: tolerances that nobody states")) << command;
+  }
+  for (const char* command :
+       {"sensitivity", "tolerance analyze --sigma-error 0.2", "tolerance allocate", "yield --machines 1",
+        "identifiability --poses poses.csv", "poses --optimal 5 --candidates 20", "simulate --poses poses.csv"}) {
+    const json assumed = json_from(command + robot).at("assumed");
+    ASSERT_EQ(assumed.size(), 1u) << command;
+    EXPECT_THAT(assumed[0].get<std::string>(), HasSubstr("theta_offset 1.5 deg")) << command;
+  }
+  EXPECT_THAT(json_from("simulate --poses poses.csv --errors truth.toml" + robot).at("assumed"), IsEmpty());
+}
+
+/// What an allocation chose is not assumed any more; what it left is, in the file that it writes, too.
+TEST_F(ToleranceCommands, AnAllocationStatesWhatItChose) {
+  const json chosen = json_from("tolerance allocate --robot rotary_delta --toml chosen.toml").at("assumed");
+  EXPECT_THAT(chosen.at(0).get<std::string>(), AllOf(HasSubstr("theta_offset"), Not(HasSubstr("alpha2"))));
+  const json analysed = json_from("tolerance analyze --robot rotary_delta --tolerances chosen.toml --sigma-error 0.2");
+  EXPECT_EQ(analysed.at("assumed"), chosen);
 }
 
 TEST_F(ToleranceCommands, ARigidPlateHasNoRotation) {
@@ -191,12 +226,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BrokenInput{"tilt_zero", {}, "tolerance allocate --max-tilt 0", kWrongUsage, {"--max-tilt"}},
         BrokenInput{"analyze_nothing",
-                    {{"zero.toml", "alpha03_deg = 0\n"}},
+                    {{"zero.toml", "others = \"exact\"\nalpha03_deg = 0\n"}},
                     "tolerance analyze --tolerances zero.toml",
                     kBadInputFile,
                     {"zero.toml", "at least one tolerance above 0"}},
         BrokenInput{"sensitivity_to_nothing",
-                    {{"zero.toml", "# none\n"}},
+                    {{"zero.toml", "others = \"exact\"\n"}},
                     "sensitivity --tolerances zero.toml",
                     kBadInputFile,
                     {"zero.toml", "at least one tolerance above 0"}},

@@ -85,8 +85,8 @@ class Yield : public testing::Test {
 
 TEST_F(Yield, SaysWhatCustomersGet) {
   const json object = json::parse(undisturbed());
-  ASSERT_TRUE(
-      has_keys(object, "machines machines_asked partial fates confidence passed yield dpmo quantities batch inputs"));
+  ASSERT_TRUE(has_keys(
+      object, "machines machines_asked partial fates confidence passed yield dpmo quantities assumed batch inputs"));
   EXPECT_EQ(object["machines"], kMachines);
   EXPECT_EQ(object["partial"], false);
   ASSERT_TRUE(has_keys(object["fates"], "accepted rejected not_identifiable not_converged does_not_close"));
@@ -161,7 +161,7 @@ TEST_F(Yield, EveryLimitJudgesTheRowOfItsName) {
 }
 
 TEST_F(Yield, NamesItsInputs) {
-  folder.write("tolerances.toml", "rod_mean_mm = 0.3\nalpha2_deg = 0.01\n");
+  folder.write("tolerances.toml", "rod_mean_mm = 0.3\nalpha2_deg = 0.01\nothers = \"exact\"\n");
   folder.write("robot.toml", run_program({"robot"}).out);
   const json object = json_of(folder.run("yield --machines 2 --robot robot.toml --tolerances tolerances.toml --json"));
   ASSERT_EQ(object["inputs"].size(), 2U);
@@ -445,11 +445,12 @@ TEST_F(Yield, RefusesNumbersThatCannotBeMeant) {
 }
 
 TEST_F(Yield, RefusesFilesThatCannotBeMeant) {
-  folder.write("none.toml", "rod_mean_mm = 0\n");
+  folder.write("none.toml", "rod_mean_mm = 0\nothers = \"exact\"\n");
   folder.write("far.csv", "pose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-888,0\nfar,5000,0,-888,0\n");
   EXPECT_EQ(folder.run("yield --machines 2 --tolerances none.toml").exit_code, kBadInputFile);
   const std::string robot = run_program({"robot"}).out;
-  folder.write("perfect.toml", robot.substr(0, robot.find("[tolerances]")) + "[tolerances]\nrod_mean_mm = 0\n");
+  folder.write("perfect.toml",
+               robot.substr(0, robot.find("[tolerances]")) + "[tolerances]\nrod_mean_mm = 0\nothers = \"exact\"\n");
   EXPECT_EQ(folder.run("yield --machines 2 --robot perfect.toml").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run("yield --machines 2 --tolerances missing.toml").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run("yield --machines 2 --poses far.csv").exit_code, kMathematicsSaysNo);

@@ -148,6 +148,7 @@ export interface Sensitivity {
   largest: Record<string, number>;
   worst: Record<string, number>;
   contributors: Contributor[];
+  assumed: string[];
 }
 
 export interface Proportion {
@@ -174,6 +175,7 @@ export interface Analysis {
   requirements: Requirement[];
   yield: Proportion;
   dpmo: Proportion;
+  assumed: string[];
 }
 
 export interface Allocation {
@@ -184,6 +186,7 @@ export interface Allocation {
   max_tilt_3sigma?: number;
   half_widths: Record<string, unknown>;
   requirements: ({ quantity: string; criterion: string; price: number } & Record<string, unknown>)[];
+  assumed: string[];
 }
 
 export interface Spread {
@@ -204,6 +207,7 @@ export interface Yield {
   min_yield?: number;
   yield: (Proportion & { confidence: number }) | null;
   dpmo: Proportion | null;
+  assumed: string[];
   quantities: Record<string, { before: Spread; after: Spread } | null>;
 }
 

@@ -62,6 +62,7 @@ export const strings = {
     after: (low: string, high: string) => `${low} to ${high} after`,
     yield: "Machines within the limits",
     noLimits: (all: string) => `${all} machines, without limits that they must keep.`,
+    assumed: (what: string) => `Assumed: ${what}`,
     dpmo: "Defects per million machines",
     threeSigma: (quantity: string) => `3 sigma of ${quantity}`,
     limit: (limit: string, cpk: string) => `limit ${limit}, Cpk ${cpk}`,

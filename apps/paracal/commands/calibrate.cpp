@@ -59,7 +59,7 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.measuring.mount();
   if (!options.tolerances.empty()) {
-    calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.actuator());
+    calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.geometry());
   }
   calibration.fixed = source_selectors(options.fixed, robot.limb_count());
   calibration.free = source_selectors(options.free, robot.limb_count());

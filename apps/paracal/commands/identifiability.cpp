@@ -89,7 +89,7 @@ std::string text_of(const Robot& robot, const Identifiability& seen, const std::
                  "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
                  "rotation {:.3f} deg\n",
                  spread.max_distance, spread.max_aligned, to_degrees(spread.max_rotation));
-  return text;
+  return text + assumed_lines(tolerances_of(robot).assumed);
 }
 
 io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vector<Promise>& list,
@@ -113,6 +113,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   json["singular_values"] = io::rows_json(seen.singular_values.transpose())[0];
   add_indices(json, seen.indices);
   json["workspace_std"] = workspace_json(spread);
+  json["assumed"] = tolerances_of(robot).assumed;
   return json;
 }
 

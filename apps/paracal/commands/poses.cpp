@@ -105,6 +105,7 @@ void run_selection(const Options& options, Session& session) {
                                                .noise = options.measuring.noise(),
                                                .rotation = options.rotation,
                                                .second = options.second});
+  const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
     const Identifiability seen =
         identifiability(robot, planned_points(robot, selection.stations, options.rotation, options.second));
@@ -117,7 +118,8 @@ void run_selection(const Options& options, Session& session) {
                   {fmt::format("travel_{}", io::file_unit(unit)), io::to_file_unit(unit, selection.travel)},
                   {"workspace_std", workspace_json(selection.uncertainty)},
                   {"curve", io::Json::array()},
-                  {"poses", poses_json(selection.stations)}};
+                  {"poses", poses_json(selection.stations)},
+                  {"assumed", assumed}};
     add_indices(json, seen.indices);
     for (std::size_t k = 0; k < selection.curve.size(); ++k) {
       json["curve"].push_back(workspace_json(selection.curve[k]));
@@ -137,7 +139,7 @@ void run_selection(const Options& options, Session& session) {
         std::back_inserter(text), "# {:>3} poses: distance {:.3f} mm, aligned {:.3f} mm, rotation {:.3f} deg\n", k + 2,
         selection.curve[k].max_distance, selection.curve[k].max_aligned, to_degrees(selection.curve[k].max_rotation));
   }
-  session.print(text + io::station_table(selection.stations));
+  session.print(text + assumed_lines(assumed, "#") + io::station_table(selection.stations));
 }
 
 }  // namespace

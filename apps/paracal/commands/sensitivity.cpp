@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 
+#include "measuring.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/units.hpp"
@@ -60,7 +61,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   fmt::format_to(out, "largest 3 sigma with the tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
                  pose_text(found.worst.pose));
   fmt::format_to(out, "what makes it, share of the variance:\n{}", pareto(found.contributors));
-  return text;
+  return text + assumed_lines(found.assumed);
 }
 
 void write_page(const Options& options, const Session& session, const Robot& robot, const SensitivityFindings& found,

@@ -47,7 +47,9 @@ void run(const Options& options, const Session& session) {
   VirtualInstrument instrument = options.instrument.instrument(options.rotation);
   if (options.frame == "random") instrument.frame = random_frame(random);
   const Measurements measurements = simulate(robot, errors, stations, instrument, random);
-  const std::string table = io::point_table(measurements, robot.actuator());
+  const std::vector<std::string> assumed =
+      options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
+  const std::string table = assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
   if (!options.truth.empty()) {
     io::write_file(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
@@ -64,7 +66,7 @@ void run(const Options& options, const Session& session) {
     points.back()["y2_mm"] = reading.second->y();
     points.back()["z2_mm"] = reading.second->z();
   }
-  session.print_json(io::Json{{"points", std::move(points)}});
+  session.print_json(io::Json{{"points", std::move(points)}, {"assumed", assumed}});
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <memory>
 
+#include "measuring.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
@@ -26,7 +27,7 @@ bool is_general(const Options& options) { return !options.problem.empty(); }
 Allocation allocated(const Options& options, const Robot& robot) {
   const Tolerances rest = options.tolerances.empty()
                               ? paracal::tolerances_of(robot)
-                              : io::read_tolerances(io::read_file(options.tolerances), robot.actuator());
+                              : io::read_tolerances(io::read_file(options.tolerances), robot.geometry());
   if (is_general(options)) {
     const io::TextFile file = io::read_file(options.problem);
     const AllocationProblem problem = io::read_allocation_problem(file, rest, robot.actuator());
@@ -61,7 +62,8 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
                    worst.unit, pose_text(one.worst.pose), 0.01 * one.price * one.requirement.limit);
   }
-  text += "\n" + io::tolerances_toml(allocation.tolerances, robot.actuator());
+  text += assumed_lines(allocation.tolerances.assumed) + "\n" +
+          io::tolerances_toml(allocation.tolerances, robot.actuator());
   return text;
 }
 
@@ -84,6 +86,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     entry["price"] = one.price / factor;
     json["requirements"].push_back(std::move(entry));
   }
+  json["assumed"] = allocation.tolerances.assumed;
   return json;
 }
 

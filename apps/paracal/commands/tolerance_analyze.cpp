@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "interruption.hpp"
+#include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
@@ -141,7 +142,7 @@ std::string text_of(const Options& options, const Findings& found) {
   for (const LinearityPoint& point : found.linearity) {
     fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
   }
-  return text;
+  return text + assumed_lines(found.tolerances.assumed);
 }
 
 io::Json requirement_json(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
@@ -195,6 +196,7 @@ io::Json json_of(const Options& options, const Findings& found) {
     json["linearity"].push_back(
         {{"factor", point.factor}, {"difference", point.difference}, {"not_closed", point.not_closed}});
   }
+  json["assumed"] = found.tolerances.assumed;
   return json;
 }
 

@@ -86,7 +86,7 @@ Order order_of(const Options& options, const Session& session) {
   if (const auto file = session.robot_file()) input(*file);
   ProductionPlan plan =
       paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
-                                                         : read_priors(input(options.tolerances), robot.actuator()));
+                                                         : read_priors(input(options.tolerances), robot.geometry()));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
   plan.instrument = options.instrument.instrument(options.rotation != "none");
   plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
@@ -169,7 +169,8 @@ std::string text_of(const Options& options, const Batch& batch, const io::BatchR
                  "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
                  tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
                  tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
-  return text + yield_line(options, batch, tally) + accuracy_table(batch, tally, options.confidence);
+  text += yield_line(options, batch, tally) + accuracy_table(batch, tally, options.confidence);
+  return text + assumed_lines(batch.plan.tolerances.assumed);
 }
 
 // ---- what a program reads
@@ -178,6 +179,7 @@ io::Json json_of(const Options& options, const Order& order, const io::BatchResu
   io::Json json{{"machines_asked", options.machines}, {"partial", !result.complete}};
   json.update(io::to_json(order.batch, result.tally, options.confidence));
   if (options.min_yield) json["min_yield"] = *options.min_yield;
+  json["assumed"] = order.batch.plan.tolerances.assumed;
   json["batch"] = io::to_json(order.batch);
   json["inputs"] = io::to_json(order.inputs);
   return json;

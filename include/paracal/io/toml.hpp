@@ -25,9 +25,10 @@ SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints);
 std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints);
 
 /// Tolerances (TOML): half-widths, as keys of their own or in a [tolerances] table (other tables, as those of a robot
-/// file, are then passed over).
-/// @throws InputFileError as above, and for a negative half-width.
-Tolerances read_tolerances(const TextFile& file, Actuator actuator);
+/// file, are then passed over). A table that lists only some says what the others are: others = "exact" or "generous".
+/// @param geometry  of the robot: generous defaults depend on it.
+/// @throws InputFileError as above, for a negative half-width, and where `others` is needed and missing.
+Tolerances read_tolerances(const TextFile& file, const Geometry& geometry);
 
 /// The tolerances as a file that read_tolerances() accepts.
 std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator);

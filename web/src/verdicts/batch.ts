@@ -2,7 +2,7 @@
 import type { Reproduction, Spread, Yield } from "../data";
 import { decimalsFor, digits, exact, fixed, milli, percent } from "../numbers";
 import { strings } from "../strings";
-import { card, from, unitOf, type Verdict } from "./card";
+import { assumptions, card, from, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict;
 
@@ -14,7 +14,7 @@ function spreadCard(key: string, before: Spread, after: Spread): HTMLElement {
 }
 
 /// A verdict only where a share was asked for, as --min-yield does.
-export function ofYield({ machines, partial, passed, min_yield: asked, yield: share, quantities }: Yield): Verdict {
+export function ofYield({ machines, partial, passed, min_yield: asked, yield: share, quantities, assumed }: Yield): Verdict {
   const reached = asked === undefined ? null : share !== null && share.low >= asked;
   return {
     yes: partial ? false : reached,
@@ -24,6 +24,7 @@ export function ofYield({ machines, partial, passed, min_yield: asked, yield: sh
       ...(share ? [card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low), percent(share.high), share.confidence)])] : []),
       ...Object.entries(quantities).flatMap(([key, both]) => (both ? [spreadCard(key, both.before, both.after)] : [])),
     ],
+    notes: assumptions(assumed),
   };
 }
 

@@ -2,7 +2,7 @@
 import type { Allocation, Analysis, Sensitivity } from "../data";
 import { digits, exact, milli, percent, withUncertainty } from "../numbers";
 import { strings } from "../strings";
-import { card, unitOf, type Verdict } from "./card";
+import { assumptions, card, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict;
 
@@ -23,6 +23,7 @@ export function ofAnalysis(analysis: Analysis): Verdict {
         ]);
       }),
     ],
+    notes: assumptions(analysis.assumed),
   };
 }
 
@@ -40,10 +41,11 @@ export function ofAllocation(allocation: Allocation): Verdict {
     sentence: allocation.max_tilt_3sigma === undefined ? allocation.status : text.allocation(digits(1e3 * allocation.max_tilt_3sigma)),
     reasons: found ? [] : [allocation.reason],
     cards: [...requirements, card(text.cost, [digits(allocation.cost, 4)])],
+    notes: assumptions(allocation.assumed),
   };
 }
 
-export function ofSensitivity({ quantity, poses, worst }: Sensitivity): Verdict {
+export function ofSensitivity({ quantity, poses, worst, assumed }: Sensitivity): Verdict {
   const key = Object.keys(worst).find((name) => name.startsWith("three_sigma_"))!;
   const { scale, unit } = milli(key.slice(key.lastIndexOf("_") + 1));
   const [x, y, z] = ["x_mm", "y_mm", "z_mm"].map((axis) => exact(Math.round(worst[axis]!))) as [string, string, string];
@@ -52,5 +54,6 @@ export function ofSensitivity({ quantity, poses, worst }: Sensitivity): Verdict 
     says: text.yes.sensitivity,
     sentence: text.sensitivity(quantity, poses),
     cards: [card(text.worst, [digits(scale * worst[key]!), unitOf(unit)], [text.at(x, y, z)])],
+    notes: assumptions(assumed),
   };
 }

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "names.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/toml.hpp"
+#include "robot_tables.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// Reads one table of tolerances.
+class ToleranceTable {
+ public:
+  ToleranceTable(Section section, const Geometry& geometry)
+      : section_(std::move(section)), geometry_(geometry), actuator_(geometry.actuator) {}
+
+  Tolerances read() && {
+    for (const Source source : all_sources()) tolerances_[source] = half_width(source);
+    read_distribution();
+    read_measured();
+    read_generous();
+    const std::string others = read_others();
+    section_.refuse_others();
+    settle(others);
+    list_assumed(tolerances_, actuator_);
+    return std::move(tolerances_);
+  }
+
+ private:
+  std::string key(Source source) const { return tolerance_key(source, actuator_); }
+
+  double half_width(Source source) {
+    const double value = section_.number_or(key(source), 0.0);
+    if (value < 0.0) {
+      section_.fail(*section_.find(key(source)), fmt::format("expected a half-width of at least 0 for {}, got {}",
+                                                             section_.key_path(key(source)), value));
+    }
+    return from_file_unit(unit(source, actuator_), value);
+  }
+
+  void read_distribution() {
+    const toml::node* node = section_.find("distribution");
+    if (node == nullptr) return;
+    const std::string name = section_.text("distribution");
+    const std::optional<Distribution> distribution = distribution_named(name);
+    if (!distribution) {
+      section_.fail(*node, fmt::format("expected {} for {}, got \"{}\"", distribution_names(),
+                                       section_.key_path("distribution"), name));
+    }
+    tolerances_.distribution = *distribution;
+  }
+
+  void read_measured() {
+    std::optional<Section> measured = section_.optional_table("measured");
+    if (!measured) return;
+    for (const Source source : all_sources()) {
+      if (measured->find(key(source)) == nullptr) continue;
+      for (const double value : measured->numbers(key(source))) {
+        tolerances_.measured[index(source)].push_back(from_file_unit(unit(source, actuator_), value));
+      }
+    }
+    measured->refuse_others();
+  }
+
+  /// Keys whose values nobody states, as the program itself has written them.
+  void read_generous() {
+    const toml::node* node = section_.find("generous");
+    if (node == nullptr) return;
+    for (const std::string& name : section_.texts("generous")) {
+      bool known = false;
+      for (const Source source : all_sources()) {
+        if (key(source) != name) continue;
+        tolerances_.origin[index(source)] = Origin::generous;
+        known = true;
+      }
+      if (!known) {
+        section_.fail(*node, fmt::format("expected tolerances of this table for {}, got \"{}\"",
+                                         section_.key_path("generous"), name));
+      }
+    }
+  }
+
+  /// A rail's arm_length need not be listed: e says the same.
+  bool is_open(Source source) {
+    const bool listed = section_.find(key(source)) != nullptr || !tolerances_.measured[index(source)].empty();
+    return !listed && (is_e(source) || is_felt(source, actuator_));
+  }
+
+  /// Empty where the table does not say.
+  std::string read_others() {
+    const toml::node* node = section_.find("others");
+    if (node == nullptr) return "";
+    std::string others = section_.text("others");
+    if (others == "exact" || others == "generous") return others;
+    section_.fail(*node, fmt::format("expected \"exact\" or \"generous\" for {}, got \"{}\"",
+                                     section_.key_path("others"), others));
+  }
+
+  /// Gives a half-width to all that the table does not list.
+  void settle(const std::string& others) {
+    const Tolerances generous = generous_tolerances(geometry_);
+    std::string missing;
+    for (const Source source : all_sources()) {
+      if (!is_open(source)) continue;
+      tolerances_.origin[index(source)] = others == "generous" ? Origin::generous : Origin::exact;
+      if (others == "generous") tolerances_[source] = generous[source];
+      if (source == Source::e_y || source == Source::e_z) continue;  // the key of e_x
+      missing.append(missing.empty() ? "" : ", ").append(key(source));
+    }
+    if (!others.empty() || missing.empty()) return;
+    section_.fail(
+        fmt::format("expected every tolerance, or {0} = \"exact\" (the others are zero) or {0} = \"generous\" (the "
+                    "others are generous defaults); got neither {0} nor {1}",
+                    section_.key_path("others"), missing));
+  }
+
+  Section section_;
+  const Geometry& geometry_;
+  Actuator actuator_;
+  Tolerances tolerances_;
+};
+
+}  // namespace
+
+Tolerances tolerances_of(Section section, const Geometry& geometry) {
+  return ToleranceTable(std::move(section), geometry).read();
+}
+
+std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
+  std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
+  for (const Source source : listed_tolerances(tolerances)) {
+    const std::string key = tolerance_key(source, actuator);
+    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(unit(source, actuator), tolerances[source])));
+    std::vector<double> values;
+    for (const double value : tolerances.measured[index(source)]) {
+      values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
+    }
+    if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
+  }
+  if (listed_tolerances(tolerances).size() < tolerance_sources().size()) text += "others = \"exact\"\n";
+  const std::vector<std::string> generous = generous_keys(tolerances, actuator);
+  if (!generous.empty()) {
+    text += fmt::format("generous = [\"{}\"]  # nobody states these\n", fmt::join(generous, "\", \""));
+  }
+  text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
+  if (!measured.empty()) text += "\n[tolerances.measured]  # errors of built parts\n" + measured;
+  return text;
+}
+
+Tolerances read_tolerances(const TextFile& file, const Geometry& geometry) {
+  const toml::table document = parse_toml(file);
+  Section root(file.name, "", document);
+  return tolerances_of(root.find("tolerances") != nullptr ? root.table("tolerances") : root, geometry);
+}
+
+}  // namespace paracal::io

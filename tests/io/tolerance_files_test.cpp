@@ -1,0 +1,119 @@
+#include <gmock/gmock.h>
+
+#include "paracal/error.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
+
+const Geometry kGeometry = catalogue::huang2016().geometry();
+
+Tolerances read(const std::string& text, const Geometry& geometry = kGeometry) {
+  return read_tolerances({"t.toml", text}, geometry);
+}
+
+const std::string kAll =
+    "theta_offset_deg = 1\ne_mm = 1\narm_length_mm = 1\nalpha0_deg = 1\nbeta0_deg = 1\nrod_mean_mm = 1\n"
+    "rod_difference_mm = 1\nwidth_difference_mm = 1\nalpha03_deg = 1\nbeta03_deg = 1\nalpha2_deg = 1\n";  // not beta2
+
+TEST(ToleranceFile, ACompleteTableNeedsNoOthers) {
+  const Tolerances tolerances = read(kAll + "beta2_deg = 0.5\n");
+  EXPECT_EQ(tolerances[Source::beta2], to_radians(0.5));
+  EXPECT_THAT(tolerances.assumed, IsEmpty());
+}
+
+TEST(ToleranceFile, MissingKeysAreRefusedWithBothWaysOut) {
+  EXPECT_THAT(
+      [] { read("\n[tolerances]\n" + kAll); },
+      testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:2: "), HasSubstr("tolerances.others = \"exact\""),
+                                                   HasSubstr("tolerances.others = \"generous\""),
+                                                   HasSubstr("nor beta2_deg"), Not(HasSubstr("alpha2_deg")))));
+  EXPECT_THAT([] { read("rod_mean_mm = 1\n"); },
+              testing::ThrowsMessage<InputFileError>(HasSubstr("theta_offset_deg, e_mm, arm_length_mm")));
+}
+
+TEST(ToleranceFile, OthersAreExactWhereItSaysSo) {
+  const Tolerances tolerances = read("e_mm = 0.1\nothers = \"exact\"\n");
+  EXPECT_EQ(tolerances[Source::e_z], 0.1);
+  EXPECT_EQ(tolerances[Source::theta_offset], 0.0);
+  ASSERT_EQ(tolerances.assumed.size(), 1u);
+  EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("zero"), HasSubstr("theta_offset, arm_length"), HasSubstr("beta2"),
+                                           Not(HasSubstr(" e,"))));
+}
+
+TEST(ToleranceFile, OthersAreGenerousWhereItSaysSo) {
+  const Tolerances tolerances = read("e_mm = 0.1\nothers = \"generous\"\n");
+  EXPECT_EQ(tolerances[Source::e_z], 0.1);
+  EXPECT_EQ(tolerances[Source::theta_offset], generous_tolerances(kGeometry)[Source::theta_offset]);
+  ASSERT_EQ(tolerances.assumed.size(), 1u);
+  EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("generous"), HasSubstr("theta_offset 1.5 deg"),
+                                           HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr(" e "))));
+}
+
+TEST(ToleranceFile, OthersAreOneOfTwo) {
+  EXPECT_THAT([] { read("e_mm = 0.1\nothers = \"tight\"\n"); },
+              testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:2: "), HasSubstr("\"tight\""))));
+  EXPECT_THROW(read("e_mm = 0.1\nothers = 0\n"), InputFileError);
+}
+
+TEST(ToleranceFile, MeasuredPartsAreListed) {
+  const Tolerances tolerances = read(kAll + "[measured]\nbeta2_deg = [0.1, 0.2]\n");
+  EXPECT_THAT(tolerances.assumed, IsEmpty());
+  EXPECT_EQ(tolerances.measured[index(Source::beta2)].size(), 2u);
+}
+
+/// On a rail e says what arm_length would.
+TEST(ToleranceFile, WhatARailDoesNotFeelNeedNotBeListed) {
+  std::string text = kAll + "beta2_deg = 1\n";
+  text.replace(text.find("theta_offset_deg"), 16, "theta_offset_mm");
+  text.erase(text.find("arm_length_mm"), 18);
+  EXPECT_THAT(read(text, catalogue::linear_delta().geometry()).assumed, IsEmpty());
+}
+
+/// Who writes a robot down does not thereby state its tolerances.
+TEST(ToleranceFile, WhatNobodyStatesStaysUnstated) {
+  const Robot robot = catalogue::huang2016();
+  const Robot again = read_robot({"r.toml", robot_toml(robot)});
+  EXPECT_THAT(robot.tolerances()->assumed,
+              ElementsAre(AllOf(HasSubstr("nobody states"), HasSubstr("theta_offset 1.5 deg, e 3 mm"),
+                                HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr("alpha2")))));
+  EXPECT_EQ(again.tolerances()->assumed, robot.tolerances()->assumed);
+  EXPECT_THROW(read(kAll + "beta2_deg = 1\ngenerous = [\"gamma_deg\"]\n"), InputFileError);
+}
+
+TEST(ToleranceFile, ExactOthersReadBack) {
+  const Tolerances tolerances = read("rod_mean_mm = 0.1\nothers = \"exact\"\n");
+  const std::string text = tolerances_toml(tolerances, Actuator::revolute);
+  EXPECT_THAT(text, Not(HasSubstr("beta2")));
+  EXPECT_EQ(read(text).assumed, tolerances.assumed);
+}
+
+TEST(Tolerances, ThePaperStatesTable2Alone) {
+  EXPECT_THAT(catalogue::rotary_delta().tolerances()->assumed[0], HasSubstr("alpha2"));
+  EXPECT_THAT(catalogue::linear_delta().tolerances()->assumed[0],
+              AllOf(HasSubstr("theta_offset 3 mm"), Not(HasSubstr("arm_length"))));
+}
+
+TEST(Tolerances, ARobotWithoutAnyGetsGenerousOnesAndSaysSo) {
+  RobotDescription description = catalogue::rotary_delta().description();
+  description.tolerances.reset();
+  EXPECT_EQ(tolerances_of(Robot(description)).assumed, catalogue::rotary_delta().tolerances()->assumed);
+}
+
+TEST(Tolerances, WhatADesignerChoosesIsStated) {
+  Tolerances tolerances = generous_tolerances(kGeometry);
+  tolerances.measured[index(Source::rod_mean)] = {0.1};
+  tolerances.state(Source::rod_mean, 0.2);
+  list_assumed(tolerances, Actuator::revolute);
+  EXPECT_EQ(tolerances.largest(Source::rod_mean), 0.2);
+  EXPECT_NEAR(tolerances.std(Source::rod_mean), 0.2 / 3.0, 1e-15);
+  EXPECT_THAT(tolerances.assumed, ElementsAre(Not(HasSubstr("rod_mean"))));
+}
+
+}  // namespace
+}  // namespace paracal::io
