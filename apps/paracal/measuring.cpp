@@ -65,10 +65,10 @@ std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
 
 Measurements read_file(const MeasuringOptions& options, const std::optional<io::ColumnMap>& columns,
                        const std::string& name, const JointSpace& joints) {
-  const io::TextFile file = io::read_file(name);
+  const io::TextFile file = input_file(name);
   const auto poses = [&] {
     if (options.poses.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", name));
-    return io::read_file(options.poses);
+    return input_file(options.poses);
   };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
   const bool heights = header_of(file.text).find("height_mm") != std::string_view::npos;
@@ -78,6 +78,12 @@ Measurements read_file(const MeasuringOptions& options, const std::optional<io::
 }
 
 }  // namespace
+
+std::vector<std::string> MeasuringOptions::tables() const {
+  std::vector<std::string> names = files;
+  names.push_back(poses);
+  return names;
+}
 
 Measurements MeasuringOptions::read(const JointSpace& joints) const {
   const std::optional<io::ColumnMap> map = column_map(*this);

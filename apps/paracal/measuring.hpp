@@ -29,6 +29,8 @@ struct MeasuringOptions {
   std::vector<double> tracker_um;
   std::string frame = "unknown", rotation = "relative", reflectors = "plate";
 
+  /// Files that may say which robot they are of.
+  std::vector<std::string> tables() const;
   /// Every file by what its header says it is, all in one.
   Measurements read(const JointSpace& joints) const;
   NoiseModel noise() const;

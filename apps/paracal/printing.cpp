@@ -67,7 +67,7 @@ std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const
 }  // namespace
 
 CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text) {
-  CLI::Option* name = command.add_option("--printer", file.name, text);
+  CLI::Option* name = command.add_option("--printer", file.name, text)->excludes(command.get_option("--robot"));
   command.add_option("--firmware", file.firmware, "with --printer: whose configuration it is")
       ->check(any_firmware())
       ->needs(name)

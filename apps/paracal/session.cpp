@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -12,6 +10,7 @@
 
 #include "paracal/io/file.hpp"
 #include "paracal/io/file_units.hpp"
+#include "paracal/io/robot_statement.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
@@ -22,7 +21,11 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
                                const std::string& what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->group(job);
-  command->add_option("--robot", robot_, "robot file (TOML) or catalogue name")->capture_default_str()->group("Common");
+  command
+      ->add_option(
+          "--robot", robot_,
+          "robot file (TOML) or catalogue name; a calibration or a line \"# robot: NAME\" of a table says it, too")
+      ->group("Common");
   command->add_flag("--json", json_, "one JSON object on standard output, nothing else")->group("Common");
   command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common");
   command->add_option("--seed", seed_, "seed of commands that draw random numbers")
@@ -58,33 +61,58 @@ CLI::Validator non_negative_finite() {
   return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
 }
 
-std::optional<std::filesystem::path> Session::robot_file() const {
-  const std::filesystem::path path(robot_);
-  return path.extension() == ".toml" || path.has_parent_path() ? std::optional(path) : std::nullopt;
+namespace {
+
+std::string catalogue_names() {
+  std::string names;
+  for (const std::string_view name : catalogue::names()) names.append(names.empty() ? "" : ", ").append(name);
+  return names;
 }
 
-Robot Session::robot() const {
-  if (const auto file = robot_file()) return io::read_robot(io::read_file(*file));
+io::RobotStatement robot_of_option(const std::string& name) {
   try {
-    return catalogue::find(robot_);
+    io::RobotStatement stated = io::named_robot(name);
+    stated.by = "--robot";
+    return stated;
   } catch (const InvalidArgument& unknown) {
     throw WrongUsage(std::string("--robot: ") + unknown.what() + " (a robot file ends in .toml)");
   }
 }
 
-namespace {
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+/// What is said, in the order in which it counts.
+std::vector<io::RobotStatement> statements(const std::string& option, const RobotSources& inputs) {
+  std::vector<io::RobotStatement> all;
+  if (!option.empty()) all.push_back(robot_of_option(option));
+  for (const std::string& name : inputs.calibrations) {
+    // Behind another statement its reader compares: then it need not describe a whole robot.
+    if (!name.empty() && all.empty()) all.push_back(io::robot_of_calibration(look_into(name)));
+  }
+  for (const std::string& name : inputs.tables) {
+    if (name.empty()) continue;
+    if (auto stated = io::robot_of_table(look_into(name))) all.push_back(std::move(*stated));
+  }
+  return all;
 }
 
 }  // namespace
 
+Robot Session::robot(const RobotSources& inputs) const {
+  const std::vector<io::RobotStatement> stated = statements(robot_, inputs);
+  if (stated.empty()) {
+    throw WrongUsage(
+        fmt::format("--robot: expected a robot, got none: a catalogue name ({}), a file (.toml), or a line \"# robot: "
+                    "NAME\" in the measurements",
+                    catalogue_names()));
+  }
+  for (const io::RobotStatement& one : stated) io::require_same(stated.front(), one);
+  robot_file_ = stated.front().robot_file;
+  return stated.front().robot;
+}
+
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
-  const io::TextFile file = io::read_file(errors_file);
-  const bool is_calibration = lower_case(std::filesystem::path(errors_file).extension()) == ".json";
-  return is_calibration ? io::read_calibration(file, robot).errors : io::read_source_errors(file, robot.joint_space());
+  const io::TextFile file = input_file(errors_file);
+  return is_calibration(errors_file) ? io::read_calibration(file, robot).errors
+                                     : io::read_source_errors(file, robot.joint_space());
 }
 
 Machine machine_as_built(const Robot& robot, const std::string& errors_file) {

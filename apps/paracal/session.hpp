@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "inputs.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/tables.hpp"
@@ -62,10 +63,11 @@ class Session {
   /// A new command with the common options, listed in --help under the user's job.
   CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& job, const std::string& what);
 
-  /// The robot that --robot names: a file when it has a folder or ends in .toml, a catalogue name otherwise.
-  Robot robot() const;
-  /// Its file, where it is one.
-  std::optional<std::filesystem::path> robot_file() const;
+  /// The robot that --robot, a calibration or a table names; where several do, they name the same.
+  /// @throws WrongUsage where none does, InputFileError where two disagree.
+  Robot robot(const RobotSources& inputs = {}) const;
+  /// The file that described it, where one did.
+  const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }
 
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
@@ -80,7 +82,8 @@ class Session {
   std::string command_line;  ///< as typed, quoted for a shell
 
  private:
-  std::string robot_ = "huang2016";
+  std::string robot_;
+  mutable std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
   bool json_ = false;
   std::uint64_t seed_ = 1;

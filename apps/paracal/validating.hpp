@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "inputs.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/validation.hpp"
 
@@ -23,6 +24,7 @@ struct ValidatingOptions {
   std::string calibration;
   LimitOptions limits;
 
+  RobotSources robot_sources() const { return {.calibrations = {calibration}, .tables = measuring.tables()}; }
   ValidationOptions options() const;
 };
 

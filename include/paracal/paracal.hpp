@@ -29,6 +29,7 @@
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/printer_tables.hpp"
+#include "paracal/io/robot_statement.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/drive.hpp"

@@ -9,6 +9,7 @@
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
+#include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {
@@ -243,18 +244,8 @@ Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEst
 
 /// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
 void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
-  const Json nominal = io::to_json(robot);
-  for (const char* part : {"name", "geometry", "plate"}) {
-    const Json expected = nominal.value(part, Json()), got = calibrated.value(part, Json());
-    if (expected != got) {
-      refuse(fmt::format("expected a calibration of the robot with {} {}, got {}", part, expected.dump(), got.dump()));
-    }
-  }
-}
-
-/// Line of a byte of a text, from 1.
-int line_of(std::string_view text, std::size_t byte) {
-  return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
+  const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated);
+  if (found) refuse(fmt::format("expected a calibration of the robot with {}", *found));
 }
 
 }  // namespace
@@ -370,7 +361,9 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   CalibratedMachine machine;
   try {
     const Json json = Json::parse(file.text);
-    require_same_robot(json.at("robot"), robot, refuse);
+    require_same_robot(json.at("robot"), robot, [&](const std::string& complaint) {
+      throw InputFileError(file.name, line_of_key(file.text, "robot"), complaint);
+    });
     if (!json.at("accepted").get<bool>()) {
       refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
                          json.at("verdict").get<std::string>()));
@@ -389,7 +382,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
     const char* joint = robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg";
     machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
   } catch (const Json::parse_error& error) {
-    throw InputFileError(file.name, line_of(file.text, error.byte), "expected JSON, got something else");
+    throw InputFileError(file.name, line_at(file.text, error.byte), "expected JSON, got something else");
   } catch (const Json::exception&) {
     refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
   }

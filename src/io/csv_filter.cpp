@@ -7,6 +7,7 @@
 
 #include "columns.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/robot_statement.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {
@@ -54,11 +55,13 @@ bool split(std::string_view line, std::vector<Field>& fields) {
 
 class PoseTable : public TargetFormat {
  public:
-  PoseTable(std::string name, bool has_slide) : name_(std::move(name)), has_slide_(has_slide) {}
+  PoseTable(std::string name, const Robot& robot)
+      : name_(std::move(name)), robot_(robot), has_slide_(robot.slide().has_value()) {}
 
   bool read(std::string_view text, TargetLine& target, std::string_view& passed) override {
     const std::size_t mark = target.number == 1 && text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     const std::string_view line = text.substr(mark);
+    check_robot(line, target.number);
     if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) return false;
     const bool is_closed = split(line, fields_);
     if (!has_header()) {
@@ -79,6 +82,11 @@ class PoseTable : public TargetFormat {
 
  private:
   bool has_header() const { return column_count_ > 0; }
+
+  void check_robot(std::string_view line, std::int64_t number) const {
+    const auto stated = robot_of_line(name_, static_cast<int>(number), line);
+    if (stated) require_same({.robot = robot_, .by = "the calibration"}, *stated);
+  }
 
   [[noreturn]] void fail(std::int64_t line, const std::string& complaint) const {
     throw InputFileError(name_, static_cast<int>(line), complaint);
@@ -122,6 +130,7 @@ class PoseTable : public TargetFormat {
   }
 
   std::string name_;
+  const Robot& robot_;
   bool has_slide_;
   std::size_t column_count_ = 0;  ///< 0: the header has not come yet
   std::array<std::optional<std::size_t>, kAxes> columns_ = {};
@@ -132,7 +141,7 @@ class PoseTable : public TargetFormat {
 
 FilterSummary filter_pose_table(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                                 unsigned threads) {
-  PoseTable table(in.name, correction.robot().slide().has_value());
+  PoseTable table(in.name, correction.robot());
   return filter(in, out, table, correction, Eigen::Vector3d::Zero(), threads);
 }
 

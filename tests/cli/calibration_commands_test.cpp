@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, PaperPoses, testing::Values(PaperStage{"rough",
                          [](const auto& one) { return one.param.name; });
 
 TEST_P(PaperPoses, Keys) {
-  const json plan = json_of(run_program(words("poses --json --stage " + GetParam().name)));
+  const json plan = json_of(run_program(of_huang2016("poses --json --stage " + GetParam().name)));
   ASSERT_TRUE(has_keys(plan, "n curve poses"));
   EXPECT_EQ(plan["n"], GetParam().n);
   EXPECT_THAT(plan["poses"], SizeIs(GetParam().poses));
@@ -105,7 +105,7 @@ TEST_P(PaperPoses, Keys) {
 }
 
 TEST_P(PaperPoses, TheCurveSettlesAtN) {
-  const json plan = json_of(run_program(words("poses --json --stage " + GetParam().name)));
+  const json plan = json_of(run_program(of_huang2016("poses --json --stage " + GetParam().name)));
   for (const json& point : plan.at("curve")) {
     if (point.at("n") > plan.at("n")) break;
     EXPECT_EQ(point.at("change") <= 0.01, point.at("n") == plan.at("n")) << point;
@@ -122,13 +122,13 @@ TEST_P(PaperPoses, TheTextIsATableOfPoses) {
 }
 
 TEST(PosesCommand, AThresholdThatNothingMeetsIsNotDone) {
-  const json plan = json_of(run_program(words("poses --threshold 1e-12 --json")), kVerdictIsNo);
+  const json plan = json_of(run_program(of_huang2016("poses --threshold 1e-12 --json")), kVerdictIsNo);
   EXPECT_EQ(plan.at("n"), 0);
   EXPECT_THAT(plan.at("poses"), IsEmpty());
 }
 
 TEST(PosesCommand, StartTurnsTheCircle) {
-  const json plan = json_of(run_program(words("poses --stage rough --start-deg 0 --json")));
+  const json plan = json_of(run_program(of_huang2016("poses --stage rough --start-deg 0 --json")));
   EXPECT_NEAR(plan.at("poses")[1].at("x_cmd_mm"), 500.0, 1e-6);
   EXPECT_NEAR(plan.at("poses")[1].at("y_cmd_mm"), 0.0, 1e-6);
 }
@@ -136,7 +136,7 @@ TEST(PosesCommand, StartTurnsTheCircle) {
 const std::string kOptimal = "poses --optimal 12 --candidates 300";
 
 TEST(OptimalPoses, HomeIsFirstAndNamesAreUnique) {
-  const json plan = json_of(run_program(words(kOptimal + " --json")));
+  const json plan = json_of(run_program(of_huang2016(kOptimal + " --json")));
   ASSERT_TRUE(has_keys(plan, "n curve poses criterion value workspace_std O1 O2 O3 O4 O5"));
   const std::vector<std::string> names = texts_of(plan["poses"], "pose");
   ASSERT_THAT(names, SizeIs(12));
@@ -146,9 +146,9 @@ TEST(OptimalPoses, HomeIsFirstAndNamesAreUnique) {
 }
 
 TEST(OptimalPoses, TheSeedDecides) {
-  const std::string once = run_program(words(kOptimal + " --seed 4")).out;
-  EXPECT_EQ(run_program(words(kOptimal + " --seed 4")).out, once);
-  EXPECT_NE(run_program(words(kOptimal + " --seed 5")).out, once);
+  const std::string once = run_program(of_huang2016(kOptimal + " --seed 4")).out;
+  EXPECT_EQ(run_program(of_huang2016(kOptimal + " --seed 4")).out, once);
+  EXPECT_NE(run_program(of_huang2016(kOptimal + " --seed 5")).out, once);
 }
 
 TEST(OptimalPoses, EveryCriterionGivesATableOfPoses) {
@@ -162,15 +162,15 @@ TEST(OptimalPoses, EveryCriterionGivesATableOfPoses) {
 
 /// Of two plans of the same candidates the one that was chosen for it promises more.
 TEST(OptimalPoses, AreBetterThanOthers) {
-  const json best = json_of(run_program(words(kOptimal + " --criterion pose --json")));
-  const json other = json_of(run_program(words(kOptimal + " --criterion D --json")));
+  const json best = json_of(run_program(of_huang2016(kOptimal + " --criterion pose --json")));
+  const json other = json_of(run_program(of_huang2016(kOptimal + " --criterion D --json")));
   EXPECT_LT(best.at("workspace_std").at("rms_aligned_mm"), other.at("workspace_std").at("rms_aligned_mm"));
 }
 
 /// The reflector turns with phi, so the tracker sees it where it faces +x or nearly so.
 TEST(OptimalPoses, ATrackerSeesOnlySome) {
   const std::string tracker = " --tracker 4000,0,-900 --facing 1,0,0 --acceptance-deg 40";
-  const json plan = json_of(run_program(words(kOptimal + tracker + " --json")));
+  const json plan = json_of(run_program(of_huang2016(kOptimal + tracker + " --json")));
   ASSERT_THAT(plan.at("poses"), SizeIs(12));
   for (const json& pose : plan.at("poses")) {
     EXPECT_LT(std::abs(pose.at("phi_cmd_deg").get<double>()), 40.0 + 8.0) << pose;
@@ -179,7 +179,7 @@ TEST(OptimalPoses, ATrackerSeesOnlySome) {
 
 TEST(OptimalPoses, ATrackerThatSeesNothingIsRefused) {
   const ProgramResult result =
-      run_program(words(kOptimal + " --tracker 4000,0,-900 --facing 0,0,1 --acceptance-deg 5"));
+      run_program(of_huang2016(kOptimal + " --tracker 4000,0,-900 --facing 0,0,1 --acceptance-deg 5"));
   EXPECT_EQ(result.exit_code, kMathematicsSaysNo);
   EXPECT_THAT(result.out, IsEmpty());
   EXPECT_THAT(result.err, AllOf(HasSubstr("visible"), HasSubstr("12 are wanted")));
@@ -644,7 +644,7 @@ TEST_F(CalibratePoints, TheTextSaysWhatMatters) {
 
 TEST_F(CalibratePoints, SourceDateEpochMakesTheSameBytes) {
   const Surroundings fixed_date{.folder = folder.path(), .environment = {"SOURCE_DATE_EPOCH=1000000000"}};
-  const auto once = [&] { return run_program(words("calibrate --measurements points.csv --json"), fixed_date); };
+  const auto once = [&] { return run_program(of_huang2016("calibrate --measurements points.csv --json"), fixed_date); };
   const ProgramResult first = once();
   EXPECT_EQ(first.exit_code, kDone);
   EXPECT_THAT(first.out, HasSubstr("2001-09-09T01:46:40Z"));
@@ -766,7 +766,7 @@ TEST_F(ValidateCommand, TheTextSaysTheSame) {
 TEST(NewCommands, AnswerHelp) {
   for (const char* command :
        {"poses --help", "identifiability --help", "simulate --help", "calibrate --help", "validate --help"}) {
-    const ProgramResult result = run_program(words(command));
+    const ProgramResult result = run_program(of_huang2016(command));
     EXPECT_EQ(result.exit_code, kDone) << command;
     EXPECT_THAT(result.out, HasSubstr("Usage:")) << command;
     EXPECT_THAT(result.err, IsEmpty()) << command;
@@ -792,7 +792,8 @@ TEST(NewCommands, AnOutputThatCannotBeWrittenIsNotDone) {
   folder.write("poses.csv", folder.run("poses").out);
   for (const char* command : {"poses", "poses --optimal 5 --candidates 20", "identifiability --poses poses.csv",
                               "simulate --poses poses.csv", "simulate --poses poses.csv --json"}) {
-    const ProgramResult result = run_program(words(command), {.folder = folder.path(), .standard_output = "/dev/full"});
+    const ProgramResult result =
+        run_program(of_huang2016(command), {.folder = folder.path(), .standard_output = "/dev/full"});
     EXPECT_EQ(result.exit_code, kWrongUsage) << command;
     EXPECT_THAT(result.err, Not(IsEmpty())) << command;
   }

@@ -190,11 +190,6 @@ TEST(RobotCommand, ListsTheCatalogue) {
             json(words("huang2016 rotary_delta linear_delta")));
 }
 
-TEST(RobotCommand, TheDefaultIsThePublishedRobot) {
-  const TemporaryFolder folder;
-  EXPECT_EQ(folder.run("robot").out, folder.run("robot --robot huang2016").out);
-}
-
 TEST(CalibrateCommand, Keys) {
   const json object = json_of(run_program(published_calibration({"--json"})));
   ASSERT_TRUE(has_keys(object, "accepted stages parameters rank null_space residual_rms_mm before after"));
@@ -452,7 +447,7 @@ TEST(Program, OutKeepsThePermissionsOfAnEarlierResult) {
 /// A full disk must not look like a result.
 TEST(Program, AnOutputThatCannotBeWrittenIsNotDone) {
   for (const char* command : {"robot", "robot --json", "reproduce huang2016"}) {
-    const ProgramResult result = run_program(words(command), {.standard_output = "/dev/full"});
+    const ProgramResult result = run_program(of_huang2016(command), {.standard_output = "/dev/full"});
     EXPECT_NE(result.exit_code, kDone) << command;
     EXPECT_THAT(result.err, Not(IsEmpty())) << command;
   }

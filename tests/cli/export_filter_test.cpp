@@ -75,7 +75,7 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
   const std::string expected = folder.run(kGcode).out;
   for (const char* input : {"", " --input -"}) {
     std::vector<std::string> arguments =
-        words(std::string("export --calibration calibration.json --target gcode") + input);
+        of_huang2016(std::string("export --calibration calibration.json --target gcode") + input);
     const ProgramResult result = run_program(
         arguments, {.folder = folder.path(), .launcher = {"/bin/sh", "-c", "exec \"$0\" \"$@\" < part.ngc"}});
     EXPECT_EQ(result.exit_code, kDone) << result.err;

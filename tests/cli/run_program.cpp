@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -110,6 +111,15 @@ std::vector<std::string> words(std::string_view text) {
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return result;
+}
+
+std::vector<std::string> of_huang2016(std::string_view command) {
+  std::vector<std::string> arguments = words(command);
+  const bool needs_none = std::ranges::any_of(arguments, [](const std::string& word) {
+    return word == "--robot" || word == "--printer" || word == "--list" || word == "--help" || word == "--version";
+  });
+  if (!needs_none && !arguments.empty()) arguments.insert(arguments.end(), {"--robot", "huang2016"});
+  return arguments;
 }
 
 std::string read_text(const std::filesystem::path& path) {

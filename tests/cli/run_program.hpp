@@ -33,6 +33,9 @@ ProgramResult run_program(const std::vector<std::string>& arguments, const Surro
 /// "forward --json" as two words.
 std::vector<std::string> words(std::string_view text);
 
+/// The words of a command, with --robot huang2016 behind those that may need a robot and name none.
+std::vector<std::string> of_huang2016(std::string_view command);
+
 std::string read_text(const std::filesystem::path& path);
 
 /// A new, empty folder that goes when this does.
@@ -53,7 +56,8 @@ class TemporaryFolder {
   ProgramResult run(const std::vector<std::string>& arguments) const {
     return run_program(arguments, {.folder = path_});
   }
-  ProgramResult run(std::string_view command) const { return run(words(command)); }
+  /// The same; of_huang2016().
+  ProgramResult run(std::string_view command) const { return run(of_huang2016(command)); }
 
  private:
   std::filesystem::path path_;

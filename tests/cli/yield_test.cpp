@@ -40,13 +40,13 @@ class Yield : public testing::Test {
  protected:
   /// What one process says, without a folder and with one thread.
   static const std::string& undisturbed() {
-    static const std::string bytes = run_program(words(yield_of(kMachines, "--threads 1"))).out;
+    static const std::string bytes = run_program(of_huang2016(yield_of(kMachines, "--threads 1"))).out;
     return bytes;
   }
 
   std::unique_ptr<RunningProgram> start(const std::string& command, std::vector<std::string> environment = {}) const {
     return std::make_unique<RunningProgram>(
-        words(command), Surroundings{.folder = folder.path(), .environment = std::move(environment)});
+        of_huang2016(command), Surroundings{.folder = folder.path(), .environment = std::move(environment)});
   }
 
   std::set<std::string> chunks() const {
@@ -162,7 +162,7 @@ TEST_F(Yield, EveryLimitJudgesTheRowOfItsName) {
 
 TEST_F(Yield, NamesItsInputs) {
   folder.write("tolerances.toml", "rod_mean_mm = 0.3\nalpha2_deg = 0.01\nothers = \"exact\"\n");
-  folder.write("robot.toml", run_program({"robot"}).out);
+  folder.write("robot.toml", run_program(of_huang2016("robot")).out);
   const json object = json_of(folder.run("yield --machines 2 --robot robot.toml --tolerances tolerances.toml --json"));
   ASSERT_EQ(object["inputs"].size(), 2U);
   EXPECT_EQ(object["inputs"][0]["file"], "robot.toml");
@@ -246,7 +246,7 @@ TEST_F(Yield, RunsUnderMpirun) {
     SCOPED_TRACE(ranks);
     std::filesystem::remove_all(folder.path() / "folder");
     RunningProgram program(
-        words(kept_yield(kMachines, "--threads 1")),
+        of_huang2016(kept_yield(kMachines, "--threads 1")),
         {.folder = folder.path(),
          .launcher = {mpirun, "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)}});
     expect_undisturbed(program.result());
@@ -343,7 +343,7 @@ class Terminal {
 
 TEST_F(Yield, ShowsItsProgressOnATerminalOnly) {
   const Terminal terminal;
-  const ProgramResult result = run_program(words(yield_of(kMachines, fmt::format("--chunk {}", kChunk))),
+  const ProgramResult result = run_program(of_huang2016(yield_of(kMachines, fmt::format("--chunk {}", kChunk))),
                                            {.folder = folder.path(), .standard_error = terminal.path()});
   EXPECT_TRUE(result.out == undisturbed());
   const std::string shown = terminal.written();
@@ -448,7 +448,7 @@ TEST_F(Yield, RefusesFilesThatCannotBeMeant) {
   folder.write("none.toml", "rod_mean_mm = 0\nothers = \"exact\"\n");
   folder.write("far.csv", "pose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-888,0\nfar,5000,0,-888,0\n");
   EXPECT_EQ(folder.run("yield --machines 2 --tolerances none.toml").exit_code, kBadInputFile);
-  const std::string robot = run_program({"robot"}).out;
+  const std::string robot = run_program(of_huang2016("robot")).out;
   folder.write("perfect.toml",
                robot.substr(0, robot.find("[tolerances]")) + "[tolerances]\nrod_mean_mm = 0\nothers = \"exact\"\n");
   EXPECT_EQ(folder.run("yield --machines 2 --robot perfect.toml").exit_code, kBadInputFile);

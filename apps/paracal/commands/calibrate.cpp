@@ -100,7 +100,7 @@ std::string residual_table(const Calibration& calibration) {
 void run(const Options& options, Session& session) {
   if (!options.printer.printer.name.empty()) return calibrate_printer_file(options.printer, *options.report, session);
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
-  const Robot robot = session.robot();
+  const Robot robot = session.robot({.tables = options.measuring.tables()});
   const Measurements measurements = options.measuring.read(robot.joint_space());
   CalibrationOptions wanted = calibration_options(options, robot);
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none

@@ -45,7 +45,7 @@ io::CalibratedMachine known_machine(const Options& options, const Robot& robot) 
     throw WrongUsage("expected either --calibration or --errors");
   }
   if (!options.errors.empty()) return {.errors = read_errors(robot, options.errors)};
-  return io::read_calibration(io::read_file(options.calibration), robot);
+  return io::read_calibration(input_file(options.calibration), robot);
 }
 
 [[noreturn]] void refuse(const Station& station, const char* why) {
@@ -115,10 +115,12 @@ void state_uncertainty(const Robot& robot, const io::CalibratedMachine& machine,
 }
 
 void run(const Options& options, const Session& session) {
-  const Robot robot = session.robot();
+  RobotSources sources = sources_of(options.errors, {options.poses});
+  if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
+  const Robot robot = session.robot(sources);
   const io::CalibratedMachine machine = known_machine(options, robot);
   const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(options.way));
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.joint_space());
+  const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
   std::vector<Compensated> rows;
   rows.reserve(stations.size());
   for (const Station& station : stations) rows.push_back(compensated(robot, compensator, station));

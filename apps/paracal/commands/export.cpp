@@ -43,8 +43,8 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot();
-  const io::TextFile file = io::read_file(options.calibration);
+  const Robot robot = session.robot({.calibrations = {options.calibration}});
+  const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
                             .sha256 = io::sha256(file.text),

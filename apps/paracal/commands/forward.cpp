@@ -42,10 +42,10 @@ io::Json plate_json(const io::NamedPlate& row) {
 }
 
 void run(const Options& options, const Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.robot(sources_of(options.errors, {options.joints}));
   const Machine machine = machine_as_built(robot, options.errors);
   std::vector<io::NamedPlate> rows;
-  for (const io::NamedJoints& joints : io::read_joints(io::read_file(options.joints), robot.joint_space())) {
+  for (const io::NamedJoints& joints : io::read_joints(input_file(options.joints), robot.joint_space())) {
     rows.push_back(plate_at(machine, joints));
   }
   if (!session.json()) return session.print(io::plate_table(rows));

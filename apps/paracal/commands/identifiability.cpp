@@ -22,7 +22,7 @@ struct Options {
 };
 
 Measurements plan_of(const Robot& robot, const Options& options) {
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.measuring.poses), robot.joint_space());
+  const std::vector<Station> stations = io::read_poses(input_file(options.measuring.poses), robot.joint_space());
   const bool rotation = options.rotation != "none";
   if (options.measure == "coordinates") return planned_points(robot, stations, rotation, options.second);
   if (options.second) throw WrongUsage("--second: expected --measure coordinates with it");
@@ -118,7 +118,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
 }
 
 void run(const Options& options, const Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.robot({.tables = options.measuring.tables()});
   const Measurements plan = plan_of(robot, options);
   const CalibrationOptions calibration = calibration_options(options);
   const Identifiability seen = seen_by(robot, plan, calibration);

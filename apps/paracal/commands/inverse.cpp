@@ -27,10 +27,10 @@ Joints joints_at(const Machine& machine, const Station& station) {
 }
 
 void run(const Options& options, const Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
   const Machine machine = machine_as_built(robot, options.errors);
   std::vector<io::NamedJoints> rows;
-  for (const Station& station : io::read_poses(io::read_file(options.poses))) {
+  for (const Station& station : io::read_poses(input_file(options.poses))) {
     rows.push_back({station.name, joints_at(machine, station)});
   }
   if (!session.json()) return session.print(io::joint_table(rows, robot.actuator()));

@@ -11,6 +11,7 @@
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/io/file_units.hpp"
 #include "paracal/io/points.hpp"
+#include "paracal/io/robot_statement.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
@@ -48,7 +49,8 @@ io::Json poses_json(const std::vector<Station>& stations) {
 void run_paper_plan(const Options& options, Session& session) {
   if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
-  const PaperPlan plan = paper_plan(session.robot(), stage, to_radians(options.start_deg), options.threshold);
+  const Robot robot = session.robot();
+  const PaperPlan plan = paper_plan(robot, stage, to_radians(options.start_deg), options.threshold);
   if (plan.n == 0) session.exit_code = kVerdictIsNo;
   if (session.json()) {
     io::Json json{{"n", plan.n}, {"curve", io::Json::array()}, {"poses", poses_json(plan.stations)}};
@@ -60,8 +62,9 @@ void run_paper_plan(const Options& options, Session& session) {
     }
     return session.print_json(json);
   }
-  std::string text = fmt::format("# {} stage: n = {} points a circle (change of O2 below {:g})\n", options.stage,
-                                 plan.n, options.threshold);
+  std::string text = io::robot_line(robot);
+  fmt::format_to(std::back_inserter(text), "# {} stage: n = {} points a circle (change of O2 below {:g})\n",
+                 options.stage, plan.n, options.threshold);
   for (const CurvePoint& point : plan.curve) {
     fmt::format_to(std::back_inserter(text), "# n = {:<3} O2 = {:.5f}  change {:.2f} %\n", point.n, point.indices.O2,
                    100.0 * point.change);
@@ -128,7 +131,9 @@ void run_selection(const Options& options, Session& session) {
     return session.print_json(json);
   }
   const WorkspaceUncertainty& after = selection.uncertainty;
-  std::string text = fmt::format(
+  std::string text = io::robot_line(robot);
+  fmt::format_to(
+      std::back_inserter(text),
       "# {} of {} candidate poses, criterion {}; over the workspace (standard deviation, largest): distance {:.3f} "
       "mm,\n"
       "# position after alignment {:.3f} mm, rotation {:.3f} deg; in the order of a short way\n",

@@ -13,8 +13,8 @@ namespace {
 
 /// The calibration's own page, with what other measurements say of it where they are given.
 void run(const ValidatingOptions& options, Session& session) {
-  const Robot robot = session.robot();
-  const io::TextFile file = io::read_file(options.calibration);
+  const Robot robot = session.robot(options.robot_sources());
+  const io::TextFile file = input_file(options.calibration);
   const KnownErrors known = io::read_calibration(file, robot).known();
   ReportContent content{.kind = "calibration", .results = {{"calibration", io::Json::parse(file.text)}}};
   std::vector<report::ErrorArrow> arrows;

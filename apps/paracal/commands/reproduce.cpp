@@ -111,6 +111,7 @@ void add_reproduce(CLI::App& app, Session& session) {
   CLI::App* command = session.add_command(app, "reproduce", "Check this program", "published numbers beside ours");
   const auto paper = std::make_shared<std::string>();
   command->add_option("paper", *paper, "which publication")->required()->check(CLI::IsMember({"huang2016"}));
+  command->get_option("--robot")->check(CLI::IsMember({"huang2016"}));
   const std::shared_ptr<std::string> page = add_report_option(*command);
   command->callback([&session, paper, page] {
     const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016());

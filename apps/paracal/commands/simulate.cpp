@@ -8,6 +8,7 @@
 #include "measuring.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/io/points.hpp"
+#include "paracal/io/robot_statement.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
@@ -33,23 +34,22 @@ RigidMotion random_frame(RandomStream& random) {
 }
 
 SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream& random) {
-  if (options.errors.empty()) {
-    return draw_errors(tolerances_of(robot), robot.limb_count(), random);
-  }
-  return io::read_source_errors(io::read_file(options.errors), robot.joint_space());
+  if (options.errors.empty()) return draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  return read_errors(robot, options.errors);
 }
 
 void run(const Options& options, const Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
-  const std::vector<Station> stations = io::read_poses(io::read_file(options.poses), robot.joint_space());
+  const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
   VirtualInstrument instrument = options.instrument.instrument(options.rotation);
   if (options.frame == "random") instrument.frame = random_frame(random);
   const Measurements measurements = simulate(robot, errors, stations, instrument, random);
   const std::vector<std::string> assumed =
       options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
-  const std::string table = assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
+  const std::string table =
+      io::robot_line(robot) + assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
   if (!options.truth.empty()) {
     io::write_file(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
@@ -75,9 +75,9 @@ void add_simulate(CLI::App& app, Session& session) {
   CLI::App* command = session.add_command(app, "simulate", "Calibrate a machine",
                                           "what a virtual machine would be measured to do (CSV)");
   const auto options = std::make_shared<Options>();
-  command->add_option(
-      "--errors", options->errors,
-      "source errors of the machine (TOML); without: drawn from the tolerances by --seed and --machine");
+  command->add_option("--errors", options->errors,
+                      "source errors of the machine (TOML) or a calibration (JSON); without: drawn from the tolerances "
+                      "by --seed and --machine");
   command->add_option("--machine", options->machine, "which of the drawn machines")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -41,8 +41,8 @@ std::string text_of(const Validation& validation) {
 }
 
 void run(const ValidatingOptions& options, const std::string& report, Session& session) {
-  const Robot robot = session.robot();
-  const KnownErrors known = io::read_calibration(io::read_file(options.calibration), robot).known();
+  const Robot robot = session.robot(options.robot_sources());
+  const KnownErrors known = io::read_calibration(input_file(options.calibration), robot).known();
   const Measurements measurements = options.measuring.read(robot.joint_space());
   const Validation validation = validate(robot, known, measurements, options.options());
   const io::Json json = io::to_json(validation);

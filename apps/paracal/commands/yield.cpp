@@ -75,10 +75,10 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
 
 /// Reads the inputs and keeps their hashes.
 Order order_of(const Options& options, const Session& session) {
-  Order order{.batch = {.robot = session.robot(), .plan = {}, .seed = session.seed()},
+  Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
               .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
-    io::TextFile file = io::read_file(name);
+    io::TextFile file = input_file(name);
     order.inputs.push_back({file.name, io::sha256(file.text)});
     return file;
   };

@@ -1,0 +1,44 @@
+#include "inputs.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+
+namespace paracal::app {
+namespace {
+
+/// Looked into, and not taken yet.
+std::map<std::string, io::TextFile>& waiting() {
+  static std::map<std::string, io::TextFile> files;
+  return files;
+}
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+const io::TextFile& look_into(const std::string& name) {
+  const auto found = waiting().find(name);
+  return found != waiting().end() ? found->second : waiting().emplace(name, io::read_file(name)).first->second;
+}
+
+io::TextFile input_file(const std::string& name) {
+  auto taken = waiting().extract(name);
+  return taken ? std::move(taken.mapped()) : io::read_file(name);
+}
+
+bool is_calibration(const std::string& errors_file) {
+  return lower_case(std::filesystem::path(errors_file).extension()) == ".json";
+}
+
+RobotSources sources_of(const std::string& errors_file, std::vector<std::string> tables) {
+  RobotSources sources{.tables = std::move(tables)};
+  if (is_calibration(errors_file)) sources.calibrations = {errors_file};
+  return sources;
+}
+
+}  // namespace paracal::app

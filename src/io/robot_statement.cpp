@@ -1,0 +1,177 @@
+#include "paracal/io/robot_statement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "columns.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "robot_tables.hpp"
+#include "same_robot.hpp"
+
+namespace paracal::io {
+namespace {
+
+bool agrees(const Json& expected, const Json& got) {
+  constexpr double kRounding = 1e-9;
+  if (!expected.is_number() || !got.is_number()) return expected == got;
+  const double a = expected.get<double>(), b = got.get<double>();
+  return std::abs(a - b) <= kRounding * std::max({1.0, std::abs(a), std::abs(b)});
+}
+
+/// A value in a message; what is nested deeper than a robot's is not followed.
+std::string shown(const Json& json) {
+  const bool is_nested =
+      json.is_structured() && std::ranges::any_of(json, [](const Json& v) { return v.is_structured(); });
+  return is_nested ? "something nested" : json.dump();
+}
+
+/// Of two values and all that they hold; `path` names them.
+std::optional<std::string> first_difference(const Json& expected, const Json& got, const std::string& path) {
+  const bool same_shape = expected.type() == got.type() && expected.size() == got.size();
+  if (same_shape && expected.is_object()) {
+    for (const auto& [key, value] : expected.items()) {
+      const std::string inner = fmt::format("{}.{}", path, key);
+      if (auto found = first_difference(value, got.value(key, Json()), inner)) return found;
+    }
+    return std::nullopt;
+  }
+  const bool same =
+      same_shape && expected.is_array() ? std::ranges::equal(expected, got, agrees) : agrees(expected, got);
+  if (same) return std::nullopt;
+  return fmt::format("{} {}, got {}", path, shown(expected), shown(got));
+}
+
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+  const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
+  text.remove_prefix(begin);
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
+/// The name in "# robot: NAME"; spreadsheets put commas behind it.
+std::optional<std::string> name_in(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r", kKey = "robot:";
+  if (!line.starts_with('#')) return std::nullopt;
+  line = trimmed(line.substr(1), kBlanks);
+  if (!line.starts_with(kKey)) return std::nullopt;
+  return std::string(trimmed(line.substr(kKey.size()), " \t\r,"));
+}
+
+/// The depth of a robot's JSON is 3; nothing deeper is followed.
+constexpr int kDeepest = 8;
+
+toml::array toml_of_array(const Json& json, int depth);
+
+/// Calls add(value) with what TOML has for a JSON value.
+void convert(const Json& json, int depth, const auto& add);
+
+toml::table toml_of_object(const Json& json, int depth) {
+  toml::table table;
+  for (const auto& item : json.items()) {
+    const auto add = [&](auto&& one) { table.insert_or_assign(item.key(), std::forward<decltype(one)>(one)); };
+    convert(item.value(), depth + 1, add);
+  }
+  return table;
+}
+
+void convert(const Json& json, int depth, const auto& add) {
+  if (depth > kDeepest) throw InvalidArgument("expected a robot, got something nested deeper");
+  if (json.is_object()) return add(toml_of_object(json, depth));
+  if (json.is_array()) return add(toml_of_array(json, depth));
+  if (json.is_number()) return add(json.get<double>());
+  if (json.is_boolean()) return add(json.get<bool>());
+  if (json.is_string()) return add(json.get<std::string>());
+  throw InvalidArgument("expected a robot, got null within it");
+}
+
+toml::array toml_of_array(const Json& json, int depth) {
+  toml::array array;
+  for (const Json& value : json) {
+    convert(value, depth + 1, [&](auto&& one) { array.push_back(std::forward<decltype(one)>(one)); });
+  }
+  return array;
+}
+
+}  // namespace
+
+RobotStatement named_robot(const std::string& name, const std::filesystem::path& folder) {
+  const std::filesystem::path path(name);
+  if (path.extension() != ".toml" && !path.has_parent_path()) return {.robot = catalogue::find(name), .by = name};
+  const std::filesystem::path file = folder / path;
+  return {.robot = read_robot(read_file(file)), .by = file.string(), .robot_file = file};
+}
+
+std::optional<RobotStatement> robot_of_line(const std::string& file, int line, std::string_view text) {
+  const std::optional<std::string> name = name_in(text);
+  if (!name) return std::nullopt;
+  try {
+    RobotStatement stated = named_robot(*name, std::filesystem::path(file).parent_path());
+    stated.by = file;
+    stated.line = line;
+    return stated;
+  } catch (const Error& unknown) {
+    throw InputFileError(file, line, unknown.what());
+  }
+}
+
+std::optional<RobotStatement> robot_of_table(const TextFile& file) {
+  std::optional<RobotStatement> found;
+  int line = 0;
+  for (const std::string_view text : lines_of(file.text)) {
+    std::optional<RobotStatement> stated = robot_of_line(file.name, ++line, text);
+    if (stated && found) require_same(*found, *stated);
+    if (stated && !found) found = std::move(stated);
+  }
+  return found;
+}
+
+RobotStatement robot_of_calibration(const TextFile& file) {
+  const int line = line_of_key(file.text, "robot");
+  try {
+    const Json json = Json::parse(file.text);
+    return {.robot = robot_of(file.name, toml_of_object(json.at("robot"), 0)), .by = file.name, .line = line};
+  } catch (const Json::parse_error& error) {
+    throw InputFileError(file.name, line_at(file.text, error.byte), "expected JSON, got something else");
+  } catch (const Json::exception&) {
+    throw InputFileError(file.name, line, "expected a calibration (JSON) with its robot, got none");
+  } catch (const InvalidArgument& complaint) {
+    throw InputFileError(file.name, line, complaint.what());
+  }
+}
+
+int line_at(std::string_view text, std::size_t byte) {
+  return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
+}
+
+int line_of_key(std::string_view text, std::string_view key) {
+  const std::size_t at = text.find(fmt::format("\"{}\":", key));
+  return at == std::string_view::npos ? 0 : line_at(text, at);
+}
+
+std::optional<std::string> robot_difference(const Json& expected, const Json& got) {
+  for (const char* part : {"name", "geometry", "plate"}) {
+    if (auto found = first_difference(expected.value(part, Json()), got.value(part, Json()), part)) return found;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> difference(const Robot& expected, const Robot& got) {
+  return robot_difference(to_json(expected), to_json(got));
+}
+
+void require_same(const RobotStatement& expected, const RobotStatement& got) {
+  if (const auto found = difference(expected.robot, got.robot)) {
+    throw InputFileError(got.by, got.line, fmt::format("expected the robot of {} with {}", expected.by, *found));
+  }
+}
+
+std::string robot_line(const Robot& robot) {
+  const auto known = catalogue::names();
+  if (std::ranges::find(known, robot.name()) == known.end()) return "";
+  return difference(catalogue::find(robot.name()), robot) ? "" : fmt::format("# robot: {}\n", robot.name());
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,22 @@
+#pragma once
+
+// Private to io: whether two robots are the same, as far as a calibration is of one of them, and where it says so.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "paracal/io/json.hpp"
+
+namespace paracal::io {
+
+/// As difference(), of robots as they stand in JSON.
+std::optional<std::string> robot_difference(const Json& expected, const Json& got);
+
+/// Line of a byte of a text, from 1.
+int line_at(std::string_view text, std::size_t byte);
+
+/// Line of the first such key in a JSON text, from 1; 0 where there is none.
+int line_of_key(std::string_view text, std::string_view key);
+
+}  // namespace paracal::io

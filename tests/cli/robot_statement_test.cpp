@@ -1,0 +1,151 @@
+// Which robot a command is of: --robot, a calibration or a line of a table says it, all that do agree, and nothing else
+// does.
+
+#include "json_checks.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
+
+const std::string kData = PARACAL_DATA;
+
+/// A measured Delta, whose files say so.
+class StatedRobot : public testing::Test {
+ protected:
+  void SetUp() override {
+    done("poses --robot rotary_delta --stage fine --out poses.csv");
+    done("simulate --poses poses.csv --seed 3 --noise-mm 0.02 --frame random --truth truth.toml --out points.csv");
+    done("calibrate --measurements points.csv --out calibration.json");
+  }
+
+  /// As it stands: no robot is added.
+  ProgramResult run(const std::string& command) const {
+    return run_program(words(command), {.folder = folder.path(), .environment = {"SOURCE_DATE_EPOCH=0"}});
+  }
+  std::string done(const std::string& command) const {
+    const ProgramResult result = run(command);
+    EXPECT_EQ(result.exit_code, kDone) << command << ": " << result.err;
+    return result.out;
+  }
+  void expect_refused(const std::string& command, int exit_code, const std::string& message) const {
+    const ProgramResult result = run(command);
+    EXPECT_EQ(result.exit_code, exit_code) << command;
+    EXPECT_THAT(result.err, HasSubstr(message)) << command;
+    EXPECT_THAT(result.out, IsEmpty()) << command;
+  }
+  /// The same table without its comments.
+  void silence(const std::string& name) const {
+    std::string text = folder.read(name);
+    while (text.starts_with('#')) text.erase(0, text.find('\n') + 1);
+    folder.write(name, text);
+  }
+
+  const TemporaryFolder folder;
+};
+
+TEST_F(StatedRobot, GoesFromFileToFile) {
+  EXPECT_THAT(folder.read("poses.csv"), StartsWith("# robot: rotary_delta\n"));
+  EXPECT_THAT(folder.read("points.csv"), StartsWith("# robot: rotary_delta\n"));
+  EXPECT_EQ(json::parse(folder.read("calibration.json")).at("robot").at("name"), "rotary_delta");
+  EXPECT_THAT(done("poses --robot rotary_delta --optimal 8 --candidates 50"), StartsWith("# robot: rotary_delta\n"));
+}
+
+TEST_F(StatedRobot, IsThatOfTheCalibration) {
+  silence("poses.csv");
+  silence("points.csv");
+  for (const char* command :
+       {"inverse --poses poses.csv --errors calibration.json", "compensate --poses poses.csv --errors calibration.json",
+        "compensate --poses poses.csv --calibration calibration.json",
+        "simulate --poses poses.csv --errors calibration.json", "export --calibration calibration.json --target c99",
+        "export --calibration calibration.json --target csv --input poses.csv",
+        "validate --calibration calibration.json --measurements points.csv"}) {
+    EXPECT_EQ(done(command), done(std::string(command) + " --robot rotary_delta")) << command;
+  }
+  EXPECT_EQ(json_of(run("report --calibration calibration.json --json")).at("robot").at("name"), "rotary_delta");
+}
+
+TEST_F(StatedRobot, IsThatOfTheTable) {
+  done("inverse --poses poses.csv --out joints.csv");
+  folder.write("joints.csv", "# robot: rotary_delta\n" + folder.read("joints.csv"));
+  for (const char* command : {"inverse --poses poses.csv", "forward --joints joints.csv",
+                              "identifiability --poses poses.csv", "yield --poses poses.csv --machines 1"}) {
+    EXPECT_EQ(done(command), done(std::string(command) + " --robot rotary_delta")) << command;
+  }
+}
+
+TEST_F(StatedRobot, NobodyStatesAnything) {
+  silence("poses.csv");
+  silence("points.csv");
+  for (const char* command : {"robot", "poses", "poses --optimal 5", "inverse --poses poses.csv",
+                              "inverse --poses poses.csv --errors truth.toml", "identifiability --poses poses.csv",
+                              "simulate --poses poses.csv", "error-model --pose 0,0,-900",
+                              "calibrate --measurements points.csv", "sensitivity", "tolerance allocate",
+                              "tolerance analyze", "yield --machines 1", "yield --machines 1 --poses poses.csv"}) {
+    expect_refused(command, kWrongUsage,
+                   "--robot: expected a robot, got none: a catalogue name (huang2016, rotary_delta, "
+                   "linear_delta), a file (.toml), or a line \"# robot: NAME\" in the measurements");
+  }
+}
+
+TEST_F(StatedRobot, SomeCommandsNeedNone) {
+  EXPECT_THAT(done("robot --list"), HasSubstr("huang2016"));
+  done("reproduce huang2016");
+  expect_refused("reproduce huang2016 --robot rotary_delta", kWrongUsage, "--robot");
+  expect_refused("calibrate --printer printer.cfg --robot huang2016", kWrongUsage, "--robot excludes --printer");
+  done("calibrate --measurements " + kData + "/distances.csv --poses " + kData + "/poses.csv");
+}
+
+TEST_F(StatedRobot, FilesAndOptionAgree) {
+  const std::string names = "name \"huang2016\", got \"rotary_delta\"";
+  expect_refused("calibrate --measurements points.csv --robot huang2016", kBadInputFile,
+                 "points.csv:1: expected the robot of --robot with " + names);
+  expect_refused("inverse --poses poses.csv --robot huang2016", kBadInputFile, "poses.csv:1: ");
+  expect_refused("yield --machines 1 --poses poses.csv --robot huang2016", kBadInputFile, "poses.csv:1: ");
+  silence("poses.csv");
+  for (const char* command : {"validate --measurements points.csv --calibration", "inverse --poses poses.csv --errors",
+                              "compensate --poses poses.csv --calibration", "export --target c99 --calibration"}) {
+    const ProgramResult result = run(std::string(command) + " calibration.json --robot huang2016");
+    EXPECT_EQ(result.exit_code, kBadInputFile) << command;
+    EXPECT_THAT(result.err, AllOf(testing::ContainsRegex("(points.csv|calibration.json):[0-9]+: "), HasSubstr(names)));
+  }
+}
+
+TEST_F(StatedRobot, FilesAgreeWithEachOther) {
+  folder.write("poses.csv", "# robot: huang2016\npose,x_mm,y_mm,z_mm,phi_deg\nhome,0,0,-900,0\n");
+  const std::string got =
+      "poses.csv:1: expected the robot of calibration.json with name \"rotary_delta\", got \"huang2016\"";
+  expect_refused("compensate --poses poses.csv --calibration calibration.json", kBadInputFile, got);
+  expect_refused("inverse --poses poses.csv --errors calibration.json", kBadInputFile, got);
+  expect_refused("calibrate --measurements points.csv --poses poses.csv", kBadInputFile,
+                 "poses.csv:1: expected the robot of points.csv");
+  expect_refused("export --target csv --input poses.csv --calibration calibration.json", kBadInputFile,
+                 "poses.csv:1: ");
+}
+
+/// A file's robot is the one of its dimensions, not of its name.
+TEST_F(StatedRobot, MayBeAFileBesideTheTable) {
+  std::string robot = done("robot --robot rotary_delta");
+  robot.replace(robot.find("rod_mm = 950"), 12, "rod_mm = 951");
+  std::filesystem::create_directory(folder.path() / "sub");
+  folder.write("sub/mine.toml", robot);
+  silence("poses.csv");
+  folder.write("sub/poses.csv", "# robot: mine.toml\n" + folder.read("poses.csv"));
+  EXPECT_EQ(done("inverse --poses sub/poses.csv"), done("inverse --poses poses.csv --robot sub/mine.toml"));
+  EXPECT_NE(done("inverse --poses sub/poses.csv"), done("inverse --poses poses.csv --robot rotary_delta"));
+  expect_refused("inverse --poses sub/poses.csv --errors calibration.json", kBadInputFile,
+                 "geometry.rod_mm 950.0, got 951.0");
+  EXPECT_THAT(done("poses --robot sub/mine.toml"), Not(HasSubstr("# robot:")));
+  const json made = json_of(run("yield --machines 1 --poses sub/poses.csv --json"));
+  EXPECT_EQ(made.at("inputs")[0].at("file"), "sub/mine.toml");
+}
+
+/// What comes through a pipe can be read once.
+TEST_F(StatedRobot, MayComeThroughAPipe) {
+  const Surroundings pipe{.folder = folder.path(), .launcher = {"/bin/sh", "-c", "cat poses.csv | \"$0\" \"$@\""}};
+  EXPECT_EQ(run_program({"inverse", "--poses", "/dev/stdin"}, pipe).out, done("inverse --poses poses.csv"));
+}
+
+}  // namespace
+}  // namespace paracal::test
