@@ -81,7 +81,8 @@ export function samples(program, folder) {
   run("tolerance", "allocate", ...huang, "--out", "allocation.txt", "--report", "allocation.html", "--toml", "chosen.toml");
   run("tolerance", "analyze", ...huang, "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
   run("yield", ...huang, "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
+  run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

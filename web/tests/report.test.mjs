@@ -135,6 +135,17 @@ test("a reading that contradicts the others is named and left out", async () => 
   await context.close();
 });
 
+test("what was assumed is noted, and without limits nothing is said to keep them", async () => {
+  const limited = await open(browser, pages.yield), unlimited = await open(browser, pages.unlimited);
+  const { results } = await dataOf(unlimited.page);
+  assert.ok(results.yield.assumed[0].includes("theta_offset"));
+  for (const { page } of [limited, unlimited]) assert.ok((await page.locator(".notes").textContent()).includes(results.yield.assumed[0]));
+  const header = (page) => page.locator("#verdict").textContent();
+  assert.match(await header(limited.page), /Machines within the limits: \d+ of 300/);
+  assert.doesNotMatch(await header(unlimited.page), /within the limits|null/);
+  for (const { context } of [limited, unlimited]) await context.close();
+});
+
 test("a calibration that was refused says so first, and why", async () => {
   const { page, context } = await open(browser, pages.refused);
   const { results } = await dataOf(page);
