@@ -289,6 +289,7 @@ std::string listed(const std::vector<SourceSelector>& selectors) {
 void add_assumptions(const StageFit& fit, Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   const auto assume = [&](std::string text) { calibration.assumed.push_back(std::move(text)); };
+  std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
   if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
   if (options.scale_std > 0.0) {
     assume(fmt::format("the scale of the readings is right within {:.3g} ppm (one standard deviation)",

@@ -2,7 +2,7 @@
 import type { Calibration, ErrorMap, Largest, Use, UseQuantity, Validation } from "../data";
 import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
 import { strings } from "../strings";
-import { card, from, unitOf, type Verdict } from "./card";
+import { assumptions, card, from, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict;
 
@@ -41,7 +41,7 @@ function useCards(use: Use | null): HTMLElement[] {
 
 function notesOf(calibration: Calibration): string[] {
   const unseen = calibration.null_space.map((direction) => direction.text);
-  return [...calibration.notes, ...calibration.assumed.map(text.assumed), ...(unseen.length > 0 ? [text.unseen(unseen, calibration.accepted)] : [])];
+  return [...calibration.notes, ...assumptions(calibration.assumed), ...(unseen.length > 0 ? [text.unseen(unseen, calibration.accepted)] : [])];
 }
 
 export function ofCalibration(calibration: Calibration): Verdict {
