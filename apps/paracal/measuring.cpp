@@ -115,6 +115,17 @@ NoiseModel MeasuringOptions::noise() const {
   return noise;
 }
 
+void add_mount_option(CLI::App& command, ReflectorMount& mount) {
+  std::vector<std::string> names;
+  for (const ReflectorMount one : kReflectorMounts) names.emplace_back(name(one));
+  const auto choose = [&mount](const std::string& wanted) {
+    mount = *std::ranges::find(kReflectorMounts, wanted, [](ReflectorMount one) { return name(one); });
+  };
+  command.add_option_function<std::string>("--reflectors", choose, "what the second reflector is mounted on")
+      ->check(CLI::IsMember(names))
+      ->default_str(names.front());
+}
+
 void add_noise_options(CLI::App& command, MeasuringOptions& options) {
   command
       .add_option("--sigma-mm", options.sigma_mm,
@@ -220,7 +231,9 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
       ->check(non_negative_finite())
       ->check(believable)
       ->capture_default_str();
-  command.add_option("--second", options.second, "second reflector from the first, mm, in the plate's frame: x,y,z")
+  command
+      .add_option("--second", options.second,
+                  "second reflector from the first, mm, in the frame of what carries it: x,y,z")
       ->delimiter(',')
       ->expected(3);
 }

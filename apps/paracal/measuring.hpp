@@ -27,7 +27,7 @@ struct MeasuringOptions {
   std::optional<double> temperature_c;
   bool sigma_known = false;
   std::vector<double> tracker_um;
-  std::string frame = "unknown", rotation = "relative", reflectors = "plate";
+  std::string frame = "unknown", rotation = "relative";
 
   /// Files that may say which robot they are of.
   std::vector<std::string> tables() const;
@@ -38,11 +38,13 @@ struct MeasuringOptions {
   double expansion() const;
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
   RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
-  ReflectorMount mount() const { return reflectors == "plate" ? ReflectorMount::plate : ReflectorMount::end_effector; }
 };
 
 /// @returns --measurements, which is required unless its taker says otherwise.
 CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options);
+
+/// --reflectors: what the second reflector is mounted on.
+void add_mount_option(CLI::App& command, ReflectorMount& mount);
 
 /// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
 void add_noise_options(CLI::App& command, MeasuringOptions& options);

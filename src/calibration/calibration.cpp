@@ -11,6 +11,18 @@
 
 namespace paracal {
 
+std::string_view name(ReflectorMount mount) {
+  switch (mount) {
+    case ReflectorMount::plate:
+      return "plate";
+    case ReflectorMount::end_effector:
+      return "end-effector";
+    case ReflectorMount::end_effector_reversed:
+      return "end-effector-reversed";
+  }
+  return "";
+}
+
 std::string_view name(Verdict verdict) {
   switch (verdict) {
     case Verdict::accepted:

@@ -74,10 +74,8 @@ std::vector<std::size_t> nearest_neighbours(const std::vector<Joints>& joints) {
 }  // namespace
 
 bool Visibility::sees(const Pose& pose) const {
-  Eigen::Vector3d direction = facing.normalized();
-  if (mount == ReflectorMount::end_effector) {
-    direction = Eigen::AngleAxisd(pose.rotation, Eigen::Vector3d::UnitZ()) * direction;
-  }
+  const Eigen::AngleAxisd turn(turns_per_phi(mount) * pose.rotation, Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d direction = turn * facing.normalized();
   return direction.dot((tracker - pose.position).normalized()) >= std::cos(half_angle);
 }
 

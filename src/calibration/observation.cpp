@@ -37,9 +37,11 @@ constexpr Eigen::Index kFrame = 6, kPlane = 3;
 }  // namespace
 
 Eigen::Matrix3d carrier(const StationState& station, ReflectorMount mount) {
-  Eigen::Matrix3d plate = plate_rotation(station.plate.tilt).matrix;
-  if (mount == ReflectorMount::plate) return plate;
-  return plate * Eigen::AngleAxisd(station.rotation, Eigen::Vector3d::UnitZ());
+  return mount_rotation(station.plate, station.rotation, mount);
+}
+
+Eigen::Matrix3d mount_rotation(const PlateState& plate, double phi, ReflectorMount mount) {
+  return plate_rotation(plate.tilt).matrix * Eigen::AngleAxisd(turns_per_phi(mount) * phi, Eigen::Vector3d::UnitZ());
 }
 
 Observation::Observation(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,

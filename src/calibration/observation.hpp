@@ -21,6 +21,9 @@
 
 namespace paracal::detail {
 
+/// Rotation in {O} of what carries the second reflector.
+Eigen::Matrix3d mount_rotation(const PlateState& plate, double phi, ReflectorMount mount);
+
 /// How the plate moves: position (mm), phi (rad), tilt_x, tilt_y, tilt_z (rad), a column for each cause.
 using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 

@@ -163,9 +163,7 @@ Observation::ByPlate Observation::point_rows(const Group& group, const StationSt
     const PlateRotation<double> plate = plate_rotation(station.plate.tilt);
     const Eigen::Matrix3d moves = by_plate.block<3, 3>(3, 0);
     by_plate.block<3, 3>(3, 4) = -moves * cross(lever) * plate.axes;
-    if (options_.reflectors == ReflectorMount::end_effector) {
-      by_plate.block<3, 1>(3, 3) = moves * plate.matrix.col(2).cross(lever);
-    }
+    by_plate.block<3, 1>(3, 3) = turns_per_phi(options_.reflectors) * (moves * plate.matrix.col(2).cross(lever));
     block.block<3, 3>(3, nuisance.second) = moves * carried;
   }
   if (!reading.rotation) return by_plate;

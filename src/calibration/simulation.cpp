@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "observation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 
@@ -36,7 +37,8 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vecto
       const Eigen::Vector3d centre = pose.plate.position + instrument.repeatability * normal_vector(random);
       PointReading reading{.station = k, .point = read_point(instrument, centre, random)};
       if (instrument.second) {
-        const Eigen::Vector3d lever = plate_rotation(pose.plate.tilt).matrix * *instrument.second;
+        const double phi = machine.rotation_of(pose.plate.slide);
+        const Eigen::Vector3d lever = detail::mount_rotation(pose.plate, phi, instrument.mount) * *instrument.second;
         reading.second = read_point(instrument, centre + lever, random);
       }
       if (instrument.reads_rotation) {

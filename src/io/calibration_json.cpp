@@ -278,7 +278,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
                                                      : "auto"},
             {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
             {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
-            {"reflectors", options.reflectors == ReflectorMount::plate ? "plate" : "end-effector"},
+            {"reflectors", name(options.reflectors)},
             {"distance_sigma_mm", options.noise.distance},
             {"point_sigma_mm", options.noise.point},
             {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},

@@ -24,6 +24,7 @@ struct Options {
   LimitOptions limits;
   PrinterOptions printer;
   std::vector<std::string> fixed, free;
+  ReflectorMount reflectors = ReflectorMount::plate;
   bool keep_outliers = false;
   std::shared_ptr<std::string> report;
 };
@@ -57,7 +58,7 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.noise_is_known = options.measuring.sigma_known;
   calibration.frame = options.measuring.frame_kind();
   calibration.rotation_zero = options.measuring.rotation_kind();
-  calibration.reflectors = options.measuring.mount();
+  calibration.reflectors = options.reflectors;
   if (!options.tolerances.empty()) {
     calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.geometry());
   }
@@ -135,9 +136,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   add_printer_options(*command, options->printer)->excludes(measurements);
   command->add_flag("--sigma-known", options->measuring.sigma_known,
                     "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");
-  command->add_option("--reflectors", options->measuring.reflectors, "what the second reflector is mounted on")
-      ->check(CLI::IsMember({"plate", "end-effector"}))
-      ->capture_default_str();
+  add_mount_option(*command, options->reflectors);
   command
       ->add_option("--stage", options->stage,
                    "rough: the encoder offsets; fine: everything; auto: as far as the data carry")

@@ -21,6 +21,7 @@ struct Options {
   std::string errors, poses, truth, frame = "robot";
   InstrumentOptions instrument;
   std::uint64_t machine = 0;
+  ReflectorMount reflectors = ReflectorMount::plate;
   bool rotation = false;
 };
 
@@ -44,6 +45,7 @@ void run(const Options& options, const Session& session) {
   const SourceErrors errors = errors_of(options, robot, random);
   const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
   VirtualInstrument instrument = options.instrument.instrument(options.rotation);
+  instrument.mount = options.reflectors;
   if (options.frame == "random") instrument.frame = random_frame(random);
   const Measurements measurements = simulate(robot, errors, stations, instrument, random);
   const std::vector<std::string> assumed =
@@ -84,6 +86,7 @@ void add_simulate(CLI::App& app, Session& session) {
   command->add_option("--truth", options->truth, "write the machine's errors here (TOML)");
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_instrument_options(*command, options->instrument);
+  add_mount_option(*command, options->reflectors);
   command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
   command->add_option("--frame", options->frame, "frame of the instrument")
       ->check(CLI::IsMember({"robot", "random"}))

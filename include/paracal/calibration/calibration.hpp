@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -37,9 +38,22 @@ enum class RotationZero : std::uint8_t { unknown, known };
 
 /// What the second reflector is mounted on.
 enum class ReflectorMount : std::uint8_t {
-  plate,         ///< tilts with the plate
-  end_effector,  ///< tilts with the plate and turns with phi, counter-clockwise seen from above
+  plate,                  ///< tilts with the plate
+  end_effector,           ///< tilts with the plate and turns with phi, counter-clockwise seen from above
+  end_effector_reversed,  ///< likewise, but turns by -phi
 };
+
+/// Angle by which the mount turns about the plate's normal, over phi.
+constexpr double turns_per_phi(ReflectorMount mount) {
+  if (mount == ReflectorMount::plate) return 0.0;
+  return mount == ReflectorMount::end_effector ? 1.0 : -1.0;
+}
+
+inline constexpr std::array<ReflectorMount, 3> kReflectorMounts{ReflectorMount::plate, ReflectorMount::end_effector,
+                                                                ReflectorMount::end_effector_reversed};
+
+/// "plate", "end-effector", "end-effector-reversed": in options and JSON.
+std::string_view name(ReflectorMount mount);
 
 /// A source error of one limb, or of all limbs.
 struct SourceSelector {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/rigid_fit.hpp"
@@ -18,8 +19,9 @@ struct VirtualInstrument {
   int repeats = 1;                             ///< visits of every station
   bool reads_rotation = false;                 ///< a rotary encoder reads phi
   double rotation_noise = 0.0;                 ///< rad
-  std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, from the first, in the plate's frame
+  std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, from the first, in the frame of its mount
   RigidMotion frame = {};                      ///< instrument = frame(robot)
+  ReflectorMount mount = ReflectorMount::plate;
 };
 
 /// What a machine with these errors shows to an instrument when its controller, which believes the nominal robot, sends
