@@ -6,6 +6,7 @@
 #include "paracal/batch/production.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/diagnosis.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/information_root.hpp"

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "as_given.hpp"
 #include "components.hpp"
 #include "distance_geometry.hpp"
 #include "evidence.hpp"
@@ -95,7 +96,8 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
 
 }  // namespace
 
-Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
+Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
+                                       const CalibrationOptions& options) {
   check(measurements, robot.limb_count());
   const bool paper = options.method == Method::paper;
   if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.planes.empty())) {

@@ -109,6 +109,7 @@ struct CalibrationOptions {
   bool exclude_outliers = true;            ///< method best: leave out readings that contradict the others
   double outlier_chance = 1e-4;            ///< that a fit without gross errors loses a reading
   double largest_chance = 0.05;            ///< accept when noise alone improves the fit this much with less probability
+  bool diagnose = true;  ///< where the fit is doubtful, seek what is wrong with the input (diagnosis.hpp)
 };
 
 /// One source error that a fit seeks. Without a prior the readings alone decide.

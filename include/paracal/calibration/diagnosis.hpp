@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal {
+
+/// What is wrong with the input of a calibration.
+struct Diagnosis {
+  std::string text;                 ///< a sentence: the cause, its equals, how well readings fit with and without it
+  std::vector<std::string> causes;  ///< the most frugal first; others explain the readings equally well
+  std::optional<double> rms_as_given = {};  ///< mm, of the residuals of a robust fit; empty: out of the robot's reach
+  double rms_explained = 0.0;               ///< mm, with the cause undone
+};
+
+/// Tries the usual mistakes (units, mirrored or swapped axes, order of limbs, another robot, rows that slipped, signs
+/// of phi, mounts, one wrong nominal dimension) and names the one that explains the readings.
+///
+/// Each is undone and the readings fitted anew: maximum a posteriori for Student's t instead of normal noise, whose
+/// scale is found as well, so that gross errors neither decide nor escape. Compared are the logarithms of the evidence,
+/// the probability of the readings under robot, tolerances and mistake (Laplace's approximation), and a mistake is
+/// named only where it is far more probable than the input as given, even with one part out of its tolerance.
+///
+/// @returns nothing where the input as given explains the readings about as well as any mistake does.
+/// @throws InvalidArgument for readings that make no sense (see check()).
+std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measurements,
+                                  const CalibrationOptions& options = {});
+
+}  // namespace paracal

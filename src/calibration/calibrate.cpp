@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "as_given.hpp"
+#include "paracal/calibration/diagnosis.hpp"
+#include "paracal/calibration/identification.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal {
+namespace {
+
+/// Standard deviation that was expected of the readings that Calibration::noise is about, mm.
+double expected_noise(const Measurements& measurements, const NoiseModel& noise) {
+  if (!measurements.series.empty()) return noise.point;
+  return measurements.distances.empty() ? noise.height : noise.distance;
+}
+
+/// Readings scatter far more than they should, or nobody can tell whether they do.
+bool scatters(const Calibration& calibration, const Measurements& measurements) {
+  constexpr double kFarMore = 2.0;
+  if (!calibration.unit_weight_std) return true;
+  const bool known = calibration.fit_probability.has_value();
+  return known ? *calibration.unit_weight_std > kFarMore
+               : calibration.noise > kFarMore * expected_noise(measurements, calibration.options.noise);
+}
+
+/// One reading in ten.
+bool left_many_out(const Calibration& calibration) {
+  return 10 * static_cast<std::size_t>(std::ranges::count(calibration.suspects, true, &Suspect::excluded)) >
+         calibration.suspects.size();
+}
+
+bool is_far_from_nominal(const ParameterEstimate& parameter) {
+  constexpr double kFarOutside = 4.0;  // standard deviations of the tolerance
+  return parameter.prior_std && std::abs(parameter.value) > kFarOutside * *parameter.prior_std;
+}
+
+bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
+  return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||
+         left_many_out(calibration) || std::ranges::any_of(calibration.parameters, is_far_from_nominal);
+}
+
+/// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains.
+void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements, Calibration& calibration) {
+  if (calibration.accepted()) calibration.verdict = Verdict::rejected;
+  calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
+  calibration.notes = measurements.notes;
+  calibration.suspects.clear();
+}
+
+}  // namespace
+
+Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
+  if (!options.diagnose) return detail::calibrate_as_given(robot, measurements, options);
+  try {
+    Calibration calibration = detail::calibrate_as_given(robot, measurements, options);
+    if (!is_doubtful(calibration, measurements)) return calibration;
+    const auto diagnosis = diagnose(robot, measurements, options);
+    if (diagnosis) add_diagnosis(*diagnosis, measurements, calibration);
+    return calibration;
+  } catch (const Unreachable& complaint) {
+    const auto diagnosis = diagnose(robot, measurements, options);
+    if (!diagnosis) throw;
+    throw Unreachable(fmt::format("{}; {}", complaint.what(), diagnosis->text));
+  }
+}
+
+}  // namespace paracal

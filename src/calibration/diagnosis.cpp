@@ -1,0 +1,174 @@
+#include "paracal/calibration/diagnosis.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mistakes.hpp"
+#include "paracal/error.hpp"
+#include "paracal/units.hpp"
+#include "wrong_nominal.hpp"
+
+namespace paracal {
+namespace {
+
+using detail::Input;
+using detail::Mistake;
+using detail::TrialFit;
+
+/// Nats by which the evidence must grow before anyone is told that his input is wrong: a chance of e^-30, even where
+/// forty mistakes are tried.
+constexpr double kFarMoreProbable = 30.0;
+/// Mistakes within this of the best explain the readings equally well, nats.
+constexpr double kEqual = 10.0;
+/// Root mean square of errors over the standard deviations of their tolerances: about 0.7 after a fit, which leaves
+/// what the readings do not tell at zero.
+constexpr double kWithinTolerances = 1.3;
+
+struct Explanation {
+  const Mistake* mistake = nullptr;
+  TrialFit fit;
+};
+
+/// The input as it would have been; empty where there is none (a pose out of the other robot's reach).
+std::optional<Input> undone(const Input& given, const Mistake& mistake) {
+  Input input = given;
+  try {
+    mistake.undo(input);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return input;
+}
+
+/// Mistakes whose nominal robot lies about as near to the readings as the best one's. Among those alike (what only the
+/// errors of the machine can tell apart) the most frugal come first.
+std::vector<const Mistake*> promising(const Input& given, const std::vector<Mistake>& mistakes) {
+  constexpr double kAlike = 1.25, kAsNear = 4.0;
+  constexpr std::size_t kMost = 20;
+  std::vector<std::pair<double, const Mistake*>> misfits;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Mistake& mistake : mistakes) {
+    const auto input = undone(given, mistake);
+    const double misfit = input ? detail::nominal_misfit(*input) : std::numeric_limits<double>::infinity();
+    misfits.emplace_back(misfit, &mistake);
+    nearest = std::min(nearest, misfit);
+  }
+  std::erase_if(misfits, [&](const auto& one) { return !(one.first <= kAsNear * nearest) || std::isinf(one.first); });
+  std::ranges::stable_sort(
+      misfits, {}, [&](const auto& one) { return std::floor(std::log(one.first / nearest) / std::log(kAlike)); });
+  std::vector<const Mistake*> near;
+  for (std::size_t k = 0; k < std::min(misfits.size(), kMost); ++k) near.push_back(misfits[k].second);
+  std::ranges::sort(near);
+  return near;
+}
+
+std::optional<TrialFit> fit_without(const Input& given, const Mistake& mistake) {
+  const auto input = undone(given, mistake);
+  return input ? detail::fit_robustly(*input) : std::nullopt;
+}
+
+/// Whether a fit leaves nothing to explain. One wrong number in the robot file does not make up for errors beyond their
+/// tolerances, and where the input as given says nothing at all, only good fits count.
+bool explains(const Mistake& mistake, const TrialFit& fit, bool has_rival) {
+  constexpr double kGoodFit = 10.0;  // times the sigmas
+  if (mistake.kind == detail::MistakeKind::nominal && fit.tension > kWithinTolerances) return false;
+  return has_rival || fit.scale < kGoodFit;
+}
+
+std::vector<Explanation> explanations(const Input& given, const std::vector<const Mistake*>& mistakes, bool has_rival) {
+  std::vector<Explanation> all;
+  for (const Mistake* mistake : mistakes) {
+    auto fit = fit_without(given, *mistake);
+    if (fit && explains(*mistake, *fit, has_rival)) all.push_back({mistake, std::move(*fit)});
+  }
+  return all;
+}
+
+/// Those as good as the best, one of a family, the most frugal first.
+std::vector<Explanation> best_of(std::vector<Explanation> all) {
+  if (all.empty()) return {};
+  const auto objective = [](const Explanation& one) { return one.fit.objective; };
+  const double least = objective(*std::ranges::min_element(all, {}, objective));
+  std::vector<Explanation> best;
+  for (Explanation& one : all) {
+    if (objective(one) > least + kEqual) continue;
+    const auto relative =
+        std::ranges::find(best, one.mistake->family, [](const Explanation& other) { return other.mistake->family; });
+    if (relative == best.end()) {
+      best.push_back(std::move(one));
+    } else if (objective(one) < objective(*relative) - 1e-3) {
+      *relative = std::move(one);
+    }
+  }
+  return best;
+}
+
+/// Fits that stand for something else than noise and tolerances.
+bool differs(double one, double two) {
+  constexpr double kDiffers = 1.5;
+  return one > kDiffers * two || two > kDiffers * one;
+}
+
+/// How well readings fit: "0.017 mm", with what else makes a difference to the other fit.
+std::string quality(const TrialFit& fit, const TrialFit& other) {
+  std::string text = fmt::format("{:.2g} mm", fit.noise);
+  if (fit.rotation_noise && other.rotation_noise && differs(*fit.rotation_noise, *other.rotation_noise)) {
+    text += fmt::format(" and {:.2g} deg", to_degrees(*fit.rotation_noise));
+  }
+  if (fit.tension > kWithinTolerances && differs(fit.tension, other.tension)) {
+    text += fmt::format(" with source errors {:.1f} times as large as their tolerances allow", fit.tension);
+  }
+  return text;
+}
+
+std::string text_of(const std::vector<std::string>& causes, const TrialFit& fit, const std::optional<TrialFit>& given) {
+  const std::string cause = fmt::format("{}", fmt::join(causes, "; or "));
+  if (!given) return fmt::format("{}: so taken, they fit to {:.2g} mm", cause, fit.noise);
+  return fmt::format("{}: so taken, they fit to {}, as given to {}", cause, quality(fit, *given), quality(*given, fit));
+}
+
+Diagnosis diagnosis_of(const std::vector<Explanation>& best, const std::optional<TrialFit>& given) {
+  constexpr std::size_t kNamed = 4;
+  Diagnosis diagnosis;
+  for (const Explanation& one : best) {
+    if (diagnosis.causes.size() < kNamed) diagnosis.causes.push_back(one.mistake->text);
+  }
+  const TrialFit& fit = best.front().fit;
+  diagnosis.rms_explained = fit.noise;
+  if (given) diagnosis.rms_as_given = given->noise;
+  diagnosis.text = text_of(diagnosis.causes, fit, given);
+  return diagnosis;
+}
+
+/// What no mistake of the input is needed for: the input as given, even with a part out of its tolerance.
+double objective_without_mistake(const Input& given, const std::optional<TrialFit>& as_given) {
+  if (!as_given) return std::numeric_limits<double>::infinity();
+  double least = as_given->objective;
+  for (const Mistake& part : detail::wrong_parts(*as_given)) {
+    if (const auto fit = fit_without(given, part)) least = std::min(least, fit->objective);
+  }
+  return least;
+}
+
+}  // namespace
+
+std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measurements,
+                                  const CalibrationOptions& options) {
+  check(measurements, robot.limb_count());
+  const Input given{robot, measurements, options};
+  const std::optional<TrialFit> as_given = detail::fit_robustly(given);
+  const std::vector<Mistake> usual = detail::usual_mistakes(given);
+  const std::vector<Mistake> nominals = as_given ? detail::wrong_nominals(given, *as_given) : std::vector<Mistake>{};
+  std::vector<const Mistake*> tried = promising(given, usual);
+  for (const Mistake& mistake : nominals) tried.push_back(&mistake);
+  const std::vector<Explanation> best = best_of(explanations(given, tried, as_given.has_value()));
+  if (best.empty()) return std::nullopt;
+  if (best.front().fit.objective > objective_without_mistake(given, as_given) - kFarMoreProbable) return std::nullopt;
+  return diagnosis_of(best, as_given);
+}
+
+}  // namespace paracal

@@ -1,0 +1,261 @@
+#include "mistakes.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
+#include "reading_mistakes.hpp"
+
+namespace paracal::detail {
+namespace {
+
+constexpr double kRadInDegrees = 180.0 / std::numbers::pi;  // what a number in rad lost when it was read as deg
+
+/// Whether the commanded poses decide which joints the controller believed.
+bool commands_count(const Measurements& measurements) {
+  return std::ranges::any_of(measurements.stations, [](const Station& one) { return !one.believed; });
+}
+
+bool states_joints(const Measurements& measurements) {
+  return std::ranges::any_of(measurements.stations, [](const Station& one) { return one.believed.has_value(); });
+}
+
+bool commands_turn(const Measurements& measurements) {
+  return std::ranges::any_of(measurements.stations, [](const Station& one) { return one.commanded.rotation != 0.0; });
+}
+
+template <typename Change>
+void change_commands(Measurements& measurements, Change&& change) {
+  for (Station& station : measurements.stations) change(station.commanded);
+}
+
+void scale_commands(Measurements& measurements, double factor) {
+  change_commands(measurements, [&](Pose& pose) { pose.position *= factor; });
+}
+
+void scale_joints(Measurements& measurements, double factor) {
+  for (Station& station : measurements.stations) {
+    if (station.believed) *station.believed *= factor;
+  }
+}
+
+void turn_commands(Measurements& measurements, double factor) {
+  change_commands(measurements, [&](Pose& pose) { pose.rotation *= factor; });
+}
+
+class MistakeList {
+ public:
+  explicit MistakeList(const Input& given) : given_(given) {}
+
+  void add(std::string family, std::string text, std::function<void(Measurements&)> undo) {
+    add_to_input(std::move(family), std::move(text), [undo](Input& input) { undo(input.measurements); });
+  }
+  void add_to_input(std::string family, std::string text, std::function<void(Input&)> undo) {
+    mistakes_.push_back({MistakeKind::usual, std::move(family), std::move(text), std::move(undo)});
+  }
+
+  void add_units();
+  void add_angles();
+  void add_signs_of_rotation();
+  void add_rows();
+  void add_mounts();
+  void add_frames();
+  void add_command_frames();
+  void add_limb_orders();
+  void add_robots();
+
+  std::vector<Mistake> take() { return std::move(mistakes_); }
+
+ private:
+  const Measurements& measurements() const { return given_.measurements; }
+
+  const Input& given_;
+  std::vector<Mistake> mistakes_;
+};
+
+void MistakeList::add_units() {
+  struct LengthUnit {
+    const char* name;
+    double mm;
+  };
+  constexpr std::array<LengthUnit, 3> kUnits{{{"metres", 1000.0}, {"inches", 25.4}, {"centimetres", 10.0}}};
+  const bool rails = given_.robot.actuator() == Actuator::linear && states_joints(measurements());
+  for (const auto& [name, mm] : kUnits) {
+    const double factor = mm;
+    add("unit", fmt::format("the readings are in {}", name), [=](Measurements& m) { scale_readings(m, factor); });
+    const auto scale_commanded = [=](Measurements& m) {
+      scale_commands(m, factor);
+      if (rails) scale_joints(m, factor);
+    };
+    if (!rails && !commands_count(measurements())) continue;
+    const char* commanded = rails ? "joints and commanded poses" : "the commanded poses";
+    add("unit", fmt::format("{} are in {}", commanded, name), scale_commanded);
+    add("unit", fmt::format("the readings and {} are in {}", commanded, name), [=](Measurements& m) {
+      scale_readings(m, factor);
+      scale_commanded(m);
+    });
+  }
+}
+
+void MistakeList::add_angles() {
+  const bool commanded = commands_count(measurements()) && commands_turn(measurements());
+  const bool joints = states_joints(measurements()) && given_.robot.actuator() == Actuator::revolute;
+  const bool read = reads_rotation(measurements());
+  const auto command = [](Measurements& m) { turn_commands(m, kRadInDegrees); };
+  const auto joint = [](Measurements& m) { scale_joints(m, kRadInDegrees); };
+  const auto reading = [](Measurements& m) { scale_rotations(m, kRadInDegrees); };
+  if (joints) add("angle", "the joint angles are in rad, not deg", joint);
+  if (commanded) add("angle", "the commanded phi are in rad, not deg", command);
+  if (read) add("angle", "the readings of phi are in rad, not deg", reading);
+  if (read && commanded) {
+    add("angle", "all phi are in rad, not deg", [=](Measurements& m) { command(m), reading(m); });
+  }
+  if (read && joints) {
+    add("angle", "the joint angles and the readings of phi are in rad, not deg",
+        [=](Measurements& m) { joint(m), reading(m); });
+  }
+}
+
+void MistakeList::add_signs_of_rotation() {
+  const bool commanded = commands_count(measurements()) && commands_turn(measurements());
+  const bool read = reads_rotation(measurements());
+  if (read) add("sign", "the readings of phi have the other sign", [](Measurements& m) { scale_rotations(m, -1.0); });
+  if (commanded) add("sign", "the commanded phi have the other sign", [](Measurements& m) { turn_commands(m, -1.0); });
+  if (commanded && read) {
+    add("sign", "all phi, commanded and read, have the other sign", [](Measurements& m) {
+      turn_commands(m, -1.0);
+      scale_rotations(m, -1.0);
+    });
+  }
+}
+
+void MistakeList::add_rows() {
+  add("row", "each reading belongs to the pose one row below it", [](Measurements& m) { shift_rows(m, 1); });
+  add("row", "each reading belongs to the pose one row above it", [](Measurements& m) { shift_rows(m, -1); });
+  if (!has_repeats(measurements())) return;
+  add("row", "the readings of each pose belong to the next pose of the list",
+      [](Measurements& m) { shift_stations(m, 1); });
+  add("row", "the readings of each pose belong to the pose before it in the list",
+      [](Measurements& m) { shift_stations(m, -1); });
+}
+
+void MistakeList::add_mounts() {
+  if (!reads_second(measurements())) return;
+  struct Mount {
+    ReflectorMount mount;
+    const char* text;
+  };
+  constexpr std::array<Mount, 3> kMounts{
+      {{ReflectorMount::plate, "the second reflector is on the plate (--reflectors plate)"},
+       {ReflectorMount::end_effector, "the second reflector turns with phi (--reflectors end-effector)"},
+       {ReflectorMount::end_effector_reversed,
+        "the second reflector turns by -phi (--reflectors end-effector-reversed)"}}};
+  for (const auto& [mount, text] : kMounts) {
+    if (mount == given_.options.reflectors) continue;
+    add_to_input("mount", text, [is = mount](Input& input) { input.options.reflectors = is; });
+  }
+}
+
+/// "-y" for the row (0, -1, 0).
+std::string axis_of(const Eigen::RowVector3d& row) {
+  Eigen::Index axis = 0;
+  row.cwiseAbs().maxCoeff(&axis);
+  return fmt::format("{}{}", row(axis) < 0.0 ? "-" : "", "xyz"[axis]);
+}
+
+/// Of an unknown frame all mirrors are alike; of the robot's own all 47 exchanges and signs of axes count.
+void MistakeList::add_frames() {
+  if (!measurements().planes.empty()) {
+    add("frame", "the heights count downwards", [](Measurements& m) { negate_heights(m); });
+  }
+  if (measurements().series.empty()) return;
+  if (given_.options.frame == Frame::unknown) {
+    add("frame", "the frame of the readings is mirrored: an axis has the wrong sign, or two axes are swapped",
+        [](Measurements& m) { turn_readings(m, Eigen::Vector3d(1, 1, -1).asDiagonal()); });
+    return;
+  }
+  for (const Eigen::Matrix3d& axes : exchanges_of_axes()) {
+    const std::string text =
+        fmt::format("x, y, z of the readings are {}, {}, {} of the robot", axis_of(axes.col(0).transpose()),
+                    axis_of(axes.col(1).transpose()), axis_of(axes.col(2).transpose()));
+    add("frame", text, [axes](Measurements& m) { turn_readings(m, axes); });
+  }
+  add_to_input("frame", "the readings are not in the robot's frame (--frame unknown)",
+               [](Input& input) { input.options.frame = Frame::unknown; });
+}
+
+void MistakeList::add_command_frames() {
+  if (!commands_count(measurements())) return;
+  const auto turned = [&](const std::string& text, const Eigen::Matrix3d& turn) {
+    add("commands", text,
+        [turn](Measurements& m) { change_commands(m, [&](Pose& pose) { pose.position = turn * pose.position; }); });
+  };
+  turned("the commanded z has the other sign", Eigen::Vector3d(1, 1, -1).asDiagonal());
+  turned("the commanded x has the other sign", Eigen::Vector3d(-1, 1, 1).asDiagonal());
+  turned("the commanded y has the other sign", Eigen::Vector3d(1, -1, 1).asDiagonal());
+  Eigen::Matrix3d swapped = Eigen::Matrix3d::Identity();
+  swapped.col(0).swap(swapped.col(1));
+  turned("the commanded x and y are swapped", swapped);
+  for (const int degrees : {30, 45, 60, 90, 120, 135, 150, 180, 210, 225, 240, 270, 300, 315, 330}) {
+    turned(fmt::format("the frame of the commands is turned by {} deg about z against the robot's", degrees),
+           Eigen::AngleAxisd(to_radians(degrees), Eigen::Vector3d::UnitZ()).toRotationMatrix());
+  }
+}
+
+void MistakeList::add_limb_orders() {
+  std::vector<Eigen::Index> order(given_.robot.limb_count());
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  while (std::ranges::next_permutation(order).found) {
+    std::vector<Eigen::Index> named = order;
+    for (Eigen::Index& limb : named) ++limb;
+    const std::string text = fmt::format("the limbs are in another order: joints 1 to {} are those of limbs {}",
+                                         order.size(), fmt::join(named, ", "));
+    add_to_input("limbs", text, [order](Input& input) {
+      state_joints(input.robot, input.measurements);
+      for (Station& station : input.measurements.stations) {
+        const Joints joints = *station.believed;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+          (*station.believed)(order[k]) = joints(static_cast<Eigen::Index>(k));
+        }
+      }
+    });
+  }
+}
+
+void MistakeList::add_robots() {
+  for (const std::string_view name : catalogue::names()) {
+    const Robot other = catalogue::find(name);
+    const bool alike = other.limb_count() == given_.robot.limb_count() && other.actuator() == given_.robot.actuator();
+    if (name == given_.robot.name() || (states_joints(measurements()) && !alike)) continue;
+    add_to_input("robot", fmt::format("the robot is {}, not {}", name, given_.robot.name()),
+                 [other](Input& input) { input.robot = other; });
+  }
+}
+
+}  // namespace
+
+void state_joints(const Robot& robot, Measurements& measurements) {
+  for (Station& station : measurements.stations) station.believed = believed_joints(robot, station);
+}
+
+std::vector<Mistake> usual_mistakes(const Input& given) {
+  MistakeList list(given);
+  list.add_units();
+  list.add_angles();
+  list.add_signs_of_rotation();
+  list.add_frames();
+  list.add_rows();
+  list.add_mounts();
+  list.add_robots();
+  list.add_limb_orders();
+  list.add_command_frames();
+  return list.take();
+}
+
+}  // namespace paracal::detail

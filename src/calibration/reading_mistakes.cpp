@@ -1,0 +1,128 @@
+#include "reading_mistakes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace paracal::detail {
+namespace {
+
+template <typename Change>
+void change_points(Measurements& measurements, Change&& change) {
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) {
+      reading.point = change(reading.point);
+      if (reading.second) reading.second = change(*reading.second);
+    }
+  }
+}
+
+template <typename Change>
+void change_heights(Measurements& measurements, Change&& change) {
+  for (HeightSeries& plane : measurements.planes) {
+    for (HeightReading& reading : plane.readings) reading.height = change(reading.height);
+  }
+}
+
+template <typename Holds>
+bool some_point(const Measurements& measurements, Holds&& holds) {
+  return std::ranges::any_of(measurements.series,
+                             [&](const PointSeries& series) { return std::ranges::any_of(series.readings, holds); });
+}
+
+/// Place `by` further on in a ring of `count`.
+std::size_t ring(std::size_t place, int by, std::size_t count) {
+  const auto n = static_cast<std::ptrdiff_t>(count);
+  return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(place) + by % n + n) % n);
+}
+
+template <typename Reading>
+void shift_rows_of(std::vector<Reading>& readings, int by) {
+  const std::vector<Reading> was = readings;
+  for (std::size_t k = 0; k < was.size(); ++k) readings[k].station = was[ring(k, by, was.size())].station;
+}
+
+template <typename Reading>
+bool repeats_in(const std::vector<Reading>& readings) {
+  std::set<std::size_t> seen;
+  return std::ranges::any_of(readings, [&](const Reading& reading) { return !seen.insert(reading.station).second; });
+}
+
+}  // namespace
+
+bool reads_rotation(const Measurements& measurements) {
+  const auto turned = [](const auto& reading) { return reading.rotation.has_value(); };
+  return some_point(measurements, turned) || std::ranges::any_of(measurements.distances, turned);
+}
+
+bool reads_second(const Measurements& measurements) {
+  return some_point(measurements, [](const PointReading& reading) { return reading.second.has_value(); });
+}
+
+bool has_repeats(const Measurements& measurements) {
+  return std::ranges::any_of(measurements.series, [](const auto& one) { return repeats_in(one.readings); }) ||
+         std::ranges::any_of(measurements.planes, [](const auto& one) { return repeats_in(one.readings); });
+}
+
+void scale_readings(Measurements& measurements, double factor) {
+  change_points(measurements, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(factor * point); });
+  change_heights(measurements, [&](double height) { return factor * height; });
+  for (DistanceReading& reading : measurements.distances) reading.distance *= factor;
+}
+
+void scale_rotations(Measurements& measurements, double factor) {
+  for (DistanceReading& reading : measurements.distances) {
+    if (reading.rotation) *reading.rotation *= factor;
+  }
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) {
+      if (reading.rotation) *reading.rotation *= factor;
+    }
+  }
+}
+
+void negate_heights(Measurements& measurements) {
+  change_heights(measurements, [](double height) { return -height; });
+}
+
+void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn) {
+  change_points(measurements, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(turn * point); });
+}
+
+std::vector<Eigen::Matrix3d> exchanges_of_axes() {
+  std::vector<Eigen::Matrix3d> all;
+  std::array<Eigen::Index, 3> order{0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        axes(order[static_cast<std::size_t>(k)], k) = (signs >> k) % 2 == 0 ? 1.0 : -1.0;
+      }
+      if (!axes.isIdentity()) all.push_back(axes);
+    }
+  } while (std::ranges::next_permutation(order).found);
+  return all;
+}
+
+void shift_rows(Measurements& measurements, int by) {
+  for (PointSeries& series : measurements.series) shift_rows_of(series.readings, by);
+  for (HeightSeries& plane : measurements.planes) shift_rows_of(plane.readings, by);
+  const std::vector<DistanceReading> was = measurements.distances;
+  for (std::size_t k = 0; k < was.size(); ++k) {
+    const DistanceReading& other = was[ring(k, by, was.size())];
+    measurements.distances[k].from = other.from;
+    measurements.distances[k].to = other.to;
+  }
+}
+
+void shift_stations(Measurements& measurements, int by) {
+  const std::size_t count = measurements.stations.size();
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) reading.station = ring(reading.station, by, count);
+  }
+  for (HeightSeries& plane : measurements.planes) {
+    for (HeightReading& reading : plane.readings) reading.station = ring(reading.station, by, count);
+  }
+}
+
+}  // namespace paracal::detail

@@ -1,0 +1,34 @@
+#pragma once
+
+// Private to calibration: readings as they would have been without a mistake.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "paracal/calibration/measurement.hpp"
+
+namespace paracal::detail {
+
+bool reads_rotation(const Measurements& measurements);
+bool reads_second(const Measurements& measurements);
+/// Some station was read more than once in a series.
+bool has_repeats(const Measurements& measurements);
+
+/// Points, distances and heights times a factor. Stated sigmas stay: nobody knows what unit they are in, and a fit
+/// that seeks the scale of the noise does not ask.
+void scale_readings(Measurements& measurements, double factor);
+/// Readings of phi times a factor.
+void scale_rotations(Measurements& measurements, double factor);
+void negate_heights(Measurements& measurements);
+/// Points, both reflectors, times a matrix.
+void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn);
+/// The 47 ways to exchange axes and their signs.
+std::vector<Eigen::Matrix3d> exchanges_of_axes();
+
+/// Every reading gets the station, or the pair of stations, of the row `by` rows further down; at the end the table
+/// begins anew.
+void shift_rows(Measurements& measurements, int by);
+/// Every reading gets the station `by` places further down the list of stations.
+void shift_stations(Measurements& measurements, int by);
+
+}  // namespace paracal::detail

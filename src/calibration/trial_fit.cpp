@@ -1,0 +1,253 @@
+#include "trial_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "observation.hpp"
+#include "paracal/error.hpp"
+#include "scatter.hpp"
+#include "sought.hpp"
+
+namespace paracal::detail {
+namespace {
+
+constexpr double kFreedom = 5.0;        // nu of Student's t
+constexpr std::size_t kReadings = 200;  // as many say what is wrong with a million
+constexpr double kSmallestScale = 0.3;  // of the stated sigmas: no instrument is that much better than it says
+
+/// Every n-th of them, so that about kReadings remain of `all`.
+template <typename Reading>
+void thin(std::vector<Reading>& readings, std::size_t all) {
+  const std::size_t step = (all + kReadings - 1) / kReadings;
+  if (step < 2) return;
+  std::vector<Reading> kept;
+  for (std::size_t k = 0; k < readings.size(); k += step) kept.push_back(readings[k]);
+  readings = std::move(kept);
+}
+
+/// Calls `visit` with every index of a station that a reading holds.
+template <typename Visit>
+void for_each_station(Measurements& measurements, Visit&& visit) {
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) visit(reading.station);
+  }
+  for (HeightSeries& plane : measurements.planes) {
+    for (HeightReading& reading : plane.readings) visit(reading.station);
+  }
+  for (DistanceReading& reading : measurements.distances) {
+    visit(reading.from);
+    visit(reading.to);
+  }
+}
+
+/// Only stations that were measured: nobody waits for the kinematics of the others.
+void drop_unread_stations(Measurements& measurements) {
+  std::map<std::size_t, std::size_t> place;
+  for_each_station(measurements, [&](std::size_t station) { place.emplace(station, 0); });
+  std::vector<Station> stations;
+  for (auto& [was, is] : place) {
+    is = stations.size();
+    stations.push_back(measurements.stations[was]);
+  }
+  for_each_station(measurements, [&](std::size_t& station) { station = place[station]; });
+  measurements.stations = std::move(stations);
+}
+
+Measurements a_few_of(Measurements measurements) {
+  std::size_t all = measurements.distances.size();
+  for (const PointSeries& series : measurements.series) all += series.readings.size();
+  for (const HeightSeries& plane : measurements.planes) all += plane.readings.size();
+  thin(measurements.distances, all);
+  for (PointSeries& series : measurements.series) thin(series.readings, all);
+  for (HeightSeries& plane : measurements.planes) thin(plane.readings, all);
+  drop_unread_stations(measurements);
+  return measurements;
+}
+
+/// Squared residuals of a reading in units of its sigma and the noise scale, and its number of rows.
+struct Miss {
+  double squared = 0.0;
+  double rows = 0.0;
+
+  double weight() const { return (kFreedom + rows) / (kFreedom + squared); }
+  double each() const { return std::sqrt(squared / rows); }
+};
+
+std::vector<Miss> misses_of(const Observation& observation, const Eigen::VectorXd& unknowns) {
+  const auto stations = observation.stations(unknowns);
+  std::vector<Miss> misses;
+  Eigen::MatrixXd block;
+  for (const Group& group : observation.groups()) {
+    observation.rows(group, *stations, unknowns, block);
+    misses.push_back({block.rightCols<1>().squaredNorm() / group.weight, static_cast<double>(block.rows())});
+  }
+  return misses;
+}
+
+double quantile_of(const std::vector<Miss>& misses, double share) {
+  std::vector<double> sizes;
+  for (const Miss& miss : misses) sizes.push_back(miss.each());
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
+  std::ranges::nth_element(sizes, at);
+  return *at;
+}
+
+/// All readings under one scale of noise, that at which they lie from the machine.
+void begin_at(Observation& observation, const Eigen::VectorXd& start) {
+  for (Group& group : observation.groups()) group.stated = false;
+  observation.set_noise_scale(std::max(quantile_of(misses_of(observation, start), 0.5), kSmallestScale));
+}
+
+void reweigh(Observation& observation, const Eigen::VectorXd& unknowns) {
+  const std::vector<Miss> misses = misses_of(observation, unknowns);
+  for (std::size_t g = 0; g < misses.size(); ++g) observation.groups()[g].weight = misses[g].weight();
+}
+
+/// Residual of a reading, mm a row.
+double distance_off(const Observation& observation, const Group& group, const std::vector<StationState>& stations,
+                    const Eigen::VectorXd& unknowns) {
+  if (group.is_distance()) return observation.distance_residual(group, stations, unknowns);
+  if (group.is_height()) return observation.height_residual(group, stations[group.station], unknowns);
+  return observation.point_residual(group, stations[group.station], unknowns).norm() / std::sqrt(3.0);
+}
+
+/// Root mean square of `values` with the weights of their readings.
+class WeightedMean {
+ public:
+  void add(double value, double weight) {
+    sum_ += weight * value * value;
+    weights_ += weight;
+  }
+  double root() const { return std::sqrt(sum_ / weights_); }
+  bool empty() const { return weights_ == 0.0; }
+
+ private:
+  double sum_ = 0.0, weights_ = 0.0;
+};
+
+/// @param factor  by which residuals are smaller than noise: the fit took its share.
+void state_noise(const Observation& observation, const Eigen::VectorXd& unknowns, double factor, TrialFit& fit) {
+  const auto stations = observation.stations(unknowns);
+  WeightedMean lengths, rotations;
+  for (const Group& group : observation.groups()) {
+    lengths.add(distance_off(observation, group, *stations, unknowns), group.weight);
+    const auto rotation = observation.rotation_residual(group, *stations, unknowns);
+    if (rotation) rotations.add(*rotation, group.weight);
+  }
+  fit.noise = factor * lengths.root();
+  if (!rotations.empty()) fit.rotation_noise = factor * rotations.root();
+}
+
+double log_of_residuals(const Observation& observation, const Eigen::VectorXd& unknowns) {
+  double sum = 0.0;
+  for (const Miss& miss : misses_of(observation, unknowns)) {
+    sum += miss.rows * std::log(observation.noise_scale());
+    sum += 0.5 * (kFreedom + miss.rows) * std::log1p(miss.squared / kFreedom);
+  }
+  return sum;
+}
+
+void state_errors(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
+                  TrialFit& fit) {
+  const Eigen::Index n = observation.source_count();
+  fit.sought = observation.sought();
+  fit.errors = unknowns.tail(n);
+  fit.covariance = inverse_information(root).bottomRightCorner(n, n);
+}
+
+/// Squares of the errors over their priors and the volume that the priors give them.
+void state_objective(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
+                     TrialFit& fit) {
+  double squares = 0.0;
+  fit.objective = log_of_residuals(observation, unknowns);
+  for (std::size_t k = 0; k < fit.sought.size(); ++k) {
+    const std::optional<double> prior = fit.sought[k].prior_std;
+    if (!prior) continue;
+    squares += std::pow(fit.errors(static_cast<Eigen::Index>(k)) / *prior, 2);
+    fit.objective += std::log(*prior);
+  }
+  fit.objective += 0.5 * squares + root.diagonal().cwiseAbs().array().max(1e-9).log().sum();
+  fit.tension = std::sqrt(squares / static_cast<double>(fit.sought.size()));
+}
+
+double rows_of(const Observation& observation, const Eigen::VectorXd& unknowns) {
+  double rows = 0.0;
+  for (const Miss& miss : misses_of(observation, unknowns)) rows += miss.rows;
+  return rows;
+}
+
+Scatter scatter_of_all(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root) {
+  Scatter all = scatter(observation, unknowns, root, [](const Group&) { return true; });
+  all.redundancy = std::max(all.redundancy, 1.0);
+  return all;
+}
+
+TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns) {
+  InformationRoot information(observation.unknown_count());
+  (void)with_priors(observation)(unknowns, information);
+  const Eigen::MatrixXd root = information.root();
+  TrialFit fit{.scale = observation.noise_scale()};
+  state_errors(observation, unknowns, root, fit);
+  state_noise(observation, unknowns,
+              std::sqrt(rows_of(observation, unknowns) / scatter_of_all(observation, unknowns, root).redundancy), fit);
+  state_objective(observation, unknowns, root, fit);
+  return fit;
+}
+
+/// One step on the noise: the scale at which the weighted residuals equal their redundancy.
+double better_scale(const Observation& observation, const LeastSquaresResult& result) {
+  const Scatter all = scatter_of_all(observation, result.parameters, result.at_answer.root());
+  const double factor = std::sqrt(all.sum / all.redundancy);
+  return std::max(observation.noise_scale() * factor, kSmallestScale);
+}
+
+std::optional<Eigen::VectorXd> settle(Observation& observation, Eigen::VectorXd unknowns) {
+  constexpr int kRounds = 25;
+  constexpr double kSettled = 0.02;
+  for (int round = 0; round < kRounds; ++round) {
+    reweigh(observation, unknowns);
+    const LeastSquaresResult result =
+        solve_least_squares(with_priors(observation), unknowns, {.max_iterations = 5, .step_tolerance = 1e-2});
+    if (result.status == LeastSquaresStatus::not_evaluable) return std::nullopt;
+    unknowns = result.parameters;
+    const double scale = better_scale(observation, result);
+    const double change = std::abs(scale / observation.noise_scale() - 1.0);
+    observation.set_noise_scale(scale);
+    if (change < kSettled) break;
+  }
+  return unknowns;
+}
+
+}  // namespace
+
+std::optional<TrialFit> fit_robustly(const Input& input) {
+  const std::vector<SoughtSource> sought = all_with_priors(input.robot, input.options);
+  if (sought.empty()) return std::nullopt;
+  const Measurements measurements = a_few_of(input.measurements);
+  try {
+    Observation observation(input.robot, measurements, input.options, sought);
+    const auto start = observation.start({});
+    if (!start) return std::nullopt;
+    begin_at(observation, *start);
+    const auto answer = settle(observation, *start);
+    if (!answer) return std::nullopt;
+    return stated(observation, *answer);
+  } catch (const Unreachable&) {
+    return std::nullopt;
+  }
+}
+
+double nominal_misfit(const Input& input) {
+  const Measurements measurements = a_few_of(input.measurements);
+  try {
+    Observation observation(input.robot, measurements, input.options, {});
+    const auto start = observation.start({});
+    if (start) return quantile_of(misses_of(observation, *start), 0.75);
+  } catch (const Unreachable&) {
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace paracal::detail
