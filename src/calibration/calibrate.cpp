@@ -36,9 +36,14 @@ bool is_far_from_nominal(const ParameterEstimate& parameter) {
   return parameter.prior_std && std::abs(parameter.value) > kFarOutside * *parameter.prior_std;
 }
 
+/// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
+/// machine.
+bool is_strange(const Component& component) { return component.told; }
+
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
   return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||
-         left_many_out(calibration) || std::ranges::any_of(calibration.parameters, is_far_from_nominal);
+         left_many_out(calibration) || std::ranges::any_of(calibration.components, is_strange) ||
+         std::ranges::any_of(calibration.parameters, is_far_from_nominal);
 }
 
 /// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains.
@@ -46,6 +51,7 @@ void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements,
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
   calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
   calibration.notes = measurements.notes;
+  calibration.components.clear();
   calibration.suspects.clear();
 }
 

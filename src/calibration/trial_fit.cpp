@@ -97,7 +97,7 @@ double quantile_of(const std::vector<Miss>& misses, double share) {
 /// All readings under one scale of noise, that at which they lie from the machine.
 void begin_at(Observation& observation, const Eigen::VectorXd& start) {
   for (Group& group : observation.groups()) group.stated = false;
-  observation.set_noise_scale(std::max(quantile_of(misses_of(observation, start), 0.5), kSmallestScale));
+  observation.components().unstated_noise = std::max(quantile_of(misses_of(observation, start), 0.5), kSmallestScale);
 }
 
 void reweigh(Observation& observation, const Eigen::VectorXd& unknowns) {
@@ -143,7 +143,7 @@ void state_noise(const Observation& observation, const Eigen::VectorXd& unknowns
 double log_of_residuals(const Observation& observation, const Eigen::VectorXd& unknowns) {
   double sum = 0.0;
   for (const Miss& miss : misses_of(observation, unknowns)) {
-    sum += miss.rows * std::log(observation.noise_scale());
+    sum += miss.rows * std::log(observation.components().unstated_noise);
     sum += 0.5 * (kFreedom + miss.rows) * std::log1p(miss.squared / kFreedom);
   }
   return sum;
@@ -188,7 +188,7 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
   InformationRoot information(observation.unknown_count());
   (void)with_priors(observation)(unknowns, information);
   const Eigen::MatrixXd root = information.root();
-  TrialFit fit{.scale = observation.noise_scale()};
+  TrialFit fit{.scale = observation.components().unstated_noise};
   state_errors(observation, unknowns, root, fit);
   state_noise(observation, unknowns,
               std::sqrt(rows_of(observation, unknowns) / scatter_of_all(observation, unknowns, root).redundancy), fit);
@@ -200,7 +200,7 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
 double better_scale(const Observation& observation, const LeastSquaresResult& result) {
   const Scatter all = scatter_of_all(observation, result.parameters, result.at_answer.root());
   const double factor = std::sqrt(all.sum / all.redundancy);
-  return std::max(observation.noise_scale() * factor, kSmallestScale);
+  return std::max(observation.components().unstated_noise * factor, kSmallestScale);
 }
 
 std::optional<Eigen::VectorXd> settle(Observation& observation, Eigen::VectorXd unknowns) {
@@ -213,8 +213,8 @@ std::optional<Eigen::VectorXd> settle(Observation& observation, Eigen::VectorXd 
     if (result.status == LeastSquaresStatus::not_evaluable) return std::nullopt;
     unknowns = result.parameters;
     const double scale = better_scale(observation, result);
-    const double change = std::abs(scale / observation.noise_scale() - 1.0);
-    observation.set_noise_scale(scale);
+    const double change = std::abs(scale / observation.components().unstated_noise - 1.0);
+    observation.components().unstated_noise = scale;
     if (change < kSettled) break;
   }
   return unknowns;
