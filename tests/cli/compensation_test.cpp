@@ -9,7 +9,7 @@ namespace paracal::test {
 namespace {
 
 using nlohmann::json;
-using testing::SizeIs, testing::StartsWith;
+using testing::HasSubstr, testing::SizeIs, testing::StartsWith;
 
 class CompensateCommand : public CalibratedMachine {
  protected:
@@ -64,7 +64,8 @@ TEST_F(CompensateCommand, ErrorsInTomlDoTheSame) {
 /// What a closed controller does with the targets.
 TEST_F(CompensateCommand, TheNominalInverseOfTheTargetsGivesTheJoints) {
   EXPECT_EQ(folder.run(kCompensate + " --targets --out targets.csv").exit_code, kDone);
-  EXPECT_THAT(folder.read("targets.csv"), StartsWith("pose,x_mm,y_mm,z_mm,phi_deg\nhome,"));
+  EXPECT_THAT(folder.read("targets.csv"), StartsWith("# U of these poses"));
+  EXPECT_THAT(folder.read("targets.csv"), HasSubstr("\npose,x_mm,y_mm,z_mm,phi_deg\nhome,"));
   expect_near(json_from("inverse --poses targets.csv").at("joints_deg"), json_from(kCompensate).at("joints_deg"), 1e-9);
 }
 

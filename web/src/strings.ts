@@ -172,7 +172,7 @@ export const strings = {
     heading: "How many poses it takes",
     rough: "Rough stage: encoder offsets",
     fine: "Fine stage: position group",
-    shows: (n: number) => (n === 0 ? "The index never settles to 1 %." : `The observability index O2 changes by less than 1 % from ${n} points a circle on.`),
+    shows: (n: number, later: number) => (n === 0 ? "The index never settles to 1 %." : `At ${n} points a circle the observability index O2 changes by less than 1 % for the first time, which is the paper's rule; with more points it still changes by up to ${digits(100 * later, 2)} %.`),
     n: "points a circle",
     O2: "observability index O2, 1",
   },

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -90,6 +91,22 @@ io::Json json_of(const Options& options, Actuator actuator, const std::vector<Co
   return json;
 }
 
+/// "# U of these poses in the robot's frame (95 %), largest: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of the
+/// table.
+std::string uncertainty_line(const std::vector<Compensated>& rows) {
+  CompensatorUncertainty<double> largest;
+  for (const Compensated& row : rows) {
+    if (!row.uncertainty) return "# U of these poses is not known: the errors have no covariance\n";
+    largest.x = std::max(largest.x, row.uncertainty->x);
+    largest.y = std::max(largest.y, row.uncertainty->y);
+    largest.z = std::max(largest.z, row.uncertainty->z);
+    largest.phi = std::max(largest.phi, row.uncertainty->phi);
+  }
+  return fmt::format(
+      "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, phi {:.2g} deg\n",
+      largest.x, largest.y, largest.z, to_degrees(largest.phi));
+}
+
 std::string text_of(const Options& options, Actuator actuator, const std::vector<Compensated>& rows) {
   std::vector<io::NamedJoints> joints;
   std::vector<io::NamedPose> targets;
@@ -97,7 +114,7 @@ std::string text_of(const Options& options, Actuator actuator, const std::vector
     joints.push_back({row.name, row.joints});
     targets.push_back({row.name, row.target});
   }
-  return options.targets ? io::pose_table(targets) : io::joint_table(joints, actuator);
+  return uncertainty_line(rows) + (options.targets ? io::pose_table(targets) : io::joint_table(joints, actuator));
 }
 
 /// Adds U to rows that were compensated.

@@ -9,11 +9,15 @@ import { strings } from "../strings";
 
 const text = strings.observability;
 
-function curveFigure(id: string, title: string, { n, curve }: Curve): HTMLElement {
+/// The largest relative change after n.
+const laterChange = ({ n, curve }: Curve) => Math.max(0, ...curve.filter((point) => point.n > n).map((point) => point.change));
+
+function curveFigure(id: string, title: string, both: Curve): HTMLElement {
+  const { n, curve } = both;
   return figure({
     id,
     title,
-    shows: text.shows(n),
+    shows: text.shows(n, laterChange(both)),
     marks: curve.length,
     sheet: { columns: ["n", "O2", "relative_change"], rows: curve.map((point) => [point.n, point.O2, point.change]) },
     draw: (width) =>
