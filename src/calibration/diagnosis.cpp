@@ -113,11 +113,14 @@ bool differs(double one, double two) {
   return one > kDiffers * two || two > kDiffers * one;
 }
 
+/// Two digits, and whole numbers of many: "0.017", "301".
+std::string shown(double value) { return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value); }
+
 /// How well readings fit: "0.017 mm", with what else makes a difference to the other fit.
 std::string quality(const TrialFit& fit, const TrialFit& other) {
-  std::string text = fmt::format("{:.2g} mm", fit.noise);
+  std::string text = shown(fit.noise) + " mm";
   if (fit.rotation_noise && other.rotation_noise && differs(*fit.rotation_noise, *other.rotation_noise)) {
-    text += fmt::format(" and {:.2g} deg", to_degrees(*fit.rotation_noise));
+    text += fmt::format(" and {} deg", shown(to_degrees(*fit.rotation_noise)));
   }
   if (fit.tension > kWithinTolerances && differs(fit.tension, other.tension)) {
     text += fmt::format(" with source errors {:.1f} times as large as their tolerances allow", fit.tension);
@@ -127,7 +130,7 @@ std::string quality(const TrialFit& fit, const TrialFit& other) {
 
 std::string text_of(const std::vector<std::string>& causes, const TrialFit& fit, const std::optional<TrialFit>& given) {
   const std::string cause = fmt::format("{}", fmt::join(causes, "; or "));
-  if (!given) return fmt::format("{}: so taken, they fit to {:.2g} mm", cause, fit.noise);
+  if (!given) return fmt::format("{}: so taken, they fit to {} mm", cause, shown(fit.noise));
   return fmt::format("{}: so taken, they fit to {}, as given to {}", cause, quality(fit, *given), quality(*given, fit));
 }
 

@@ -88,6 +88,7 @@ std::vector<Miss> misses_of(const Observation& observation, const Eigen::VectorX
 
 double quantile_of(const std::vector<Miss>& misses, double share) {
   std::vector<double> sizes;
+  sizes.reserve(misses.size());
   for (const Miss& miss : misses) sizes.push_back(miss.each());
   const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
   std::ranges::nth_element(sizes, at);

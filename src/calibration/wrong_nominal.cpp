@@ -217,8 +217,8 @@ std::vector<Mistake> wrong_parts(const TrialFit& fit) {
   }
   std::vector<Mistake> mistakes;
   for (const auto& [gain, part] : most(std::move(parts))) {
-    mistakes.push_back(
-        {MistakeKind::part, "part", "a wrong part", [part](Input& input) { input.options.free.push_back(part); }});
+    mistakes.push_back({MistakeKind::part, "part", "a wrong part",
+                        [freed = part](Input& input) { input.options.free.push_back(freed); }});
   }
   return mistakes;
 }

@@ -22,7 +22,7 @@ class WrongInput : public testing::Test {
  protected:
   void SetUp() override {
     const std::string robot = " --robot huang2016";
-    ASSERT_EQ(folder.run("poses --stage fine --n 9 --out plan.csv" + robot).exit_code, kDone);
+    ASSERT_EQ(folder.run("poses --stage fine --out plan.csv" + robot).exit_code, kDone);
     ASSERT_EQ(
         folder.run("simulate --poses plan.csv --machine 3 --noise-mm 0.017 --frame random --out points.csv" + robot)
             .exit_code,
