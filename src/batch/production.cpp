@@ -126,7 +126,7 @@ ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances
                       .validation = validation_stations(robot)};
   plan.calibration.tolerances = tolerances;
   plan.calibration.states_use = false;  // of a thousand machines nobody reads it
-  plan.calibration.diagnose = false;  // a virtual metrologist makes no such mistakes
+  plan.calibration.diagnose = false;    // a virtual metrologist makes no such mistakes
   return plan;
 }
 

@@ -10,8 +10,6 @@
 #include <map>
 #include <utility>
 
-#include "paracal/units.hpp"
-
 namespace paracal::detail {
 namespace {
 
@@ -50,8 +48,7 @@ Visits repeated_visits(const StageFit& fit) {
 
 class Finder {
  public:
-  Finder(StageFit& fit, const Robot& robot, const CalibrationOptions& options)
-      : fit_(fit), robot_(robot), options_(options) {}
+  Finder(StageFit& fit, const CalibrationOptions& options) : fit_(fit), options_(options) {}
 
   std::vector<Component> find() {
     constexpr int kMost = 8, kTries = 3;
@@ -230,7 +227,6 @@ class Finder {
   }
 
   StageFit& fit_;
-  const Robot& robot_;
   const CalibrationOptions& options_;
   mutable Eigen::MatrixXd covariance_;
   mutable int covariance_at_ = -1;
@@ -256,8 +252,8 @@ FitScatter fit_scatter(const StageFit& fit) {
   return scatter;
 }
 
-std::vector<Component> find_components(StageFit& fit, const Robot& robot, const CalibrationOptions& options) {
-  return Finder(fit, robot, options).find();
+std::vector<Component> find_components(StageFit& fit, const CalibrationOptions& options) {
+  return Finder(fit, options).find();
 }
 
 }  // namespace paracal::detail

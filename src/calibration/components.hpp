@@ -26,6 +26,6 @@ FitScatter fit_scatter(const StageFit& fit);
 ///   worse than their tolerances (empirical Bayes).
 ///
 /// @returns those found, in words. The fit is settled with them.
-std::vector<Component> find_components(StageFit& fit, const Robot& robot, const CalibrationOptions& options);
+std::vector<Component> find_components(StageFit& fit, const CalibrationOptions& options);
 
 }  // namespace paracal::detail

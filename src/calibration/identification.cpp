@@ -83,9 +83,9 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   stage.settle();
   detail::StageFit other = stage;
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
-  calibration.components = detail::find_components(stage, calibration.robot, options);
+  calibration.components = detail::find_components(stage, options);
   if (left_out(stage) == left_out(other)) return finished(used, stage, calibration);
-  std::vector<Component> components = detail::find_components(other, calibration.robot, options);
+  std::vector<Component> components = detail::find_components(other, options);
   other.exclude_outliers(options.outlier_chance);
   const bool better = other.converged() && (!stage.converged() || other.minus_twice_log_likelihood_of_all() <
                                                                       stage.minus_twice_log_likelihood_of_all());

@@ -57,6 +57,7 @@ void add_offsets(const Robot& robot, const io::PublishedHuang2016& published, co
   const std::vector<double> allowances = offset_allowances(robot, published.rough, found);
   for (std::size_t k = 0; k < found.parameters.size(); ++k) {
     const ParameterEstimate& parameter = found.parameters[k];
+    if (parameter.held) continue;
     const double paper = to_degrees(published.offsets(parameter.limb, parameter.source));
     const double ours = to_degrees(parameter.value);
     table.add(fmt::format("offsets.limb{}", parameter.limb + 1),
