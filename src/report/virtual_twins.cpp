@@ -81,7 +81,7 @@ void validate_twin(const Robot& robot, const Machine& actual, const Machine& bel
 
 Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count) {
   const std::vector<Station> measured = fine_stations(robot, kFinePoints);
-  const CalibrationOptions paper{.method = Method::paper, .stage = Stage::fine};
+  const CalibrationOptions paper{.method = Method::paper, .stage = Stage::fine, .states_use = false};
   Twins twins{.count = count};
   for (int number = 0; number < count; ++number) {
     RandomStream random(kSeed, static_cast<std::uint64_t>(number));

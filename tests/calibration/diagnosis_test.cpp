@@ -53,9 +53,11 @@ void change_points(World& world, Change&& change) {
   for (PointReading& reading : world.measurements.series[0].readings) reading.point = change(reading.point);
 }
 
-template <double kFactor>
+template <long kBillionths>
 void scale_points(World& world) {
-  change_points(world, [](const Eigen::Vector3d& point) { return Eigen::Vector3d(kFactor * point); });
+  change_points(world, [](const Eigen::Vector3d& point) {
+    return Eigen::Vector3d(1e-9 * static_cast<double>(kBillionths) * point);
+  });
 }
 
 void mirror(World& world) {
@@ -163,9 +165,9 @@ class DiagnosisLaw : public test::EveryRobot {};
 
 TEST_P(DiagnosisLaw, NamesWhatAnyRobotCanSuffer) {
   const std::vector<Case> cases{
-      {"metres", "the readings are in metres", scale_points<1e-3>},
-      {"inches", "the readings are in inches", scale_points<1.0 / 25.4>},
-      {"centimetres", "the readings are in centimetres", scale_points<0.1>},
+      {"metres", "the readings are in metres", scale_points<1'000'000>},
+      {"inches", "the readings are in inches", scale_points<39'370'079>},
+      {"centimetres", "the readings are in centimetres", scale_points<100'000'000>},
       {"mirrored", "the frame of the readings is mirrored", mirror},
       {"swapped axes", "two axes are swapped", swap_axes},
       {"limbs", "the limbs are in another order: joints 1 to", swap_limbs},
@@ -227,7 +229,7 @@ TEST(Diagnosis, TellsTheValueThatTheFileShouldHave) {
 
 TEST(Diagnosis, StatesHowWellReadingsFitWithAndWithout) {
   World world = world_of(catalogue::huang2016(), 3, {.noise = kNoise});  // which uses half of its readings up
-  scale_points<1e-3>(world);
+  scale_points<1'000'000>(world);
   const auto diagnosis = diagnose(world.robot, world.measurements);
   ASSERT_TRUE(diagnosis);
   EXPECT_NEAR(diagnosis->rms_explained, kNoise, 0.3 * kNoise);
@@ -470,7 +472,7 @@ TEST(DiagnosedCalibration, SaysTheCauseFirstAndNothingOfItsConsequences) {
   for (const std::string_view name : catalogue::names()) {
     World world = world_of(catalogue::find(name), 8, {.noise = kNoise});
     world.measurements.notes = {"of the import"};
-    scale_points<1e-3>(world);
+    scale_points<1'000'000>(world);
     const Calibration calibration = calibrate(world.robot, world.measurements);
     EXPECT_FALSE(calibration.accepted());
     ASSERT_FALSE(calibration.reasons.empty());

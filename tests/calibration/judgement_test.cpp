@@ -20,8 +20,13 @@ namespace {
 using testing::HasSubstr;
 
 const Bench& bench(const std::string& name) {
-  static const Bench kHuang = bench_of(catalogue::huang2016()), kDelta = bench_of(catalogue::rotary_delta());
-  return name == "huang2016" ? kHuang : kDelta;
+  constexpr int kCandidates = 200;
+  if (name == "huang2016") {
+    static const Bench kHuang = bench_of(catalogue::huang2016(), kCandidates);
+    return kHuang;
+  }
+  static const Bench kDelta = bench_of(catalogue::rotary_delta(), kCandidates);
+  return kDelta;
 }
 
 World world_named(const std::string& name) {
@@ -84,10 +89,12 @@ TEST_P(Judged, PartsWorseThanTheirTolerancesWidenThem) {
   EXPECT_GE(notes_with(tilt, "times as large as the tolerances say"), 0.1 * tilt.machines);
 }
 
+/// As one part where the readings tell which; else as parts of a kind or a group.
 TEST_P(Judged, AWrongPartIsToldAndItsIntervalsHold) {
   const Judgement all = in("one wrong part");
   holds(all, 0.95);
-  EXPECT_GE(notes_with(all, "a wrong part, or a wrong tolerance"), 0.95 * all.machines);
+  EXPECT_EQ(all.noted, all.accepted);
+  EXPECT_GE(notes_with(all, "a wrong part, or a wrong tolerance"), 0.3 * all.machines);
 }
 
 TEST_P(Judged, StatedNoiseThatIsWrongIsToldInBothDirections) {

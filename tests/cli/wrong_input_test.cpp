@@ -21,13 +21,11 @@ using Row = std::vector<double>;
 class WrongInput : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string robot = " --robot huang2016";
-    ASSERT_EQ(folder.run("poses --stage fine --out plan.csv" + robot).exit_code, kDone);
+    ASSERT_EQ(folder.run("poses --stage fine --out plan.csv").exit_code, kDone);
     ASSERT_EQ(
-        folder.run("simulate --poses plan.csv --machine 3 --noise-mm 0.017 --frame random --out points.csv" + robot)
-            .exit_code,
+        folder.run("simulate --poses plan.csv --machine 3 --noise-mm 0.017 --frame random --out points.csv").exit_code,
         kDone);
-    ASSERT_EQ(folder.run("inverse --poses plan.csv --out joints.csv" + robot).exit_code, kDone);
+    ASSERT_EQ(folder.run("inverse --poses plan.csv --out joints.csv").exit_code, kDone);
   }
 
   /// points.csv with every row of numbers changed, and with `more` columns.
@@ -58,7 +56,7 @@ class WrongInput : public testing::Test {
   }
 
   ProgramResult calibrated(const std::string& options = "") const {
-    return folder.run("calibrate --robot huang2016 --measurements spoilt.csv --json" + options);
+    return folder.run("calibrate --measurements spoilt.csv --json" + options);
   }
 
   const TemporaryFolder folder;
@@ -83,7 +81,7 @@ TEST_F(WrongInput, ReadingsInMetres) {
     return row;
   });
   expect_cause(calibrated(), "the readings are in metres: so taken, they fit to 0.0");
-  const ProgramResult text = folder.run("calibrate --robot huang2016 --measurements spoilt.csv");
+  const ProgramResult text = folder.run("calibrate --measurements spoilt.csv");
   EXPECT_THAT(text.out, AllOf(HasSubstr("because the readings are in metres"), Not(HasSubstr("a wrong part")),
                               Not(HasSubstr("left out"))));
 }
@@ -132,7 +130,7 @@ TEST_F(WrongInput, JointsInRad) {
 TEST_F(WrongInput, MountThatTurnsTheOtherWay) {
   for (const std::string mount : {"plate", "end-effector", "end-effector-reversed"}) {
     const ProgramResult simulated = folder.run(
-        "simulate --robot huang2016 --poses plan.csv --machine 3 --noise-mm 0.005 --second 60,0,-150 "
+        "simulate --poses plan.csv --machine 3 --noise-mm 0.005 --second 60,0,-150 "
         "--frame random --out spoilt.csv --reflectors " +
         mount);
     ASSERT_EQ(simulated.exit_code, kDone) << simulated.err;

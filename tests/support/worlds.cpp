@@ -267,10 +267,10 @@ std::vector<World> wrong_worlds() {
           {.name = "10 % at 5 sigma", .gross_share = 0.1}};
 }
 
-Bench bench_of(Robot robot) {
+Bench bench_of(Robot robot, int candidates) {
   constexpr std::uint64_t kPlanSeed = 7, kOtherSeed = 11;
-  std::vector<Station> candidates = candidate_stations(robot, 1000, kPlanSeed);
-  std::vector<Station> selected = select_stations(robot, candidates, {.poses = 20}).stations;
+  std::vector<Station> selected =
+      select_stations(robot, candidate_stations(robot, candidates, kPlanSeed), {.poses = 20}).stations;
   std::vector<Station> others = candidate_stations(robot, 40, kOtherSeed);
   return {std::move(robot), std::move(selected), std::move(others)};
 }

@@ -46,7 +46,8 @@ struct Bench {
   std::vector<Station> selected;  ///< 20 poses
   std::vector<Station> others;    ///< home and 39 poses that were not measured
 };
-Bench bench_of(Robot robot);
+/// @param candidates  from which the plan is selected.
+Bench bench_of(Robot robot, int candidates = 1000);
 
 /// What happened to the machines of a world.
 struct Judgement {
