@@ -46,7 +46,7 @@ export const strings = {
       unknown: "No uncertainty in use could be stated.",
     },
     residual: { distance: "Residuals of distances to home, largest", aligned: "Residuals of positions, largest, best alignment", rotation: "Residuals of rotations, largest", height: "Residuals of heights, root mean square", fitted: "Of the readings that the fit used: they do not say how good the machine is elsewhere." },
-    predicted: (u: string, unit: string) => `The calibrated model predicts it with U of up to ${u} ${unit} (k\u00a0=\u00a02).`,
+    predicted: (u: string, unit: string) => `The calibrated model predicts it with U of up to ${u} ${unit} (95 %).`,
     rms: (before: string, after: string) => `Root mean square ${before} mm before, ${after} mm after.`,
     checked: (quantity: string) => `Against its limit: ${quantity}`,
     check: (limit: string, unit: string, conformity: string) => `limit ${limit} ${unit}: ${conformity}`,

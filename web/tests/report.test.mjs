@@ -114,14 +114,18 @@ test("numbers in the page are those of the JSON", async () => {
   rows.forEach(([name, limb, value, U], k) => {
     assert.equal(name, wanted[k].name);
     assert.equal(Number(limb), wanted[k].limb);
-    const expanded = 2 * wanted[k].std; // two digits of it are shown, and the value to the same place
+    const expanded = wanted[k].U; // two digits of it are shown, and the value to the same place
     const near = (text, number) => assert.ok(Math.abs(Number(text.replace("\u2212", "-")) - number) <= 0.051 * expanded, `${text} for ${number}`);
     near(value, wanted[k].value);
     near(U, expanded);
   });
-  const card = await page.locator(".card .value").first().textContent();
-  const [from, to] = card.match(/[\d.]+/g).map(Number);
-  assert.ok(Math.abs(from - printed.before.max_abs_distance_mm) < 0.0051 && Math.abs(to - printed.after.max_abs_distance_mm) < 0.0051, card);
+  const cards = await page.locator(".card").allTextContents();
+  const inUse = Number(cards[0].match(/\u00b1\s*([\d.]+)/)[1]); // U in use comes first, to two digits
+  assert.ok(cards[0].startsWith("In use") && Math.abs(inUse - printed.use.distance_mm.U) <= 0.051 * printed.use.distance_mm.U, cards[0]);
+  const [from, to] = cards.find((text) => text.startsWith("Residuals of distances")).match(/[\d.]+/g).map(Number);
+  assert.ok(Math.abs(from - printed.before.max_abs_distance_mm) < 0.051 && Math.abs(to - printed.after.max_abs_distance_mm) < 0.051, cards.join());
+  assert.equal(await page.locator(".verdict").count(), 1);
+  for (const one of printed.assumed) assert.ok((await page.locator(".notes").allTextContents()).join().includes(one), one);
   await context.close();
 });
 

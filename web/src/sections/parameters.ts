@@ -13,7 +13,7 @@ const text = strings.parameters;
 
 /// As far as the estimates reach; priors beyond are cut off.
 function reach(parameters: Parameter[]): number {
-  return 1.1 * Math.max(...parameters.map(({ value, std }) => Math.abs(value) + 2 * (std ?? 0)), 1e-12);
+  return 1.1 * Math.max(...parameters.map(({ value, U }) => Math.abs(value) + (U ?? 0)), 1e-12);
 }
 
 /// Value and both uncertainties to two digits of U.
@@ -29,8 +29,8 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
   const rows = parameters.map((one) => ({
     name: text.limb(one.name, one.limb),
     value: one.value,
-    from: clamp(one.value - 2 * (one.std ?? 0)),
-    to: clamp(one.value + 2 * (one.std ?? 0)),
+    from: clamp(one.value - (one.U ?? 0)),
+    to: clamp(one.value + (one.U ?? 0)),
     identified: one.status === "identified",
     prior: one.prior_std === null ? null : clamp(2 * one.prior_std),
   }));
@@ -39,7 +39,7 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
     title: text.title(unit),
     shows: text.shows(rows.length, rows.filter((row) => row.identified).length),
     marks: rows.length,
-    sheet: { columns: text.columns, rows: parameters.map((one) => [one.name, one.limb, one.value, one.std === null ? null : 2 * one.std, one.prior_std === null ? null : 2 * one.prior_std, one.unit, one.status, one.data_share]) },
+    sheet: { columns: text.columns, rows: parameters.map((one) => [one.name, one.limb, one.value, one.U, one.prior_std === null ? null : 2 * one.prior_std, one.unit, one.status, one.data_share]) },
     print: roundedToU,
     draw: (width) => [
       legend([{ text: text.estimate, kind: "after" }, { text: text.prior, kind: "prior" }]),
