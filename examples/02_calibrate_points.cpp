@@ -33,7 +33,7 @@ int main() {
   std::printf("target: x %.3f mm, U %.3f mm; distance to home %.3f mm, U %.3f mm\n", predicted.pose.position.x(),
               kCoverageFactor * std::sqrt(predicted.covariance(0, 0)),
               (predicted.pose.position - at_home.pose.position).norm(),
-              kCoverageFactor * spread.uncertainty(known.covariance).max_distance);
+              kCoverageFactor * spread.uncertainty(known.expanded_covariance()).max_distance);
 
   const Measurements unseen = simulate(robot, truth, validation_stations(robot), tracker, random);
   const Validation validation = validate(robot, known, unseen, {.limits = {.distance = 0.1}});
