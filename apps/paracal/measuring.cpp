@@ -117,6 +117,7 @@ NoiseModel MeasuringOptions::noise() const {
 
 void add_mount_option(CLI::App& command, ReflectorMount& mount) {
   std::vector<std::string> names;
+  names.reserve(kReflectorMounts.size());
   for (const ReflectorMount one : kReflectorMounts) names.emplace_back(name(one));
   const auto choose = [&mount](const std::string& wanted) {
     mount = *std::ranges::find(kReflectorMounts, wanted, [](ReflectorMount one) { return name(one); });

@@ -83,7 +83,7 @@ Order order_of(const Options& options, const Session& session) {
     return file;
   };
   const Robot& robot = order.batch.robot;
-  if (const auto file = session.robot_file()) input(*file);
+  if (const auto& file = session.robot_file()) input(*file);
   ProductionPlan plan =
       paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
                                                          : read_priors(input(options.tolerances), robot.geometry()));
