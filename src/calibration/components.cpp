@@ -19,13 +19,16 @@ double promised_drop(double ratio, double freedom) {
   return ratio > 1.0 && freedom > 0.0 ? freedom * (ratio - 1.0 - std::log(ratio)) : 0.0;
 }
 
+/// What a component came to, in words of its size.
+using Sentence = std::function<std::string(const StageFit&, double)>;
+
 /// A component that may be there.
 struct Candidate {
   double promised = 0.0;  ///< drop of -2 log likelihood
   double price = 0.0;     ///< what trying as many alike takes from that drop: 2 log of their number
   std::function<void(StageFit&)> begin;
-  std::function<double(const StageFit&)> size;              ///< what it came to
-  std::function<std::string(const StageFit&, double)> say;  ///< in words, of its size
+  std::function<double(const StageFit&)> size;  ///< what it came to
+  Sentence say;
 };
 
 /// Rows of repeated readings, by station, kind and series.
@@ -174,6 +177,10 @@ class Finder {
       }
       return list;
     };
+    const Eigen::MatrixXd covariance = fit_.covariance();
+    const auto add = [&](Sentence say, double price, std::vector<std::size_t> list) {
+      add_prior(all, covariance, std::move(say), price, std::move(list));
+    };
     const double groups = 2.0 * std::log(3.0), kinds = 2.0 * std::log(static_cast<double>(kSourceCount)),
                  ones = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(sought.size(), 1)));
     const auto times = [](std::string whose) {
@@ -181,34 +188,34 @@ class Finder {
         return fmt::format("{} {:.1f} times as large as the tolerances say", whose, size);
       };
     };
-    add_prior(all, times("all errors are"), groups, places([](const SoughtSource&) { return true; }));
-    add_prior(all, times("the errors of the position group are"), groups,
-              places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
-    add_prior(all, times("the errors of the tilt group are"), groups,
-              places([](const SoughtSource& one) { return tilts_plate(one.source); }));
+    add(times("all errors are"), groups, places([](const SoughtSource&) { return true; }));
+    add(times("the errors of the position group are"), groups,
+        places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
+    add(times("the errors of the tilt group are"), groups,
+        places([](const SoughtSource& one) { return tilts_plate(one.source); }));
     for (const Source source : all_sources()) {
-      add_prior(all, times(fmt::format("{} of all limbs is", name(source))), kinds,
-                places([source](const SoughtSource& one) { return one.source == source; }));
+      add(times(fmt::format("{} of all limbs is", name(source))), kinds,
+          places([source](const SoughtSource& one) { return one.source == source; }));
     }
     for (std::size_t k = 0; k < sought.size(); ++k) {
       if (!sought[k].prior_std) continue;
       const SoughtSource one = sought[k];
-      add_prior(all,
-                [one](const StageFit&, double size) {
-                  return fmt::format(
-                      "{} of limb {} is {:.1f} standard deviations of its tolerance away from nominal: a "
-                      "wrong part, or a wrong tolerance",
-                      name(one.source), one.limb + 1, size);
-                },
-                ones, {k});
+      add(
+          [one](const StageFit&, double size) {
+            return fmt::format(
+                "{} of limb {} is {:.1f} standard deviations of its tolerance away from nominal: a "
+                "wrong part, or a wrong tolerance",
+                name(one.source), one.limb + 1, size);
+          },
+          ones, {k});
     }
   }
 
-  void add_prior(std::vector<Candidate>& all, std::function<std::string(const StageFit&, double)> say, double price,
+  void add_prior(std::vector<Candidate>& all, const Eigen::MatrixXd& covariance, Sentence say, double price,
                  std::vector<std::size_t> places) const {
     const std::vector<WidenedPriors>& known = fit_.components().priors;
     if (places.empty() || std::ranges::any_of(known, [&](const auto& one) { return one.places == places; })) return;
-    const Scatter squares = fit_.prior_squares(places, covariance());
+    const Scatter squares = fit_.prior_squares(places, covariance);
     const double ratio = squares.redundancy > 0.0 ? squares.sum / squares.redundancy : 0.0;
     all.push_back({.promised = promised_drop(ratio, squares.redundancy),
                    .price = price,
@@ -218,18 +225,8 @@ class Finder {
                    .say = std::move(say)});
   }
 
-  const Eigen::MatrixXd& covariance() const {
-    if (covariance_at_ != fit_.iterations()) {
-      covariance_ = fit_.covariance();
-      covariance_at_ = fit_.iterations();
-    }
-    return covariance_;
-  }
-
   StageFit& fit_;
   const CalibrationOptions& options_;
-  mutable Eigen::MatrixXd covariance_;
-  mutable int covariance_at_ = -1;
 };
 
 }  // namespace

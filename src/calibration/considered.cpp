@@ -1,6 +1,5 @@
 #include "considered.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -31,19 +30,13 @@ struct Gains {
 
 Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales, Eigen::Index setup,
             Eigen::Index sought) {
-  constexpr double kRankTolerance = 1e-7;
   std::vector<Eigen::Index> first, last = scales;
   for (Eigen::Index k = 0; k < setup + sought; ++k) {
     if (std::ranges::find(scales, k) == scales.end()) first.push_back(k);
   }
   for (Eigen::Index k = setup + sought; k < root.cols(); ++k) last.push_back(k);
   const Eigen::MatrixXd estimated = root(Eigen::indexing::all, first), held = root(Eigen::indexing::all, last);
-  Eigen::VectorXd scale = estimated.colwise().norm();
-  scale = (scale.array() > 0.0).select(scale, 1.0);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(kRankTolerance);
-  decomposition.compute(estimated * scale.cwiseInverse().asDiagonal());
-  const Eigen::MatrixXd inverse = scale.cwiseInverse().asDiagonal() * decomposition.pseudoInverse();
+  const Eigen::MatrixXd inverse = analyse(estimated, kRankTolerance).covariance * estimated.transpose();
   return {(inverse * held).bottomRows(sought), (inverse * estimated).bottomRightCorner(sought, sought)};
 }
 

@@ -20,8 +20,6 @@
 namespace paracal::detail {
 namespace {
 
-constexpr double kRankTolerance = 1e-7;
-
 bool all_stated(const Observation& observation) { return std::ranges::all_of(observation.groups(), &Group::stated); }
 
 /// Root that the readings alone leave to the sought errors once frames and the like are found.
@@ -354,12 +352,16 @@ bool is_determined(const Observation& observation, const Calibration& calibratio
   return may_leave_motions && std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
 }
 
-/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C, P: the information of the priors.
-Eigen::MatrixXd noise_part(const Observation& observation, const Eigen::VectorXd& unknowns,
-                           const Eigen::MatrixXd& covariance) {
-  InformationRoot priors(observation.unknown_count());
-  observation.add_priors(unknowns, priors);
-  const Eigen::MatrixXd known = priors.root() * covariance;
+/// R_p with P = R_p^T R_p, the information of the priors.
+Eigen::MatrixXd prior_root(const StageFit& fit) {
+  InformationRoot priors(fit.observation().unknown_count());
+  fit.observation().add_priors(fit.fit().parameters, priors);
+  return priors.root();
+}
+
+/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C.
+Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd known = prior_root(fit) * covariance;
   return covariance - known.transpose() * known;
 }
 
@@ -398,12 +400,9 @@ double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& s
   if (!has_priors(observation)) {
     return static_cast<double>(rows - observation.nuisance_count()) - scatter.redundancy;
   }
-  const Eigen::MatrixXd covariance = fit.covariance();
-  InformationRoot priors(observation.unknown_count());
-  observation.add_priors(fit.fit().parameters, priors);
-  const Eigen::MatrixXd known = priors.root() * covariance * priors.root().transpose();
-  return static_cast<double>(observation.source_count()) -
-         known.bottomRightCorner(observation.source_count(), observation.source_count()).trace();
+  const Eigen::Index n = observation.source_count();
+  const Eigen::MatrixXd priors = prior_root(fit);
+  return static_cast<double>(n) - (priors * fit.covariance() * priors.transpose()).bottomRightCorner(n, n).trace();
 }
 
 /// Scatter and covariance. With priors the covariance is the posterior's.
@@ -423,7 +422,7 @@ void state_uncertainty(const Measurements& measurements, const StageFit& fit, co
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd covariance = fit.covariance();
   calibration.covariance = covariance.bottomRightCorner(n, n);
-  calibration.noise_covariance = noise_part(observation, fit.fit().parameters, covariance).bottomRightCorner(n, n);
+  calibration.noise_covariance = noise_part(fit, covariance).bottomRightCorner(n, n);
   calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
   if (const auto few = fit.prior_freedom()) {  // tolerances that a few errors told are no better known than noise
     calibration.noise_covariance = calibration.covariance;

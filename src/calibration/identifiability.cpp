@@ -11,8 +11,6 @@
 namespace paracal {
 namespace {
 
-constexpr double kRankTolerance = 1e-7;
-
 std::vector<SoughtSource> default_sought(const Robot& robot, const Measurements& plan,
                                          const CalibrationOptions& options) {
   const bool tilt = std::ranges::any_of(plan.series, [](const PointSeries& series) {
@@ -43,7 +41,7 @@ Identifiability identifiability(const Robot& robot, const Measurements& plan, co
   const Eigen::Index n = observation.source_count();
   // Nuisance comes first, so this block is what remains when it has been projected out.
   const Spectrum spectrum =
-      analyse(root.root().bottomRightCorner(n, n), kRankTolerance, detail::paper_scales(robot, sought));
+      analyse(root.root().bottomRightCorner(n, n), detail::kRankTolerance, detail::paper_scales(robot, sought));
   Identifiability result{std::move(sought), spectrum.singular_values,    spectrum.rank, {}, {},
                          root.row_count(),  observation.nuisance_count()};
   result.null_space = detail::in_words(robot, spectrum.null_space, result.parameters);

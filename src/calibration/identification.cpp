@@ -64,7 +64,7 @@ bool goes_fine(const Robot& robot, const Measurements& measurements, const Calib
   return enough_for_fine(robot, measurements, options);
 }
 
-Calibration& finished(const Measurements& used, const detail::StageFit& stage, Calibration& calibration) {
+Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration) {
   detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
   const bool paper = calibration.options.method == Method::paper;
   detail::state_evidence(used, stage, paper ? std::vector<detail::Contradiction>{} : stage.suspects(), calibration);
@@ -78,20 +78,20 @@ std::ptrdiff_t left_out(const detail::StageFit& fit) {
 /// Gross errors and components of variance can each be taken for the other: a wrong part for readings that contradict
 /// the rest, a gross reading for backlash. Where leaving out gross errors first takes any, components are also sought
 /// first, and that explanation is kept under which all readings are likelier.
-Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration& calibration) {
-  const CalibrationOptions& options = calibration.options;
+Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration) {
+  const CalibrationOptions options = calibration.options;
   stage.settle();
   detail::StageFit other = stage;
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
   calibration.components = detail::find_components(stage, options);
-  if (left_out(stage) == left_out(other)) return finished(used, stage, calibration);
+  if (left_out(stage) == left_out(other)) return finished(used, stage, std::move(calibration));
   std::vector<Component> components = detail::find_components(other, options);
   other.exclude_outliers(options.outlier_chance);
   const bool better = other.converged() && (!stage.converged() || other.minus_twice_log_likelihood_of_all() <
                                                                       stage.minus_twice_log_likelihood_of_all());
-  if (!better) return finished(used, stage, calibration);
+  if (!better) return finished(used, stage, std::move(calibration));
   calibration.components = std::move(components);
-  return finished(used, other, calibration);
+  return finished(used, other, std::move(calibration));
 }
 
 }  // namespace
@@ -133,9 +133,9 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   detail::StageFit stage(robot, used, options, sought, offsets, !paper);
   if (paper) {
     stage.solve_by_pseudo_inverse();
-    return finished(used, stage, calibration);
+    return finished(used, stage, std::move(calibration));
   }
-  return fit_and_finish(used, stage, calibration);
+  return fit_and_finish(used, stage, std::move(calibration));
 }
 
 }  // namespace paracal

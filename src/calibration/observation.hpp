@@ -24,6 +24,9 @@ namespace paracal::detail {
 /// Rotation in {O} of what carries the second reflector.
 Eigen::Matrix3d mount_rotation(const PlateState& plate, double phi, ReflectorMount mount);
 
+/// Singular values of column-scaled readings below this share of the largest count as zero.
+inline constexpr double kRankTolerance = 1e-7;
+
 /// How the plate moves: position (mm), phi (rad), tilt_x, tilt_y, tilt_z (rad), a column for each cause.
 using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 
@@ -118,7 +121,7 @@ class Observation {
   /// @param by_joint  where not null: H, the same by the joint coordinates of its station (of a distance: of `to`).
   void rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
             Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint = nullptr) const;
-  /// Points and heights of a station, together; of no rows where it has none in use.
+  /// Points and heights of a station, together; of no rows where it has none in use. Only while joints may be off.
   StationRows station_rows(std::size_t station, const std::vector<StationState>& stations,
                            const Eigen::VectorXd& unknowns) const;
   /// Points and heights (by their places among the groups) that were read at a station.

@@ -115,12 +115,6 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   return jacobian;
 }
 
-Eigen::MatrixXd joint_jacobian(const Machine& machine, const Joints& joints) {
-  std::vector<SoughtSource> offsets;  // a joint that stands elsewhere is one whose zero lies elsewhere
-  for (std::size_t limb = 0; limb < machine.limb_count; ++limb) offsets.push_back({limb, Source::theta_offset});
-  return pose_jacobian(machine, joints, offsets);
-}
-
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
   const Machine machine = build(robot, known.errors);
   const ForwardResult result = forward(machine, joints);
@@ -135,18 +129,20 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   const Machine machine = build(robot, errors);
   const auto n = static_cast<Eigen::Index>(parameters.size()), poses = static_cast<Eigen::Index>(stations.size());
   const auto limbs = static_cast<Eigen::Index>(robot.limb_count());
-  Eigen::MatrixXd displacements(3 * poses, n), rotations(poses, n), rotations_joint(poses, limbs);
+  Eigen::MatrixXd displacements(3 * poses, n), rotations(poses, n);
   position_joint_.resize(3 * poses, limbs);
+  rotation_joint_.resize(poses, limbs);
+  std::vector<SoughtSource> with_joints = parameters;  // a joint that stands elsewhere is one whose zero lies elsewhere
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) with_joints.push_back({limb, Source::theta_offset});
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);
-    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, parameters);
+    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, with_joints);
     if (jacobian.rows() == 0) throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
-    displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRows<3>();
-    rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3);
-    const Eigen::MatrixXd by_joint = joint_jacobian(machine, joints);
-    position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = by_joint.topRows<3>();
-    rotations_joint.row(static_cast<Eigen::Index>(k)) = by_joint.row(3);
+    displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topLeftCorner(3, n);
+    rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).head(n);
+    position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRightCorner(3, limbs);
+    rotation_joint_.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).tail(limbs);
     points.push_back(forward(machine, joints).plate.position);
   }
   aligned_ = without_rigid_motion(displacements, points);
@@ -154,7 +150,6 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   rotation_.resize(poses - 1, n);
   distance_joint_.resize(poses - 1, limbs);
   home_distance_joint_.resize(poses - 1, limbs);
-  rotation_joint_ = rotations_joint;
   for (Eigen::Index k = 1; k < poses; ++k) {
     const Eigen::Vector3d direction = (points[static_cast<std::size_t>(k)] - points[0]).normalized();
     distance_.row(k - 1) = direction.transpose() * (displacements.middleRows<3>(3 * k) - displacements.topRows<3>());

@@ -7,12 +7,6 @@
 #include <utility>
 
 namespace paracal::detail {
-namespace {
-
-constexpr double kRankTolerance = 1e-7;
-
-}  // namespace
-
 StageFit::StageFit(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
                    std::vector<SoughtSource> sought, const SourceErrors& errors, bool seeks_scale)
     : observation_(robot, measurements, options, std::move(sought), seeks_scale) {

@@ -45,14 +45,10 @@ StationRows Observation::station_rows(std::size_t station, const std::vector<Sta
     at.rows.middleRows(at.first[k], blocks[k].rows()) = blocks[k];
     at.by_joint.middleRows(at.first[k], blocks[k].rows()) = by_joints[k];
   }
-  at.spread = Eigen::MatrixXd::Zero(joints, joints);
-  if (components_.joint > 0.0) {
-    const double information = 1.0 / (components_.joint * components_.joint);
-    const Eigen::MatrixXd square = at.by_joint.transpose() * at.by_joint;
-    at.spread = (square + information * Eigen::MatrixXd::Identity(joints, joints))
-                    .llt()
-                    .solve(Eigen::MatrixXd::Identity(joints, joints));
-  }
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(joints, joints);
+  const Eigen::MatrixXd information =
+      at.by_joint.transpose() * at.by_joint + one / (components_.joint * components_.joint);
+  at.spread = information.llt().solve(one);
   at.smoother = at.spread * at.by_joint.transpose();
   return at;
 }
@@ -80,11 +76,12 @@ void Observation::check_each(
   const auto states = stations(unknowns);
   if (!states) return;
   const bool alone = components_.joint == 0.0;
-  Eigen::MatrixXd block;
+  Eigen::MatrixXd block, one;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (!(alone || groups_[g].is_distance())) continue;
     rows(groups_[g], *states, unknowns, block);
-    look(g, block, Eigen::MatrixXd::Identity(block.rows(), block.rows()));
+    if (one.rows() != block.rows()) one.setIdentity(block.rows(), block.rows());
+    look(g, block, one);
   }
   for (std::size_t s = 0; !alone && s < at_station_.size(); ++s) check_station(s, *states, unknowns, look);
 }

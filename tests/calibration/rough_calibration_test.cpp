@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/students_t.hpp>
 
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"

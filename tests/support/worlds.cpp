@@ -103,8 +103,7 @@ class Noise {
   bool gross_ = false;
 };
 
-Measurements points(const Robot&, const World& world, Truth& truth, Noise& noise, std::vector<Station> stations,
-                    int visits) {
+Measurements points(const World& world, Truth& truth, Noise& noise, std::vector<Station> stations, int visits) {
   const RigidMotion frame = some_frame();
   Measurements measured{.stations = std::move(stations), .series = {{"tracker", {}}}};
   for (std::size_t k = 0; k < measured.stations.size(); ++k) {
@@ -162,9 +161,9 @@ Measurements measured(const Bench& bench, const World& world, Truth& truth, int 
   Noise noise(world, number);
   switch (world.readings) {
     case Readings::points:
-      return points(bench.robot, world, truth, noise, bench.selected, kVisits);
+      return points(world, truth, noise, bench.selected, kVisits);
     case Readings::seven_points:
-      return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1);
+      return points(world, truth, noise, rough_stations(bench.robot, 6), 1);
     case Readings::six_distances:
       return distances(bench.robot, truth, noise);
     case Readings::heights:

@@ -43,7 +43,6 @@ export const strings = {
       rotation: "In use: a rotation",
       everywhere: "95 % of such machines are nowhere in the workspace off by more.",
       limit: (limit: string, unit: string, verdict: string) => `Limit ${limit} ${unit}: ${verdict}.`,
-      unknown: "No uncertainty in use could be stated.",
     },
     residual: { distance: "Residuals of distances to home, largest", aligned: "Residuals of positions, largest, best alignment", rotation: "Residuals of rotations, largest", height: "Residuals of heights, root mean square", fitted: "Of the readings that the fit used: they do not say how good the machine is elsewhere." },
     predicted: (u: string, unit: string) => `The calibrated model predicts it with U of up to ${u} ${unit} (95 %).`,

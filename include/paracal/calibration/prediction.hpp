@@ -44,9 +44,6 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
 /// @throws Unreachable when it does not reach them.
 Use use_over_workspace(const Robot& robot, const KnownErrors& known);
 
-/// d(x, y, z, phi) / d(joint coordinates): 4 rows, a column a limb.
-Eigen::MatrixXd joint_jacobian(const Machine& machine, const Joints& joints);
-
 /// A pose as the identified machine takes it, with its uncertainty in the robot's frame.
 struct PredictedPose {
   Pose pose;
