@@ -241,6 +241,11 @@ inline bool has_priors(const Observation& observation) {
   return std::ranges::any_of(observation.sought(), [](const SoughtSource& one) { return one.prior_std.has_value(); });
 }
 
+/// Every reading states its standard deviation.
+inline bool all_stated(const Observation& observation) {
+  return std::ranges::all_of(observation.groups(), &Group::stated);
+}
+
 /// Root mean square of the standard deviations with which the readings in use entered, mm: of a coordinate; of a
 /// distance where no points were read, of a height where neither.
 double reading_noise(const Observation& observation);

@@ -59,7 +59,7 @@ void StageFit::settle() {
   constexpr int kRounds = 30;
   constexpr double kSettled = 0.01;
   solve();
-  const bool any_unstated = !std::ranges::all_of(observation_.groups(), &Group::stated);
+  const bool any_unstated = !all_stated(observation_);
   VarianceComponents& now = observation_.components();
   for (int round = 0; round < kRounds && converged(); ++round) {
     double change = 0.0;

@@ -1,0 +1,27 @@
+#pragma once
+
+// Private to calibration: what is said of a fit once its numbers are known.
+
+#include "components.hpp"
+#include "stage_fit.hpp"
+
+namespace paracal::detail {
+
+/// What no reading showed and nobody stated.
+void add_assumptions(const StageFit& fit, Calibration& calibration);
+
+/// U over the workspace against its limits.
+void state_use(Calibration& calibration);
+
+/// Components of variance that are certain enough are notes; the others are said among what was assumed. Readings that
+/// scatter less than stated make U wider than it need be, which nobody is harmed by, but ought to know.
+void add_components(Calibration& calibration);
+
+/// What seeking every error under its tolerance would be worth where the offsets alone were sought.
+void add_promise_of_fine(const Measurements& measurements, Calibration& calibration);
+
+/// The verdict, and why it is no.
+/// @param determined  the readings determine what was asked.
+void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration);
+
+}  // namespace paracal::detail
