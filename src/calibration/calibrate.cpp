@@ -46,13 +46,15 @@ bool is_doubtful(const Calibration& calibration, const Measurements& measurement
          std::ranges::any_of(calibration.parameters, is_far_from_nominal);
 }
 
-/// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains.
+/// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains. Nor
+/// can anyone rely on a machine that the fit made of readings which are not what they were taken for.
 void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements, Calibration& calibration) {
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
   calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
   calibration.notes = measurements.notes;
   calibration.components.clear();
   calibration.suspects.clear();
+  calibration.use.reset();
 }
 
 }  // namespace

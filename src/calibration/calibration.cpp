@@ -74,7 +74,7 @@ std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
 }
 
 std::string use_text(const char* what, const UseQuantity& one, double unit, const char* name) {
-  std::string text = fmt::format("{} within {:.3g} {}", what, one.U * unit, name);
+  std::string text = fmt::format("{} within {:.2g} {}", what, one.U * unit, name);
   if (one.limit) text += fmt::format(" (limit {:.3g}: {})", *one.limit * unit, one.kept() ? "kept" : "not kept");
   return text;
 }

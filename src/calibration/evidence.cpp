@@ -384,7 +384,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   add_suspects(measurements, observation, after->unknowns, suspects, calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);
-  state_use(calibration);
+  state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
   judge(answer, is_determined(observation, calibration), calibration);
 }

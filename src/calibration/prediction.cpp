@@ -34,10 +34,12 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
   return displacements - motions * motions.colPivHouseholderQr().solve(displacements);
 }
 
-/// B with B B^T = C, whether C has full rank or not.
+/// B = B^T with B B = C, whether C has full rank or not. The symmetric root: unlike a triangular one or eigenvectors it
+/// is continuous in C, so that rounding does not draw other machines.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         eigen.eigenvectors().transpose();
 }
 
 /// Of the largest |value| of each column, a machine, what a twentieth of the machines exceeds.

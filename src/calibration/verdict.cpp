@@ -71,8 +71,8 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   }
 }
 
-void state_use(Calibration& calibration) {
-  if (!calibration.options.states_use || calibration.covariance.size() == 0) return;
+void state_use(const StageFit& fit, Calibration& calibration) {
+  if (!calibration.options.states_use || !fit.converged() || calibration.covariance.size() == 0) return;
   try {
     calibration.use = use_over_workspace(calibration.robot, known_errors(calibration));
   } catch (const Unreachable&) {
@@ -108,8 +108,8 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
   const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options));
   if (fine.distance.U >= calibration.use->distance.U) return;
   calibration.notes.push_back(fmt::format(
-      "these are the encoder offsets alone, which leave distances known to {:.3g} mm; the fine stage, which "
-      "seeks every error under its tolerance, would know them to about {:.3g} mm",
+      "these are the encoder offsets alone, which leave distances known to {:.2g} mm; the fine stage, which "
+      "seeks every error under its tolerance, would know them to about {:.2g} mm",
       calibration.use->distance.U, fine.distance.U));
 }
 

@@ -10,8 +10,8 @@ namespace paracal::detail {
 /// What no reading showed and nobody stated.
 void add_assumptions(const StageFit& fit, Calibration& calibration);
 
-/// U over the workspace against its limits.
-void state_use(Calibration& calibration);
+/// U over the workspace against its limits; none of a fit that did not settle, whose covariance belongs to no answer.
+void state_use(const StageFit& fit, Calibration& calibration);
 
 /// Components of variance that are certain enough are notes; the others are said among what was assumed. Readings that
 /// scatter less than stated make U wider than it need be, which nobody is harmed by, but ought to know.

@@ -11,6 +11,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 #include "support/worlds.hpp"
 
@@ -209,6 +210,47 @@ TEST(Use, DecidesAgainstLimits) {
   EXPECT_EQ(refused.verdict, Verdict::rejected);
   EXPECT_THAT(refused.reasons.front(), HasSubstr("U of distances over the workspace"));
   EXPECT_THAT(refused.brief(), HasSubstr("not kept"));
+}
+
+TEST(Use, DoesNotHangOnRounding) {
+  const Robot robot = catalogue::huang2016();
+  KnownErrors known;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      if (robot.tolerances() && (*robot.tolerances())[source] > 0.0) known.parameters.push_back({limb, source});
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(known.parameters.size());
+  known.covariance = 1e-8 * Eigen::MatrixXd::Identity(n, n);  // eigenvectors are whatever rounding makes of them
+  const double U = use_over_workspace(robot, known).distance.U;
+  known.covariance(0, 1) = known.covariance(1, 0) = 1e-21;
+  known.covariance(n - 1, 2) = known.covariance(2, n - 1) = -3e-21;
+  EXPECT_NEAR(use_over_workspace(robot, known).distance.U, U, 1e-6 * U);
+}
+
+TEST(Use, IsNotStatedOfAFitThatDidNotSettle) {
+  const Robot robot = catalogue::huang2016();
+  const MeasuredMachine machine =
+      measured_machine(robot, bench("huang2016").selected, 3, {.noise = 0.017, .repeats = 3});
+  Measurements nonsense = machine.measurements;
+  Random random(1);
+  for (PointReading& reading : nonsense.series.front().readings) {
+    reading.point = Eigen::Vector3d(random.normal(2e3), random.normal(2e3), random.normal(2e3));
+  }
+  const Calibration calibration = calibrate(robot, nonsense, {.limits = {.distance = 1e9}, .diagnose = false});
+  ASSERT_EQ(calibration.verdict, Verdict::not_converged) << calibration.brief();
+  EXPECT_FALSE(calibration.use);
+  EXPECT_THAT(calibration.brief(), testing::Not(HasSubstr("in use")));
+}
+
+TEST(Use, IsNotStatedOfReadingsThatAreNotWhatTheyWereTakenFor) {
+  const Robot robot = catalogue::huang2016();
+  MeasuredMachine machine = measured_machine(robot, bench("huang2016").selected, 3, {.noise = 0.017, .repeats = 1});
+  for (PointReading& reading : machine.measurements.series.front().readings) reading.point /= 25.4;
+  const Calibration calibration = calibrate(robot, machine.measurements);
+  ASSERT_FALSE(calibration.accepted());
+  EXPECT_THAT(calibration.reasons.front(), HasSubstr("inches"));
+  EXPECT_FALSE(calibration.use);
 }
 
 TEST(Assumptions, SayThatNobodyCanTellBacklashWithoutRepeats) {
