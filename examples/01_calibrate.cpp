@@ -8,7 +8,8 @@
 
 using namespace paracal;
 
-int main(int, char** argv) {
+int main(int argc, char** argv) {
+  if (argc != 3) return std::fputs("expected: 01_calibrate DISTANCES.csv POSES.csv\n", stderr), 2;
   const Robot robot = catalogue::huang2016();
   const Measurements measured = io::read_distances(argv[1], argv[2]);
   const Calibration calibration = calibrate(robot, measured);  // verdict, parameters, covariance, null space

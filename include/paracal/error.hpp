@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace paracal {
 
@@ -29,5 +31,12 @@ class InputFileError : public Error {
   /// @param line  from 1; 0 where the file as a whole is at fault.
   InputFileError(const std::string& file, int line, const std::string& complaint);
 };
+
+/// Position of the first character that a terminal obeys instead of showing it; tabulators are none.
+std::optional<std::size_t> control_character(std::string_view text);
+
+/// A message as a terminal may show it: control characters, which come from files, as \x1b, and at most 2000
+/// characters.
+std::string printable(std::string_view message);
 
 }  // namespace paracal

@@ -1,8 +1,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "names.hpp"
 #include "paracal/error.hpp"
@@ -13,6 +15,8 @@
 
 namespace paracal::io {
 namespace {
+
+constexpr const char* kFormat = "paracal calibration 1";
 
 Json array(const auto& values) {
   Json json = Json::array();
@@ -242,6 +246,34 @@ Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEst
   return covariance;
 }
 
+/// A file that somebody wrote by hand need not say what it is.
+void require_format(const Json& json, const auto& refuse) {
+  const Json format = json.value("format", Json(kFormat));
+  if (format == kFormat) return;
+  refuse(fmt::format("expected the format \"{}\", got {}", kFormat, format.dump()));
+}
+
+/// Of sought errors none is known exactly, and no combination of them better than that.
+void require_covariance(const Eigen::MatrixXd& covariance, const char* key, const auto& refuse) {
+  constexpr double kRounding = 1e-6;  // of correlations
+  if (covariance.size() == 0) return;
+  const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = (std.array() > 0.0).select(std.cwiseInverse(), 0.0);
+  const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+  const bool is_finite = covariance.allFinite();
+  if (!is_finite || covariance.diagonal().minCoeff() < 0.0 || covariance.diagonal().maxCoeff() <= 0.0) {
+    refuse(fmt::format("expected variances above 0 in {}, got others", key));
+  }
+  if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kRounding) {
+    refuse(fmt::format("expected a symmetric {}, got one that is not", key));
+  }
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues().minCoeff();
+  const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
+  if (least < -kRounding || hidden > 0.0) {
+    refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));
+  }
+}
+
 /// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
 void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
   const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated);
@@ -308,7 +340,7 @@ Json to_json(const std::vector<InputFile>& files) {
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {
-  return {{"format", "paracal calibration 1"},
+  return {{"format", kFormat},
           {"program", fmt::format("paracal {}", version())},
           {"date", utc(time)},
           {"accepted", calibration.accepted()},
@@ -360,7 +392,8 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   const auto refuse = [&](const std::string& complaint) { throw InputFileError(file.name, 0, complaint); };
   CalibratedMachine machine;
   try {
-    const Json json = Json::parse(file.text);
+    const Json json = parse_json(file);
+    require_format(json, refuse);
     require_same_robot(json.at("robot"), robot, [&](const std::string& complaint) {
       throw InputFileError(file.name, line_of_key(file.text, "robot"), complaint);
     });
@@ -368,21 +401,28 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
                          json.at("verdict").get<std::string>()));
     }
+    std::set<std::pair<std::size_t, Source>> seen;
     for (const Json& entry : json.at("parameters")) {
       const ParameterEstimate parameter = read_parameter(entry, robot, refuse);
+      if (!seen.insert({parameter.limb, parameter.source}).second) {
+        refuse(fmt::format("expected every source error once, got {} of limb {} again", name(parameter.source),
+                           parameter.limb + 1));
+      }
       machine.errors(parameter.limb, parameter.source) = parameter.value;
       if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
     }
+    if (const auto complaint = implausible(robot, machine.errors)) refuse(*complaint);
     const auto covariance_named = [&](const char* key) {
-      return read_covariance(json.value(key, Json()), machine.parameters, robot.actuator(), refuse);
+      Eigen::MatrixXd covariance =
+          read_covariance(json.value(key, Json()), machine.parameters, robot.actuator(), refuse);
+      require_covariance(covariance, key, refuse);
+      return covariance;
     };
     machine.covariance = covariance_named("covariance");
     machine.noise_covariance = covariance_named("covariance_of_noise");
     if (const Json dof = json.value("noise_dof", Json()); dof.is_number()) machine.noise_dof = dof.get<double>();
     const char* joint = robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg";
     machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
-  } catch (const Json::parse_error& error) {
-    throw InputFileError(file.name, line_at(file.text, error.byte), "expected JSON, got something else");
   } catch (const Json::exception&) {
     refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
   }

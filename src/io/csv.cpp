@@ -41,6 +41,10 @@ CsvTable::CsvTable(const TextFile& file) : name_(file.name) {
     ++number;
     if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) continue;
     if (!is_utf8(line)) throw InputFileError(name_, number, "expected UTF-8 text, got other bytes");
+    if (const auto at = control_character(line)) {
+      const auto code = static_cast<unsigned char>(line[*at]);
+      throw InputFileError(name_, number, fmt::format("expected text, got the control character {:#04x}", code));
+    }
     Row row{number, split(name_, number, line)};
     if (!has_header) {
       header_ = std::move(row);

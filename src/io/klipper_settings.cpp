@@ -13,6 +13,7 @@
 namespace paracal::io {
 namespace {
 
+constexpr std::size_t kMostFiles = 1000;
 constexpr std::string_view kSavedMark = "#*#", kInclude = "include ";
 
 std::string_view trimmed(std::string_view text) {
@@ -92,6 +93,9 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
   for (const std::string& name : names) {
     if (std::ranges::find(within, name) != within.end()) {
       fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
+    }
+    if (files_.size() >= kMostFiles) {
+      fail(pattern, fmt::format("expected at most {} files, got more by including them again and again", kMostFiles));
     }
     add(read_file(name), within);
   }

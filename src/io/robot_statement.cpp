@@ -131,10 +131,8 @@ std::optional<RobotStatement> robot_of_table(const TextFile& file) {
 RobotStatement robot_of_calibration(const TextFile& file) {
   const int line = line_of_key(file.text, "robot");
   try {
-    const Json json = Json::parse(file.text);
+    const Json json = parse_json(file);
     return {.robot = robot_of(file.name, toml_of_object(json.at("robot"), 0)), .by = file.name, .line = line};
-  } catch (const Json::parse_error& error) {
-    throw InputFileError(file.name, line_at(file.text, error.byte), "expected JSON, got something else");
   } catch (const Json::exception&) {
     throw InputFileError(file.name, line, "expected a calibration (JSON) with its robot, got none");
   } catch (const InvalidArgument& complaint) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "nesting.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
@@ -123,6 +124,9 @@ void Section::refuse_others() const {
 }
 
 toml::table parse_toml(const TextFile& file) {
+  if (const auto line = line_of_endless_key(file.text)) {
+    throw InputFileError(file.name, *line, fmt::format("expected keys of at most {} parts, got more", kDeepest));
+  }
   try {
     return toml::parse(file.text, file.name);
   } catch (const toml::parse_error& error) {

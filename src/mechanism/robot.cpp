@@ -133,6 +133,7 @@ void check_tolerances(const Tolerances& tolerances) {
 
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
+  if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
   const bool has_slide = description.slide.has_value();
   check_lengths(description.geometry);
   check_limbs(description.geometry.limb_azimuth, has_slide);
@@ -144,10 +145,48 @@ Machine checked_nominal(RobotDescription& description) {
   return nominal;
 }
 
+std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& errors, std::size_t limb) {
+  const Geometry& geometry = robot.geometry();
+  const double size = geometry.base_radius + geometry.arm + geometry.rod;
+  for (const Source source : all_sources()) {
+    const double value = errors(limb, source);
+    const bool angle = unit(source, robot.actuator()) == Unit::rad;
+    if (std::abs(value) < (angle ? std::numbers::pi : size)) continue;
+    return fmt::format("expected {} of limb {} within {:g} {}, got {:g}", name(source), limb + 1, angle ? 180.0 : size,
+                       angle ? "deg" : "mm", angle ? to_degrees(value) : value);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
+  struct Length {
+    const char* of;
+    double nominal, error;
+  };
+  for (const Length& one :
+       {Length{"the arm", geometry.arm, errors(limb, Source::arm_length)},
+        Length{"the rods", geometry.rod,
+               errors(limb, Source::rod_mean) - 0.5 * std::abs(errors(limb, Source::rod_difference))},
+        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, Source::width_difference)}}) {
+    if (one.nominal == 0.0 || one.nominal + one.error > 0.0) continue;  // a rail may do without an arm
+    return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
+                       one.nominal + one.error);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
+
+std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors) {
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    if (auto complaint = absurd_error(robot, errors, limb)) return complaint;
+    if (auto complaint = absurd_length(robot.geometry(), errors, limb)) return complaint;
+  }
+  return std::nullopt;
+}
 
 Tolerances tolerances_of(const Robot& robot) {
   return robot.tolerances().value_or(generous_tolerances(robot.geometry()));

@@ -242,7 +242,8 @@ const std::vector<BrokenInput> kCalibrations{
                 {"calibration.json: ", "covariance"}),
     calibration("parameters_a_number", replaced(kCalibration, "\"parameters\": [", "\"parameters\": 3, \"others\": ["),
                 {"calibration.json: "}),
-    calibration("nested_beyond_measure", std::string(100000, '['), {"calibration.json:1: ", "expected JSON"}),
+    calibration("cut_off", kCalibration.substr(0, 300), {"calibration.json:6: ", "expected JSON"}),
+    calibration("nested_beyond_measure", std::string(100000, '['), {"calibration.json: ", "at most 64 levels"}),
     tolerances("all_zero", "theta_offset_deg = 0\nothers = \"exact\"\n",
                {"tolerances.toml: ", "at least one tolerance above 0"}),
     tolerances(

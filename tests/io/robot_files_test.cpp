@@ -26,10 +26,17 @@ TEST_P(RobotFileLaw, WrittenRobotReadsBack) {
 
 PARACAL_ON_EVERY_ROBOT(RobotFileLaw);
 
-TEST(RobotFile, NameMayHoldAnything) {
+TEST(RobotFile, NameMayHoldAnythingThatCanBeShown) {
   RobotDescription description = catalogue::huang2016().description();
-  description.name = "line\nbreak \"quoted\" \\ </script>";
+  description.name = "\xC3\xA4 \"quoted\" \\ </script>";
   EXPECT_EQ(read_robot({"r", robot_toml(Robot(description))}).name(), description.name);
+  for (const std::string name : {"line\nbreak", "\x1b[31m",
+                                 "\xC2\x9B"
+                                 "2J",
+                                 "bell\a"}) {
+    description.name = name;
+    EXPECT_THROW(Robot{description}, InvalidArgument) << name;
+  }
 }
 
 TEST(RobotFile, RefusedGeometryNamesTheLine) {

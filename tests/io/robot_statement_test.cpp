@@ -79,9 +79,12 @@ TEST(RobotOfACalibration, MustBeWhole) {
   json["geometry"]["rod_mm"] = nullptr;
   refused(json, "null");
   Json deep = 1;
-  for (int k = 0; k < 5000; ++k) deep = Json::array({deep});
+  for (int k = 0; k < 50; ++k) deep = Json::array({deep});
   json["geometry"]["rod_mm"] = deep;
   refused(json, "deeper");
+  for (int k = 0; k < 5000; ++k) deep = Json::array({deep});
+  json["geometry"]["rod_mm"] = deep;
+  refused(json, "at most 64 levels");
   EXPECT_THROW(robot_of_calibration({"c.json", "{}"}), InputFileError);
   EXPECT_THAT(
       [] {

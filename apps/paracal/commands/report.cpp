@@ -16,7 +16,7 @@ void run(const ValidatingOptions& options, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
   const io::TextFile file = input_file(options.calibration);
   const KnownErrors known = io::read_calibration(file, robot).known();
-  ReportContent content{.kind = "calibration", .results = {{"calibration", io::Json::parse(file.text)}}};
+  ReportContent content{.kind = "calibration", .results = {{"calibration", io::parse_json(file)}}};
   std::vector<report::ErrorArrow> arrows;
   std::vector<Station> stations = validation_stations(robot);
   std::vector<InputFile> inputs{{file.name, io::sha256(file.text)}};

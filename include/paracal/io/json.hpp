@@ -23,6 +23,10 @@ namespace paracal::io {
 /// Objects that keep the order in which keys were added.
 using Json = nlohmann::ordered_json;
 
+/// A JSON file.
+/// @throws InputFileError, with the line, for one that is none or is nested deeper than 64 levels.
+Json parse_json(const TextFile& file);
+
 /// "2016-10-05T12:00:00Z", from seconds since 1970.
 std::string utc(std::int64_t time);
 

@@ -65,6 +65,10 @@ class Robot {
   Machine nominal_;
 };
 
+/// Why there can be no such machine: a length that is not above zero, an angle off by half a turn, a place off by more
+/// than the robot is large. Empty where there can.
+std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors);
+
 /// The robot's own tolerances; generous ones where it states none.
 Tolerances tolerances_of(const Robot& robot);
 
