@@ -26,7 +26,7 @@ CalibrationPage page_of(const Calibration& calibration, const Measurements& meas
   return page;
 }
 
-void write_calibration_page(const std::string& file, const Session& session, const Calibration& calibration,
+void write_calibration_page(const std::string& file, Session& session, const Calibration& calibration,
                             const io::Json& json, const CalibrationPage& page) {
   const Robot& robot = calibration.robot;
   const KnownErrors known = known_errors(calibration);

@@ -23,7 +23,7 @@ struct CalibrationPage {
 CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements);
 
 /// @param json  of the calibration, as --json prints it.
-void write_calibration_page(const std::string& file, const Session& session, const Calibration& calibration,
+void write_calibration_page(const std::string& file, Session& session, const Calibration& calibration,
                             const io::Json& json, const CalibrationPage& page);
 
 }  // namespace paracal::app

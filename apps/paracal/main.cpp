@@ -1,15 +1,17 @@
 #include <cstdio>
 #include <exception>
+#include <new>
 
 #include "paracal/version.hpp"
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace {
 
 using namespace paracal::app;
 
 int complain(const std::exception& error, ExitCode code) {
-  std::fprintf(stderr, "paracal: %s\n", error.what());
+  std::fprintf(stderr, "paracal: %s\n", paracal::printable(error.what()).c_str());
   return code;
 }
 
@@ -42,12 +44,12 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
+    session.commit();
     return session.exit_code;
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
-  } catch (const CLI::Error& error) {
-    app.exit(error);
-    return kWrongUsage;
+  } catch (const CLI::ParseError& error) {
+    return complain(WrongUsage(usage_complaint(app, error)), kWrongUsage);
   } catch (const paracal::InputFileError& error) {
     return complain(error, kBadInputFile);
   } catch (const paracal::InvalidArgument& error) {
@@ -56,6 +58,8 @@ int main(int argc, char** argv) {
     return complain(error, kMathematicsSaysNo);
   } catch (const paracal::Unreachable& error) {
     return complain(error, kMathematicsSaysNo);
+  } catch (const std::bad_alloc&) {
+    return complain(paracal::Error("not enough memory"), kWrongUsage);
   } catch (const std::exception& error) {  // wrong usage, or a result that cannot be written
     return complain(error, kWrongUsage);
   }

@@ -11,6 +11,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -224,7 +225,7 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
       ->check(believable)
       ->capture_default_str();
   command.add_option("--repeats", options.repeats, "visits of every pose")
-      ->check(CLI::Range(1, 10000))
+      ->transform(whole_number(1, 10000))
       ->capture_default_str();
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,

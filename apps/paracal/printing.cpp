@@ -113,6 +113,9 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   PrinterCalibration found = calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
   const std::string parameters = parameters_text(write, found.advised());
   found.calibration.files = printer.files;
+  std::vector<std::string> read;
+  for (const InputFile& file : printer.files) read.push_back(file.name);
+  session.refuse_to_replace(read);
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;

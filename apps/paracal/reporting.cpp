@@ -9,9 +9,9 @@
 
 namespace paracal::app {
 
-std::shared_ptr<std::string> add_report_option(CLI::App& command) {
+std::shared_ptr<std::string> add_report_option(CLI::App& command, Session& session) {
   auto file = std::make_shared<std::string>();
-  command.add_option("--report", *file, "also write a page to look at (HTML, self-contained)");
+  session.writes(command.add_option("--report", *file, "also write a page to look at (HTML, self-contained)"));
   return file;
 }
 
@@ -41,8 +41,8 @@ io::Json report_data(const Session& session, const Robot& robot, const ReportCon
 
 std::string report_page(const io::Json& data) { return report::page(detail::report_page().front().text, data); }
 
-void write_report(const std::string& file, const Session& session, const Robot& robot, const ReportContent& content) {
-  io::write_file(file, report_page(report_data(session, robot, content)));
+void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content) {
+  session.write(file, report_page(report_data(session, robot, content)));
 }
 
 }  // namespace paracal::app

@@ -21,7 +21,7 @@ struct ReportContent {
 };
 
 /// --report FILE; empty when it was not asked for.
-std::shared_ptr<std::string> add_report_option(CLI::App& command);
+std::shared_ptr<std::string> add_report_option(CLI::App& command, Session& session);
 
 /// Files that were read and are not in `inputs` yet, with the robot's; empty names are passed over.
 std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& session,
@@ -34,6 +34,6 @@ io::Json report_data(const Session& session, const Robot& robot, const ReportCon
 std::string report_page(const io::Json& data);
 
 /// Writes the page, whole or not at all.
-void write_report(const std::string& file, const Session& session, const Robot& robot, const ReportContent& content);
+void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content);
 
 }  // namespace paracal::app

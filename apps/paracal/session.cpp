@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "paracal/io/file.hpp"
 #include "paracal/io/file_units.hpp"
@@ -14,6 +16,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 
@@ -27,16 +30,69 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
           "robot file (TOML) or catalogue name; a calibration or a line \"# robot: NAME\" of a table says it, too")
       ->group("Common");
   command->add_flag("--json", json_, "one JSON object on standard output, nothing else")->group("Common");
-  command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common");
+  writes(command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common"));
   command->add_option("--seed", seed_, "seed of commands that draw random numbers")
-      ->check(CLI::NonNegativeNumber)
+      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str()
       ->group("Common");
   command->add_option("--threads", threads_, "threads of commands that work in parallel; 0: all")
-      ->check(CLI::NonNegativeNumber)
+      ->transform(whole_number(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str()
       ->group("Common");
+  command->parse_complete_callback([this, command] { refuse_to_overwrite(*command); });
   return command;
+}
+
+namespace {
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(one, other, ignored)) return std::filesystem::is_regular_file(one, ignored);
+  return !std::filesystem::exists(one, ignored) &&
+         std::filesystem::weakly_canonical(std::filesystem::absolute(one), ignored) ==
+             std::filesystem::weakly_canonical(std::filesystem::absolute(other), ignored);
+}
+
+[[noreturn]] void refuse_file(const std::string& option, const std::string& file, const std::string& also) {
+  throw WrongUsage(fmt::format("{}: expected a file of its own, got {}, which is {}, too", option, file, also));
+}
+
+}  // namespace
+
+CLI::Option* Session::writes(CLI::Option* option) {
+  output_options_.push_back(option->type_name("FILE"));
+  return option;
+}
+
+void Session::refuse_to_overwrite(const CLI::App& command) const {
+  for (const CLI::Option* output : output_options_) {
+    const std::vector<const CLI::Option*> options = command.get_options();
+    if (output->count() == 0 || std::ranges::find(options, output) == options.end()) continue;
+    const std::string file = output->results().front(), name = output->get_name();
+    for (const CLI::Option* other : options) {
+      if (other == output) continue;
+      for (const std::string& value : other->results()) {
+        if (is_same_file(file, value)) refuse_file(name, file, other->get_name());
+      }
+    }
+    if (is_same_file(file, "/dev/stdin")) refuse_file(name, file, "standard input");
+    if (is_same_file(file, "/dev/stdout")) refuse_file(name, file, "standard output");
+  }
+}
+
+void Session::refuse_to_replace(const std::vector<std::string>& read) const {
+  for (const CLI::Option* output : output_options_) {
+    if (output->count() == 0) continue;
+    for (const std::string& file : read) {
+      if (is_same_file(output->results().front(), file)) refuse_file(output->get_name(), file, "read");
+    }
+  }
+}
+
+void Session::write(const std::string& file, std::string_view text) { begin_file(file).write(text); }
+
+void Session::commit() {
+  for (io::OutputFile& file : written_) file.commit();
 }
 
 namespace {
@@ -111,8 +167,10 @@ Robot Session::robot(const RobotSources& inputs) const {
 
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
   const io::TextFile file = input_file(errors_file);
-  return is_calibration(errors_file) ? io::read_calibration(file, robot).errors
-                                     : io::read_source_errors(file, robot.joint_space());
+  if (is_calibration(errors_file)) return io::read_calibration(file, robot).errors;
+  const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
+  if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);
+  return errors;
 }
 
 Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
@@ -137,7 +195,7 @@ io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator
   return {{"names", names}, {fmt::format("joints_{}", io::file_unit(unit)), joints}};
 }
 
-void Session::print(std::string_view text) const { out_.empty() ? print_summary(text) : io::write_file(out_, text); }
+void Session::print(std::string_view text) { out_.empty() ? print_summary(text) : write(out_, text); }
 
 namespace {
 
@@ -186,6 +244,6 @@ std::string json_text(const io::Json& json) {
   return json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n";
 }
 
-void Session::print_json(const io::Json& json) const { print(json_text(json)); }
+void Session::print_json(const io::Json& json) { print(json_text(json)); }
 
 }  // namespace paracal::app

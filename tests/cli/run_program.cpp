@@ -74,7 +74,7 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const 
   if (where.standard_output.empty()) out_ = streams_.path() / "out";
   if (where.standard_error.empty()) err_ = streams_.path() / "err";
   SpawnActions actions;
-  actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
+  actions.open(STDIN_FILENO, where.standard_input, O_RDONLY);
   actions.open(STDOUT_FILENO, out_.empty() ? where.standard_output : out_, O_WRONLY | O_CREAT);
   actions.open(STDERR_FILENO, err_.empty() ? where.standard_error : err_, O_WRONLY | O_CREAT | O_NOCTTY);
   if (!where.folder.empty()) actions.change_folder(where.folder);

@@ -150,7 +150,7 @@ void add_calibrate(CLI::App& app, Session& session) {
   command->add_option("--free", options->free, "source errors sought without a prior")->delimiter(',');
   command->add_flag("--keep-outliers", options->keep_outliers,
                     "name readings that contradict the others, but use them");
-  options->report = add_report_option(*command);
+  options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -131,7 +131,7 @@ void state_uncertainty(const Robot& robot, const io::CalibratedMachine& machine,
   }
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   RobotSources sources = sources_of(options.errors, {options.poses});
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);

@@ -78,7 +78,7 @@ Pose pose_of(const std::vector<double>& numbers) {
   return {{numbers[0], numbers[1], numbers[2]}, numbers.size() > 3 ? to_radians(numbers[3]) : 0.0};
 }
 
-void run(const std::vector<double>& numbers, const Session& session) {
+void run(const std::vector<double>& numbers, Session& session) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) throw WrongUsage(fmt::format("--pose: expected finite numbers, got {}", number));
   }

@@ -22,7 +22,7 @@ using Writer = std::string (*)(const Robot&, const SourceErrors&, const ExportOr
 const std::map<std::string, Writer> kTexts{{"c99", c99_header}, {"linuxcnc", linuxcnc_component}};
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
-                 const Session& session) {
+                 Session& session) {
   const std::string text = kTexts.at(target)(robot, errors, origin);
   if (!session.json()) return session.print(text);
   io::Json json{{"target", target}};
@@ -31,7 +31,7 @@ void export_text(const std::string& target, const Robot& robot, const SourceErro
   session.print_json(json);
 }
 
-void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, const Session& session) {
+void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));

@@ -125,18 +125,17 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   const std::vector<TargetTest> tests = target_tests(correction);
 
   const bool is_standard_input = options.input.empty() || options.input == "-";
+  std::ios::sync_with_stdio(false);  // else std::cin takes a read error for the end
   std::ifstream file;
   if (!is_standard_input) file = io::open_file(options.input);
   const io::TextStream in{is_standard_input ? "standard input" : options.input,
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
-  std::optional<io::OutputFile> out;
-  if (!session.out().empty()) out.emplace(session.out());
-  io::TextSink sink = [&out](std::string_view text) { out ? out->write(text) : print_summary(text); };
+  io::OutputFile* out = session.out().empty() ? nullptr : &session.begin_file(session.out());
+  io::TextSink sink = [out](std::string_view text) { out != nullptr ? out->write(text) : print_summary(text); };
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
   const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, frame, session.threads())
                                              : io::filter_pose_table(in, sink, correction, session.threads());
-  if (out) out->commit();
   if (session.json()) {
     io::Json json{{"target", target}, {"input", in.name}};
     json.update(io::to_json(robot, origin));

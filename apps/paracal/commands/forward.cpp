@@ -41,7 +41,7 @@ io::Json plate_json(const io::NamedPlate& row) {
           {"iterations", row.result.iterations}};
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot(sources_of(options.errors, {options.joints}));
   const Machine machine = machine_as_built(robot, options.errors);
   std::vector<io::NamedPlate> rows;

@@ -117,7 +117,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   return json;
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot({.tables = options.measuring.tables()});
   const Measurements plan = plan_of(robot, options);
   const CalibrationOptions calibration = calibration_options(options);

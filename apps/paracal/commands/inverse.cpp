@@ -26,7 +26,7 @@ Joints joints_at(const Machine& machine, const Station& station) {
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
   const Machine machine = machine_as_built(robot, options.errors);
   std::vector<io::NamedJoints> rows;

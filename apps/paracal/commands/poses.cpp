@@ -14,6 +14,7 @@
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -163,9 +164,9 @@ void add_poses(CLI::App& app, Session& session) {
       ->capture_default_str();
   CLI::Option* optimal =
       command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
-          ->check(CLI::Range(2, 1000));
+          ->transform(whole_number(2, 1000));
   command->add_option("--candidates", options->candidates, "poses to choose from")
-      ->check(CLI::Range(2, 100000))
+      ->transform(whole_number(2, 100000))
       ->needs(optimal)
       ->capture_default_str();
   command->add_option("--criterion", options->criterion, "what the best poses make small")

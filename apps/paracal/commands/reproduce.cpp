@@ -85,8 +85,7 @@ io::Json result_json(const std::string& paper, const Reproduction& reproduction)
 
 /// The paper's tables as rows, and its figures from our numbers: 5 and 6 (tilt), 7 and 8 (poses), the machine and its
 /// map.
-void write_page(const std::string& file, const Session& session, const Reproduction& reproduction,
-                const io::Json& result) {
+void write_page(const std::string& file, Session& session, const Reproduction& reproduction, const io::Json& result) {
   const Calibration& calibration = reproduction.calibration;
   const Robot& robot = calibration.robot;
   const Characteristic tilt{Quantity::tilt};
@@ -112,7 +111,7 @@ void add_reproduce(CLI::App& app, Session& session) {
   const auto paper = std::make_shared<std::string>();
   command->add_option("paper", *paper, "which publication")->required()->check(CLI::IsMember({"huang2016"}));
   command->get_option("--robot")->check(CLI::IsMember({"huang2016"}));
-  const std::shared_ptr<std::string> page = add_report_option(*command);
+  const std::shared_ptr<std::string> page = add_report_option(*command, session);
   command->callback([&session, paper, page] {
     const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016());
     const io::Json result = result_json(*paper, reproduction);

@@ -9,7 +9,7 @@
 namespace paracal::app {
 namespace {
 
-void list(const Session& session) {
+void list(Session& session) {
   io::Json names = io::Json::array();
   std::string text;
   for (const std::string_view name : catalogue::names()) {

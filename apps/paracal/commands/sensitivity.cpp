@@ -64,7 +64,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   return text + assumed_lines(found.assumed);
 }
 
-void write_page(const Options& options, const Session& session, const Robot& robot, const SensitivityFindings& found,
+void write_page(const Options& options, Session& session, const Robot& robot, const SensitivityFindings& found,
                 const Tolerances& tolerances) {
   write_report(*options.report, session, robot,
                {.kind = "sensitivity",
@@ -73,7 +73,7 @@ void write_page(const Options& options, const Session& session, const Robot& rob
                 .inputs = with_files({}, session, {options.tolerances})});
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   SensitivityFindings found =
@@ -84,9 +84,9 @@ void run(const Options& options, const Session& session) {
     found.local = squared_sensitivities(LinearModel(robot).rows(pose, found.what)).sqrt();
   }
   if (!options.map.empty()) {
-    io::write_file(options.map,
-                   map_csv(found.what, sigma_map(robot, found.what, tolerances,
-                                                 {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
+    session.write(options.map,
+                  map_csv(found.what, sigma_map(robot, found.what, tolerances,
+                                                {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
   }
   if (!options.report->empty()) write_page(options, session, robot, found, tolerances);
   session.json() ? session.print_json(sensitivity_json(robot, found)) : session.print(text_of(robot, found));
@@ -113,8 +113,8 @@ void add_sensitivity(CLI::App& app, Session& session) {
   command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
       ->check(positive_finite())
       ->capture_default_str();
-  command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)");
-  options->report = add_report_option(*command);
+  session.writes(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
+  options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }
 

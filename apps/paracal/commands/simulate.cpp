@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 
@@ -13,6 +14,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -39,7 +41,7 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
   return read_errors(robot, options.errors);
 }
 
-void run(const Options& options, const Session& session) {
+void run(const Options& options, Session& session) {
   const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
@@ -53,7 +55,7 @@ void run(const Options& options, const Session& session) {
   const std::string table =
       io::robot_line(robot) + assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
   if (!options.truth.empty()) {
-    io::write_file(options.truth, io::source_errors_toml(errors, robot.joint_space()));
+    session.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
   if (!session.json()) return session.print(table);
   io::Json points = io::Json::array();
@@ -81,9 +83,9 @@ void add_simulate(CLI::App& app, Session& session) {
                       "source errors of the machine (TOML) or a calibration (JSON); without: drawn from the tolerances "
                       "by --seed and --machine");
   command->add_option("--machine", options->machine, "which of the drawn machines")
-      ->check(CLI::NonNegativeNumber)
+      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  command->add_option("--truth", options->truth, "write the machine's errors here (TOML)");
+  session.writes(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);

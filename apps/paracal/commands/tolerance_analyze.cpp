@@ -15,6 +15,7 @@
 #include "reporting.hpp"
 #include "tolerance.hpp"
 #include "tolerancing.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -200,7 +201,7 @@ io::Json json_of(const Options& options, const Findings& found) {
   return json;
 }
 
-void write_page(const Options& options, const Session& session, const Robot& robot, const Findings& found) {
+void write_page(const Options& options, Session& session, const Robot& robot, const Findings& found) {
   const Characteristic what = found.analyses.front().requirement.characteristic;
   io::Json map = three_sigma_json(robot, what, found.tolerances);
   io::Json histograms = io::Json::array();
@@ -254,15 +255,15 @@ void add_tolerance_analyze(CLI::App& tolerance, Session& session) {
       ->check(confidence)
       ->capture_default_str();
   command->add_option("--max-machines", options->monte_carlo.max_machines, "but no more than these")
-      ->check(CLI::Range(std::uint64_t{16}, std::uint64_t{1'000'000'000'000}))
+      ->transform(whole_number(16, 1'000'000'000'000))
       ->capture_default_str();
   command->add_option("--sobol", options->sobol, "Sobol indices from so many samples (exact model)")
-      ->check(CLI::Range(8, 10'000'000));
+      ->transform(whole_number(8, 10'000'000));
   command->add_flag("--linearity", options->linearity,
                     "how far the linear model is off, up to 30 times the tolerances");
   command->add_option("--min-yield", options->min_yield, "exit with 1 unless the yield is proven to reach this")
       ->check(CLI::Range(0.0, 1.0));
-  options->report = add_report_option(*command);
+  options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }
 

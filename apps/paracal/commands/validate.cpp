@@ -65,7 +65,7 @@ void add_validate(CLI::App& app, Session& session) {
                                           "a calibration on poses that it has not seen; ISO 9283 from repeats");
   const auto options = std::make_shared<ValidatingOptions>();
   add_validating_options(*command, *options);
-  const std::shared_ptr<std::string> report = add_report_option(*command);
+  const std::shared_ptr<std::string> report = add_report_option(*command, session);
   command->callback([&session, options, report] { run(*options, *report, session); });
 }
 

@@ -14,6 +14,7 @@
 #include "progress_line.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -198,7 +199,7 @@ io::Json histograms(const Batch& batch, const Tally& tally) {
   return json;
 }
 
-void write_page(const Options& options, const Session& session, const Order& order, const io::BatchResult& result) {
+void write_page(const Options& options, Session& session, const Order& order, const io::BatchResult& result) {
   write_report(*options.report, session, order.batch.robot,
                {.kind = "yield",
                 .results = {{"yield", json_of(options, order, result)}},
@@ -245,7 +246,7 @@ void add_yield(CLI::App& app, Session& session) {
   const auto options = std::make_shared<Options>();
   command->add_option("--machines", options->machines, "how many")
       ->required()
-      ->check(CLI::Range(std::uint64_t{1}, kMostMachines));
+      ->transform(whole_number(1, kMostMachines));
   command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
   command->add_option("--poses", options->poses,
                       "poses to measure (CSV); default: the paper's, home and two rims of 9");
@@ -266,9 +267,9 @@ void add_yield(CLI::App& app, Session& session) {
   command->add_option("--checkpoint", options->checkpoint,
                       "folder that keeps finished chunks: resumes a run, and joins the ranks of mpirun or srun");
   command->add_option("--chunk", options->chunk, "machines a chunk: what a process that dies costs")
-      ->check(CLI::Range(std::uint64_t{1}, kLargestChunk))
+      ->transform(whole_number(1, kLargestChunk))
       ->capture_default_str();
-  options->report = add_report_option(*command);
+  options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }
 

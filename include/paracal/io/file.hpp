@@ -25,12 +25,13 @@ struct TextStream {
 /// @throws InputFileError when the file cannot be opened.
 std::ifstream open_file(const std::filesystem::path& path);
 
-/// @throws InputFileError when the file cannot be read.
+/// @throws InputFileError when the file cannot be read, or is larger than 128 MiB: no table that is held in memory is.
 TextFile read_file(const std::filesystem::path& path);
 
-/// A file that comes to be whole or not at all: pieces go into a neighbour, which commit() renames over it. What is not
-/// committed is gone with this object, and what stood at `path` is still there.
-/// A link stays and its target is replaced, keeping its mode; pipes and devices are written into.
+/// A file that comes to be whole or not at all: pieces go into a file without a name (where the file system has none,
+/// into a neighbour), which commit() puts in its place. What is not committed is gone with this object or process, and
+/// what stood at `path` is still there.
+/// A link stays and its target is replaced, keeping its mode, or made; pipes and devices are written into.
 class OutputFile {
  public:
   /// @throws Error when the folder cannot be written; so do the others.
@@ -41,10 +42,15 @@ class OutputFile {
 
   void write(std::string_view text);
   void commit();
+  /// The same, unless something stands there by now: then that stays.
+  /// @returns whether the file stands there.
+  bool commit_new();
 
  private:
+  void settle();
   std::filesystem::path target_;
-  std::string neighbour_ = {};  ///< empty: pipes and devices cannot be replaced by a file; empty again once renamed
+  std::string neighbour_ = {};  ///< empty while the file has no name
+  bool replaces_ = false;       ///< a file, once; pipes and devices cannot be replaced
   int descriptor_ = -1;
 };
 

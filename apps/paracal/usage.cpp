@@ -1,0 +1,101 @@
+#include "usage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+namespace paracal::app {
+namespace {
+
+/// Letters to insert, delete or change until one word is the other (Levenshtein).
+std::size_t distance(std::string_view one, std::string_view other) {
+  std::vector<std::size_t> row(other.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t k = 0; k < other.size(); ++k) {
+      const std::size_t changed = diagonal + (one[i] == other[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min({changed, diagonal + 1, row[k] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// What could stand where something unknown stood: options of the command, or commands.
+std::vector<std::string> known_words(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : command.get_options()) words.push_back(option->get_name());
+  for (const CLI::App* one : command.get_subcommands({})) words.push_back(one->get_name());
+  return words;
+}
+
+/// The command that the arguments went to.
+const CLI::App& innermost(const CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : innermost(*chosen.front());
+}
+
+std::string whole_name(const CLI::App& command) {
+  return command.get_parent() == nullptr ? command.get_name()
+                                         : whole_name(*command.get_parent()) + " " + command.get_name();
+}
+
+std::optional<std::string> meant(const CLI::App& command, const std::string& word) {
+  constexpr std::size_t kLettersAMistake = 3;
+  const auto letters = static_cast<std::size_t>(std::ranges::count_if(word, [](char one) { return one != '-'; }));
+  const std::vector<std::string> words = known_words(command);
+  if (words.empty()) return std::nullopt;
+  const auto nearest = std::ranges::min_element(words, {}, [&](const std::string& one) { return distance(word, one); });
+  if (distance(word, *nearest) > std::max<std::size_t>(1, (letters + 1) / kLettersAMistake)) return std::nullopt;
+  return *nearest;
+}
+
+/// A number as people write one: 100000, 1e5.
+std::optional<std::uint64_t> whole(std::string_view text) {
+  constexpr double kLargestExact = 9007199254740992.0;  // 2^53
+  const char* const end = text.data() + text.size();
+  std::uint64_t number = 0;
+  if (const auto [at, error] = std::from_chars(text.data(), end, number); error == std::errc{} && at == end)
+    return number;
+  double value = 0.0;
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const bool is_whole =
+      error == std::errc{} && at == end && value >= 0.0 && value <= kLargestExact && value == std::floor(value);
+  return is_whole ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
+}
+
+}  // namespace
+
+std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = innermost(app);
+  const std::vector<std::string> extra = app.remaining(true);
+  std::string text = error.what();
+  const bool lacks_or_exceeds = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                                dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  if (lacks_or_exceeds && !extra.empty()) {  // one reason for both: a word that is not known
+    const char* const what = command.get_subcommands({}).empty() ? "an option" : "a command";
+    text = fmt::format("expected {} of {}, got {}", what, whole_name(command), extra.front());
+    if (const auto word = meant(command, extra.front())) text += fmt::format(" (did you mean {}?)", *word);
+  }
+  return fmt::format("{}; see {} --help", text, whole_name(command));
+}
+
+CLI::Validator whole_number(std::uint64_t smallest, std::uint64_t largest) {
+  const auto rewrite = [smallest, largest](std::string& text) {
+    const auto number = whole(text);
+    if (!number || *number < smallest || *number > largest) {
+      return fmt::format("expected a whole number from {} to {}, got {}", smallest, largest, text);
+    }
+    text = std::to_string(*number);
+    return std::string();
+  };
+  return {rewrite, fmt::format("INT in [{} - {}]", smallest, largest)};
+}
+
+}  // namespace paracal::app
