@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
-# Sets up, builds, and runs every test, none skipped: as released, and once more under the address and undefined-behaviour sanitizers.
+# Sets up, builds, and runs every test, none skipped: as released, and once more under the address and undefined-behaviour sanitizers, which
+# also count the lines that the tests run.
 set -euo pipefail
 cd "$(dirname "$0")"
 
-tools/setup.sh
+tools/part.sh "set-up" tools/setup.sh
 release=release
 [[ ${CI:-} == true ]] && release=ci  # the same with warnings as errors
 for preset in "$release" asan; do
-  tools/build.sh "$preset"
-  tools/every_test.sh "$preset"
+  tools/part.sh "build, $preset" tools/build.sh "$preset"
+  [[ $preset == asan ]] && rm -rf build/asan/coverage
+  tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
 done
+tools/coverage.sh

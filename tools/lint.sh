@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# clang-format over every source file, the type checker of TypeScript over web/ and clang-tidy over every translation unit of the library, the program and the examples.
+# clang-format over every source file, the type checker of TypeScript over web/, and clang-tidy over the translation units of the library, the program and the
+# examples that the last 30 commits or the working tree changed, and one that includes each header they changed; with PARACAL_TIDY_ALL over all of them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,10 +13,26 @@ echo "tsc: web/ clean"
 
 cmake --preset tidy >/dev/null
 tidy() {  # CHECKS FILE ...
+  (($# > 1)) || return 0
   printf '%s\n' "${@:2}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build/tidy --quiet --warnings-as-errors='*' --checks="$1" 2>/dev/null
 }
-mapfile -t library < <(git ls-files 'src/*.cpp' 'examples/*.cpp')
-mapfile -t program < <(git ls-files 'apps/*.cpp')
+units() {  # of these patterns, those to look at
+  if [[ -n ${PARACAL_TIDY_ALL:-} ]] || ! git rev-parse -q --verify HEAD~30 >/dev/null; then
+    git ls-files "$@"
+    return
+  fi
+  local changed headers
+  mapfile -t changed < <(git diff --name-only --diff-filter=d HEAD~30 -- "$@")
+  mapfile -t headers < <(git diff --name-only --diff-filter=d HEAD~30 -- '*.hpp')
+  for header in "${headers[@]}"; do
+    # Its own unit, or the first that includes it.
+    own=$(git ls-files "$@" | grep "/$(basename "$header" .hpp).cpp$" | head -n 1 || true)
+    changed+=("${own:-$(git grep -l "$(basename "$header")\"" -- "$@" | head -n 1 || true)}")
+  done
+  printf '%s\n' "${changed[@]}" | sed '/^$/d' | sort -u
+}
+mapfile -t library < <(units 'src/*.cpp' 'examples/*.cpp')
+mapfile -t program < <(units 'apps/*.cpp')
 tidy '' "${library[@]}"
 tidy '-clang-analyzer-*' "${program[@]}"  # parsing and printing, where it takes longest and has least to say
 echo "clang-tidy: $((${#library[@]} + ${#program[@]})) files clean"

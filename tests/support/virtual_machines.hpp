@@ -9,8 +9,8 @@
 
 namespace paracal::test {
 
-/// As many machines as a statistical test wants; a tenth of them under sanitizers, where each costs twenty times as
-/// much.
+/// As many machines as a statistical test wants where PARACAL_EVERY_MACHINE is set (tools/check_all.sh). Else of 100
+/// and more a quarter, 50 at least; under sanitizers, where each costs twenty times as much, a tenth.
 int machines(int wanted);
 
 /// A machine out of the robot's tolerances, and what an instrument in a frame of its own reads of it.
