@@ -104,13 +104,28 @@ CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
   return file;
 }
 
+namespace {
+
+/// Complaints of numbers that cannot be meant name the file that they came from.
+PrinterCalibration calibrate(const PrinterState& printer, const std::string& file) {
+  try {
+    return calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
+  } catch (const InvalidArgument& complaint) {
+    throw InputFileError(file, 0, complaint.what());
+  } catch (const Unreachable& complaint) {
+    throw Unreachable(fmt::format("{}: {}", file, complaint.what()));
+  }
+}
+
+}  // namespace
+
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session) {
   const PrinterState printer = with_readings(options);
   const std::string write = options.write.empty() ? options.printer.firmware : options.write;
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
     throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
   }
-  PrinterCalibration found = calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
+  PrinterCalibration found = calibrate(printer, options.printer.name);
   const std::string parameters = parameters_text(write, found.advised());
   found.calibration.files = printer.files;
   std::vector<std::string> read;

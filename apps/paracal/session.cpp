@@ -92,7 +92,15 @@ void Session::refuse_to_replace(const std::vector<std::string>& read) const {
 void Session::write(const std::string& file, std::string_view text) { begin_file(file).write(text); }
 
 void Session::commit() {
-  for (io::OutputFile& file : written_) file.commit();
+  for (io::OutputFile& file : written_) file.settle();
+  std::size_t done = 0;
+  try {
+    for (; done < written_.size(); ++done) written_[done].commit();
+  } catch (...) {
+    while (done > 0) written_[--done].undo();
+    throw;
+  }
+  written_.clear();
 }
 
 namespace {

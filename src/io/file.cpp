@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -55,19 +56,6 @@ int open_nameless(const std::filesystem::path& target) {
 
 bool has_no_nameless_files(int error) { return error == EOPNOTSUPP || error == EISDIR || error == EINVAL; }
 
-/// Gives a nameless file a name beside `target`; empty where that fails.
-std::string named(int descriptor, const std::filesystem::path& target) {
-  constexpr int kTries = 100;
-  for (int k = 0; k < kTries; ++k) {
-    const std::string name = fmt::format("{}-{}-{}", neighbour_of(target), getpid(), k);
-    if (linkat(AT_FDCWD, of_descriptor(descriptor).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
-      return name;
-    }
-    if (errno != EEXIST) break;
-  }
-  return {};
-}
-
 /// mkstemp makes private files: a result keeps the mode of the file it replaces, or is as readable as any other file.
 mode_t mode_of_result(const std::filesystem::path& target) {
   struct stat earlier {};
@@ -75,6 +63,16 @@ mode_t mode_of_result(const std::filesystem::path& target) {
   const mode_t mask = umask(0);
   umask(mask);
   return 0666 & ~mask;
+}
+
+/// Gives a nameless file this name, or one that differs in its last letter where somebody has that.
+bool give_name(const std::string& nameless, std::string& name) {
+  for (char last = 'a'; last <= 'z'; ++last) {
+    name.back() = last;
+    if (linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return true;
+    if (errno != EEXIST) break;
+  }
+  return false;
 }
 
 }  // namespace
@@ -115,6 +113,11 @@ OutputFile::OutputFile(const std::filesystem::path& path) : target_(path) {
     if (std::filesystem::is_directory(target_))
       throw Error(fmt::format("{}: cannot be written: a folder", target_.string()));
     descriptor_ = open_nameless(target_);
+    if (descriptor_ >= 0) {  // now: nothing may want memory between a file's getting a name and its place
+      static std::atomic<unsigned> files = 0;
+      nameless_ = of_descriptor(descriptor_);
+      name_ = fmt::format("{}-{}-{}-a", neighbour_of(target_), getpid(), ++files);
+    }
     if (descriptor_ < 0 && has_no_nameless_files(errno)) {
       neighbour_ = neighbour_of(target_);
       descriptor_ = mkostemp(neighbour_.data(), O_CLOEXEC);
@@ -138,19 +141,36 @@ void OutputFile::write(std::string_view text) {
   }
 }
 
-/// Whole, with its mode, on the disk, and with a name.
 void OutputFile::settle() {
+  if (!replaces_) return;
   if (fchmod(descriptor_, mode_of_result(target_)) != 0 || fsync(descriptor_) != 0) fail_to_write(target_);
-  if (neighbour_.empty()) neighbour_ = named(descriptor_, target_);
-  if (neighbour_.empty()) fail_to_write(target_);
+  if (neighbour_.empty()) {
+    if (!give_name(nameless_, name_)) fail_to_write(target_);
+    neighbour_ = std::move(name_);
+  }
+  is_settled_ = true;
 }
 
 void OutputFile::commit() {
   if (!replaces_) return;
-  settle();
-  if (std::rename(neighbour_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
-  neighbour_.clear();
+  if (neighbour_.empty() || !is_settled_) settle();
+  // What stood there moves into the neighbour, which goes with this object.
+  exchanged_ = renameat2(AT_FDCWD, neighbour_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
+  if (!exchanged_) {
+    if (std::rename(neighbour_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
+    neighbour_.clear();
+  }
   replaces_ = false;
+}
+
+void OutputFile::undo() noexcept {
+  if (exchanged_) {
+    (void)std::rename(neighbour_.c_str(), target_.c_str());
+    neighbour_.clear();
+  } else if (is_settled_ && !replaces_) {
+    unlink(target_.c_str());
+  }
+  exchanged_ = is_settled_ = false;
 }
 
 bool OutputFile::commit_new() {
@@ -160,7 +180,7 @@ bool OutputFile::commit_new() {
   if (!linked && errno != EEXIST) fail_to_write(target_);
   unlink(neighbour_.c_str());
   neighbour_.clear();
-  replaces_ = false;
+  replaces_ = is_settled_ = false;
   return linked;
 }
 

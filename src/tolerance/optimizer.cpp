@@ -3,6 +3,7 @@
 #include <nlopt.h>
 
 #include <memory>
+#include <new>
 
 namespace paracal::detail {
 namespace {
@@ -17,6 +18,11 @@ double call(unsigned n, const double* x, double* gradient, void* objective) {
 /// NLopt takes a pointer to mutable data, which call() does not change.
 void* data(const Objective& objective) { return const_cast<Objective*>(&objective); }
 
+/// NLopt says what C++ throws; that it cannot get any closer is no failure.
+void require_memory(nlopt_result result) {
+  if (result == NLOPT_OUT_OF_MEMORY) throw std::bad_alloc();
+}
+
 }  // namespace
 
 Minimum minimize(const Minimization& problem, std::vector<double> start) {
@@ -24,17 +30,18 @@ Minimum minimize(const Minimization& problem, std::vector<double> start) {
       problem.algorithm == Minimization::Algorithm::slsqp ? NLOPT_LD_SLSQP : NLOPT_LN_SBPLX;
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(
       nlopt_create(algorithm, static_cast<unsigned>(start.size())), &nlopt_destroy);
-  nlopt_set_lower_bounds(search.get(), problem.lower.data());
-  nlopt_set_upper_bounds(search.get(), problem.upper.data());
-  if (!problem.first_step.empty()) nlopt_set_initial_step(search.get(), problem.first_step.data());
+  if (!search) throw std::bad_alloc();
+  require_memory(nlopt_set_lower_bounds(search.get(), problem.lower.data()));
+  require_memory(nlopt_set_upper_bounds(search.get(), problem.upper.data()));
+  if (!problem.first_step.empty()) require_memory(nlopt_set_initial_step(search.get(), problem.first_step.data()));
   nlopt_set_xtol_rel(search.get(), problem.step_tolerance);
   nlopt_set_maxeval(search.get(), problem.max_evaluations);
   nlopt_set_min_objective(search.get(), call, data(problem.objective));
   for (const Objective& constraint : problem.constraints) {
-    nlopt_add_inequality_constraint(search.get(), call, data(constraint), 1e-12);
+    require_memory(nlopt_add_inequality_constraint(search.get(), call, data(constraint), 1e-12));
   }
   Minimum minimum{.x = std::move(start)};
-  nlopt_optimize(search.get(), minimum.x.data(), &minimum.value);
+  require_memory(nlopt_optimize(search.get(), minimum.x.data(), &minimum.value));
   return minimum;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/prediction.hpp"
@@ -179,6 +180,48 @@ TEST(Considered, CovarianceIsThatOfMachinesDrawnFromTheTolerances) {
   double squares = 0.0;
   for (const double ratio : ratios) squares += ratio * ratio;
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(ratios.size())), 1.0, 4.0 / std::sqrt(2.0 * count) + 0.05);
+}
+
+/// What only a tolerance tells owes nothing to the noise, what the readings tell owes them much.
+TEST(Uncertainty, NoiseHasItsPartOfTheCovariance) {
+  const Robot robot = catalogue::huang2016();
+  const MeasuredMachine machine =
+      measured_machine(robot, bench("huang2016").selected, 3, {.noise = 0.017, .repeats = 3});
+  const Calibration calibration = calibrate(robot, machine.measurements);
+  int untold = 0;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < calibration.parameters.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const double share = calibration.noise_covariance(at, at) / calibration.covariance(at, at);
+    largest = std::max(largest, share);
+    if (calibration.parameters[k].data_share > 0.05) continue;
+    EXPECT_LT(share, 0.1) << k;
+    ++untold;
+  }
+  EXPECT_GT(untold, 0);
+  EXPECT_GT(largest, 0.5);
+  EXPECT_LE(largest, 1.0 + 1e-9);
+}
+
+/// Joints that stand elsewhere at each pose are told from few poses, whatever the number of visits.
+TEST(Uncertainty, VisitsThatRepeatOneErrorCountOnce) {
+  const Robot robot = catalogue::huang2016();
+  const auto dof = [&](int repeats) {
+    MeasuredMachine machine =
+        measured_machine(robot, bench("huang2016").selected, 3, {.noise = 0.017, .repeats = repeats});
+    std::map<std::size_t, Eigen::Vector3d> off;  // of each pose, the same at every visit
+    Random random(5);
+    for (PointReading& reading : machine.measurements.series.front().readings) {
+      const auto [place, is_new] = off.try_emplace(reading.station);
+      if (is_new) place->second = {random.normal(0.2), random.normal(0.2), random.normal(0.2)};
+      reading.point += place->second;
+    }
+    const Calibration calibration = calibrate(robot, machine.measurements);
+    EXPECT_GT(calibration.joint_std, 0.0);
+    return calibration.noise_dof;
+  };
+  EXPECT_LT(dof(10), 1.3 * dof(3));
+  EXPECT_LT(dof(10), 60.0);  // 20 poses of 3 coordinates
 }
 
 TEST(CoverageFactor, IsStudentsAndTwoInTheLimit) {

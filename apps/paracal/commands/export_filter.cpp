@@ -144,7 +144,9 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     json["self_test"] = tests_json(tests, robot.actuator());
     print_summary(json_text(json));
   } else {
-    fmt::print(stderr, "{}", summary_text(in.name, summary));
+    const std::string text = summary_text(in.name, summary);
+    session.commit();  // nobody reads of targets that are then not there
+    fmt::print(stderr, "{}", text);
   }
   if (!summary.complete()) session.exit_code = kVerdictIsNo;
 }

@@ -41,16 +41,22 @@ class OutputFile {
   ~OutputFile();
 
   void write(std::string_view text);
+  /// Brings it onto the disk, beside its place: what is likely to fail of commit(), for those that commit several.
+  void settle();
   void commit();
-  /// The same, unless something stands there by now: then that stays.
+  /// After commit(): what stood there before stands there again, or nothing.
+  void undo() noexcept;
+  /// The same as commit(), unless something stands there by now: then that stays.
   /// @returns whether the file stands there.
   bool commit_new();
 
  private:
-  void settle();
   std::filesystem::path target_;
-  std::string neighbour_ = {};  ///< empty while the file has no name
-  bool replaces_ = false;       ///< a file, once; pipes and devices cannot be replaced
+  std::string nameless_ = {}, name_ = {};  ///< how to reach a file without a name, and the name that it is to get
+  std::string neighbour_ = {};             ///< empty while the file has no name
+  bool replaces_ = false;                  ///< a file, once; pipes and devices cannot be replaced
+  bool is_settled_ = false;
+  bool exchanged_ = false;  ///< the neighbour is what stood there before
   int descriptor_ = -1;
 };
 

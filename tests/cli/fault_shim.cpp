@@ -1,0 +1,141 @@
+// Preloaded into paracal: lets one call fail, or counts them. PARACAL_FAULT="CALL NUMBER ERRNO", calls from 1;
+// PARACAL_FAULT_COUNTS=FILE keeps how many calls of each kind a run makes. Standard streams and what the program does
+// before main() are left alone.
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace {
+
+enum Call { kOpen, kRead, kWrite, kSync, kMode, kLink, kRename, kFolder, kMemory, kCalls };
+constexpr const char* kNames[kCalls] = {"open", "read",   "write", "fsync", "fchmod",
+                                        "link", "rename", "mkdir", "malloc"};
+
+long counts[kCalls];
+bool started = false;
+int failing = kCalls, error = 0;
+long number = 0;
+
+/// Whether this call is the one to fail.
+bool fails(Call call) {
+  if (!started) return false;
+  const long now = __atomic_add_fetch(&counts[call], 1, __ATOMIC_RELAXED);
+  if (call != failing || now != number) return false;
+  errno = error;
+  return true;
+}
+
+template <typename Function>
+Function* next(Function* /*of this shape*/, const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+int (*real_main)(int, char**, char**) = nullptr;
+
+int begin(int argc, char** argv, char** environment) {
+  started = true;
+  return real_main(argc, argv, environment);
+}
+
+__attribute__((constructor)) void start() {
+  char name[16] = "";
+  if (const char* wish = std::getenv("PARACAL_FAULT")) std::sscanf(wish, "%15s %ld %d", name, &number, &error);
+  for (int k = 0; k < kCalls; ++k) {
+    if (std::strcmp(name, kNames[k]) == 0) failing = k;
+  }
+}
+
+__attribute__((destructor)) void finish() {
+  started = false;
+  const char* path = std::getenv("PARACAL_FAULT_COUNTS");
+  if (path == nullptr) return;
+  std::FILE* file = std::fopen(path, "w");
+  for (int k = 0; file != nullptr && k < kCalls; ++k) std::fprintf(file, "%s %ld\n", kNames[k], counts[k]);
+  if (file != nullptr) std::fclose(file);
+}
+
+}  // namespace
+
+// NOLINTBEGIN: the names and shapes of others
+extern "C" {
+
+int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(), void (*fini)(),
+                      void (*loader_fini)(), void* stack_end) {
+  static const auto real = next(static_cast<decltype(&__libc_start_main)>(nullptr), "__libc_start_main");
+  real_main = main;
+  return real(begin, argc, argv, init, fini, loader_fini, stack_end);
+}
+
+void* __libc_malloc(size_t);
+
+void* malloc(size_t size) { return fails(kMemory) ? nullptr : __libc_malloc(size); }
+
+int open(const char* path, int flags, ...) {
+  mode_t mode = 0;
+  if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
+    va_list more;
+    va_start(more, flags);
+    mode = va_arg(more, mode_t);
+    va_end(more);
+  }
+  static const auto real = next(static_cast<int (*)(const char*, int, ...)>(nullptr), "open");
+  return fails(kOpen) ? -1 : real(path, flags, mode);
+}
+
+FILE* fopen(const char* path, const char* mode) {
+  static const auto real = next(static_cast<FILE* (*)(const char*, const char*)>(nullptr), "fopen");
+  return fails(kOpen) ? nullptr : real(path, mode);
+}
+
+FILE* fopen64(const char* path, const char* mode) { return fopen(path, mode); }
+
+ssize_t read(int file, void* into, size_t size) {
+  static const auto real = next(static_cast<ssize_t (*)(int, void*, size_t)>(nullptr), "read");
+  return file > STDERR_FILENO && fails(kRead) ? -1 : real(file, into, size);
+}
+
+ssize_t write(int file, const void* from, size_t size) {
+  static const auto real = next(static_cast<ssize_t (*)(int, const void*, size_t)>(nullptr), "write");
+  return file > STDERR_FILENO && fails(kWrite) ? -1 : real(file, from, size);
+}
+
+int fsync(int file) {
+  static const auto real = next(static_cast<int (*)(int)>(nullptr), "fsync");
+  return fails(kSync) ? -1 : real(file);
+}
+
+int fchmod(int file, mode_t mode) {
+  static const auto real = next(static_cast<int (*)(int, mode_t)>(nullptr), "fchmod");
+  return fails(kMode) ? -1 : real(file, mode);
+}
+
+int linkat(int from, const char* source, int to, const char* target, int flags) {
+  static const auto real = next(static_cast<int (*)(int, const char*, int, const char*, int)>(nullptr), "linkat");
+  return fails(kLink) ? -1 : real(from, source, to, target, flags);
+}
+
+int link(const char* source, const char* target) {
+  static const auto real = next(static_cast<int (*)(const char*, const char*)>(nullptr), "link");
+  return fails(kLink) ? -1 : real(source, target);
+}
+
+int rename(const char* source, const char* target) {
+  static const auto real = next(static_cast<int (*)(const char*, const char*)>(nullptr), "rename");
+  return fails(kRename) ? -1 : real(source, target);
+}
+
+int mkdir(const char* path, mode_t mode) {
+  static const auto real = next(static_cast<int (*)(const char*, mode_t)>(nullptr), "mkdir");
+  return fails(kFolder) ? -1 : real(path, mode);
+}
+}
+// NOLINTEND
