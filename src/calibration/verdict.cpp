@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
@@ -47,7 +48,7 @@ std::string broken_limit(const Calibration& calibration) {
 
 void add_assumptions(const StageFit& fit, Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
-  const auto assume = [&](std::string text) { calibration.assumed.push_back(std::move(text)); };
+  const auto assume = [&](std::string_view text) { calibration.assumed.emplace_back(text); };
   std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
   if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
   if (options.scale_std > 0.0) {
@@ -114,9 +115,9 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
 }
 
 void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration) {
-  const auto say = [&](Verdict verdict, std::string reason) {
+  const auto say = [&](Verdict verdict, std::string_view reason) {
     calibration.verdict = verdict;
-    calibration.reasons.push_back(std::move(reason));
+    calibration.reasons.emplace_back(reason);
   };
   if (fit.status == LeastSquaresStatus::not_evaluable) {
     return say(Verdict::not_converged,
@@ -143,7 +144,7 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
                            "shown to be real",
                            *calibration.chance, calibration.options.largest_chance));
   }
-  if (std::string broken = broken_limit(calibration); !broken.empty()) return say(Verdict::rejected, std::move(broken));
+  if (const std::string broken = broken_limit(calibration); !broken.empty()) return say(Verdict::rejected, broken);
   calibration.verdict = Verdict::accepted;
 }
 
