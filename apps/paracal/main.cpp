@@ -81,7 +81,7 @@ int run(int argc, char** argv) {
     throw WrongUsage(usage_complaint(app, error));
   }
   if (app.get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
-  session.commit();
+  session.outputs.commit();
   return session.exit_code;
 }
 

@@ -130,7 +130,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   found.calibration.files = printer.files;
   std::vector<std::string> read;
   for (const InputFile& file : printer.files) read.push_back(file.name);
-  session.refuse_to_replace(read);
+  session.outputs.keep_off(read);
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;

@@ -11,7 +11,7 @@ namespace paracal::app {
 
 std::shared_ptr<std::string> add_report_option(CLI::App& command, Session& session) {
   auto file = std::make_shared<std::string>();
-  session.writes(command.add_option("--report", *file, "also write a page to look at (HTML, self-contained)"));
+  session.outputs.declare(command.add_option("--report", *file, "also write a page to look at (HTML, self-contained)"));
   return file;
 }
 
@@ -42,7 +42,7 @@ io::Json report_data(const Session& session, const Robot& robot, const ReportCon
 std::string report_page(const io::Json& data) { return report::page(detail::report_page().front().text, data); }
 
 void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content) {
-  session.write(file, report_page(report_data(session, robot, content)));
+  session.outputs.write(file, report_page(report_data(session, robot, content)));
 }
 
 }  // namespace paracal::app

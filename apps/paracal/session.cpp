@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -30,7 +29,8 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
           "robot file (TOML) or catalogue name; a calibration or a line \"# robot: NAME\" of a table says it, too")
       ->group("Common");
   command->add_flag("--json", json_, "one JSON object on standard output, nothing else")->group("Common");
-  writes(command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common"));
+  outputs.declare(
+      command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common"));
   command->add_option("--seed", seed_, "seed of commands that draw random numbers")
       ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str()
@@ -39,68 +39,8 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
       ->transform(whole_number(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str()
       ->group("Common");
-  command->parse_complete_callback([this, command] { refuse_to_overwrite(*command); });
+  command->parse_complete_callback([this, command] { outputs.check(*command); });
   return command;
-}
-
-namespace {
-
-bool is_same_file(const std::string& one, const std::string& other) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(one, other, ignored)) return std::filesystem::is_regular_file(one, ignored);
-  return !std::filesystem::exists(one, ignored) &&
-         std::filesystem::weakly_canonical(std::filesystem::absolute(one), ignored) ==
-             std::filesystem::weakly_canonical(std::filesystem::absolute(other), ignored);
-}
-
-[[noreturn]] void refuse_file(const std::string& option, const std::string& file, const std::string& also) {
-  throw WrongUsage(fmt::format("{}: expected a file of its own, got {}, which is {}, too", option, file, also));
-}
-
-}  // namespace
-
-CLI::Option* Session::writes(CLI::Option* option) {
-  output_options_.push_back(option->type_name("FILE"));
-  return option;
-}
-
-void Session::refuse_to_overwrite(const CLI::App& command) const {
-  for (const CLI::Option* output : output_options_) {
-    const std::vector<const CLI::Option*> options = command.get_options();
-    if (output->count() == 0 || std::ranges::find(options, output) == options.end()) continue;
-    const std::string file = output->results().front(), name = output->get_name();
-    for (const CLI::Option* other : options) {
-      if (other == output) continue;
-      for (const std::string& value : other->results()) {
-        if (is_same_file(file, value)) refuse_file(name, file, other->get_name());
-      }
-    }
-    if (is_same_file(file, "/dev/stdin")) refuse_file(name, file, "standard input");
-    if (is_same_file(file, "/dev/stdout")) refuse_file(name, file, "standard output");
-  }
-}
-
-void Session::refuse_to_replace(const std::vector<std::string>& read) const {
-  for (const CLI::Option* output : output_options_) {
-    if (output->count() == 0) continue;
-    for (const std::string& file : read) {
-      if (is_same_file(output->results().front(), file)) refuse_file(output->get_name(), file, "read");
-    }
-  }
-}
-
-void Session::write(const std::string& file, std::string_view text) { begin_file(file).write(text); }
-
-void Session::commit() {
-  for (io::OutputFile& file : written_) file.settle();
-  std::size_t done = 0;
-  try {
-    for (; done < written_.size(); ++done) written_[done].commit();
-  } catch (...) {
-    while (done > 0) written_[--done].undo();
-    throw;
-  }
-  written_.clear();
 }
 
 namespace {
@@ -203,7 +143,7 @@ io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator
   return {{"names", names}, {fmt::format("joints_{}", io::file_unit(unit)), joints}};
 }
 
-void Session::print(std::string_view text) { out_.empty() ? print_summary(text) : write(out_, text); }
+void Session::print(std::string_view text) { out_.empty() ? print_summary(text) : outputs.write(out_, text); }
 
 namespace {
 

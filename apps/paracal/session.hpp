@@ -2,15 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "inputs.hpp"
+#include "outputs.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/file.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/mechanism/machine.hpp"
@@ -81,31 +79,17 @@ class Session {
   void print(std::string_view text);
   void print_json(const io::Json& json);
 
-  /// An option that names a file to write: before its command runs, the file is refused if another option names it,
-  /// too, or if it is standard input or output.
-  CLI::Option* writes(CLI::Option* option);
-  /// Refuses to write files that a command read without an option's naming them.
-  /// @throws WrongUsage
-  void refuse_to_replace(const std::vector<std::string>& read) const;
-  /// Writes a file that stands in its place once commit() is called: when all else has been done and printed.
-  void write(const std::string& file, std::string_view text);
-  io::OutputFile& begin_file(const std::string& file) { return written_.emplace_back(file); }
-  void commit();
-
+  Outputs outputs;
   ExitCode exit_code = kDone;
   std::string command_line;  ///< as typed, quoted for a shell
 
  private:
-  void refuse_to_overwrite(const CLI::App& command) const;
-
   std::string robot_;
   mutable std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
   bool json_ = false;
   std::uint64_t seed_ = 1;
   unsigned threads_ = 0;
-  std::vector<const CLI::Option*> output_options_;
-  std::deque<io::OutputFile> written_;
 };
 
 /// One function a command (commands/NAME.cpp): declares its options and what it does.

@@ -92,6 +92,22 @@ TEST_F(Faults, TwoOutputsAreTwoFiles) {
   expect_untouched("two outputs");
 }
 
+/// Not after an hour's work: this batch would take days.
+TEST_F(Faults, OutputsAreLookedAtFirst) {
+  std::filesystem::create_directory(folder.path() / "folder");
+  for (const std::string file : {"nowhere/out.txt", "folder", "points.csv/out.txt"}) {
+    const ProgramResult result = folder.run("yield --machines 100000000 --out " + file);
+    EXPECT_EQ(result.exit_code, kWrongUsage) << file;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("--out"), HasSubstr(file)));
+  }
+}
+
+/// A word is no file for all that: no other option of these names one.
+TEST_F(Faults, AnOutputMayHaveTheNameOfAChoice) {
+  EXPECT_EQ(folder.run("poses --stage rough --out rough").exit_code, kDone);
+  EXPECT_EQ(folder.names().count("rough"), 1u);
+}
+
 TEST_F(Faults, StandardInputAndOutputAreNoOutputs) {
   const auto filter = words("export --target gcode --robot huang2016 --calibration calibration.json --out part.gcode");
   EXPECT_EQ(run_program(filter, {.folder = folder.path(), .standard_input = folder.path() / "part.gcode"}).exit_code,

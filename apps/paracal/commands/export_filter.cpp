@@ -130,7 +130,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   if (!is_standard_input) file = io::open_file(options.input);
   const io::TextStream in{is_standard_input ? "standard input" : options.input,
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
-  io::OutputFile* out = session.out().empty() ? nullptr : &session.begin_file(session.out());
+  io::OutputFile* out = session.out().empty() ? nullptr : &session.outputs.begin(session.out());
   io::TextSink sink = [out](std::string_view text) { out != nullptr ? out->write(text) : print_summary(text); };
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
@@ -145,7 +145,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     print_summary(json_text(json));
   } else {
     const std::string text = summary_text(in.name, summary);
-    session.commit();  // nobody reads of targets that are then not there
+    session.outputs.commit();  // nobody reads of targets that are then not there
     fmt::print(stderr, "{}", text);
   }
   if (!summary.complete()) session.exit_code = kVerdictIsNo;

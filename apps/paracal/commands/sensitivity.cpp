@@ -84,9 +84,9 @@ void run(const Options& options, Session& session) {
     found.local = squared_sensitivities(LinearModel(robot).rows(pose, found.what)).sqrt();
   }
   if (!options.map.empty()) {
-    session.write(options.map,
-                  map_csv(found.what, sigma_map(robot, found.what, tolerances,
-                                                {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
+    session.outputs.write(
+        options.map, map_csv(found.what, sigma_map(robot, found.what, tolerances,
+                                                   {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
   }
   if (!options.report->empty()) write_page(options, session, robot, found, tolerances);
   session.json() ? session.print_json(sensitivity_json(robot, found)) : session.print(text_of(robot, found));
@@ -113,7 +113,7 @@ void add_sensitivity(CLI::App& app, Session& session) {
   command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
       ->check(positive_finite())
       ->capture_default_str();
-  session.writes(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
+  session.outputs.declare(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

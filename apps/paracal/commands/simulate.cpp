@@ -55,7 +55,7 @@ void run(const Options& options, Session& session) {
   const std::string table =
       io::robot_line(robot) + assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
   if (!options.truth.empty()) {
-    session.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
+    session.outputs.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
   if (!session.json()) return session.print(table);
   io::Json points = io::Json::array();
@@ -85,7 +85,7 @@ void add_simulate(CLI::App& app, Session& session) {
   command->add_option("--machine", options->machine, "which of the drawn machines")
       ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  session.writes(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
+  session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);

@@ -103,7 +103,7 @@ void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
-    session.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));
+    session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))
@@ -136,7 +136,7 @@ void add_tolerance_allocate(CLI::App& tolerance, Session& session) {
       ->excludes(tilt)
       ->excludes(bound)
       ->excludes(least);
-  session.writes(
+  session.outputs.declare(
       command->add_option("--toml", options->toml, "write the tolerances here, to be used with --tolerances"));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });

@@ -1,0 +1,96 @@
+#include "outputs.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  return fs::equivalent(one, other, ignored) && fs::is_regular_file(one, ignored);
+}
+
+/// Two names of one file that is not there yet.
+bool will_be_same_file(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  return !fs::exists(one, ignored) &&
+         fs::weakly_canonical(fs::absolute(one), ignored) == fs::weakly_canonical(fs::absolute(other), ignored);
+}
+
+[[noreturn]] void refuse(const std::string& option, const std::string& file, const std::string& also) {
+  throw WrongUsage(fmt::format("{}: expected a file of its own, got {}, which is {}, too", option, file, also));
+}
+
+/// Sooner than after an hour's work.
+void require_writable(const std::string& option, const std::string& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored))
+    throw WrongUsage(fmt::format("{}: expected a file, got a folder: {}", option, file));
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) return;
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw WrongUsage(fmt::format("{}: {}: cannot be written: {}", option, file, std::strerror(errno)));
+  }
+}
+
+}  // namespace
+
+CLI::Option* Outputs::declare(CLI::Option* option) {
+  options_.push_back(option->type_name("FILE"));
+  return option;
+}
+
+bool Outputs::is_output(const CLI::Option* option) const {
+  return std::ranges::find(options_, option) != options_.end();
+}
+
+void Outputs::check(const CLI::App& command) const {
+  const std::vector<const CLI::Option*> options = command.get_options();
+  for (const CLI::Option* output : options) {
+    if (!is_output(output) || output->count() == 0) continue;
+    const std::string file = output->results().front(), name = output->get_name();
+    for (const CLI::Option* other : options) {
+      if (other == output) continue;
+      for (const std::string& value : other->results()) {
+        const bool same = is_same_file(file, value) || (is_output(other) && will_be_same_file(file, value));
+        if (same) refuse(name, file, other->get_name());
+      }
+    }
+    if (is_same_file(file, "/dev/stdin")) refuse(name, file, "standard input");
+    if (is_same_file(file, "/dev/stdout")) refuse(name, file, "standard output");
+    require_writable(name, file);
+  }
+}
+
+void Outputs::keep_off(const std::vector<std::string>& read) const {
+  for (const CLI::Option* output : options_) {
+    if (output->count() == 0) continue;
+    for (const std::string& file : read) {
+      if (is_same_file(output->results().front(), file)) refuse(output->get_name(), file, "read");
+    }
+  }
+}
+
+void Outputs::commit() {
+  for (io::OutputFile& file : written_) file.settle();
+  std::size_t done = 0;
+  try {
+    for (; done < written_.size(); ++done) written_[done].commit();
+  } catch (...) {
+    while (done > 0) written_[--done].undo();
+    throw;
+  }
+  written_.clear();
+}
+
+}  // namespace paracal::app

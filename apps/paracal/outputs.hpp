@@ -1,0 +1,42 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "paracal/io/file.hpp"
+
+namespace paracal::app {
+
+/// The files that a command writes: each a file of its own, and all of them in their places only once everything else
+/// is done and printed.
+class Outputs {
+ public:
+  /// An option that names a file to write.
+  CLI::Option* declare(CLI::Option* option);
+
+  /// What can be known before the command runs: that an output is no file that another option names, nor standard input
+  /// or output, and that its folder can be written.
+  /// @throws WrongUsage
+  void check(const CLI::App& command) const;
+  /// The same of files that were read without an option's naming them.
+  /// @throws WrongUsage
+  void keep_off(const std::vector<std::string>& read) const;
+
+  /// @throws Error when the file cannot be written.
+  void write(const std::string& file, std::string_view text) { begin(file).write(text); }
+  /// For a file that is written piece by piece.
+  io::OutputFile& begin(const std::string& file) { return written_.emplace_back(file); }
+  /// Puts all into their places; none where one cannot be.
+  void commit();
+
+ private:
+  bool is_output(const CLI::Option* option) const;
+
+  std::vector<const CLI::Option*> options_;
+  std::deque<io::OutputFile> written_;
+};
+
+}  // namespace paracal::app
