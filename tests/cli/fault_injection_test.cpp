@@ -73,7 +73,7 @@ class Injection : public testing::TestWithParam<Injected> {
   }
 
   ProgramResult run_with(const std::string& fault, const std::string& counts = "") const {
-    std::vector<std::string> environment{std::string("LD_PRELOAD=") + PARACAL_FAULT_SHIM, "PARACAL_FAULT=" + fault,
+    std::vector<std::string> environment{fmt::format("LD_PRELOAD={}", PARACAL_FAULT_SHIM), "PARACAL_FAULT=" + fault,
                                          "SOURCE_DATE_EPOCH=0"};
     if (!counts.empty()) environment.push_back("PARACAL_FAULT_COUNTS=" + counts);
     return run_program(of_huang2016(GetParam().command), {.folder = folder.path(), .environment = environment});
