@@ -7,6 +7,7 @@
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/published.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/base_motion.hpp"
 #include "support/robots.hpp"
@@ -361,6 +362,35 @@ TEST(CalibrationMethods, PaperStatesTheUncertaintyOfCorrelatedDistances) {
   for (const double value : found) variance += std::pow(value - mean, 2) / static_cast<double>(found.size() - 1);
   const double tolerance = 5.0 / std::sqrt(2.0 * static_cast<double>(found.size()));
   EXPECT_NEAR(test::quantile(claimed, 0.5) / std::sqrt(variance), 1.0, std::max(0.12, tolerance));
+}
+
+/// Eq. (19) knows no weights, whatever sigmas the distances state.
+TEST(CalibrationMethods, PaperWeighsAllDistancesAlike) {
+  const Robot robot = catalogue::huang2016();
+  Measurements stated = io::published_huang2016().rough;
+  stated.distances[1].distance_sigma = 1e-3;
+  stated.distances[4].distance_sigma = 10.0;
+  const auto offsets = [&](const Measurements& measurements) {
+    return calibrate(robot, measurements, {.method = Method::paper, .stage = Stage::rough}).parameters;
+  };
+  const auto alike = offsets(io::published_huang2016().rough), weighed = offsets(stated);
+  for (std::size_t k = 0; k < alike.size(); ++k) EXPECT_EQ(alike[k].value, weighed[k].value);
+}
+
+/// The chance of a suspect is that of the worst of all readings: a tenth of sound machines have one below 0.1.
+TEST(CalibrationMethods, TheWorstOfManyReadingsIsJudgedAsThat) {
+  const Robot robot = catalogue::huang2016();
+  const std::vector<Station> stations = fine_stations(robot, 9);
+  int below = 0;
+  constexpr int kMachines = 40, kAtMost = 12;  // 4 are expected; 13 in one of 10,000 runs
+  for (int number = 0; number < kMachines; ++number) {
+    const MeasuredMachine machine = measured_machine(robot, stations, number, {.noise = kNoise, .repeats = 3});
+    const Calibration calibration =
+        calibrate(robot, machine.measurements, {.states_use = false, .exclude_outliers = false});
+    below += calibration.suspects.front().chance < 0.1;
+  }
+  EXPECT_LE(below, kAtMost);
+  EXPECT_GT(below, 0);
 }
 
 TEST(CalibrationMethods, AutomaticStageGoesAsFarAsTheReadingsCarry) {
