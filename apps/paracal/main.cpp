@@ -22,7 +22,7 @@ int complain(const std::exception& error, ExitCode code) {
 /// finished have no name and are gone.
 [[noreturn]] void give_up() {
   constexpr std::string_view kMessage = "paracal: not enough memory\n";
-  (void)!write(STDERR_FILENO, kMessage.data(), kMessage.size());
+  if (write(STDERR_FILENO, kMessage.data(), kMessage.size()) < 0) _exit(kWrongUsage);  // nothing more can be done
   _exit(kWrongUsage);
 }
 

@@ -23,7 +23,7 @@ std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& 
     inputs.push_back({file.name, io::sha256(file.text)});
   };
   for (const std::string& name : files) add(name);
-  if (const auto robot = session.robot_file()) add(robot->string());
+  if (const auto& robot = session.robot_file()) add(robot->string());
   return inputs;
 }
 

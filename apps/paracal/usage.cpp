@@ -16,10 +16,10 @@ namespace {
 std::size_t distance(std::string_view one, std::string_view other) {
   std::vector<std::size_t> row(other.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < one.size(); ++i) {
+  for (const char letter : one) {
     std::size_t diagonal = row[0]++;
     for (std::size_t k = 0; k < other.size(); ++k) {
-      const std::size_t changed = diagonal + (one[i] == other[k] ? 0 : 1);
+      const std::size_t changed = diagonal + (letter == other[k] ? 0 : 1);
       diagonal = row[k + 1];
       row[k + 1] = std::min({changed, diagonal + 1, row[k] + 1});
     }

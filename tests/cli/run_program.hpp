@@ -20,8 +20,8 @@ struct ProgramResult {
 
 /// Where the program runs.
 struct Surroundings {
-  std::filesystem::path folder = {};           ///< current directory; empty: that of the tests
-  std::vector<std::string> environment = {};   ///< NAME=value, beside the environment of the tests
+  std::filesystem::path folder = {};          ///< current directory; empty: that of the tests
+  std::vector<std::string> environment = {};  ///< NAME=value, beside the environment of the tests
   std::filesystem::path standard_input = "/dev/null";
   std::filesystem::path standard_output = {};  ///< empty: captured into ProgramResult::out
   std::filesystem::path standard_error = {};   ///< empty: captured into ProgramResult::err

@@ -7,8 +7,11 @@ import { assumptions, card, from, unitOf, type Verdict } from "./card";
 const text = strings.verdict;
 
 /// "3.35 → 0.02 mm".
+/// Nobody measures finer: what a fit without anything to spare leaves of a residual is rounding.
+const kNanometres = 6;
+
 function beforeAfter(name: string, before: number, after: number, unit: string, notes: (string | null)[]): HTMLElement {
-  const number = (value: number) => fixed(value, decimalsFor(after));
+  const number = (value: number) => fixed(value, Math.min(kNanometres, decimalsFor(after)));
   return card(name, [from(number(before)), number(after), unitOf(unit)], notes);
 }
 
