@@ -32,7 +32,7 @@ Finding finding(const std::string& id) { return row(reproduction(), id).judgemen
 std::vector<double> mixed(int n) {
   std::vector<double> values(static_cast<std::size_t>(n));
   std::iota(values.begin(), values.end(), 1.0);
-  std::ranges::rotate(values, values.begin() + n / 3);
+  std::rotate(values.begin(), values.begin() + n / 3, values.end());
   return values;
 }
 
