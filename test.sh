@@ -9,7 +9,7 @@ release=release
 [[ ${CI:-} == true ]] && release=ci  # the same with warnings as errors
 for preset in "$release" asan; do
   tools/part.sh "build, $preset" tools/build.sh "$preset"
-  [[ $preset == asan ]] && rm -rf build/asan/coverage
+  [[ $preset == asan ]] && rm -f build/asan/coverage/*
   tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
 done
 tools/coverage.sh

@@ -6,13 +6,13 @@ cd "$(dirname "$0")/.."
 declare -A floor=([src/calibration]=90 [src/io]=90 [src/printer]=90 [src/tolerance]=90)
 build=build/asan
 objects=()
-for program in "$build"/bin/paracal "$build"/tests/paracal-*-tests "$build"/tests/*/paracal-*-tests "$build"/tests/paracal-tests; do
+for program in "$build"/tests/paracal-tests "$build"/tests/paracal-*-tests "$build"/tests/*/paracal-*-tests; do
   [[ -x $program ]] && objects+=(-object "$program")
 done
 llvm-profdata merge -sparse "$build"/coverage/*.profraw -o "$build/coverage/all.profdata"
 below=0
 for folder in src/calibration src/io src/printer src/tolerance; do
-  share=$(llvm-cov report -instr-profile="$build/coverage/all.profdata" "${objects[@]}" "$folder" | awk '/^TOTAL/ { print $10 + 0 }')
+  share=$(llvm-cov report -instr-profile="$build/coverage/all.profdata" "$build/bin/paracal" "${objects[@]}" "$folder" | awk '/^TOTAL/ { print $10 + 0 }')
   echo "coverage: $folder $share % of its lines (floor ${floor[$folder]})"
   awk -v share="$share" -v floor="${floor[$folder]}" 'BEGIN { exit !(share >= floor) }' || below=1
 done

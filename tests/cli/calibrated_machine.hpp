@@ -16,7 +16,7 @@
 namespace paracal::test {
 
 /// A machine with errors of both groups, as source errors (TOML).
-inline const std::string kErrors = R"([[limb]]
+const std::string kErrors = R"([[limb]]
 theta_offset_deg = 0.2
 alpha2_deg = 0.01
 [[limb]]
@@ -30,7 +30,7 @@ alpha03_deg = -0.01
 )";
 
 /// The same errors as an accepted calibration.
-inline const std::string kCalibration = R"({"format": "paracal calibration 1",
+const std::string kCalibration = R"({"format": "paracal calibration 1",
 "accepted": true,
 "verdict": "accepted",
 "robot": {"name": "huang2016",
@@ -50,13 +50,13 @@ inline const std::string kCalibration = R"({"format": "paracal calibration 1",
   {"name": "alpha03", "limb": 4, "value": -0.01, "unit": "deg"}
 ]})";
 
-inline const std::string kPoses =
+const std::string kPoses =
     "pose,x_mm,y_mm,z_mm,phi_deg\n"
     "home,0,0,-888,0\n"
     "right,400,0,-900,120\n"
     "low,-200,300,-1000,-90\n";
 
-inline const std::string kCompensate = "compensate --calibration calibration.json --poses poses.csv";
+const std::string kCompensate = "compensate --calibration calibration.json --poses poses.csv";
 
 class CalibratedMachine : public testing::Test {
  protected:
