@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-declare -A floor=([src/calibration]=90 [src/io]=90 [src/printer]=90 [src/tolerance]=90)
+declare -A floor=([src/calibration]=95 [src/io]=80 [src/printer]=95 [src/tolerance]=80)
 build=build/asan
 objects=()
 for program in "$build"/tests/paracal-tests "$build"/tests/paracal-*-tests "$build"/tests/*/paracal-*-tests; do
