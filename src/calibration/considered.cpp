@@ -8,15 +8,11 @@
 namespace paracal::detail {
 namespace {
 
-bool same(const SoughtSource& one, const SoughtSource& other) {
-  return one.limb == other.limb && one.source == other.source;
-}
-
 /// Variances that the tolerances give some errors; 0: exact.
 Eigen::VectorXd variances(const std::vector<SoughtSource>& errors, const std::vector<SoughtSource>& tolerated) {
   Eigen::VectorXd variances = Eigen::VectorXd::Zero(std::ssize(errors));
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    const auto found = std::ranges::find_if(tolerated, [&](const auto& one) { return same(one, errors[k]); });
+    const auto found = std::ranges::find_if(tolerated, [&](const auto& one) { return is_same_error(one, errors[k]); });
     if (found != tolerated.end()) variances(static_cast<Eigen::Index>(k)) = std::pow(found->prior_std.value_or(0.0), 2);
   }
   return variances;
@@ -49,7 +45,8 @@ std::vector<SoughtSource> consider_held(const Measurements& measurements, const 
   const std::vector<SoughtSource> tolerated = all_with_priors(calibration.robot, calibration.options);
   std::vector<SoughtSource> held;
   for (const SoughtSource& one : tolerated) {
-    const bool sought = std::ranges::any_of(observation.sought(), [&](const auto& other) { return same(one, other); });
+    const bool sought =
+        std::ranges::any_of(observation.sought(), [&](const auto& other) { return is_same_error(one, other); });
     if (!sought && one.prior_std) held.push_back(one);
   }
   std::vector<SoughtSource> all = observation.sought();

@@ -170,8 +170,7 @@ Eigen::VectorXd among(const Eigen::VectorXd& direction, const std::vector<Sought
                       const std::vector<SoughtSource>& others) {
   Eigen::VectorXd placed = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(others.size()));
   for (std::size_t k = 0; k < of.size(); ++k) {
-    const auto same = std::ranges::find_if(
-        others, [&](const SoughtSource& one) { return one.limb == of[k].limb && one.source == of[k].source; });
+    const auto same = std::ranges::find_if(others, [&](const auto& one) { return is_same_error(one, of[k]); });
     if (same != others.end()) placed(same - others.begin()) = direction(static_cast<Eigen::Index>(k));
   }
   return placed;

@@ -6,6 +6,11 @@
 
 namespace paracal::detail {
 
+/// The same source error of the same limb, whatever its prior.
+inline bool is_same_error(const SoughtSource& one, const SoughtSource& other) {
+  return one.limb == other.limb && one.source == other.source;
+}
+
 /// The encoder offsets of all limbs that are not held fixed, without priors.
 std::vector<SoughtSource> encoder_offsets(const Robot& robot, const CalibrationOptions& options);
 

@@ -141,10 +141,11 @@ void state_noise(const Observation& observation, const Eigen::VectorXd& unknowns
   if (!rotations.empty()) fit.rotation_noise = factor * rotations.root();
 }
 
-double log_of_residuals(const Observation& observation, const Eigen::VectorXd& unknowns) {
+/// @param scale  of the noise.
+double log_of_residuals(const std::vector<Miss>& misses, double scale) {
   double sum = 0.0;
-  for (const Miss& miss : misses_of(observation, unknowns)) {
-    sum += miss.rows * std::log(observation.components().unstated_noise);
+  for (const Miss& miss : misses) {
+    sum += miss.rows * std::log(scale);
     sum += 0.5 * (kFreedom + miss.rows) * std::log1p(miss.squared / kFreedom);
   }
   return sum;
@@ -159,10 +160,9 @@ void state_errors(const Observation& observation, const Eigen::VectorXd& unknown
 }
 
 /// Squares of the errors over their priors and the volume that the priors give them.
-void state_objective(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
-                     TrialFit& fit) {
+void state_objective(const std::vector<Miss>& misses, const Eigen::MatrixXd& root, TrialFit& fit) {
   double squares = 0.0;
-  fit.objective = log_of_residuals(observation, unknowns);
+  fit.objective = log_of_residuals(misses, fit.scale);
   for (std::size_t k = 0; k < fit.sought.size(); ++k) {
     const std::optional<double> prior = fit.sought[k].prior_std;
     if (!prior) continue;
@@ -173,9 +173,9 @@ void state_objective(const Observation& observation, const Eigen::VectorXd& unkn
   fit.tension = std::sqrt(squares / static_cast<double>(fit.sought.size()));
 }
 
-double rows_of(const Observation& observation, const Eigen::VectorXd& unknowns) {
+double rows_of(const std::vector<Miss>& misses) {
   double rows = 0.0;
-  for (const Miss& miss : misses_of(observation, unknowns)) rows += miss.rows;
+  for (const Miss& miss : misses) rows += miss.rows;
   return rows;
 }
 
@@ -190,10 +190,11 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
   (void)with_priors(observation)(unknowns, information);
   const Eigen::MatrixXd root = information.root();
   TrialFit fit{.scale = observation.components().unstated_noise};
+  const std::vector<Miss> misses = misses_of(observation, unknowns);
   state_errors(observation, unknowns, root, fit);
   state_noise(observation, unknowns,
-              std::sqrt(rows_of(observation, unknowns) / scatter_of_all(observation, unknowns, root).redundancy), fit);
-  state_objective(observation, unknowns, root, fit);
+              std::sqrt(rows_of(misses) / scatter_of_all(observation, unknowns, root).redundancy), fit);
+  state_objective(misses, root, fit);
   return fit;
 }
 
