@@ -153,10 +153,11 @@ void OutputFile::settle() {
 
 void OutputFile::commit() {
   if (!replaces_) return;
-  if (neighbour_.empty() || !is_settled_) settle();
+  if (!is_settled_) settle();
   // What stood there moves into the neighbour, which goes with this object.
-  exchanged_ = renameat2(AT_FDCWD, neighbour_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
-  if (!exchanged_) {
+  const bool exchanged = renameat2(AT_FDCWD, neighbour_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
+  before_ = exchanged ? Before::in_neighbour : errno == ENOENT ? Before::nothing : Before::lost;
+  if (!exchanged) {
     if (std::rename(neighbour_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
     neighbour_.clear();
   }
@@ -164,13 +165,13 @@ void OutputFile::commit() {
 }
 
 void OutputFile::undo() noexcept {
-  if (exchanged_) {
+  if (before_ == Before::in_neighbour) {
     (void)std::rename(neighbour_.c_str(), target_.c_str());
     neighbour_.clear();
-  } else if (is_settled_ && !replaces_) {
+  } else if (before_ == Before::nothing) {
     unlink(target_.c_str());
   }
-  exchanged_ = is_settled_ = false;
+  before_ = Before::lost;
 }
 
 bool OutputFile::commit_new() {
@@ -180,7 +181,7 @@ bool OutputFile::commit_new() {
   if (!linked && errno != EEXIST) fail_to_write(target_);
   unlink(neighbour_.c_str());
   neighbour_.clear();
-  replaces_ = is_settled_ = false;
+  replaces_ = false;
   return linked;
 }
 

@@ -44,7 +44,8 @@ class OutputFile {
   /// Brings it onto the disk, beside its place: what is likely to fail of commit(), for those that commit several.
   void settle();
   void commit();
-  /// After commit(): what stood there before stands there again, or nothing.
+  /// After commit(): what stood there before stands there again, or nothing if nothing did. Where the file system
+  /// cannot exchange files what was committed stays.
   void undo() noexcept;
   /// The same as commit(), unless something stands there by now: then that stays.
   /// @returns whether the file stands there.
@@ -56,7 +57,8 @@ class OutputFile {
   std::string neighbour_ = {};             ///< empty while the file has no name
   bool replaces_ = false;                  ///< a file, once; pipes and devices cannot be replaced
   bool is_settled_ = false;
-  bool exchanged_ = false;  ///< the neighbour is what stood there before
+  /// What stood there before commit(); lost: not committed, or a file system that cannot exchange two files.
+  enum class Before : std::uint8_t { lost, nothing, in_neighbour } before_ = Before::lost;
   int descriptor_ = -1;
 };
 
