@@ -10,6 +10,8 @@
 namespace paracal::io {
 namespace {
 
+constexpr int kTooDeep = 199;  // an id of a parse error that the library does not use
+
 /// A TOML text, one character after the other, outside of comments and quotation marks.
 class Bare {
  public:

@@ -13,9 +13,8 @@ namespace paracal::io {
 inline constexpr int kDeepest = 64;
 
 /// A JSON text.
-/// @throws Json::parse_error for anything else, with id kTooDeep for one that is nested deeper than kDeepest.
+/// @throws Json::parse_error for anything else, and for one that is nested deeper than kDeepest.
 Json parse_shallow(std::string_view text);
-inline constexpr int kTooDeep = 199;  // an id that the library does not use
 
 /// Line of the first dotted key of a TOML text with more than kDeepest parts, from 1.
 std::optional<int> line_of_endless_key(std::string_view text);
