@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <string_view>
 
 #include "session.hpp"
+#include "usage.hpp"
 
 namespace paracal::app {
 namespace {
@@ -21,13 +21,8 @@ constexpr std::array kLaunchers{Names{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_S
                                 Names{"SLURM_PROCID", "SLURM_NTASKS"}};
 
 std::uint64_t number_of(const char* name, std::string_view text) {
-  std::uint64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stopped != end) {
-    throw WrongUsage(fmt::format("{}: expected a whole number, got \"{}\"", name, text));
-  }
-  return number;
+  if (const auto number = number_in<std::uint64_t>(text)) return *number;
+  throw WrongUsage(fmt::format("{}: expected a whole number, got \"{}\"", name, text));
 }
 
 }  // namespace

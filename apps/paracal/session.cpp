@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -100,7 +99,7 @@ std::vector<io::RobotStatement> statements(const std::string& option, const Robo
 
 }  // namespace
 
-Robot Session::robot(const RobotSources& inputs) const {
+Robot Session::robot(const RobotSources& inputs) {
   const std::vector<io::RobotStatement> stated = statements(robot_, inputs);
   if (stated.empty()) {
     throw WrongUsage(
@@ -110,6 +109,7 @@ Robot Session::robot(const RobotSources& inputs) const {
   }
   for (const io::RobotStatement& one : stated) io::require_same(stated.front(), one);
   robot_file_ = stated.front().robot_file;
+  if (robot_file_) outputs.keep_off({robot_file_->string()});  // a table may name it
   return stated.front().robot;
 }
 
@@ -149,12 +149,9 @@ namespace {
 
 std::int64_t seconds_of(std::string_view text) {
   constexpr std::int64_t kYear9999 = 253402300799;
-  std::int64_t seconds = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kYear9999) {
-    throw WrongUsage(fmt::format("SOURCE_DATE_EPOCH: expected seconds since 1970, got \"{}\"", text));
-  }
-  return seconds;
+  const auto seconds = number_in<std::int64_t>(text);
+  if (seconds && *seconds >= 0 && *seconds <= kYear9999) return *seconds;
+  throw WrongUsage(fmt::format("SOURCE_DATE_EPOCH: expected seconds since 1970, got \"{}\"", text));
 }
 
 }  // namespace

@@ -65,8 +65,8 @@ class Session {
   CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& job, const std::string& what);
 
   /// The robot that --robot, a calibration or a table names; where several do, they name the same.
-  /// @throws WrongUsage where none does, InputFileError where two disagree.
-  Robot robot(const RobotSources& inputs = {}) const;
+  /// @throws WrongUsage where none does or an output is its file, InputFileError where two disagree.
+  Robot robot(const RobotSources& inputs = {});
   /// The file that described it, where one did.
   const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }
 
@@ -85,7 +85,7 @@ class Session {
 
  private:
   std::string robot_;
-  mutable std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
+  std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
   bool json_ = false;
   std::uint64_t seed_ = 1;

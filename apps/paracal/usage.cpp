@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <vector>
 
 namespace paracal::app {
@@ -59,14 +57,9 @@ std::optional<std::string> meant(const CLI::App& command, const std::string& wor
 /// A number as people write one: 100000, 1e5.
 std::optional<std::uint64_t> whole(std::string_view text) {
   constexpr double kLargestExact = 9007199254740992.0;  // 2^53
-  const char* const end = text.data() + text.size();
-  std::uint64_t number = 0;
-  if (const auto [at, error] = std::from_chars(text.data(), end, number); error == std::errc{} && at == end)
-    return number;
-  double value = 0.0;
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  const bool is_whole =
-      error == std::errc{} && at == end && value >= 0.0 && value <= kLargestExact && value == std::floor(value);
+  if (const auto number = number_in<std::uint64_t>(text)) return number;
+  const double value = number_in<double>(text).value_or(-1.0);
+  const bool is_whole = value >= 0.0 && value <= kLargestExact && value == std::floor(value);
   return is_whole ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
 }
 

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "json_checks.hpp"
+#include "printer/klipper_sets.hpp"
 
 namespace paracal::test {
 namespace {
@@ -118,16 +119,25 @@ TEST_F(Faults, StandardInputAndOutputAreNoOutputs) {
             kWrongUsage);
 }
 
-TEST_F(Faults, KlipperFilesThatAreIncludedAreInputs) {
-  folder.write("printer.cfg", "[include delta.cfg]\n[printer]\nkinematics: delta\n");
-  const std::string included =
-      "[printer]\ndelta_radius: 150\nprint_radius: 100\n[stepper_a]\nposition_endstop: 300\narm_length: 330\n"
-      "[stepper_b]\n[stepper_c]\n[delta_calibrate]\nradius: 90\n";
+/// Files that no option names, but another file does.
+TEST_F(Faults, FilesThatAreNamedInFilesAreInputs) {
+  const std::vector<KlipperSet> sets = klipper_sets();
+  const std::string included = std::ranges::find(sets, "K18", &KlipperSet::id)->config;
+  folder.write("printer.cfg", "[include delta.cfg]\n");
   folder.write("delta.cfg", included);
-  folder.write("readings.csv", "");
-  const ProgramResult result = folder.run("calibrate --printer printer.cfg --out delta.cfg");
-  EXPECT_NE(result.exit_code, kDone);
+  const ProgramResult printer = folder.run("calibrate --printer printer.cfg --out delta.cfg");
+  EXPECT_EQ(printer.exit_code, kWrongUsage);
+  EXPECT_THAT(printer.err, HasSubstr("delta.cfg, which is read, too"));
   EXPECT_EQ(folder.read("delta.cfg"), included);
+
+  const std::string robot = folder.run("robot").out;
+  folder.write("mine.toml", robot);
+  folder.write("named.csv", "# robot: mine.toml\npose,x_mm,y_mm,z_mm\nhome,0,0,-888\n");
+  EXPECT_EQ(folder.run(words("inverse --poses named.csv")).exit_code, kDone);
+  const ProgramResult inverse = folder.run(words("inverse --poses named.csv --out mine.toml"));
+  EXPECT_EQ(inverse.exit_code, kWrongUsage);
+  EXPECT_THAT(inverse.err, HasSubstr("mine.toml, which is read, too"));
+  EXPECT_EQ(folder.read("mine.toml"), robot);
 }
 
 /// What a full disk behind standard output leaves: the earlier results.

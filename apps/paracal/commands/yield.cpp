@@ -75,7 +75,7 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
 }
 
 /// Reads the inputs and keeps their hashes.
-Order order_of(const Options& options, const Session& session) {
+Order order_of(const Options& options, Session& session) {
   Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
               .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
