@@ -4,6 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
+rm -f build/parts.txt
 tools/part.sh "set-up" tools/setup.sh
 release=release
 [[ ${CI:-} == true ]] && release=ci  # the same with warnings as errors

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of recent commits). Takes about an hour and a half on 2 cores.
+# of recent commits).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
