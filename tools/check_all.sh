@@ -1,8 +1,14 @@
 #!/usr/bin/env bash
 # Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of recent commits).
+# of recent commits); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, and the coverage.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-export PARACAL_EVERY_MACHINE=1 PARACAL_TIDY_ALL=1
-exec .ci/run
+PARACAL_EVERY_MACHINE=1 PARACAL_TIDY_ALL=1 .ci/run
+for preset in asan-all asan-gcc; do
+  tools/part.sh "build, $preset" tools/build.sh "$preset"
+  tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
+done
+tools/part.sh "coverage" tools/coverage.sh
+echo "slowest parts:"
+sort -rn build/parts.txt | head -n 5

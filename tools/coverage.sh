@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Lines that the sanitized tests ran, folder by folder, against floors that may only be raised: coverage.sh, after every_test.sh asan.
+# Builds and runs the tests once more to count the lines that they run, folder by folder, against floors that may only be raised.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 declare -A floor=([src/calibration]=95 [src/io]=80 [src/printer]=95 [src/tolerance]=80)
-build=build/asan
+build=build/coverage
+tools/build.sh coverage
+rm -f "$build"/coverage/*
+tools/every_test.sh coverage
 objects=()
 for program in "$build"/tests/paracal-tests "$build"/tests/paracal-*-tests "$build"/tests/*/paracal-*-tests; do
   [[ -x $program ]] && objects+=(-object "$program")
