@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "session.hpp"
-#include "usage.hpp"
 
 namespace paracal::app {
 namespace {

@@ -5,9 +5,9 @@
 #include <new>
 #include <string_view>
 
+#include "arguments.hpp"
 #include "paracal/version.hpp"
 #include "session.hpp"
-#include "usage.hpp"
 
 namespace {
 
@@ -50,37 +50,30 @@ namespace {
 
 /// Everything, up to the outputs that replace earlier ones.
 int run(int argc, char** argv) {
-  CLI::App app("paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller", "paracal");
-  app.set_version_flag("--version", std::string("paracal ") + std::string(paracal::version()));
-  app.require_subcommand(0, 1);
-  app.footer(
+  Arguments arguments(
+      "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller", "paracal",
+      std::string("paracal ").append(paracal::version()),
       "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics says no.");
+  Command& program = arguments.program();
   Session session;
   session.command_line = shell_line(argc, argv);
-  add_robot(app, session);
-  add_inverse(app, session);
-  add_forward(app, session);
-  add_error_model(app, session);
-  add_poses(app, session);
-  add_identifiability(app, session);
-  add_simulate(app, session);
-  add_calibrate(app, session);
-  add_validate(app, session);
-  add_report(app, session);
-  add_sensitivity(app, session);
-  add_tolerance(app, session);
-  add_yield(app, session);
-  add_compensate(app, session);
-  add_export(app, session);
-  add_reproduce(app, session);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
-  } catch (const CLI::ParseError& error) {
-    throw WrongUsage(usage_complaint(app, error));
-  }
-  if (app.get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
+  add_robot(program, session);
+  add_inverse(program, session);
+  add_forward(program, session);
+  add_error_model(program, session);
+  add_poses(program, session);
+  add_identifiability(program, session);
+  add_simulate(program, session);
+  add_calibrate(program, session);
+  add_validate(program, session);
+  add_report(program, session);
+  add_sensitivity(program, session);
+  add_tolerance(program, session);
+  add_yield(program, session);
+  add_compensate(program, session);
+  add_export(program, session);
+  add_reproduce(program, session);
+  if (const auto code = arguments.run(argc, argv)) return *code;
   session.outputs.commit();
   return session.exit_code;
 }

@@ -116,36 +116,36 @@ NoiseModel MeasuringOptions::noise() const {
   return noise;
 }
 
-void add_mount_option(CLI::App& command, ReflectorMount& mount) {
+void add_mount_option(Command& command, ReflectorMount& mount) {
   std::vector<std::string> names;
   names.reserve(kReflectorMounts.size());
   for (const ReflectorMount one : kReflectorMounts) names.emplace_back(name(one));
   const auto choose = [&mount](const std::string& wanted) {
     mount = *std::ranges::find(kReflectorMounts, wanted, [](ReflectorMount one) { return name(one); });
   };
-  command.add_option_function<std::string>("--reflectors", choose, "what the second reflector is mounted on")
-      ->check(CLI::IsMember(names))
-      ->default_str(names.front());
+  command.add_choice("--reflectors", choose, "what the second reflector is mounted on")
+      ->check(one_of(names))
+      ->shows_default(names.front());
 }
 
-void add_noise_options(CLI::App& command, MeasuringOptions& options) {
+void add_noise_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--sigma-mm", options.sigma_mm,
                   "standard deviation of a coordinate (0.017) or distance (0.05) that states none")
       ->check(positive_finite());
   command.add_option("--sigma-deg", options.sigma_deg, "standard deviation of rotations")
       ->check(positive_finite())
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--tracker-um", options.tracker_um,
                   "tracker at the origin of its frame: transverse um, um per m, radial um, um per m, e.g. 15,6,10,0.3")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(4)
       ->check(non_negative_finite());
 }
 
-CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options) {
-  CLI::Option* measurements =
+Option* add_measuring_options(Command& command, MeasuringOptions& options) {
+  Option* measurements =
       command
           .add_option("--measurements", options.files,
                       "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]), distances (CSV: "
@@ -164,30 +164,30 @@ CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options)
       .add_option("--distance-bias-mm", options.distance_bias_mm,
                   "standard deviation of an error that all distances share, as a calliper's zero or a wall's width")
       ->check(non_negative_finite())
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--scale-ppm", options.scale_ppm,
                   "standard deviation of the scale of the readings against the machine (1 K of steel: 11.5)")
-      ->check(CLI::Range(0.0, 1e4))
-      ->capture_default_str();
+      ->check(between(0.0, 1e4))
+      ->shows_default();
   command
       .add_option("--temperature-c", options.temperature_c, "of the machine while it was measured; lengths are of 20")
-      ->check(CLI::Range(-50.0, 150.0));
+      ->check(between(-50.0, 150.0));
   command
       .add_option("--expansion-ppm", options.expansion_ppm, "of the machine per K: steel 11.5, aluminium 23, carbon 0")
-      ->check(CLI::Range(-10.0, 100.0))
-      ->capture_default_str();
+      ->check(between(-10.0, 100.0))
+      ->shows_default();
   command
       .add_option("--instrument-expansion-ppm", options.instrument_expansion_ppm,
                   "of the instrument per K; 0: it corrects itself")
-      ->check(CLI::Range(-10.0, 100.0))
-      ->capture_default_str();
+      ->check(between(-10.0, 100.0))
+      ->shows_default();
   command.add_option("--frame", options.frame, "frame of measured points")
-      ->check(CLI::IsMember({"unknown", "robot"}))
-      ->capture_default_str();
+      ->check(one_of({"unknown", "robot"}))
+      ->shows_default();
   command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
-      ->check(CLI::IsMember({"relative", "absolute"}))
-      ->capture_default_str();
+      ->check(one_of({"relative", "absolute"}))
+      ->shows_default();
   return measurements;
 }
 
@@ -206,16 +206,16 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
   return instrument;
 }
 
-void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
-  const CLI::Range believable(0.0, kLargest, "up to 1e6");
-  CLI::Option* noise = command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate read")
-                           ->check(non_negative_finite())
-                           ->check(believable)
-                           ->capture_default_str();
+void add_instrument_options(Command& command, InstrumentOptions& options) {
+  const Rule believable = between(0.0, kLargest, "up to 1e6");
+  Option* noise = command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate read")
+                      ->check(non_negative_finite())
+                      ->check(believable)
+                      ->shows_default();
   command
       .add_option("--tracker-um", options.tracker_um,
                   "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(4)
       ->check(non_negative_finite())
       ->excludes(noise);
@@ -223,20 +223,20 @@ void add_instrument_options(CLI::App& command, InstrumentOptions& options) {
       .add_option("--repeatability-mm", options.repeatability_mm, "standard deviation of a coordinate of the machine")
       ->check(non_negative_finite())
       ->check(believable)
-      ->capture_default_str();
+      ->shows_default();
   command.add_option("--repeats", options.repeats, "visits of every pose")
-      ->transform(whole_number(1, 10000))
-      ->capture_default_str();
+      ->check(whole_number(1, 10000))
+      ->shows_default();
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
                   "standard deviation of a rotary encoder that reads phi")
       ->check(non_negative_finite())
       ->check(believable)
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--second", options.second,
                   "second reflector from the first, mm, in the frame of what carries it: x,y,z")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3);
 }
 

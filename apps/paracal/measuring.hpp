@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/measurement.hpp"
@@ -41,13 +41,13 @@ struct MeasuringOptions {
 };
 
 /// @returns --measurements, which is required unless its taker says otherwise.
-CLI::Option* add_measuring_options(CLI::App& command, MeasuringOptions& options);
+Option* add_measuring_options(Command& command, MeasuringOptions& options);
 
 /// --reflectors: what the second reflector is mounted on.
-void add_mount_option(CLI::App& command, ReflectorMount& mount);
+void add_mount_option(Command& command, ReflectorMount& mount);
 
 /// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
-void add_noise_options(CLI::App& command, MeasuringOptions& options);
+void add_noise_options(Command& command, MeasuringOptions& options);
 
 /// The instrument of commands that measure virtual machines.
 struct InstrumentOptions {
@@ -62,7 +62,7 @@ struct InstrumentOptions {
 
 /// --noise-mm, --tracker-um, --repeatability-mm, --repeats, --rotation-noise-deg, --second, with the values of
 /// `options` as defaults.
-void add_instrument_options(CLI::App& command, InstrumentOptions& options);
+void add_instrument_options(Command& command, InstrumentOptions& options);
 
 /// O1 ... O5.
 void add_indices(io::Json& json, const Observability& indices);

@@ -45,25 +45,22 @@ void require_writable(const std::string& option, const std::string& file) {
 
 }  // namespace
 
-CLI::Option* Outputs::declare(CLI::Option* option) {
-  options_.push_back(option->type_name("FILE"));
+Option* Outputs::declare(Option* option) {
+  options_.push_back(option->takes("FILE"));
   return option;
 }
 
-bool Outputs::is_output(const CLI::Option* option) const {
-  return std::ranges::find(options_, option) != options_.end();
-}
+bool Outputs::is_output(const Option& option) const { return std::ranges::find(options_, &option) != options_.end(); }
 
-void Outputs::check(const CLI::App& command) const {
-  const std::vector<const CLI::Option*> options = command.get_options();
-  for (const CLI::Option* output : options) {
-    if (!is_output(output) || output->count() == 0) continue;
-    const std::string file = output->results().front(), name = output->get_name();
-    for (const CLI::Option* other : options) {
-      if (other == output) continue;
-      for (const std::string& value : other->results()) {
+void Outputs::check(const Command& command) const {
+  for (const Option& output : command.options()) {
+    if (!is_output(output) || !output.is_given()) continue;
+    const std::string file = output.values().front(), name = output.name();
+    for (const Option& other : command.options()) {
+      if (&other == &output) continue;
+      for (const std::string& value : other.values()) {
         const bool same = is_same_file(file, value) || (is_output(other) && will_be_same_file(file, value));
-        if (same) refuse(name, file, other->get_name());
+        if (same) refuse(name, file, other.name());
       }
     }
     if (is_same_file(file, "/dev/stdin")) refuse(name, file, "standard input");
@@ -73,10 +70,10 @@ void Outputs::check(const CLI::App& command) const {
 }
 
 void Outputs::keep_off(const std::vector<std::string>& read) const {
-  for (const CLI::Option* output : options_) {
-    if (output->count() == 0) continue;
+  for (const Option* output : options_) {
+    if (!output->is_given()) continue;
     for (const std::string& file : read) {
-      if (is_same_file(output->results().front(), file)) refuse(output->get_name(), file, "read");
+      if (is_same_file(output->values().front(), file)) refuse(output->name(), file, "read");
     }
   }
 }

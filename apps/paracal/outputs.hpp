@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <deque>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/io/file.hpp"
 
 namespace paracal::app {
@@ -15,12 +15,12 @@ namespace paracal::app {
 class Outputs {
  public:
   /// An option that names a file to write.
-  CLI::Option* declare(CLI::Option* option);
+  Option* declare(Option* option);
 
   /// What can be known before the command runs: that an output is no file that another option names, nor standard input
   /// or output, and that its folder can be written.
   /// @throws WrongUsage
-  void check(const CLI::App& command) const;
+  void check(const Command& command) const;
   /// The same of files that were read without an option's naming them.
   /// @throws WrongUsage
   void keep_off(const std::vector<std::string>& read) const;
@@ -33,9 +33,9 @@ class Outputs {
   void commit();
 
  private:
-  bool is_output(const CLI::Option* option) const;
+  bool is_output(const Option& option) const;
 
-  std::vector<const CLI::Option*> options_;
+  std::vector<const Option*> options_;
   std::deque<io::OutputFile> written_;
 };
 

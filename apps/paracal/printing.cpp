@@ -15,9 +15,7 @@ namespace {
 
 constexpr std::string_view kKlipper = "klipper", kReprap = "reprapfirmware", kMarlin = "marlin";
 
-CLI::Validator any_firmware() {
-  return CLI::IsMember({std::string(kKlipper), std::string(kReprap), std::string(kMarlin)});
-}
+Rule any_firmware() { return one_of({std::string(kKlipper), std::string(kReprap), std::string(kMarlin)}); }
 
 io::CodeDialect dialect_of(std::string_view firmware) {
   return firmware == kMarlin ? io::CodeDialect::marlin : io::CodeDialect::reprapfirmware;
@@ -66,12 +64,12 @@ std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const
 
 }  // namespace
 
-CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text) {
-  CLI::Option* name = command.add_option("--printer", file.name, text)->excludes(command.get_option("--robot"));
+Option* add_printer_file(Command& command, PrinterFile& file, const std::string& text) {
+  Option* name = command.add_option("--printer", file.name, text)->excludes(command.get_option("--robot"));
   command.add_option("--firmware", file.firmware, "with --printer: whose configuration it is")
       ->check(any_firmware())
       ->needs(name)
-      ->capture_default_str();
+      ->shows_default();
   return name;
 }
 
@@ -88,8 +86,8 @@ PrinterState read_printer(const PrinterFile& file) {
           .readings = std::move(klipper.readings)};
 }
 
-CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
-  CLI::Option* file =
+Option* add_printer_options(Command& command, PrinterOptions& options) {
+  Option* file =
       add_printer_file(command, options.printer,
                        "instead: a delta printer's own configuration: Klipper's printer.cfg with what DELTA_CALIBRATE "
                        "left in it, or the M-codes of another firmware");
@@ -97,7 +95,7 @@ CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options) {
       .add_option("--readings", options.readings,
                   "with --printer: what was measured besides (CSV): heights of the bed, printed distances")
       ->needs(file)
-      ->delimiter(',');
+      ->separated_by(',');
   command.add_option("--write", options.write, "with --printer: how to write new values; default: as --firmware")
       ->check(any_firmware())
       ->needs(file);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/printer/delta_geometry.hpp"
 
@@ -18,7 +18,7 @@ struct PrinterFile {
 
 /// --printer and --firmware.
 /// @returns --printer.
-CLI::Option* add_printer_file(CLI::App& command, PrinterFile& file, const std::string& text);
+Option* add_printer_file(Command& command, PrinterFile& file, const std::string& text);
 
 /// What it says.
 struct PrinterState {
@@ -40,7 +40,7 @@ struct PrinterOptions {
 
 /// --printer, --firmware, --readings and --write.
 /// @returns --printer.
-CLI::Option* add_printer_options(CLI::App& command, PrinterOptions& options);
+Option* add_printer_options(Command& command, PrinterOptions& options);
 
 /// Calibrates a printer from its own file, and from what else was read on it.
 /// @param page  report to write; empty: none.

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/io/json.hpp"
 
@@ -21,7 +21,7 @@ struct ReportContent {
 };
 
 /// --report FILE; empty when it was not asked for.
-std::shared_ptr<std::string> add_report_option(CLI::App& command, Session& session);
+std::shared_ptr<std::string> add_report_option(Command& command, Session& session);
 
 /// Files that were read and are not in `inputs` yet, with the robot's; empty names are passed over.
 std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& session,

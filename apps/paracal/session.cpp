@@ -14,14 +14,12 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
-#include "usage.hpp"
 
 namespace paracal::app {
 
-CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std::string& job,
-                               const std::string& what) {
-  CLI::App* command = app.add_subcommand(name, what);
-  command->group(job);
+Command* Session::add_command(Command& parent, const std::string& name, const std::string& job,
+                              const std::string& what) {
+  Command* command = parent.add_command(name, what, job);
   command
       ->add_option(
           "--robot", robot_,
@@ -31,37 +29,15 @@ CLI::App* Session::add_command(CLI::App& app, const std::string& name, const std
   outputs.declare(
       command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common"));
   command->add_option("--seed", seed_, "seed of commands that draw random numbers")
-      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str()
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->shows_default()
       ->group("Common");
   command->add_option("--threads", threads_, "threads of commands that work in parallel; 0: all")
-      ->transform(whole_number(0, std::numeric_limits<unsigned>::max()))
-      ->capture_default_str()
+      ->check(whole_number(0, std::numeric_limits<unsigned>::max()))
+      ->shows_default()
       ->group("Common");
-  command->parse_complete_callback([this, command] { outputs.check(*command); });
+  command->check_all([this, command] { outputs.check(*command); });
   return command;
-}
-
-namespace {
-
-template <typename Accept>
-CLI::Validator finite_number(const char* expected, const char* shown, Accept&& accept) {
-  const auto complaint = [expected, accept](const std::string& text) {
-    double value = 0.0;
-    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && accept(value);
-    return good ? std::string() : fmt::format("expected {}, got {}", expected, text);
-  };
-  return {complaint, shown};
-}
-
-}  // namespace
-
-CLI::Validator positive_finite() {
-  return finite_number("a number above 0", "NUMBER > 0", [](double value) { return value > 0.0; });
-}
-
-CLI::Validator non_negative_finite() {
-  return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
 }
 
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "arguments.hpp"
 #include "inputs.hpp"
 #include "outputs.hpp"
 #include "paracal/error.hpp"
@@ -28,11 +28,6 @@ class WrongUsage : public Error {
 class MathematicsSaysNo : public Error {
   using Error::Error;
 };
-
-/// Accepts finite numbers above zero.
-CLI::Validator positive_finite();
-/// Accepts finite numbers from zero.
-CLI::Validator non_negative_finite();
 
 /// Source errors of a file: source errors (TOML) or a calibration (JSON).
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
@@ -62,7 +57,7 @@ std::string shell_line(int argc, char** argv);
 class Session {
  public:
   /// A new command with the common options, listed in --help under the user's job.
-  CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& job, const std::string& what);
+  Command* add_command(Command& parent, const std::string& name, const std::string& job, const std::string& what);
 
   /// The robot that --robot, a calibration or a table names; where several do, they name the same.
   /// @throws WrongUsage where none does or an output is its file, InputFileError where two disagree.
@@ -93,21 +88,21 @@ class Session {
 };
 
 /// One function a command (commands/NAME.cpp): declares its options and what it does.
-void add_robot(CLI::App& app, Session& session);
-void add_inverse(CLI::App& app, Session& session);
-void add_forward(CLI::App& app, Session& session);
-void add_error_model(CLI::App& app, Session& session);
-void add_poses(CLI::App& app, Session& session);
-void add_identifiability(CLI::App& app, Session& session);
-void add_simulate(CLI::App& app, Session& session);
-void add_calibrate(CLI::App& app, Session& session);
-void add_validate(CLI::App& app, Session& session);
-void add_sensitivity(CLI::App& app, Session& session);
-void add_tolerance(CLI::App& app, Session& session);
-void add_report(CLI::App& app, Session& session);
-void add_reproduce(CLI::App& app, Session& session);
-void add_yield(CLI::App& app, Session& session);
-void add_compensate(CLI::App& app, Session& session);
-void add_export(CLI::App& app, Session& session);
+void add_robot(Command& program, Session& session);
+void add_inverse(Command& program, Session& session);
+void add_forward(Command& program, Session& session);
+void add_error_model(Command& program, Session& session);
+void add_poses(Command& program, Session& session);
+void add_identifiability(Command& program, Session& session);
+void add_simulate(Command& program, Session& session);
+void add_calibrate(Command& program, Session& session);
+void add_validate(Command& program, Session& session);
+void add_sensitivity(Command& program, Session& session);
+void add_tolerance(Command& program, Session& session);
+void add_report(Command& program, Session& session);
+void add_reproduce(Command& program, Session& session);
+void add_yield(Command& program, Session& session);
+void add_compensate(Command& program, Session& session);
+void add_export(Command& program, Session& session);
 
 }  // namespace paracal::app

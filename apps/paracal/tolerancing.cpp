@@ -63,7 +63,7 @@ std::string pareto(const std::vector<Contributor>& contributors) {
   return text;
 }
 
-CLI::Validator characteristic_validator() {
+Rule characteristic_validator() {
   const auto complaint = [](const std::string& text) {
     if (characteristic_named(text)) return std::string();
     std::string known;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/tolerance/requirement.hpp"
@@ -50,6 +50,6 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found);
 io::Json three_sigma_json(const Robot& robot, Characteristic what, const Tolerances& tolerances);
 
 /// Accepts the name of a characteristic.
-CLI::Validator characteristic_validator();
+Rule characteristic_validator();
 
 }  // namespace paracal::app

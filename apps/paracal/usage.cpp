@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 namespace paracal::app {
@@ -54,15 +55,6 @@ std::optional<std::string> meant(const CLI::App& command, const std::string& wor
   return *nearest;
 }
 
-/// A number as people write one: 100000, 1e5.
-std::optional<std::uint64_t> whole(std::string_view text) {
-  constexpr double kLargestExact = 9007199254740992.0;  // 2^53
-  if (const auto number = number_in<std::uint64_t>(text)) return number;
-  const double value = number_in<double>(text).value_or(-1.0);
-  const bool is_whole = value >= 0.0 && value <= kLargestExact && value == std::floor(value);
-  return is_whole ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
-}
-
 }  // namespace
 
 std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
@@ -77,18 +69,6 @@ std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
     if (const auto word = meant(command, extra.front())) text += fmt::format(" (did you mean {}?)", *word);
   }
   return fmt::format("{}; see {} --help", text, whole_name(command));
-}
-
-CLI::Validator whole_number(std::uint64_t smallest, std::uint64_t largest) {
-  const auto rewrite = [smallest, largest](std::string& text) {
-    const auto number = whole(text);
-    if (!number || *number < smallest || *number > largest) {
-      return fmt::format("expected a whole number from {} to {}, got {}", smallest, largest, text);
-    }
-    text = std::to_string(*number);
-    return std::string();
-  };
-  return {rewrite, fmt::format("INT in [{} - {}]", smallest, largest)};
 }
 
 }  // namespace paracal::app

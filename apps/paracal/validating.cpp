@@ -11,7 +11,7 @@ AcceptanceLimits LimitOptions::limits() const {
   return limits;
 }
 
-void add_limit_options(CLI::App& command, LimitOptions& options) {
+void add_limit_options(Command& command, LimitOptions& options) {
   command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive_finite());
   command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
       ->check(positive_finite());
@@ -25,9 +25,9 @@ ValidationOptions ValidatingOptions::options() const {
           .limits = limits.limits()};
 }
 
-CLI::Option* add_validating_options(CLI::App& command, ValidatingOptions& options) {
+Option* add_validating_options(Command& command, ValidatingOptions& options) {
   command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
-  CLI::Option* measurements = add_measuring_options(command, options.measuring);
+  Option* measurements = add_measuring_options(command, options.measuring);
   add_limit_options(command, options.limits);
   return measurements;
 }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "arguments.hpp"
 #include "inputs.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/validation.hpp"
@@ -16,7 +17,7 @@ struct LimitOptions {
   AcceptanceLimits limits() const;
 };
 
-void add_limit_options(CLI::App& command, LimitOptions& options);
+void add_limit_options(Command& command, LimitOptions& options);
 
 /// What commands that judge a calibration by measurements ask for.
 struct ValidatingOptions {
@@ -30,6 +31,6 @@ struct ValidatingOptions {
 
 /// --calibration, the measuring options and the limits.
 /// @returns --measurements, which is required unless its taker says otherwise.
-CLI::Option* add_validating_options(CLI::App& command, ValidatingOptions& options);
+Option* add_validating_options(Command& command, ValidatingOptions& options);
 
 }  // namespace paracal::app

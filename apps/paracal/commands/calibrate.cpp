@@ -124,13 +124,13 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, Session& session) {
-  CLI::App* command =
-      session.add_command(app, "calibrate", "Calibrate a machine",
+void add_calibrate(Command& program, Session& session) {
+  Command* command =
+      session.add_command(program, "calibrate", "Calibrate a machine",
                           "identify source errors from measurements; --out keeps the calibration (JSON)");
   const auto options = std::make_shared<Options>();
   add_measuring_options(*command, options->measuring);
-  CLI::Option* measurements = command->get_option("--measurements");
+  Option* measurements = command->get_option("--measurements");
   measurements->required(false);
   add_limit_options(*command, options->limits);
   add_printer_options(*command, options->printer)->excludes(measurements);
@@ -140,14 +140,14 @@ void add_calibrate(CLI::App& app, Session& session) {
   command
       ->add_option("--stage", options->stage,
                    "rough: the encoder offsets; fine: everything; auto: as far as the data carry")
-      ->check(CLI::IsMember({"rough", "fine", "auto"}))
-      ->capture_default_str();
+      ->check(one_of({"rough", "fine", "auto"}))
+      ->shows_default();
   command->add_option("--method", options->method, "best: exact model, full covariance, priors; paper: Eqs. 19 and 21")
-      ->check(CLI::IsMember({"best", "paper"}))
-      ->capture_default_str();
+      ->check(one_of({"best", "paper"}))
+      ->shows_default();
   command->add_option("--tolerances", options->tolerances, "priors (TOML); default: the robot's tolerances");
-  command->add_option("--fix", options->fixed, "source errors held at zero, e.g. alpha0,e_x2")->delimiter(',');
-  command->add_option("--free", options->free, "source errors sought without a prior")->delimiter(',');
+  command->add_option("--fix", options->fixed, "source errors held at zero, e.g. alpha0,e_x2")->separated_by(',');
+  command->add_option("--free", options->free, "source errors sought without a prior")->separated_by(',');
   command->add_flag("--keep-outliers", options->keep_outliers,
                     "name readings that contradict the others, but use them");
   options->report = add_report_option(*command, session);

@@ -148,16 +148,16 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_compensate(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "compensate", "Compensate a machine",
-                                          "corrected joint angles, and corrected targets for closed controllers");
+void add_compensate(Command& program, Session& session) {
+  Command* command = session.add_command(program, "compensate", "Compensate a machine",
+                                         "corrected joint angles, and corrected targets for closed controllers");
   const auto options = std::make_shared<Options>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)");
   command->add_option("--errors", options->errors, "source errors (TOML) instead of a calibration");
   command->add_option("--poses", options->poses, "pose table (CSV): where the plate is wanted")->required();
   command->add_option("--way", options->way, "exact; or as in the paper: linear (Eqs. 22, 23) or tilt-aware (Eq. 8)")
-      ->check(CLI::IsMember({"exact", "tilt-aware", "linear"}))
-      ->capture_default_str();
+      ->check(one_of({"exact", "tilt-aware", "linear"}))
+      ->shows_default();
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV), for a controller that computes with the nominal robot");
   command->callback([&session, options] { run(*options, session); });

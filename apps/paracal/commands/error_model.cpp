@@ -107,13 +107,13 @@ void run(const std::vector<double>& numbers, Session& session) {
 
 }  // namespace
 
-void add_error_model(CLI::App& app, Session& session) {
-  CLI::App* command =
-      session.add_command(app, "error-model", "Error model", "how source errors move and tilt the plate at a pose");
+void add_error_model(Command& program, Session& session) {
+  Command* command =
+      session.add_command(program, "error-model", "Error model", "how source errors move and tilt the plate at a pose");
   const auto pose = std::make_shared<std::vector<double>>();
   command->add_option("--pose", *pose, "x,y,z,phi in mm and deg (phi may be left out)")
       ->required()
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3, 4);
   command->callback([&session, pose] { run(*pose, session); });
 }

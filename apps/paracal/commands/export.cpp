@@ -61,9 +61,9 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_export(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "export", "Compensate a machine",
-                                          "the compensator for a controller, or files with corrected targets");
+void add_export(Command& program, Session& session) {
+  Command* command = session.add_command(program, "export", "Compensate a machine",
+                                         "the compensator for a controller, or files with corrected targets");
   const auto options = std::make_shared<Options>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
   command
@@ -72,17 +72,17 @@ void add_export(CLI::App& app, Session& session) {
                    "compensator's parameters; gcode, csv: a program or a "
                    "pose table with corrected targets")
       ->required()
-      ->check(CLI::IsMember({"c99", "linuxcnc", "json", "gcode", "csv"}));
+      ->check(one_of({"c99", "linuxcnc", "json", "gcode", "csv"}));
   command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
   command
       ->add_option("--origin", options->filter.origin,
                    "gcode: x,y,z in mm of the program's origin in the robot's frame")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3);
   command
       ->add_option("--start", options->filter.start,
                    "gcode: x,y,z,phi in mm and deg where the program's coordinates stand before its first line")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3, 4);
   command->add_flag("--header", options->filter.header,
                     "gcode, csv: say first, in comments, where the targets come from");

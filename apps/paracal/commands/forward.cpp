@@ -56,8 +56,8 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_forward(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "forward", "Kinematics", "exact poses that joint angles lead to");
+void add_forward(Command& program, Session& session) {
+  Command* command = session.add_command(program, "forward", "Kinematics", "exact poses that joint angles lead to");
   const auto options = std::make_shared<Options>();
   command->add_option("--joints", options->joints, "joint table (CSV)")->required();
   command->add_option("--errors", options->errors,

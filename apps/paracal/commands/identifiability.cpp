@@ -132,20 +132,20 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_identifiability(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "identifiability", "Calibrate a machine",
-                                          "what a plan will reveal, and what it cannot, before measuring");
+void add_identifiability(Command& program, Session& session) {
+  Command* command = session.add_command(program, "identifiability", "Calibrate a machine",
+                                         "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
   command->add_option("--measure", options->measure, "what is measured")
-      ->check(CLI::IsMember({"distance", "coordinates"}))
-      ->capture_default_str();
+      ->check(one_of({"distance", "coordinates"}))
+      ->shows_default();
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
-      ->check(CLI::IsMember({"unknown", "robot"}))
-      ->capture_default_str();
+      ->check(one_of({"unknown", "robot"}))
+      ->shows_default();
   command->add_option("--rotation", options->rotation, "whether phi is read, and from which zero")
-      ->check(CLI::IsMember({"none", "relative", "absolute"}))
-      ->capture_default_str();
+      ->check(one_of({"none", "relative", "absolute"}))
+      ->shows_default();
   command->add_flag("--second", options->second, "a second reflector is read, too: tilt");
   add_noise_options(*command, options->measuring);
   command->callback([&session, options] { run(*options, session); });

@@ -39,8 +39,8 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_inverse(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "inverse", "Kinematics", "joint angles that reach poses");
+void add_inverse(Command& program, Session& session) {
+  Command* command = session.add_command(program, "inverse", "Kinematics", "joint angles that reach poses");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->poses, "pose table (CSV)")->required();
   command->add_option("--errors", options->errors,

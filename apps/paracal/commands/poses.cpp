@@ -150,43 +150,45 @@ void run_selection(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_poses(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "poses", "Calibrate a machine", "which poses to measure");
+void add_poses(Command& program, Session& session) {
+  Command* command = session.add_command(program, "poses", "Calibrate a machine", "which poses to measure");
   const auto options = std::make_shared<Options>();
+  std::vector<std::string> criteria;
+  for (const auto& [criterion, unused] : kCriteria) criteria.push_back(criterion);
   command->add_option("--stage", options->stage, "the paper's scheme, to the n at which O2 settles")
-      ->check(CLI::IsMember({"rough", "fine"}))
-      ->capture_default_str();
+      ->check(one_of({"rough", "fine"}))
+      ->shows_default();
   command->add_option("--start-deg", options->start_deg, "azimuth of the first point")
-      ->check(CLI::Range(-360.0, 360.0))
-      ->capture_default_str();
+      ->check(between(-360.0, 360.0))
+      ->shows_default();
   command->add_option("--threshold", options->threshold, "relative change of O2 that counts as settled")
       ->check(positive_finite())
-      ->capture_default_str();
-  CLI::Option* optimal =
+      ->shows_default();
+  Option* optimal =
       command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
-          ->transform(whole_number(2, 1000));
+          ->check(whole_number(2, 1000));
   command->add_option("--candidates", options->candidates, "poses to choose from")
-      ->transform(whole_number(2, 100000))
+      ->check(whole_number(2, 100000))
       ->needs(optimal)
-      ->capture_default_str();
+      ->shows_default();
   command->add_option("--criterion", options->criterion, "what the best poses make small")
-      ->check(CLI::IsMember(kCriteria))
+      ->check(one_of(criteria))
       ->needs(optimal)
-      ->capture_default_str();
+      ->shows_default();
   command->add_flag("--read-rotation", options->rotation, "phi is read at every pose, too")->needs(optimal);
   command->add_flag("--second", options->second, "a second reflector is read at every pose, too")->needs(optimal);
   command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3)
       ->needs(optimal);
   command->add_option("--facing", options->facing, "where the reflector faces at phi = 0: x,y,z")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(3)
       ->needs(optimal);
   command->add_option("--acceptance-deg", options->acceptance_deg, "half-angle under which the reflector is seen")
-      ->check(CLI::Range(1.0, 180.0))
+      ->check(between(1.0, 180.0))
       ->needs(optimal)
-      ->capture_default_str();
+      ->shows_default();
   command->add_flag("--on-plate", options->fixed_to_plate, "the reflector does not turn with phi")->needs(optimal);
   add_noise_options(*command, options->measuring);
   command->callback([&session, options] {

@@ -42,9 +42,9 @@ void run(const ValidatingOptions& options, Session& session) {
 
 }  // namespace
 
-void add_report(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "report", "Calibrate a machine",
-                                          "a calibration as a page to look at (HTML, self-contained); --out FILE");
+void add_report(Command& program, Session& session) {
+  Command* command = session.add_command(program, "report", "Calibrate a machine",
+                                         "a calibration as a page to look at (HTML, self-contained); --out FILE");
   const auto options = std::make_shared<ValidatingOptions>();
   add_validating_options(*command, *options)->required(false);
   command->callback([&session, options] { run(*options, session); });

@@ -106,11 +106,11 @@ void write_page(const std::string& file, Session& session, const Reproduction& r
 
 }  // namespace
 
-void add_reproduce(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "reproduce", "Check this program", "published numbers beside ours");
+void add_reproduce(Command& program, Session& session) {
+  Command* command = session.add_command(program, "reproduce", "Check this program", "published numbers beside ours");
   const auto paper = std::make_shared<std::string>();
-  command->add_option("paper", *paper, "which publication")->required()->check(CLI::IsMember({"huang2016"}));
-  command->get_option("--robot")->check(CLI::IsMember({"huang2016"}));
+  command->add_option("paper", *paper, "which publication")->required()->check(one_of({"huang2016"}));
+  command->get_option("--robot")->check(one_of({"huang2016"}));
   const std::shared_ptr<std::string> page = add_report_option(*command, session);
   command->callback([&session, paper, page] {
     const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016());

@@ -26,8 +26,8 @@ Robot printer_robot(const PrinterFile& file) {
 
 }  // namespace
 
-void add_robot(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "robot", "Describe a robot", "the robot as a file to start from");
+void add_robot(Command& program, Session& session) {
+  Command* command = session.add_command(program, "robot", "Describe a robot", "the robot as a file to start from");
   const auto only_names = std::make_shared<bool>(false);
   command->add_flag("--list", *only_names, "names of the catalogue");
   const auto printer = std::make_shared<PrinterFile>();

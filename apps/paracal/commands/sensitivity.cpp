@@ -94,9 +94,9 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_sensitivity(CLI::App& app, Session& session) {
-  CLI::App* command =
-      session.add_command(app, "sensitivity", "Design tolerances",
+void add_sensitivity(Command& program, Session& session) {
+  Command* command =
+      session.add_command(program, "sensitivity", "Design tolerances",
                           "how much each source error matters: at a pose, over the workspace, and where");
   const auto options = std::make_shared<Options>();
   command
@@ -104,15 +104,15 @@ void add_sensitivity(CLI::App& app, Session& session) {
                    "of what: tilt, twist, position, distance, rotation; "
                    "position-compensated: after the position group is compensated")
       ->check(characteristic_validator())
-      ->capture_default_str();
+      ->shows_default();
   command->add_option("--pose", options->pose, "local sensitivities here, too: x,y,z,phi (mm, deg)")
-      ->delimiter(',')
+      ->separated_by(',')
       ->expected(4);
   command->add_option("--tolerances", options->tolerances, "for contributors and map (TOML); default: the robot's");
   command->add_flag("--all-rotations", options->all_rotations, "mean over phi, too; the paper's is at phi = 0");
   command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
       ->check(positive_finite())
-      ->capture_default_str();
+      ->shows_default();
   session.outputs.declare(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });

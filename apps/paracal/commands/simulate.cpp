@@ -75,24 +75,24 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "simulate", "Calibrate a machine",
-                                          "what a virtual machine would be measured to do (CSV)");
+void add_simulate(Command& program, Session& session) {
+  Command* command = session.add_command(program, "simulate", "Calibrate a machine",
+                                         "what a virtual machine would be measured to do (CSV)");
   const auto options = std::make_shared<Options>();
   command->add_option("--errors", options->errors,
                       "source errors of the machine (TOML) or a calibration (JSON); without: drawn from the tolerances "
                       "by --seed and --machine");
   command->add_option("--machine", options->machine, "which of the drawn machines")
-      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str();
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->shows_default();
   session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);
   command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
   command->add_option("--frame", options->frame, "frame of the instrument")
-      ->check(CLI::IsMember({"robot", "random"}))
-      ->capture_default_str();
+      ->check(one_of({"robot", "random"}))
+      ->shows_default();
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -2,10 +2,10 @@
 
 namespace paracal::app {
 
-void add_tolerance(CLI::App& app, Session& session) {
-  CLI::App* tolerance = app.add_subcommand("tolerance", "choose tolerances, or see what they lead to");
-  tolerance->group("Design tolerances");
-  tolerance->require_subcommand(1);
+void add_tolerance(Command& program, Session& session) {
+  Command* tolerance =
+      program.add_command("tolerance", "choose tolerances, or see what they lead to", "Design tolerances");
+  tolerance->require_command();
   add_tolerance_allocate(*tolerance, session);
   add_tolerance_analyze(*tolerance, session);
 }

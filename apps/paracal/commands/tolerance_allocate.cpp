@@ -112,24 +112,24 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_tolerance_allocate(CLI::App& tolerance, Session& session) {
-  CLI::App* command = session.add_command(tolerance, "allocate", "", "the widest tolerances that keep a limit");
+void add_tolerance_allocate(Command& tolerance, Session& session) {
+  Command* command = session.add_command(tolerance, "allocate", "", "the widest tolerances that keep a limit");
   const auto options = std::make_shared<Options>();
-  CLI::Option* tilt = command->add_option("--max-tilt", options->max_tilt, "3 sigma of the plate's tilt, rad")
-                          ->check(positive_finite())
-                          ->capture_default_str();
-  CLI::Option* bound = command
-                           ->add_option("--bound", options->bound,
-                                        "how the largest tilt is meant: sum-of-maxima reproduces the paper's Table 2, "
-                                        "true-maximum is about 10 % wider")
-                           ->check(CLI::IsMember({"sum-of-maxima", "true-maximum"}))
-                           ->capture_default_str();
-  CLI::Option* least =
+  Option* tilt = command->add_option("--max-tilt", options->max_tilt, "3 sigma of the plate's tilt, rad")
+                     ->check(positive_finite())
+                     ->shows_default();
+  Option* bound = command
+                      ->add_option("--bound", options->bound,
+                                   "how the largest tilt is meant: sum-of-maxima reproduces the paper's Table 2, "
+                                   "true-maximum is about 10 % wider")
+                      ->check(one_of({"sum-of-maxima", "true-maximum"}))
+                      ->shows_default();
+  Option* least =
       command->add_option("--least", options->least, "tightest tolerance that can be made, rad (0.0002 in the paper)")
           ->check(positive_finite());
   command->add_option("--least-is", options->least_is, "whether --least bounds the tolerance (3 sigma) or sigma")
-      ->check(CLI::IsMember({"tolerance", "sigma"}))
-      ->capture_default_str();
+      ->check(one_of({"tolerance", "sigma"}))
+      ->shows_default();
   command->add_option("--tolerances", options->tolerances,
                       "of the sources that are not chosen (TOML); default: the robot's");
   command->add_option("--problem", options->problem, "requirements, cost curves and bounds (TOML; docs/tolerance.md)")

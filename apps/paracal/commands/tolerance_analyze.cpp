@@ -232,37 +232,37 @@ void run(const Options& options, Session& session) {
 
 }  // namespace
 
-void add_tolerance_analyze(CLI::App& tolerance, Session& session) {
-  CLI::App* command = session.add_command(
+void add_tolerance_analyze(Command& tolerance, Session& session) {
+  Command* command = session.add_command(
       tolerance, "analyze", "", "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
   const auto options = std::make_shared<Options>();
   command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
-  CLI::Option* tilt = command->add_option("--max-tilt", options->max_tilt, "limit on the plate's tilt, rad")
-                          ->check(positive_finite())
-                          ->capture_default_str();
+  Option* tilt = command->add_option("--max-tilt", options->max_tilt, "limit on the plate's tilt, rad")
+                     ->check(positive_finite())
+                     ->shows_default();
   command->add_option("--problem", options->problem, "instead: the requirements of this file (TOML; docs/tolerance.md)")
       ->excludes(tilt);
   command->add_option("--model", options->model, "of the Monte Carlo")
-      ->check(CLI::IsMember({"linear", "exact"}))
-      ->capture_default_str();
-  const CLI::Range share(1e-4, 1.0, "0.0001 to 1"), confidence(0.5, 0.9999, "0.5 to 0.9999");
+      ->check(one_of({"linear", "exact"}))
+      ->shows_default();
+  const Rule share = between(1e-4, 1.0, "0.0001 to 1"), confidence = between(0.5, 0.9999, "0.5 to 0.9999");
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,
                    "draw machines until every sigma is known to this share")
       ->check(share)
-      ->capture_default_str();
+      ->shows_default();
   command->add_option("--confidence", options->monte_carlo.confidence, "of this and of all intervals")
       ->check(confidence)
-      ->capture_default_str();
+      ->shows_default();
   command->add_option("--max-machines", options->monte_carlo.max_machines, "but no more than these")
-      ->transform(whole_number(16, 1'000'000'000'000))
-      ->capture_default_str();
+      ->check(whole_number(16, 1'000'000'000'000))
+      ->shows_default();
   command->add_option("--sobol", options->sobol, "Sobol indices from so many samples (exact model)")
-      ->transform(whole_number(8, 10'000'000));
+      ->check(whole_number(8, 10'000'000));
   command->add_flag("--linearity", options->linearity,
                     "how far the linear model is off, up to 30 times the tolerances");
   command->add_option("--min-yield", options->min_yield, "exit with 1 unless the yield is proven to reach this")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

@@ -60,9 +60,9 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
 
 }  // namespace
 
-void add_validate(CLI::App& app, Session& session) {
-  CLI::App* command = session.add_command(app, "validate", "Calibrate a machine",
-                                          "a calibration on poses that it has not seen; ISO 9283 from repeats");
+void add_validate(Command& program, Session& session) {
+  Command* command = session.add_command(program, "validate", "Calibrate a machine",
+                                         "a calibration on poses that it has not seen; ISO 9283 from repeats");
   const auto options = std::make_shared<ValidatingOptions>();
   add_validating_options(*command, *options);
   const std::shared_ptr<std::string> report = add_report_option(*command, session);

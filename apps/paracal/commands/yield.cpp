@@ -224,7 +224,7 @@ void run(const Options& options, Session& session) {
                  : session.print(text_of(options, order.batch, result));
 }
 
-void add_limits(CLI::App& command, Options& options) {
+void add_limits(Command& command, Options& options) {
   for (const Row& row : kRows) {
     command.add_option(row.option, options.limits[row.kind], fmt::format("of the row \"{}\"", row.text))
         ->check(positive_finite())
@@ -233,42 +233,40 @@ void add_limits(CLI::App& command, Options& options) {
   command
       .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
       ->check(non_negative_finite())
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->group("Limits after calibration");
 }
 
 }  // namespace
 
-void add_yield(CLI::App& app, Session& session) {
-  CLI::App* command =
-      session.add_command(app, "yield", "Design tolerances",
+void add_yield(Command& program, Session& session) {
+  Command* command =
+      session.add_command(program, "yield", "Design tolerances",
                           "build, calibrate and validate a batch of virtual machines: what customers get");
   const auto options = std::make_shared<Options>();
-  command->add_option("--machines", options->machines, "how many")
-      ->required()
-      ->transform(whole_number(1, kMostMachines));
+  command->add_option("--machines", options->machines, "how many")->required()->check(whole_number(1, kMostMachines));
   command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
   command->add_option("--poses", options->poses,
                       "poses to measure (CSV); default: the paper's, home and two rims of 9");
   command->add_option("--method", options->method, "of the calibration, as in calibrate")
-      ->check(CLI::IsMember({"best", "paper"}))
-      ->capture_default_str();
+      ->check(one_of({"best", "paper"}))
+      ->shows_default();
   command
       ->add_option("--rotation", options->rotation,
                    "a rotary encoder reads phi: not at all, relative to home, or absolute")
-      ->check(CLI::IsMember({"none", "relative", "absolute"}))
-      ->capture_default_str();
+      ->check(one_of({"none", "relative", "absolute"}))
+      ->shows_default();
   add_instrument_options(*command, options->instrument);
   add_limits(*command, *options);
   command->add_option("--confidence", options->confidence, "of the intervals")
       ->check(positive_finite())
-      ->check(CLI::Range(0.01, 0.999999))
-      ->capture_default_str();
+      ->check(between(0.01, 0.999999))
+      ->shows_default();
   command->add_option("--checkpoint", options->checkpoint,
                       "folder that keeps finished chunks: resumes a run, and joins the ranks of mpirun or srun");
   command->add_option("--chunk", options->chunk, "machines a chunk: what a process that dies costs")
-      ->transform(whole_number(1, kLargestChunk))
-      ->capture_default_str();
+      ->check(whole_number(1, kLargestChunk))
+      ->shows_default();
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

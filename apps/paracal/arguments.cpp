@@ -1,0 +1,189 @@
+#include "arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "session.hpp"
+#include "usage.hpp"
+
+namespace paracal::app {
+
+Rule::Rule(const CLI::Validator& validator) : validator_(std::make_shared<const CLI::Validator>(validator)) {}
+
+Rule::Rule(const std::function<std::string(std::string& text)>& complaint, const std::string& shown, bool rewrites)
+    : Rule(CLI::Validator(complaint, shown).non_modifying(!rewrites)) {}
+
+void Rule::set_on(CLI::Option& option) const {
+  validator_->get_modifying() ? option.transform(*validator_) : option.check(*validator_);
+}
+
+Rule one_of(const std::vector<std::string>& words) { return Rule(CLI::IsMember(words).non_modifying()); }
+
+Rule between(double smallest, double largest, const std::string& shown) {
+  CLI::Range range = shown.empty() ? CLI::Range(smallest, largest) : CLI::Range(smallest, largest, shown);
+  return Rule(range.non_modifying());
+}
+
+namespace {
+
+template <typename Accept>
+Rule finite_number(const char* expected, const char* shown, Accept&& accept) {
+  const auto complaint = [expected, accept](const std::string& text) {
+    double value = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && accept(value);
+    return good ? std::string() : fmt::format("expected {}, got {}", expected, text);
+  };
+  return {complaint, shown};
+}
+
+/// A number as people write one: 100000, 1e5.
+std::optional<std::uint64_t> whole(std::string_view text) {
+  constexpr double kLargestExact = 9007199254740992.0;  // 2^53
+  if (const auto number = number_in<std::uint64_t>(text)) return number;
+  const double value = number_in<double>(text).value_or(-1.0);
+  const bool is_whole = value >= 0.0 && value <= kLargestExact && value == std::floor(value);
+  return is_whole ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
+}
+
+}  // namespace
+
+Rule positive_finite() {
+  return finite_number("a number above 0", "NUMBER > 0", [](double value) { return value > 0.0; });
+}
+
+Rule non_negative_finite() {
+  return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
+}
+
+Rule whole_number(std::uint64_t smallest, std::uint64_t largest) {
+  const auto rewrite = [smallest, largest](std::string& text) {
+    const auto number = whole(text);
+    if (!number || *number < smallest || *number > largest) {
+      return fmt::format("expected a whole number from {} to {}, got {}", smallest, largest, text);
+    }
+    text = std::to_string(*number);
+    return std::string();
+  };
+  return {rewrite, fmt::format("INT in [{} - {}]", smallest, largest), true};
+}
+
+Option* Option::required(bool is_required) {
+  option_->required(is_required);
+  return this;
+}
+
+Option* Option::check(const Rule& rule) {
+  rule.set_on(*option_);
+  return this;
+}
+
+Option* Option::needs(const Option* other) {
+  option_->needs(other->option_);
+  return this;
+}
+
+Option* Option::excludes(const Option* other) {
+  option_->excludes(other->option_);
+  return this;
+}
+
+Option* Option::separated_by(char separator) {
+  option_->delimiter(separator);
+  return this;
+}
+
+Option* Option::expected(int least, int most) {
+  option_->expected(least, most);
+  return this;
+}
+
+Option* Option::shows_default() {
+  option_->capture_default_str();
+  return this;
+}
+
+Option* Option::shows_default(const std::string& text) {
+  option_->default_str(text);
+  return this;
+}
+
+Option* Option::group(const std::string& heading) {
+  option_->group(heading);
+  return this;
+}
+
+Option* Option::takes(const std::string& what) {
+  option_->type_name(what);
+  return this;
+}
+
+std::string Option::name() const { return option_->get_name(); }
+
+bool Option::is_given() const { return option_->count() > 0; }
+
+std::vector<std::string> Option::values() const { return option_->results(); }
+
+template <typename Value>
+Option* Command::add_option(const std::string& name, Value& value, const std::string& text) {
+  return keep(command_->add_option(name, value, text));
+}
+template Option* Command::add_option(const std::string&, std::string&, const std::string&);
+template Option* Command::add_option(const std::string&, int&, const std::string&);
+template Option* Command::add_option(const std::string&, unsigned&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option* Command::add_option(const std::string&, double&, const std::string&);
+template Option* Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option* Command::add_option(const std::string&, std::vector<double>&, const std::string&);
+template Option* Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+
+Option* Command::add_flag(const std::string& name, bool& value, const std::string& text) {
+  return keep(command_->add_flag(name, value, text));
+}
+
+Option* Command::add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,
+                            const std::string& text) {
+  return keep(command_->add_option_function<std::string>(name, choose, text));
+}
+
+Command* Command::add_command(const std::string& name, const std::string& text, const std::string& group) {
+  CLI::App* const command = command_->add_subcommand(name, text);
+  command->group(group);
+  return &commands_.emplace_back(*command);
+}
+
+void Command::require_command() { command_->require_subcommand(1); }
+
+void Command::callback(const std::function<void()>& run) { command_->callback(run); }
+
+void Command::check_all(const std::function<void()>& look) { command_->parse_complete_callback(look); }
+
+Option* Command::get_option(std::string_view name) {
+  return &*std::ranges::find(options_, name, [](const Option& one) { return one.name(); });
+}
+
+Arguments::Arguments(const std::string& about, const std::string& name, const std::string& version,
+                     const std::string& footer)
+    : app_(std::make_unique<CLI::App>(about, name)), program_(*app_) {
+  app_->set_version_flag("--version", version);
+  app_->require_subcommand(0, 1);
+  app_->footer(footer);
+}
+
+Arguments::~Arguments() = default;
+
+std::optional<int> Arguments::run(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app_->exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    throw WrongUsage(usage_complaint(*app_, error));
+  }
+  if (app_->get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
+  return std::nullopt;
+}
+
+}  // namespace paracal::app

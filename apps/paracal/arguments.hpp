@@ -1,0 +1,128 @@
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// The command line library costs each unit that includes it four seconds: arguments.cpp alone does.
+namespace CLI {
+class App;
+class Option;
+class Validator;
+}  // namespace CLI
+
+namespace paracal::app {
+
+/// A text that is one number from its first character to its last.
+template <typename Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
+}
+
+/// What the text of an option must be.
+class Rule {
+ public:
+  explicit Rule(const CLI::Validator& validator);
+  /// @param complaint  of a text; empty: none.
+  /// @param shown      in --help.
+  /// @param rewrites   whether the complaint writes the text in another way, too.
+  Rule(const std::function<std::string(std::string& text)>& complaint, const std::string& shown, bool rewrites = false);
+  void set_on(CLI::Option& option) const;
+
+ private:
+  std::shared_ptr<const CLI::Validator> validator_;
+};
+
+Rule one_of(const std::vector<std::string>& words);
+/// @param shown  in --help; empty: the two numbers.
+Rule between(double smallest, double largest, const std::string& shown = {});
+/// Finite numbers above zero.
+Rule positive_finite();
+/// Finite numbers from zero.
+Rule non_negative_finite();
+/// Whole numbers from `smallest` to `largest`, 1e6 and the like, too.
+Rule whole_number(std::uint64_t smallest, std::uint64_t largest);
+
+/// An option of a command. Everything that declares returns the option itself.
+class Option {
+ public:
+  explicit Option(CLI::Option& option) : option_(&option) {}
+  Option* required(bool is_required = true);
+  Option* check(const Rule& rule);
+  Option* needs(const Option* other);
+  Option* excludes(const Option* other);
+  /// Several values in one text.
+  Option* separated_by(char separator);
+  Option* expected(int least, int most);
+  Option* expected(int count) { return expected(count, count); }
+  Option* shows_default();
+  Option* shows_default(const std::string& text);
+  /// Its heading in --help.
+  Option* group(const std::string& heading);
+  Option* takes(const std::string& what);
+
+  std::string name() const;
+  bool is_given() const;
+  /// As typed.
+  std::vector<std::string> values() const;
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A command, or the program itself. Options and commands live as long as it does.
+class Command {
+ public:
+  explicit Command(CLI::App& command) : command_(&command) {}
+  /// @param value  set when the arguments are parsed: bool, string, whole number, double, optional<double>, or a
+  /// vector.
+  template <typename Value>
+  Option* add_option(const std::string& name, Value& value, const std::string& text);
+  Option* add_flag(const std::string& name, bool& value, const std::string& text);
+  Option* add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,
+                     const std::string& text);
+  Command* add_command(const std::string& name, const std::string& text, const std::string& group);
+  /// Without one of its commands it is wrong usage.
+  void require_command();
+  /// What it does once everything is parsed and checked.
+  void callback(const std::function<void()>& run);
+  /// What is looked at before that.
+  void check_all(const std::function<void()>& look);
+  Option* get_option(std::string_view name);
+  const std::deque<Option>& options() const { return options_; }
+
+ private:
+  Option* keep(CLI::Option* option) { return &options_.emplace_back(*option); }
+  CLI::App* command_;
+  std::deque<Option> options_ = {};
+  std::deque<Command> commands_ = {};
+};
+
+/// The program's arguments.
+class Arguments {
+ public:
+  Arguments(const std::string& about, const std::string& name, const std::string& version, const std::string& footer);
+  Arguments(const Arguments&) = delete;
+  Arguments& operator=(const Arguments&) = delete;
+  ~Arguments();
+  Command& program() { return program_; }
+  /// Parses them and runs the command.
+  /// @returns an exit code where all was said by --help or --version.
+  /// @throws WrongUsage in one line, with the option or command that was probably meant.
+  std::optional<int> run(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+  Command program_;
+};
+
+}  // namespace paracal::app
