@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of recent commits); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, and the coverage.
+# of the last commits, without its analyzer); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, and the coverage.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
