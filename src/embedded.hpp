@@ -17,5 +17,7 @@ std::span<const EmbeddedFile> published_data();
 std::span<const EmbeddedFile> export_templates();
 /// The page of reports, built from web/; in the program alone, so that the library needs no Node.js to build.
 std::span<const EmbeddedFile> report_page();
+/// The licences of the libraries that the program is made of, and of what is in the page; in the program alone.
+std::span<const EmbeddedFile> licences();
 
 }  // namespace paracal::detail

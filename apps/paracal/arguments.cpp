@@ -164,12 +164,14 @@ Option* Command::get_option(std::string_view name) {
   return &*std::ranges::find(options_, name, [](const Option& one) { return one.name(); });
 }
 
-Arguments::Arguments(const std::string& about, const std::string& name, const std::string& version,
-                     const std::string& footer)
-    : app_(std::make_unique<CLI::App>(about, name)), program_(*app_) {
-  app_->set_version_flag("--version", version);
+Arguments::Arguments(const ProgramText& text)
+    : app_(std::make_unique<CLI::App>(text.about, text.name)), program_(*app_) {
+  app_->set_version_flag("--version", text.version);
+  // Shown as the version is: nothing else is done.
+  const auto show = [licences = text.licences] { throw CLI::CallForVersion(licences(), 0); };
+  app_->add_flag_callback("--licenses", show, "Licences of the software in this program and exit");
   app_->require_subcommand(0, 1);
-  app_->footer(footer);
+  app_->footer(text.footer);
 }
 
 Arguments::~Arguments() = default;
@@ -177,8 +179,8 @@ Arguments::~Arguments() = default;
 std::optional<int> Arguments::run(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return app_->exit(help_or_version);
+  } catch (const CLI::Success& help_or_the_like) {
+    return app_->exit(help_or_the_like);
   } catch (const CLI::ParseError& error) {
     throw WrongUsage(usage_complaint(*app_, error));
   }

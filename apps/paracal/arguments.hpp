@@ -107,16 +107,22 @@ class Command {
   std::deque<Command> commands_ = {};
 };
 
+/// What the program says of itself.
+struct ProgramText {
+  std::string about, name, version, footer;
+  std::function<std::string()> licences;
+};
+
 /// The program's arguments.
 class Arguments {
  public:
-  Arguments(const std::string& about, const std::string& name, const std::string& version, const std::string& footer);
+  explicit Arguments(const ProgramText& text);
   Arguments(const Arguments&) = delete;
   Arguments& operator=(const Arguments&) = delete;
   ~Arguments();
   Command& program() { return program_; }
   /// Parses them and runs the command.
-  /// @returns an exit code where all was said by --help or --version.
+  /// @returns an exit code where all was said by --help, --version or --licenses.
   /// @throws WrongUsage in one line, with the option or command that was probably meant.
   std::optional<int> run(int argc, char** argv);
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -6,6 +7,7 @@
 #include <string_view>
 
 #include "arguments.hpp"
+#include "embedded.hpp"
 #include "paracal/version.hpp"
 #include "session.hpp"
 
@@ -48,12 +50,22 @@ void* __wrap_realloc(void* earlier, std::size_t size) {
 
 namespace {
 
+std::string licences() {
+  std::string text = "paracal: Apache License 2.0\n\n";
+  for (const paracal::detail::EmbeddedFile& file : paracal::detail::licences()) text += file.text;
+  return text;
+}
+
 /// Everything, up to the outputs that replace earlier ones.
 int run(int argc, char** argv) {
   Arguments arguments(
-      "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller", "paracal",
-      std::string("paracal ").append(paracal::version()),
-      "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics says no.");
+      {.about = "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller",
+       .name = "paracal",
+       .version = fmt::format("paracal {} ({})", paracal::version(), paracal::build()),
+       .footer =
+           "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics "
+           "says no.",
+       .licences = licences});
   Command& program = arguments.program();
   Session session;
   session.command_line = shell_line(argc, argv);

@@ -114,6 +114,7 @@ Json interval_json(const Interval& interval, double factor) {
 Json to_json(const Batch& batch) {
   const auto& [robot, plan, seed] = batch;
   return {{"program", fmt::format("paracal {}", version())},
+          {"build", build()},
           {"seed", seed},
           {"robot", to_json(robot)},
           {"limb_azimuth_rad", numbers(robot.geometry().limb_azimuth)},

@@ -342,6 +342,7 @@ Json to_json(const std::vector<InputFile>& files) {
 Json to_json(const Calibration& calibration, std::int64_t time) {
   return {{"format", kFormat},
           {"program", fmt::format("paracal {}", version())},
+          {"build", build()},
           {"date", utc(time)},
           {"accepted", calibration.accepted()},
           {"verdict", name(calibration.verdict)},

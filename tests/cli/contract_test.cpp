@@ -254,6 +254,8 @@ TEST(CalibrateCommand, SourceDateEpochMakesTheSameBytes) {
   }
   EXPECT_EQ(folder.read("one.json"), folder.read("two.json"));
   EXPECT_EQ(json::parse(folder.read("one.json")).at("date"), "2001-09-09T01:46:40Z");
+  EXPECT_TRUE(folder.run("--version")
+                  .out.ends_with(json::parse(folder.read("one.json")).at("build").get<std::string>() + ")\n"));
 }
 
 TEST(CalibrateCommand, ABrokenSourceDateEpochIsNamed) {
@@ -352,7 +354,15 @@ TEST(ReproduceCommand, CountsWhatItPrints) {
 
 TEST(Program, AnswersHelpAndVersion) {
   const TemporaryFolder folder;
-  EXPECT_THAT(folder.run("--version").out, StartsWith("paracal "));
+  // version, commit, compiler
+  EXPECT_THAT(folder.run("--version").out, testing::MatchesRegex("paracal [0-9.]+ \\([^,]+, (GNU|Clang) .+\\)\n"));
+  const std::string licences = folder.run("--licenses").out;
+  for (const char* const name : {"Apache License", "Eigen\n", "Boost.Math\n", "Random123\n", "oneTBB\n", "NLopt\n",
+                                 "{fmt}\n", "toml++\n", "libcsv\n", "nlohmann-json\n", "CLI11\n", "libmd\n", "three ",
+                                 "d3-array ", "@observablehq/plot ", "delaunator "}) {
+    EXPECT_THAT(licences, HasSubstr(name));
+  }
+  EXPECT_THAT(licences, Not(HasSubstr("Its licence was not there")));
   for (const char* command : {"--help", "robot --help", "inverse --help", "forward --help", "error-model --help",
                               "calibrate --help", "reproduce --help"}) {
     const ProgramResult result = folder.run(command);

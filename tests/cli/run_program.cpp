@@ -116,7 +116,8 @@ std::vector<std::string> words(std::string_view text) {
 std::vector<std::string> of_huang2016(std::string_view command) {
   std::vector<std::string> arguments = words(command);
   const bool needs_none = std::ranges::any_of(arguments, [](const std::string& word) {
-    return word == "--robot" || word == "--printer" || word == "--list" || word == "--help" || word == "--version";
+    return word == "--robot" || word == "--printer" || word == "--list" || word == "--help" || word == "--version" ||
+           word == "--licenses";
   });
   if (!needs_none && !arguments.empty()) arguments.insert(arguments.end(), {"--robot", "huang2016"});
   return arguments;

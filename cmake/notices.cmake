@@ -1,0 +1,30 @@
+# Gathers the licences of the libraries that the program is made of, as their Debian packages state them:
+#   cmake -DOUTPUT= -P notices.cmake
+set(packages
+  "Eigen|libeigen3-dev"
+  "Random123|librandom123-dev"
+  "oneTBB|libtbb-dev"
+  "NLopt|libnlopt-dev"
+  "{fmt}|libfmt-dev"
+  "toml++|libtomlplusplus-dev"
+  "libcsv|libcsv-dev"
+  "nlohmann-json|nlohmann-json3-dev"
+  "CLI11|libcli11-dev"
+  "libmd|libmd-dev")
+set(text "Boost.Math\n\nBoost Software License 1.0, which asks for no notice in programs.\n\n")
+string(REPEAT "-" 60 line)
+string(APPEND text "${line}\n\n")
+foreach(entry IN LISTS packages)
+  string(REPLACE "|" ";" entry "${entry}")
+  list(GET entry 0 name)
+  list(GET entry 1 package)
+  set(file /usr/share/doc/${package}/copyright)
+  if(EXISTS ${file})
+    file(READ ${file} licence)
+  else()
+    message(WARNING "${name}: expected its licence in ${file}, got none: paracal --licenses cannot show it")
+    set(licence "Its licence was not there when this program was built: see the project ${name}.\n")
+  endif()
+  string(APPEND text "${name}\n\n${licence}\n${line}\n\n")
+endforeach()
+file(WRITE ${OUTPUT} "${text}")
