@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "paracal/io/signals_wait.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -79,6 +80,7 @@ void Outputs::keep_off(const std::vector<std::string>& read) const {
 }
 
 void Outputs::commit() {
+  const io::SignalsWait together;
   for (io::OutputFile& file : written_) file.settle();
   std::size_t done = 0;
   try {

@@ -11,6 +11,7 @@
 #include "nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
+#include "paracal/io/signals_wait.hpp"
 
 namespace paracal::io {
 namespace {
@@ -119,6 +120,7 @@ class ChunkFolder {
     const std::filesystem::path header = path_ / "batch.json";
     // Of several batches that begin in one folder at once, one comes first.
     if (!std::filesystem::exists(header)) {
+      const SignalsWait whole;
       OutputFile file(header);
       file.write(description.dump(2) + "\n");
       if (file.commit_new()) return;

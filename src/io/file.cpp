@@ -13,6 +13,7 @@
 #include <fstream>
 
 #include "paracal/error.hpp"
+#include "paracal/io/signals_wait.hpp"
 
 namespace paracal::io {
 namespace {
@@ -186,6 +187,7 @@ bool OutputFile::commit_new() {
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
+  const SignalsWait whole;
   OutputFile file(path);
   file.write(text);
   file.commit();

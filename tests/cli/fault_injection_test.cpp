@@ -1,12 +1,13 @@
 // Every command, with every call that can fail failing once: it ends with a code of the contract and one message, and
 // leaves inputs and earlier outputs as they were, and nothing else; what it says is done is what an undisturbed run
-// does.
+// does. And every command, interrupted before any such call: all its outputs are there, or none.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <map>
 #include <sstream>
@@ -99,27 +100,54 @@ class Injection : public testing::TestWithParam<Injected> {
     return now == before ? "" : "left other files than it found";
   }
 
+  /// The same of a run that got a signal.
+  std::string objection_after_signal(const ProgramResult& result, int signal, const ProgramResult& undisturbed,
+                                     const Files& expected) const {
+    Files now = files_of(folder.path());
+    if (std::ranges::any_of(now, [](const auto& file) { return file.first.find(".paracal-") != std::string::npos; })) {
+      return "left a temporary file";
+    }
+    const bool ended = result.exit_code == undisturbed.exit_code || (GetParam().is_batch && result.exit_code == 1);
+    if (!ended && result.exit_code != -signal) return "ended neither by the signal nor in spite of it";
+    if (GetParam().is_batch) {  // goes on where it was
+      (void)run_with("none 0 0");
+      return files_of(folder.path()) == expected ? "" : "did not go on to what an undisturbed run leaves";
+    }
+    return now == expected || (!ended && now == before) ? "" : "left neither all its outputs nor none";
+  }
+
+  /// How often an undisturbed run makes each call.
+  std::vector<std::pair<std::string, long>> calls(ProgramResult& undisturbed) const {
+    const TemporaryFolder elsewhere;
+    const std::string counts_file = elsewhere.path() / "counts";
+    undisturbed = run_with("none 0 0", counts_file);
+    std::istringstream counts(read_text(counts_file));
+    std::vector<std::pair<std::string, long>> calls;
+    std::string call;
+    for (long number = 0; counts >> call >> number;) calls.emplace_back(call, number);
+    return calls;
+  }
+
   TemporaryFolder folder;
   Files before;
 };
 
+/// In the quick run a few of many calls of a kind; where a run works in threads, how many there are varies.
+long most_of_a_kind(long quick) { return std::getenv("PARACAL_EVERY_MACHINE") != nullptr ? 100 : quick; }
+
 TEST_P(Injection, LosesNothing) {
-  const TemporaryFolder elsewhere;
-  const std::string counts_file = elsewhere.path() / "counts";
-  const ProgramResult undisturbed = run_with("none 0 0", counts_file);
+  ProgramResult undisturbed;
+  const auto all = calls(undisturbed);
   ASSERT_LT(undisturbed.exit_code, 2) << undisturbed.err;
   const Files expected = files_of(folder.path());
-  // In the quick run a few of many calls of a kind; where a run works in threads, how many there are varies.
-  const long most = std::getenv("PARACAL_EVERY_MACHINE") != nullptr ? 100 : 6;
   int tried = 0, disturbed = 0;
-  std::istringstream counts(read_text(counts_file));
-  std::string call;
-  for (long number = 0; counts >> call >> number;) {
+  for (const auto& [call, number] : all) {
+    if (call == "unlink") continue;  // of what only leaves a file behind
     const std::vector<int> errors = call == "malloc" ? std::vector{ENOMEM}
                                     : call == "read" ? std::vector{EIO}
                                     : call == "open" ? std::vector{EACCES, EMFILE}
                                                      : std::vector{ENOSPC, EIO};
-    const long step = std::max(1L, number / most);
+    const long step = std::max(1L, number / most_of_a_kind(6));
     for (long k = 1; k <= number; k += step) {
       for (const int error : errors) {
         restore();
@@ -134,6 +162,30 @@ TEST_P(Injection, LosesNothing) {
   }
   EXPECT_GT(disturbed, 0);
   fmt::print("  {}: {} injections, {} of them disturbed the command\n", GetParam().command, tried, disturbed);
+}
+
+TEST_P(Injection, SignalsLeaveAllOutputsOrNone) {
+  ProgramResult undisturbed;
+  const auto all = calls(undisturbed);
+  ASSERT_LT(undisturbed.exit_code, 2) << undisturbed.err;
+  const Files expected = files_of(folder.path());
+  int tried = 0, ended = 0;
+  for (const auto& [call, number] : all) {
+    const long step = std::max(1L, number / most_of_a_kind(3));
+    for (long k = 1; k <= number; k += step) {
+      for (const int signal : {SIGINT, SIGTERM}) {
+        restore();
+        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, -signal));
+        ++tried;
+        ended += result.exit_code == -signal;
+        const std::string against = objection_after_signal(result, signal, undisturbed, expected);
+        EXPECT_EQ(against, "") << call << " " << k << " of " << number << ", signal " << signal << ": exit code "
+                               << result.exit_code << ", " << result.err;
+      }
+    }
+  }
+  EXPECT_GT(GetParam().is_batch ? 1 : ended, 0);
+  fmt::print("  {}: {} signals, {} of them ended the command\n", GetParam().command, tried, ended);
 }
 
 INSTANTIATE_TEST_SUITE_P(Commands, Injection, testing::ValuesIn(kCommands));

@@ -1,4 +1,5 @@
-// Preloaded into paracal: lets one call fail, or counts them. PARACAL_FAULT="CALL NUMBER ERRNO", calls from 1;
+// Preloaded into paracal: lets one call fail, or counts them. PARACAL_FAULT="CALL NUMBER ERRNO", calls from 1; with the
+// negative number of a signal instead, the process gets that signal before the call, which then goes on.
 // PARACAL_FAULT_COUNTS=FILE keeps how many calls of each kind a run makes. Standard streams and what the program does
 // before main() are left alone.
 
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -16,9 +18,9 @@
 
 namespace {
 
-enum Call { kOpen, kRead, kWrite, kSync, kMode, kLink, kRename, kFolder, kMemory, kCalls };
-constexpr const char* kNames[kCalls] = {"open", "read",   "write", "fsync", "fchmod",
-                                        "link", "rename", "mkdir", "malloc"};
+enum Call { kOpen, kRead, kWrite, kSync, kMode, kLink, kRename, kFolder, kRemoval, kMemory, kCalls };
+constexpr const char* kNames[kCalls] = {"open", "read",   "write", "fsync",  "fchmod",
+                                        "link", "rename", "mkdir", "unlink", "malloc"};
 
 long counts[kCalls];
 bool started = false;
@@ -30,6 +32,10 @@ bool fails(Call call) {
   if (!started) return false;
   const long now = __atomic_add_fetch(&counts[call], 1, __ATOMIC_RELAXED);
   if (call != failing || now != number) return false;
+  if (error < 0) {
+    kill(getpid(), -error);
+    return false;
+  }
   errno = error;
   return true;
 }
@@ -131,6 +137,17 @@ int link(const char* source, const char* target) {
 int rename(const char* source, const char* target) {
   static const auto real = next(static_cast<int (*)(const char*, const char*)>(nullptr), "rename");
   return fails(kRename) ? -1 : real(source, target);
+}
+
+int renameat2(int from, const char* source, int to, const char* target, unsigned flags) {
+  static const auto real =
+      next(static_cast<int (*)(int, const char*, int, const char*, unsigned)>(nullptr), "renameat2");
+  return fails(kRename) ? -1 : real(from, source, to, target, flags);
+}
+
+int unlink(const char* path) {
+  static const auto real = next(static_cast<int (*)(const char*)>(nullptr), "unlink");
+  return fails(kRemoval) ? -1 : real(path);
 }
 
 int mkdir(const char* path, mode_t mode) {
