@@ -1,6 +1,7 @@
 // What scripts rely on: exit codes, JSON keys, files that one command writes and another reads.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>

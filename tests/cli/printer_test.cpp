@@ -1,5 +1,7 @@
 // What the owner of a printer types.
 
+#include <fmt/format.h>
+
 #include "broken_input.hpp"
 #include "json_checks.hpp"
 #include "paracal/io/machine_codes.hpp"
