@@ -5,6 +5,8 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -154,6 +156,7 @@ void add_poses(Command& program, Session& session) {
   Command* command = session.add_command(program, "poses", "Calibrate a machine", "which poses to measure");
   const auto options = std::make_shared<Options>();
   std::vector<std::string> criteria;
+  criteria.reserve(kCriteria.size());
   for (const auto& [criterion, unused] : kCriteria) criteria.push_back(criterion);
   command->add_option("--stage", options->stage, "the paper's scheme, to the n at which O2 settles")
       ->check(one_of({"rough", "fine"}))
