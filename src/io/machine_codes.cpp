@@ -99,7 +99,11 @@ class Code {
 };
 
 void turn_towers(const Code& code, DeltaGeometry& geometry) {
+  constexpr double kWholeTurn = 360.0;
   const Three turned = code.of_towers();
+  for (const double angle : turned) {
+    if (std::abs(angle) > kWholeTurn) code.fail(fmt::format("expected towers turned by up to 360 deg, got {}", angle));
+  }
   for (std::size_t i = 0; i < 3; ++i) geometry.tower_angle[i] = to_radians(kDesignAngles[i] + turned[i]);
 }
 
@@ -125,6 +129,9 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
   }
   turn_towers(code, geometry);
   const double below = nozzle_below(geometry);
+  if (!std::isfinite(below)) {
+    code.fail("expected towers that stand apart and rods that meet between them, got a delta that does not close");
+  }
   const Three adjustments = endstops.of_towers();
   for (std::size_t i = 0; i < 3; ++i) {
     geometry.endstop[i] = dialect == CodeDialect::marlin ? homed - adjustments[i]
