@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of the last commits, without its analyzer); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, and the coverage.
+# of the last commits, without its analyzer); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, the coverage, and a minute of each fuzz target.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,5 +10,6 @@ for preset in asan-all asan-gcc; do
   tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
 done
 tools/part.sh "coverage" tools/coverage.sh
+tools/part.sh "fuzzing" tools/fuzz.sh 60
 echo "slowest parts:"
 sort -rn build/parts.txt | head -n 5

@@ -1,0 +1,42 @@
+// G-code and pose tables through the filters that correct their targets. As many lines come out as go in; where nothing
+// was corrected, the same bytes.
+
+#include <algorithm>
+#include <sstream>
+
+#include "fuzzing.hpp"
+#include "paracal/io/target_filter.hpp"
+#include "paracal/mechanism/random.hpp"
+
+namespace paracal::fuzz {
+namespace {
+
+const TargetCorrection& correction(unsigned choice) {
+  const auto of = [](unsigned which) {
+    RandomStream random(1, which);
+    return TargetCorrection(robot(which), draw_errors(tolerances_of(robot(which)), robot(which).limb_count(), random));
+  };
+  static const std::array all{of(0), of(1), of(2)};
+  return all[choice % all.size()];
+}
+
+void filter(const Input& input) {
+  std::istringstream text(input.text);
+  std::string out;
+  const io::TextSink sink = [&](std::string_view piece) { out += piece; };
+  const TargetCorrection& machine = correction(input.choice / 2);
+  const io::FilterSummary summary = input.choice % 2 == 0
+                                        ? io::filter_gcode({"part.gcode", text}, sink, machine, {}, 1)
+                                        : io::filter_pose_table({"targets.csv", text}, sink, machine, 1);
+  require(std::ranges::count(out, '\n') == std::ranges::count(input.text, '\n'));
+  require(summary.corrected > 0 || out == input.text);
+}
+
+}  // namespace
+}  // namespace paracal::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const paracal::fuzz::Input input = paracal::fuzz::input_of(data, size);
+  paracal::fuzz::may_complain([&] { paracal::fuzz::filter(input); });
+  return 0;
+}

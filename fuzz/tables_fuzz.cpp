@@ -1,0 +1,47 @@
+// Tables of poses, points, joints, distances and heights, instruments' exports, printers' readings, and the line that
+// names a robot. A choice of '0' to '7' says which.
+
+#include "fuzzing.hpp"
+#include "paracal/io/klipper.hpp"
+#include "paracal/io/points.hpp"
+#include "paracal/io/printer_tables.hpp"
+#include "paracal/io/robot_statement.hpp"
+#include "paracal/io/tables.hpp"
+
+namespace paracal::fuzz {
+namespace {
+
+const io::TextFile kPoses{"poses.csv",
+                          "name,x_mm,y_mm,z_mm,phi_deg\nP1,0,0,-888,0\nP2,500,0,-888,0\nP3,0,500,-888,0\n"};
+
+void read(const Input& input) {
+  const io::TextFile file{"table.csv", input.text};
+  switch (input.choice % 8) {
+    case 0:
+      return (void)io::read_poses(file);
+    case 1:
+      return (void)io::read_points(file);
+    case 2:
+      return (void)io::read_joints(file, JointSpace(4));
+    case 3:
+      return (void)io::read_distances(file, kPoses);
+    case 4:
+      return (void)io::read_heights(file, kPoses);
+    case 5:
+      return (void)io::read_tracker_export(file, io::parse_column_map("name=1,x=2,y=3,z=4", "mm"),
+                                           io::read_poses(kPoses));
+    case 6:
+      return (void)io::read_printer_table(file, {});
+    default:
+      return (void)io::robot_of_table(file);
+  }
+}
+
+}  // namespace
+}  // namespace paracal::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const paracal::fuzz::Input input = paracal::fuzz::input_of(data, size);
+  paracal::fuzz::may_complain([&] { paracal::fuzz::read(input); });
+  return 0;
+}
