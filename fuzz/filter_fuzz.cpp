@@ -36,7 +36,5 @@ void filter(const Input& input) {
 }  // namespace paracal::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const paracal::fuzz::Input input = paracal::fuzz::input_of(data, size);
-  paracal::fuzz::may_complain([&] { paracal::fuzz::filter(input); });
-  return 0;
+  return paracal::fuzz::run(data, size, paracal::fuzz::filter);
 }

@@ -38,6 +38,15 @@ inline void require(bool holds) {
   if (!holds) std::abort();
 }
 
+/// One run of a target whose input is a choice and a text.
+/// @returns 0, as libFuzzer wants it.
+template <typename Read>
+int run(const std::uint8_t* data, std::size_t size, Read&& read) {
+  const Input input = input_of(data, size);
+  may_complain([&] { read(input); });
+  return 0;
+}
+
 /// Reads what the library wrote itself: a complaint is a finding, too.
 template <typename Read>
 void must_read(Read&& read) {

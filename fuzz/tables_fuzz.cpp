@@ -2,7 +2,6 @@
 // names a robot. A choice of '0' to '7' says which.
 
 #include "fuzzing.hpp"
-#include "paracal/io/klipper.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/printer_tables.hpp"
 #include "paracal/io/robot_statement.hpp"
@@ -41,7 +40,5 @@ void read(const Input& input) {
 }  // namespace paracal::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const paracal::fuzz::Input input = paracal::fuzz::input_of(data, size);
-  paracal::fuzz::may_complain([&] { paracal::fuzz::read(input); });
-  return 0;
+  return paracal::fuzz::run(data, size, paracal::fuzz::read);
 }

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-// The command line library costs each unit that includes it four seconds: arguments.cpp alone does.
+// The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
 namespace CLI {
 class App;
 class Option;
@@ -68,6 +68,7 @@ class Option {
   Option* shows_default(const std::string& text);
   /// Its heading in --help.
   Option* group(const std::string& heading);
+  /// What --help calls its value.
   Option* takes(const std::string& what);
 
   std::string name() const;
@@ -83,8 +84,7 @@ class Option {
 class Command {
  public:
   explicit Command(CLI::App& command) : command_(&command) {}
-  /// @param value  set when the arguments are parsed: bool, string, whole number, double, optional<double>, or a
-  /// vector.
+  /// @param value  set when the arguments are parsed: a string, a number, an optional<double>, or a vector of either.
   template <typename Value>
   Option* add_option(const std::string& name, Value& value, const std::string& text);
   Option* add_flag(const std::string& name, bool& value, const std::string& text);
