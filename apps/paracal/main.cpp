@@ -86,7 +86,7 @@ int run(int argc, char** argv) {
   add_export(program, session);
   add_reproduce(program, session);
   if (const auto code = arguments.run(argc, argv)) return *code;
-  session.outputs.commit();
+  session.finish();
   return session.exit_code;
 }
 

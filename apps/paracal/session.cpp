@@ -165,6 +165,11 @@ std::string json_text(const io::Json& json) {
   return json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n";
 }
 
+void Session::finish() {
+  outputs.commit();
+  std::fputs(last_words_.c_str(), stderr);  // wants no memory: what is done can no longer fail
+}
+
 void Session::print_json(const io::Json& json) { print(json_text(json)); }
 
 }  // namespace paracal::app

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "arguments.hpp"
 #include "inputs.hpp"
@@ -73,6 +74,10 @@ class Session {
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text);
   void print_json(const io::Json& json);
+  /// For standard error, once all outputs are in their places: nobody reads of targets that are then not there.
+  void say_when_done(std::string text) { last_words_ = std::move(text); }
+  /// Puts the outputs into their places and says so.
+  void finish();
 
   Outputs outputs;
   ExitCode exit_code = kDone;
@@ -82,6 +87,7 @@ class Session {
   std::string robot_;
   std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
+  std::string last_words_;
   bool json_ = false;
   std::uint64_t seed_ = 1;
   unsigned threads_ = 0;

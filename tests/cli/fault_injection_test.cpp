@@ -54,6 +54,10 @@ const std::vector<Injected> kCommands{
     {"yield --machines 4 --chunk 2 --checkpoint batch --out out.txt", true},
 };
 
+struct Tally {
+  int tried = 0, disturbed = 0;
+};
+
 class Injection : public testing::TestWithParam<Injected> {
  protected:
   void SetUp() override {
@@ -128,62 +132,68 @@ class Injection : public testing::TestWithParam<Injected> {
     return calls;
   }
 
+  template <typename FaultsOf, typename Objection>
+  Tally inject(long quick, FaultsOf&& faults_of, Objection&& objection_to) const;
+
   TemporaryFolder folder;
   Files before;
 };
 
-/// In the quick run a few of many calls of a kind; where a run works in threads, how many there are varies.
-long most_of_a_kind(long quick) { return std::getenv("PARACAL_EVERY_MACHINE") != nullptr ? 100 : quick; }
+/// Which of the calls of a kind are tried: in the quick run a few of many. The last ones always: what is done by then
+/// cannot fail any more. Where a run works in threads, how many calls there are varies.
+std::vector<long> tried_of(long number, long quick) {
+  const long most = std::getenv("PARACAL_EVERY_MACHINE") != nullptr ? 100 : quick;
+  const long step = std::max(1L, number / most), last = std::max(1L, number - 1);
+  std::vector<long> tried;
+  for (long k = 1; k < last; k += step) tried.push_back(k);
+  for (long k = last; k <= number; ++k) tried.push_back(k);
+  return tried;
+}
 
-TEST_P(Injection, LosesNothing) {
+/// Runs the command with each fault, and says of each outcome what speaks against it.
+/// @param faults_of  a kind of call: what is done to it, numbers of errors, or of signals with a minus.
+template <typename FaultsOf, typename Objection>
+Tally Injection::inject(long quick, FaultsOf&& faults_of, Objection&& objection_to) const {
   ProgramResult undisturbed;
   const auto all = calls(undisturbed);
-  ASSERT_LT(undisturbed.exit_code, 2) << undisturbed.err;
+  EXPECT_LT(undisturbed.exit_code, 2) << undisturbed.err;
   const Files expected = files_of(folder.path());
-  int tried = 0, disturbed = 0;
+  Tally tally;
   for (const auto& [call, number] : all) {
-    if (call == "unlink") continue;  // of what only leaves a file behind
-    const std::vector<int> errors = call == "malloc" ? std::vector{ENOMEM}
-                                    : call == "read" ? std::vector{EIO}
-                                    : call == "open" ? std::vector{EACCES, EMFILE}
-                                                     : std::vector{ENOSPC, EIO};
-    const long step = std::max(1L, number / most_of_a_kind(6));
-    for (long k = 1; k <= number; k += step) {
-      for (const int error : errors) {
+    for (const long k : tried_of(number, quick)) {
+      for (const int fault : faults_of(call)) {
         restore();
-        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, error));
-        ++tried;
-        disturbed += result.exit_code != undisturbed.exit_code;
-        const std::string against = objection(result, undisturbed, expected);
-        EXPECT_EQ(against, "") << call << " " << k << " of " << number << ", errno " << error << ": exit code "
-                               << result.exit_code << ", " << result.err;
+        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, fault));
+        ++tally.tried;
+        tally.disturbed += result.exit_code != undisturbed.exit_code;
+        EXPECT_EQ(objection_to(result, fault, undisturbed, expected), "")
+            << call << " " << k << " of " << number << ", fault " << fault << ": exit code " << result.exit_code << ", "
+            << result.err;
       }
     }
   }
+  return tally;
+}
+
+TEST_P(Injection, LosesNothing) {
+  const auto errors_of = [](const std::string& call) {
+    if (call == "unlink") return std::vector<int>{};  // of what only leaves a file behind
+    if (call == "malloc") return std::vector{ENOMEM};
+    if (call == "read") return std::vector{EIO};
+    return call == "open" ? std::vector{EACCES, EMFILE} : std::vector{ENOSPC, EIO};
+  };
+  const auto [tried, disturbed] = inject(6, errors_of, [this](const auto& result, int, const auto&... undisturbed) {
+    return objection(result, undisturbed...);
+  });
   EXPECT_GT(disturbed, 0);
   fmt::print("  {}: {} injections, {} of them disturbed the command\n", GetParam().command, tried, disturbed);
 }
 
 TEST_P(Injection, SignalsLeaveAllOutputsOrNone) {
-  ProgramResult undisturbed;
-  const auto all = calls(undisturbed);
-  ASSERT_LT(undisturbed.exit_code, 2) << undisturbed.err;
-  const Files expected = files_of(folder.path());
-  int tried = 0, ended = 0;
-  for (const auto& [call, number] : all) {
-    const long step = std::max(1L, number / most_of_a_kind(3));
-    for (long k = 1; k <= number; k += step) {
-      for (const int signal : {SIGINT, SIGTERM}) {
-        restore();
-        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, -signal));
-        ++tried;
-        ended += result.exit_code == -signal;
-        const std::string against = objection_after_signal(result, signal, undisturbed, expected);
-        EXPECT_EQ(against, "") << call << " " << k << " of " << number << ", signal " << signal << ": exit code "
-                               << result.exit_code << ", " << result.err;
-      }
-    }
-  }
+  const auto signals = [](const std::string&) { return std::vector{-SIGINT, -SIGTERM}; };
+  const auto [tried, ended] = inject(3, signals, [this](const auto& result, int fault, const auto&... undisturbed) {
+    return objection_after_signal(result, -fault, undisturbed...);
+  });
   EXPECT_GT(GetParam().is_batch ? 1 : ended, 0);
   fmt::print("  {}: {} signals, {} of them ended the command\n", GetParam().command, tried, ended);
 }

@@ -144,9 +144,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     json["self_test"] = tests_json(tests, robot.actuator());
     print_summary(json_text(json));
   } else {
-    const std::string text = summary_text(in.name, summary);
-    session.outputs.commit();  // nobody reads of targets that are then not there
-    fmt::print(stderr, "{}", text);
+    session.say_when_done(summary_text(in.name, summary));
   }
   if (!summary.complete()) session.exit_code = kVerdictIsNo;
 }
