@@ -1,5 +1,6 @@
 #include "fine_solve.hpp"
 
+#include "calibration/readings/points.hpp"
 #include "calibration/sought.hpp"
 #include "paracal/calibration/least_squares.hpp"
 
@@ -11,7 +12,8 @@ FineSolve::FineSolve(const FineFit& fit)
 
 FineAnswer FineSolve::operator()() const {
   const LeastSquaresResult result = solve_least_squares(detail::with_priors(observation_), start_);
-  return {observation_.errors(result.parameters), observation_.frame(0, result.parameters), result.iterations};
+  const auto& points = dynamic_cast<const detail::Points&>(*observation_.series().front());
+  return {observation_.errors(result.parameters), points.frame(result.parameters), result.iterations};
 }
 
 }  // namespace paracal::benchmark

@@ -31,8 +31,8 @@ struct Candidate {
   Sentence say;
 };
 
-/// Rows of repeated readings, by station, kind and series.
-using Visits = std::map<std::array<std::uint32_t, 3>, std::vector<Eigen::VectorXd>>;
+/// Rows of repeated readings, by station and series.
+using Visits = std::map<std::array<std::uint32_t, 2>, std::vector<Eigen::VectorXd>>;
 
 Visits repeated_visits(const StageFit& fit) {
   Visits visits;
@@ -41,10 +41,9 @@ Visits repeated_visits(const StageFit& fit) {
   if (!states) return visits;
   Eigen::MatrixXd block;
   for (const Group& group : observation.groups()) {
-    if (!group.active || group.is_distance()) continue;
+    if (!group.active || group.is_relative()) continue;
     observation.rows(group, *states, fit.fit().parameters, block);
-    visits[{group.station, static_cast<std::uint32_t>(group.kind), group.series}].push_back(
-        block.col(observation.unknown_count()));
+    visits[{group.station, group.series}].push_back(block.col(observation.unknown_count()));
   }
   return visits;
 }

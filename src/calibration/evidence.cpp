@@ -6,7 +6,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
-#include <map>
 
 #include "considered.hpp"
 #include "null_space.hpp"
@@ -24,46 +23,18 @@ Eigen::MatrixXd projected_root(const InformationRoot& root, Eigen::Index sources
 }
 
 /// Largest errors over all series; rms and largest residual of the distances where no points were read.
-PoseErrorSummary summarize_fit(const Observation& observation, const std::vector<StationState>& stations,
-                               const Eigen::VectorXd& unknowns) {
-  PoseErrorSummary all;
-  double sum = 0.0;
-  std::size_t count = 0;
-  const auto widen = [](double& largest, double value) { largest = std::max(largest, std::abs(value)); };
-  const auto widen_rotation = [&](std::optional<double> value) {
-    if (value) widen(*(all.max_abs_rotation = all.max_abs_rotation.value_or(0.0)), *value);
+PoseErrorSummary summarize_fit(const Observation& observation, const Placed& at) {
+  ErrorTally tally;
+  for (std::size_t s = 0; s < observation.series().size(); ++s) {
+    observation.series()[s]->add_to(tally, observation.groups_of(s), at);
+  }
+  const auto root_mean_square = [](double sum, std::size_t count) {
+    return std::sqrt(sum / static_cast<double>(count));
   };
-  for (std::size_t s = 0; s < observation.series_count(); ++s) {
-    const std::vector<PosePair> pairs = station_pairs(observation, stations, unknowns, s);
-    const bool rotations = std::ranges::any_of(observation.groups(), [&](const Group& group) {
-      return group.is_point() && group.series == s && observation.point(group).rotation;
-    });
-    const PoseErrorSummary one = summarize(pairs, rotations);
-    widen(all.max_abs_distance, one.max_abs_distance);
-    widen(all.max_volumetric, one.max_volumetric);
-    widen(all.max_volumetric_aligned, one.max_volumetric_aligned);
-    widen_rotation(one.max_abs_rotation);
-    sum += one.rms_distance * one.rms_distance * static_cast<double>(pairs.size() - 1);
-    count += pairs.size() - 1;
-  }
-  double heights = 0.0;
-  std::size_t height_count = 0;
-  for (const Group& group : observation.groups()) {
-    if (group.is_point() || !group.active) continue;
-    if (group.is_height()) {
-      heights += std::pow(observation.height_residual(group, stations[group.station], unknowns), 2);
-      ++height_count;
-      continue;
-    }
-    const double residual = observation.distance_residual(group, stations, unknowns);
-    widen(all.max_abs_distance, residual);
-    widen_rotation(observation.rotation_residual(group, stations, unknowns));
-    sum += residual * residual;
-    ++count;
-  }
-  if (height_count > 0) all.rms_height = std::sqrt(heights / static_cast<double>(height_count));
-  all.reads_distances = count > 0 || height_count == 0;
-  if (count > 0) all.rms_distance = std::sqrt(sum / static_cast<double>(count));
+  PoseErrorSummary& all = tally.summary;
+  all.reads_distances = tally.distance_count > 0 || tally.height_count == 0;
+  if (tally.distance_count > 0) all.rms_distance = root_mean_square(tally.distances, tally.distance_count);
+  if (tally.height_count > 0) all.rms_height = root_mean_square(tally.heights, tally.height_count);
   return all;
 }
 
@@ -74,6 +45,8 @@ struct Snapshot {
   std::shared_ptr<const std::vector<StationState>> stations = {};
   double sum = 0.0;
   Eigen::Index rows = 0;
+
+  Placed placed() const { return {*stations, unknowns}; }
 };
 
 std::optional<Snapshot> snapshot(const Observation& observation, Eigen::VectorXd unknowns) {
@@ -94,10 +67,6 @@ std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observati
 
 void add_residuals(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
                    Calibration& calibration) {
-  const auto turned = [](const Group& group, const Snapshot& at) {
-    const auto residual = at.observation->rotation_residual(group, *at.stations, at.unknowns);
-    return residual ? std::optional(-*residual) : std::nullopt;
-  };
   // Nobody reads the residuals of a hundred thousand pairs of points, and their names would take more room than all
   // else.
   constexpr std::size_t kLongestList = 20000;
@@ -107,31 +76,9 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
     return;
   }
   for (const Group& group : after.observation->groups()) {
-    const auto rotation_before = turned(group, before), rotation_after = turned(group, after);
-    if (group.is_height()) {
-      const auto residual = [&](const Snapshot& at) {
-        return -at.observation->height_residual(group, (*at.stations)[group.station], at.unknowns);
-      };
-      calibration.heights.push_back({measurements.planes[group.series].name, measurements.stations[group.station].name,
-                                     after.observation->height(group).height, residual(before), residual(after),
-                                     !group.active});
-      continue;
-    }
-    if (group.is_point()) {
-      const auto residual = [&](const Snapshot& at) {
-        return Eigen::Vector3d(-at.observation->point_residual(group, (*at.stations)[group.station], at.unknowns));
-      };
-      calibration.points.push_back({measurements.series[group.series].name, measurements.stations[group.station].name,
-                                    residual(before), residual(after), rotation_before, rotation_after, !group.active});
-      continue;
-    }
-    const DistanceReading& reading = after.observation->distance(group);
-    const auto residual = [&](const Snapshot& at) {
-      return -at.observation->distance_residual(group, *at.stations, at.unknowns);
-    };
-    calibration.distances.push_back({measurements.stations[reading.from].name, measurements.stations[reading.to].name,
-                                     reading.distance, residual(before), residual(after), reading.rotation,
-                                     rotation_before, rotation_after, !group.active});
+    const auto residual = [&](const Snapshot& at) { return at.observation->residual(group, at.placed()).reversed(); };
+    after.observation->series_of(group).list(group, measurements.stations, residual(before), residual(after),
+                                             calibration);
   }
 }
 
@@ -150,32 +97,20 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
       boost::math::complement(boost::math::fisher_f_distribution<>(found, scatter.redundancy), ratio));
 }
 
-void add_suspects(const Measurements& measurements, const Observation& observation, const Eigen::VectorXd& unknowns,
+void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
   for (const Contradiction& one : contradictions) {
     const Group& group = observation.groups()[one.group];
-    std::string text = label(observation, measurements, group);
+    const ReadingSeries& series = observation.series_of(group);
+    std::string text = series.label(group.index, measurements.stations);
     if (!group.active) {
-      const std::string why = explanation(observation, measurements, group, unknowns);
+      const std::string why = series.explanation(group.index, at, measurements.stations);
       if (!why.empty()) text += ": " + why;
       calibration.notes.push_back(
           fmt::format("left out {} (contradiction {:.0f} times the noise)", text, std::sqrt(one.statistic)));
     }
     calibration.suspects.push_back({std::move(text), one.statistic, one.chance, !group.active});
   }
-}
-
-void add_frames(const Measurements& measurements, const Observation& observation, const Eigen::VectorXd& unknowns,
-                Calibration& calibration) {
-  for (std::size_t s = 0; s < measurements.series.size(); ++s) {
-    calibration.frames.push_back({measurements.series[s].name, observation.frame(s, unknowns),
-                                  observation.rotation_zero(s, unknowns), observation.second_reflector(s, unknowns)});
-  }
-  for (std::size_t s = 0; s < measurements.planes.size(); ++s) {
-    const Eigen::Vector3d plane = observation.plane(s, unknowns);
-    calibration.planes.push_back({measurements.planes[s].name, plane(0), plane(1), plane(2)});
-  }
-  calibration.distance_bias = observation.distance_bias(unknowns);
 }
 
 /// Values, standard deviations, their degrees of freedom and shares of information: the sought errors, then those held.
@@ -309,41 +244,13 @@ void state_rank(const Measurements& measurements, const Observation& observation
 
 }  // namespace
 
-std::vector<PosePair> station_pairs(const Observation& observation, const std::vector<StationState>& stations,
-                                    const Eigen::VectorXd& unknowns, std::size_t series) {
-  struct Mean {
-    PosePair pair;
-    int points = 0, rotations = 0;
-  };
-  std::map<std::size_t, Mean> means;
-  for (const Group& group : observation.groups()) {
-    if (!group.is_point() || group.series != series || !group.active) continue;
-    const StationState& station = stations[group.station];
-    Mean& mean = means[group.station];
-    if (mean.points == 0) {
-      const Pose meant{station.plate.position, station.rotation};
-      mean.pair = {meant, {Eigen::Vector3d::Zero(), meant.rotation}};
-    }
-    const Eigen::Vector3d measured = station.plate.position - observation.point_residual(group, station, unknowns);
-    mean.pair.actual.position += (measured - mean.pair.actual.position) / ++mean.points;
-    if (const auto residual = observation.rotation_residual(group, stations, unknowns)) {
-      const double read = station.rotation - *residual;
-      mean.pair.actual.rotation += (read - mean.pair.actual.rotation) / ++mean.rotations;
-    }
-  }
-  std::vector<PosePair> pairs;
-  pairs.reserve(means.size());
-  for (const auto& [station, mean] : means) pairs.push_back(mean.pair);
-  return pairs;
-}
-
 void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
                Calibration& calibration) {
   StageReport stage{.name = name, .iterations = iterations, .converged = fit.status == LeastSquaresStatus::converged};
   const auto stations =
       fit.status == LeastSquaresStatus::not_evaluable ? nullptr : observation.stations(fit.parameters);
   if (stations) {
-    stage.rms_distance = summarize_fit(observation, *stations, fit.parameters).rms_distance;
+    stage.rms_distance = summarize_fit(observation, {*stations, fit.parameters}).rms_distance;
     if (!has_priors(observation)) {
       const Spectrum spectrum = analyse(projected_root(fit.at_answer, observation.source_count()), kRankTolerance);
       stage.rank = spectrum.rank;
@@ -368,20 +275,20 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   state_uncertainty(measurements, fit, scatter, calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
   add_parameters(fit, held, calibration);
-  add_frames(measurements, observation, answer.parameters, calibration);
+  for (const auto& series : observation.series()) series->state_setup(answer.parameters, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);
   const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;
   if (!after || !before) return judge(answer, false, calibration);
   add_residuals(measurements, *before, *after, calibration);
-  calibration.before = summarize_fit(nominal, *before->stations, before->unknowns);
-  calibration.after = summarize_fit(observation, *after->stations, after->unknowns);
+  calibration.before = summarize_fit(nominal, before->placed());
+  calibration.after = summarize_fit(observation, after->placed());
   calibration.chance = chance_of(before->sum - answer.at_answer.squared_residuals(),
                                  found_parameters(fit, after->rows, scatter), scatter, all_stated(observation));
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
   calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
-  add_suspects(measurements, observation, after->unknowns, suspects, calibration);
+  add_suspects(measurements, observation, after->placed(), suspects, calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);
   state_use(fit, calibration);

@@ -17,9 +17,4 @@ void add_stage(const char* name, const Observation& observation, const LeastSqua
 void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
                     Calibration& calibration);
 
-/// Measured points of a series in the robot's frame beside the machine's poses, one pair a station, repeats averaged,
-/// home (or the first station read) first. Readings left out do not count.
-std::vector<PosePair> station_pairs(const Observation& observation, const std::vector<StationState>& stations,
-                                    const Eigen::VectorXd& unknowns, std::size_t series);
-
 }  // namespace paracal::detail

@@ -1,7 +1,6 @@
 #include "observation.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,83 +9,29 @@
 #include "paracal/kinematics/forward.hpp"
 
 namespace paracal::detail {
-namespace {
-
-Eigen::Matrix3d turn_by(const Eigen::Vector3d& turn) {
-  const double angle = turn.norm();
-  return angle == 0.0 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                      : Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-}
-
-/// Components in which `values` have their medians.
-Eigen::Vector3d median(const std::vector<Eigen::Vector3d>& values) {
-  Eigen::Vector3d middle;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> column;
-    column.reserve(values.size());
-    for (const Eigen::Vector3d& value : values) column.push_back(value(axis));
-    const auto half = column.begin() + static_cast<std::ptrdiff_t>(column.size() / 2);
-    std::ranges::nth_element(column, half);
-    middle(axis) = *half;
-  }
-  return middle;
-}
-
-constexpr Eigen::Index kFrame = 6, kPlane = 3;
-
-}  // namespace
-
-Eigen::Matrix3d carrier(const StationState& station, ReflectorMount mount) {
-  return mount_rotation(station.plate, station.rotation, mount);
-}
-
-Eigen::Matrix3d mount_rotation(const PlateState& plate, double phi, ReflectorMount mount) {
-  return plate_rotation(plate.tilt).matrix * Eigen::AngleAxisd(turns_per_phi(mount) * phi, Eigen::Vector3d::UnitZ());
-}
-
 Observation::Observation(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
                          std::vector<SoughtSource> sought, bool seeks_scale)
     : robot_(robot),
-      measurements_(measurements),
       options_(options),
-      seeks_scale_(seeks_scale && options.scale_std > 0.0),
       sought_(std::move(sought)),
-      prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))) {
+      prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))),
+      at_station_(measurements.stations.size()) {
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) joints_.push_back(believed_joints(robot, station));
-  lay_out_nuisance();
+  for (auto& series : all_series(measurements, options)) {
+    series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);
+    series_.push_back(std::move(series));
+  }
   lay_out_priors();
   add_groups();
   list_stations();
 }
 
-void Observation::lay_out_nuisance() {
-  const auto take = [&](Eigen::Index count) { return std::exchange(nuisance_count_, nuisance_count_ + count); };
-  for (const PointSeries& series : measurements_.series) {
-    Nuisance nuisance;
-    if (options_.frame == Frame::unknown) nuisance.frame = take(kFrame);
-    const bool turns = std::ranges::any_of(series.readings, [](const auto& r) { return r.rotation.has_value(); });
-    if (turns && options_.rotation_zero == RotationZero::unknown) nuisance.zero = take(1);
-    if (std::ranges::any_of(series.readings, [](const auto& r) { return r.second.has_value(); })) {
-      nuisance.second = take(3);
-    }
-    if (seeks_scale_) nuisance.scale = take(1);
-    nuisance_.push_back(nuisance);
-  }
-  for (std::size_t k = 0; k < measurements_.planes.size(); ++k) {
-    planes_.push_back(take(kPlane));
-  }
-  if (measurements_.distances.empty()) return;
-  if (options_.noise.distance_bias > 0.0) bias_ = take(1);
-  if (seeks_scale_) distance_scale_ = take(1);
-}
-
 std::vector<Eigen::Index> Observation::scale_columns() const {
   std::vector<Eigen::Index> columns;
-  for (const Nuisance& nuisance : nuisance_) {
-    if (nuisance.scale >= 0) columns.push_back(nuisance.scale);
+  for (const auto& series : series_) {
+    if (series->scale_column() >= 0) columns.push_back(series->scale_column());
   }
-  if (distance_scale_ >= 0) columns.push_back(distance_scale_);
   return columns;
 }
 
@@ -122,13 +67,7 @@ void Observation::lay_out_priors() {
 }
 
 void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
-  if (bias_ >= 0) root.add_prior(bias_, unknowns(bias_), 0.0, options_.noise.distance_bias);
-  for (const Eigen::Index scale : scale_columns()) root.add_prior(scale, unknowns(scale), 0.0, options_.scale_std);
-  for (const Eigen::Index plane : planes_) {
-    if (!options_.plane_slope) break;
-    root.add_prior(plane + 1, unknowns(plane + 1), 0.0, *options_.plane_slope);
-    root.add_prior(plane + 2, unknowns(plane + 2), 0.0, *options_.plane_slope);
-  }
+  for (const auto& series : series_) series->add_priors(unknowns, root);
   if (common_prior_.size() > 0) {
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(source_count(), unknown_count() + 1);
     rows.middleCols(nuisance_count_, source_count()) = common_prior_;
@@ -143,40 +82,26 @@ void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& r
 }
 
 void Observation::add_groups() {
-  std::size_t count = measurements_.distances.size();
-  for (const PointSeries& series : measurements_.series) count += series.readings.size();
-  for (const HeightSeries& plane : measurements_.planes) count += plane.readings.size();
+  std::size_t count = 0;
+  for (const auto& series : series_) {
+    first_group_.push_back(count);
+    count += series->size();
+  }
   groups_.reserve(count);
-  const auto add = [&](ReadingKind kind, std::size_t series, std::size_t index, std::size_t station, bool stated) {
-    groups_.push_back({.series = static_cast<std::uint32_t>(series),
-                       .index = static_cast<std::uint32_t>(index),
-                       .station = static_cast<std::uint32_t>(station),
-                       .kind = kind,
-                       .stated = stated || options_.noise_is_known});
-  };
-  for (std::size_t s = 0; s < measurements_.series.size(); ++s) {
-    const std::vector<PointReading>& readings = measurements_.series[s].readings;
-    for (std::size_t k = 0; k < readings.size(); ++k) {
-      const bool stated = readings[k].sigma.has_value() || options_.noise.tracker.has_value();
-      add(ReadingKind::point, s, k, readings[k].station, stated);
-    }
-  }
-  for (std::size_t k = 0; k < measurements_.distances.size(); ++k) {
-    const DistanceReading& reading = measurements_.distances[k];
-    add(ReadingKind::distance, 0, k, reading.to, reading.distance_sigma.has_value() && !reading.rotation);
-  }
-  for (std::size_t s = 0; s < measurements_.planes.size(); ++s) {
-    const std::vector<HeightReading>& readings = measurements_.planes[s].readings;
-    for (std::size_t k = 0; k < readings.size(); ++k) {
-      add(ReadingKind::height, s, k, readings[k].station, readings[k].sigma.has_value());
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    for (std::size_t k = 0; k < series_[s]->size(); ++k) {
+      Group group = series_[s]->group(k);
+      group.series = static_cast<std::uint32_t>(s);
+      group.index = static_cast<std::uint32_t>(k);
+      group.stated = group.stated || options_.noise_is_known;
+      groups_.push_back(group);
     }
   }
 }
 
 void Observation::list_stations() {
-  at_station_.resize(measurements_.stations.size());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!groups_[g].is_distance()) at_station_[groups_[g].station].push_back(static_cast<std::uint32_t>(g));
+    if (!groups_[g].is_relative()) at_station_[groups_[g].station].push_back(static_cast<std::uint32_t>(g));
   }
 }
 
@@ -205,41 +130,12 @@ std::optional<Eigen::VectorXd> Observation::start(const SourceErrors& errors) {
   }
   const auto states = stations(unknowns);
   if (!states) return std::nullopt;
-  for (std::size_t s = 0; s < measurements_.series.size(); ++s) align(s, *states, unknowns);
-  for (std::size_t s = 0; s < planes_.size(); ++s) {
-    std::vector<Eigen::Vector3d> levels;
-    for (const HeightReading& reading : measurements_.planes[s].readings) {
-      levels.emplace_back(0.0, 0.0, (*states)[reading.station].plate.position.z() - reading.height);
-    }
-    if (!levels.empty()) unknowns(planes_[s]) = median(levels).z();
+  for (auto& series : series_) {
+    std::unique_ptr<ReadingSeries> own = series->copy();
+    own->start(*states, unknowns);
+    series = std::move(own);
   }
   return unknowns;
-}
-
-void Observation::align(std::size_t series, const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) {
-  Nuisance& nuisance = nuisance_[series];
-  std::vector<Eigen::Vector3d> predicted, measured, seconds;
-  for (const PointReading& reading : measurements_.series[series].readings) {
-    predicted.push_back(stations[reading.station].plate.position);
-    measured.push_back(reading.point);
-  }
-  if (nuisance.frame >= 0) {
-    const RigidMotion motion = robust_rigid_fit(predicted, measured);
-    nuisance.turned = motion.rotation;
-    unknowns.segment<3>(nuisance.frame).setZero();
-    unknowns.segment<3>(nuisance.frame + 3) = motion.translation;
-  }
-  std::vector<Eigen::Vector3d> zeros;
-  for (const PointReading& reading : measurements_.series[series].readings) {
-    const StationState& station = stations[reading.station];
-    if (reading.rotation) zeros.emplace_back(station.rotation - *reading.rotation, 0.0, 0.0);
-    if (reading.second) {
-      seconds.emplace_back(carrier(station, options_.reflectors).transpose() * nuisance.turned.transpose() *
-                           (*reading.second - reading.point));
-    }
-  }
-  if (nuisance.zero >= 0) unknowns(nuisance.zero) = median(zeros).x();
-  if (nuisance.second >= 0) unknowns.segment<3>(nuisance.second) = median(seconds);
 }
 
 std::shared_ptr<const std::vector<StationState>> Observation::stations(const Eigen::VectorXd& unknowns) const {
@@ -261,7 +157,9 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
     if (nominal_.empty()) {
       states.push_back(state_of(machine, pose.plate, joints_[k]));
     } else {
-      states.push_back({pose.plate, machine.rotation_of(pose.plate.slide), nominal_[k].jacobian, nominal_[k].by_joint});
+      states.push_back(nominal_[k]);
+      states.back().plate = pose.plate;
+      states.back().rotation = machine.rotation_of(pose.plate.slide);
     }
     if (states.back().jacobian.cols() != source_count()) return nullptr;
   }
@@ -269,7 +167,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
 }
 
 StationState Observation::state_of(const Machine& machine, const PlateState& plate, const Joints& joints) const {
-  StationState state{plate, machine.rotation_of(plate.slide), {}, {}};
+  StationState state{plate, machine.rotation_of(plate.slide), {}, {}, plate.position};
   const ExactJacobian exact = exact_jacobian(machine, plate, joints);
   if (!exact.ok) return state;
   const auto motion = [&](std::size_t limb, Source source, auto&& column) {
@@ -289,24 +187,15 @@ StationState Observation::state_of(const Machine& machine, const PlateState& pla
   return state;
 }
 
-RigidMotion Observation::frame(std::size_t series, const Eigen::VectorXd& unknowns) const {
-  const Nuisance& nuisance = nuisance_[series];
-  if (nuisance.frame < 0) return {};
-  return {turn_by(unknowns.segment<3>(nuisance.frame)) * nuisance.turned, unknowns.segment<3>(nuisance.frame + 3)};
-}
-
 double reading_noise(const Observation& observation) {
   const auto& groups = observation.groups();
-  const auto read = [&](ReadingKind kind) {
-    return std::ranges::any_of(groups, [&](const Group& g) { return g.kind == kind; });
-  };
-  const ReadingKind kind = read(ReadingKind::point)      ? ReadingKind::point
-                           : read(ReadingKind::distance) ? ReadingKind::distance
-                                                         : ReadingKind::height;
+  const auto quantity_of = [&](const Group& group) { return observation.series_of(group).quantity(); };
+  Quantity quantity = Quantity::height;
+  for (const Group& group : groups) quantity = std::min(quantity, quantity_of(group));
   double sum = 0.0;
   int count = 0;
   for (const Group& group : groups) {
-    if (!group.active || group.kind != kind) continue;
+    if (!group.active || quantity_of(group) != quantity) continue;
     const VarianceComponents& factors = observation.components();
     sum += std::pow(observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise), 2);
     ++count;

@@ -1,7 +1,5 @@
 #include "outliers.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
@@ -83,57 +81,16 @@ void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& sta
   if (!stations) return;
   std::vector<double> distances;
   for (const Group& group : observation.groups()) {
-    if (group.is_point())
-      distances.push_back(observation.point_residual(group, (*stations)[group.station], start).norm());
+    const ReadingSeries& series = observation.series_of(group);
+    if (series.shows_gross_at_start())
+      distances.push_back(series.residual(group.index, {*stations, start}).length.norm());
   }
   if (distances.empty()) return;
   const double limit = std::max(kGross * median_of(distances), 5.0);
   std::size_t k = 0;
   for (Group& group : observation.groups()) {
-    if (group.is_point() && distances[k++] > limit) group.active = false;
+    if (observation.series_of(group).shows_gross_at_start() && distances[k++] > limit) group.active = false;
   }
-}
-
-std::string label(const Observation& observation, const Measurements& measurements, const Group& group) {
-  if (group.is_height()) {
-    return fmt::format("height {} of {}", measurements.stations[group.station].name,
-                       measurements.planes[group.series].name);
-  }
-  if (group.is_distance()) {
-    const DistanceReading& reading = observation.distance(group);
-    return fmt::format("distance {} - {}", measurements.stations[reading.from].name,
-                       measurements.stations[reading.to].name);
-  }
-  const PointSeries& series = measurements.series[group.series];
-  const auto same = [&](const PointReading& reading) { return reading.station == group.station; };
-  const auto repeats = std::ranges::count_if(series.readings, same);
-  std::string text = fmt::format("{} of {}", measurements.stations[group.station].name, series.name);
-  if (repeats > 1) {
-    const auto before = std::count_if(series.readings.begin(),
-                                      series.readings.begin() + static_cast<std::ptrdiff_t>(group.index) + 1, same);
-    text += fmt::format(", repeat {}", before);
-  }
-  return text;
-}
-
-std::string explanation(const Observation& observation, const Measurements& measurements, const Group& group,
-                        const Eigen::VectorXd& unknowns) {
-  constexpr double kNear = 2.0;  // mm: a calibrated machine's reading lies this close to its station
-  const auto stations = observation.stations(unknowns);
-  if (!group.is_point() || !stations) return {};
-  const auto near = [&](const Group& reading, std::size_t station) {
-    return observation.point_residual(reading, (*stations)[station], unknowns).norm() < kNear;
-  };
-  const auto same_series = [&](const Group& other) { return other.is_point() && other.series == group.series; };
-  for (const Group& other : observation.groups()) {
-    if (!same_series(other) || other.station == group.station || !near(group, other.station)) continue;
-    const bool swapped = std::ranges::any_of(observation.groups(), [&](const Group& one) {
-      return same_series(one) && one.station == other.station && near(one, group.station);
-    });
-    return fmt::format("{} {}", swapped ? "swapped with" : "it was taken at",
-                       measurements.stations[other.station].name);
-  }
-  return {};
 }
 
 }  // namespace paracal::detail

@@ -38,12 +38,4 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
 /// alignment. They would spoil even the first linearization.
 void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& start);
 
-/// "tracker.csv P7", "distance P1 - P3".
-std::string label(const Observation& observation, const Measurements& measurements, const Group& group);
-
-/// For every reading left out: the station where the machine stood closest to it, if that explains the reading.
-/// Two readings that explain each other were swapped.
-std::string explanation(const Observation& observation, const Measurements& measurements, const Group& group,
-                        const Eigen::VectorXd& unknowns);
-
 }  // namespace paracal::detail

@@ -15,14 +15,13 @@ Eigen::MatrixXd covariance_of_pairs(const Measurements& measurements, const Obse
   Eigen::MatrixXd block;
   double trace = 0.0;
   for (const Group& group : observation.groups()) {
-    const DistanceReading& reading = observation.distance(group);
     observation.rows(group, *states, unknowns, block);
-    const Eigen::Vector3d between = (*states)[reading.to].plate.position - (*states)[reading.from].plate.position;
-    const double sigma = observation.sigma_of(reading);
+    const Eigen::Vector3d between = (*states)[group.station].plate.position - (*states)[group.from].plate.position;
+    const double sigma = observation.sigma_of(group);
     const Eigen::RowVector3d end = between.normalized().transpose() / sigma;
     const Eigen::VectorXd row = block.row(0).head(n).transpose();
-    mixed.middleCols<3>(3 * static_cast<Eigen::Index>(reading.to)).noalias() += row * end;
-    mixed.middleCols<3>(3 * static_cast<Eigen::Index>(reading.from)).noalias() -= row * end;
+    mixed.middleCols<3>(3 * static_cast<Eigen::Index>(group.station)).noalias() += row * end;
+    mixed.middleCols<3>(3 * static_cast<Eigen::Index>(group.from)).noalias() -= row * end;
     trace += 2.0 / (sigma * sigma);
   }
   const Eigen::MatrixXd half = pseudo_inverse * mixed;

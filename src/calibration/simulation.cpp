@@ -4,9 +4,9 @@
 
 #include <Eigen/LU>
 
-#include "observation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "readings/points.hpp"
 
 namespace paracal {
 namespace {

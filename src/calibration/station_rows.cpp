@@ -1,4 +1,4 @@
-// Readings of one station whose joints may stand elsewhere than the model has them.
+// Rows of the readings, and of those of one station together whose joints may stand elsewhere than the model has them.
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -25,6 +25,36 @@ Eigen::MatrixXd whitened(const StationRows& at, double joint) {
 }
 
 }  // namespace
+
+void Observation::rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
+                       Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint) const {
+  ByPlate by_plate = series_of(group).rows(group.index, {stations, unknowns}, block);
+  const double factor =
+      std::sqrt(group.weight) / (group.stated ? components_.stated_noise : components_.unstated_noise);
+  if (factor != 1.0) {
+    block *= factor;
+    by_plate *= factor;
+  }
+  const StationState& station = stations[group.station];
+  auto sources = block.middleCols(nuisance_count_, source_count());
+  sources.noalias() = by_plate * station.jacobian;
+  if (group.is_relative()) {
+    sources.noalias() -= by_plate * stations[group.from].jacobian;
+    if (components_.joint > 0.0) {
+      block = widening(group, stations, by_plate).cwiseSqrt().cwiseInverse().asDiagonal() * block;
+    }
+  }
+  if (by_joint != nullptr) by_joint->noalias() = by_plate * station.by_joint;
+}
+
+/// Readings that share a station share how far its joints are off; here each has its own.
+Eigen::VectorXd Observation::widening(const Group& group, const std::vector<StationState>& stations,
+                                      const ByPlate& by_plate) const {
+  const double variance = components_.joint * components_.joint;
+  return Eigen::VectorXd::Ones(by_plate.rows()) +
+         variance * ((by_plate * stations[group.station].by_joint).rowwise().squaredNorm() +
+                     (by_plate * stations[group.from].by_joint).rowwise().squaredNorm());
+}
 
 StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,
                                       const Eigen::VectorXd& unknowns) const {
@@ -59,7 +89,7 @@ bool Observation::operator()(const Eigen::VectorXd& unknowns, InformationRoot& r
   const bool alone = components_.joint == 0.0;
   Eigen::MatrixXd block;
   for (const Group& group : groups_) {
-    if (!group.active || !(alone || group.is_distance())) continue;
+    if (!group.active || !(alone || group.is_relative())) continue;
     rows(group, *states, unknowns, block);
     root.add(block);
   }
@@ -78,7 +108,7 @@ void Observation::check_each(
   const bool alone = components_.joint == 0.0;
   Eigen::MatrixXd block, one;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!(alone || groups_[g].is_distance())) continue;
+    if (!(alone || groups_[g].is_relative())) continue;
     rows(groups_[g], *states, unknowns, block);
     if (one.rows() != block.rows()) one.setIdentity(block.rows(), block.rows());
     look(g, block, one);
@@ -116,11 +146,11 @@ double Observation::log_determinant(const Eigen::VectorXd& unknowns) const {
   Eigen::MatrixXd block;
   for (const Group& group : groups_) {
     if (!group.active) continue;
-    const ByPlate by_plate = setup_rows(group, *states, unknowns, block);
+    const ByPlate by_plate = series_of(group).rows(group.index, {*states, unknowns}, block);
     const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
     sum += 2.0 * static_cast<double>(block.rows()) * std::log(factor);
-    if (group.is_distance() && components_.joint > 0.0) {
-      sum += widening(distance(group), *states, by_plate / factor).array().log().sum();
+    if (group.is_relative() && components_.joint > 0.0) {
+      sum += widening(group, *states, by_plate / factor).array().log().sum();
     }
   }
   if (components_.joint == 0.0) return sum;

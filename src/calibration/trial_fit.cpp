@@ -106,14 +106,6 @@ void reweigh(Observation& observation, const Eigen::VectorXd& unknowns) {
   for (std::size_t g = 0; g < misses.size(); ++g) observation.groups()[g].weight = misses[g].weight();
 }
 
-/// Residual of a reading, mm a row.
-double distance_off(const Observation& observation, const Group& group, const std::vector<StationState>& stations,
-                    const Eigen::VectorXd& unknowns) {
-  if (group.is_distance()) return observation.distance_residual(group, stations, unknowns);
-  if (group.is_height()) return observation.height_residual(group, stations[group.station], unknowns);
-  return observation.point_residual(group, stations[group.station], unknowns).norm() / std::sqrt(3.0);
-}
-
 /// Root mean square of `values` with the weights of their readings.
 class WeightedMean {
  public:
@@ -133,9 +125,9 @@ void state_noise(const Observation& observation, const Eigen::VectorXd& unknowns
   const auto stations = observation.stations(unknowns);
   WeightedMean lengths, rotations;
   for (const Group& group : observation.groups()) {
-    lengths.add(distance_off(observation, group, *stations, unknowns), group.weight);
-    const auto rotation = observation.rotation_residual(group, *stations, unknowns);
-    if (rotation) rotations.add(*rotation, group.weight);
+    const Residual residual = observation.residual(group, {*stations, unknowns});
+    lengths.add(residual.size(), group.weight);
+    if (residual.rotation) rotations.add(*residual.rotation, group.weight);
   }
   fit.noise = factor * lengths.root();
   if (!rotations.empty()) fit.rotation_noise = factor * rotations.root();

@@ -1,0 +1,148 @@
+#pragma once
+
+// Private to calibration: what a fit knows of a kind of reading. One file a kind; adding one is another of these and a
+// line in series.cpp.
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/information_root.hpp"
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/kinematics/closure.hpp"
+
+namespace paracal::detail {
+
+/// How the plate moves: position (mm), phi (rad), tilt_x, tilt_y, tilt_z (rad), a column for each cause.
+using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
+/// A reading's rows by the plate's motion at its station: rows x 7.
+using ByPlate = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, 7, 7>;
+
+/// Where the machine stands at one station, and how that changes.
+struct StationState {
+  PlateState plate;
+  double rotation = 0.0;  ///< phi, rad
+  PlateMotions jacobian;  ///< by the sought sources
+  PlateMotions by_joint;  ///< by the joint coordinates: how the plate moves when a joint stands elsewhere than believed
+  Eigen::Vector3d derived_at;  ///< where the plate centre was when these were taken: here, or at the nominal machine
+};
+
+/// The machine at every station, and the unknowns of the fit with which it stands there.
+struct Placed {
+  const std::vector<StationState>& stations;
+  const Eigen::VectorXd& unknowns;
+};
+
+/// One reading of a series (small: half a million distances are no rarity) and what a fit makes of it.
+struct Group {
+  static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
+
+  double weight = 1.0;            ///< of its squared residuals, while a robust loss seeks gross errors
+  std::uint32_t series = 0;       ///< place among all series
+  std::uint32_t index = 0;        ///< into the series' readings
+  std::uint32_t station = 0;      ///< where it was taken
+  std::uint32_t from = kNowhere;  ///< the station that it is relative to, where it is
+  bool stated = false;            ///< its standard deviation is known; its factor is that of stated noise
+  bool active = true;             ///< takes part in the fit
+
+  /// Two stations have a share in it.
+  bool is_relative() const { return from != kNowhere; }
+};
+
+/// What a standard deviation is of.
+enum class Quantity : std::uint8_t { coordinate, distance, height };
+
+/// Predicted minus measured, unless said otherwise.
+struct Residual {
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> length;  ///< mm, one number or three
+  std::optional<double> rotation = {};                       ///< rad
+
+  /// Root mean square of a row, mm.
+  double size() const { return length.norm() / std::sqrt(static_cast<double>(length.size())); }
+  /// Measured minus predicted.
+  Residual reversed() const { return {-length, rotation ? std::optional(-*rotation) : std::nullopt}; }
+};
+
+/// Errors of the readings in use, as they come together over all series.
+struct ErrorTally {
+  PoseErrorSummary summary = {};          ///< largest ones so far
+  double distances = 0.0, heights = 0.0;  ///< sums of squares, mm^2
+  std::size_t distance_count = 0, height_count = 0;
+
+  void widen_rotation(const std::optional<double>& residual);
+};
+
+/// The readings of one kind from one set-up, and what of that set-up is sought with the source errors: everything that
+/// a fit, its evidence and its messages know of the kind.
+class ReadingSeries {
+ public:
+  explicit ReadingSeries(std::string name) : name_(std::move(name)) {}
+  virtual ~ReadingSeries() = default;
+  virtual std::unique_ptr<ReadingSeries> copy() const = 0;
+
+  const std::string& name() const { return name_; }
+  virtual std::size_t size() const = 0;
+  /// Where a reading was taken, relative to what, and whether it states its standard deviation.
+  virtual Group group(std::size_t index) const = 0;
+  /// Standard deviation before any factor, mm; of a coordinate, as a mean over the three.
+  virtual double sigma(std::size_t index) const = 0;
+  virtual Quantity quantity() const = 0;
+
+  /// Takes columns of the unknowns for its set-up, from `next` on.
+  virtual void take_columns(Eigen::Index& next, bool seeks_scale) = 0;
+  /// Sets them to what fits best at these stations.
+  virtual void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) = 0;
+  /// What is known of them beforehand, as rows.
+  virtual void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const = 0;
+  /// Column of the instrument's scale; -1 where it is not sought.
+  Eigen::Index scale_column() const { return scale_; }
+
+  /// Sets the set-up's columns and the residual (the last) of `block`, rows x (unknowns + 1), divided by the standard
+  /// deviations.
+  /// @returns the derivative by the plate's motion at the reading's station, less that at what it is relative to.
+  virtual ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const = 0;
+  virtual Residual residual(std::size_t index, const Placed& at) const = 0;
+
+  /// What it is called in notes.
+  virtual std::string label(std::size_t index, const std::vector<Station>& stations) const = 0;
+  /// What may have happened to a reading that was left out; empty where nothing explains it.
+  virtual std::string explanation(std::size_t /*index*/, const Placed& /*at*/,
+                                  const std::vector<Station>& /*stations*/) const {
+    return {};
+  }
+  /// start() finds the set-up in spite of gross readings, which then lie far off before any fit.
+  virtual bool shows_gross_at_start() const { return false; }
+  /// @param of_series  the groups of its readings; those in use count.
+  virtual void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const = 0;
+  /// Lists a reading with its residuals, measured minus predicted, at the nominal and the calibrated machine.
+  virtual void list(const Group& group, const std::vector<Station>& stations, const Residual& before,
+                    const Residual& after, Calibration& calibration) const = 0;
+  /// States what was found of the set-up.
+  virtual void state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const = 0;
+
+ protected:
+  double scale(const Eigen::VectorXd& unknowns) const { return scale_ < 0 ? 1.0 : 1.0 + unknowns(scale_); }
+  ReadingSeries(const ReadingSeries&) = default;
+  ReadingSeries& operator=(const ReadingSeries&) = default;
+  static Eigen::Index take(Eigen::Index& next, Eigen::Index count) { return std::exchange(next, next + count); }
+
+  Eigen::Index scale_ = -1;
+
+ private:
+  std::string name_;
+};
+
+/// All series of the measurements: points, distances, heights. They refer to both arguments.
+std::vector<std::unique_ptr<ReadingSeries>> all_series(const Measurements& measurements,
+                                                       const CalibrationOptions& options);
+
+}  // namespace paracal::detail
