@@ -40,12 +40,9 @@ class Merger {
     }
     std::vector<std::size_t> places;
     for (const Station& station : part.stations) places.push_back(append_station(station, title));
-    for (const DistanceReading& reading : part.distances) append_distance(reading, places);
-    for (const PointSeries& series : part.series) append_series(series, places);
-    for (HeightSeries plane : part.planes) {
-      for (HeightReading& reading : plane.readings) reading.station = place_of(places, reading.station);
-      merged_.planes.push_back(std::move(plane));
-    }
+    append_distances(part.distances, title, places);
+    for (const PointSeries& series : part.series) append_points(series, places);
+    for (const HeightSeries& plane : part.planes) append_heights(plane, places);
     for (const InputFile& file : part.files) append_file(file);
   }
 
@@ -73,26 +70,49 @@ class Merger {
     return place;
   }
 
-  void append_distance(DistanceReading reading, const std::vector<std::size_t>& places) {
-    reading.from = place_of(places, reading.from);
-    reading.to = place_of(places, reading.to);
-    merged_.distances.push_back(reading);
+  /// A file given twice, or copied into another, would make the readings look better than they are.
+  void note_copies(const std::string& title, std::size_t copies, std::size_t readings) {
+    if (copies == 0) return;
+    merged_.notes.push_back(
+        fmt::format("{}, {} of {} readings stand in an earlier series too: counted once", title, copies, readings));
   }
 
-  /// A file given twice, or copied into another, would make the readings look better than they are.
-  void append_series(const PointSeries& series, const std::vector<std::size_t>& places) {
+  void append_distances(const std::vector<DistanceReading>& readings, const std::string& title,
+                        const std::vector<std::size_t>& places) {
+    std::vector<DistanceReading> kept;
+    for (DistanceReading reading : readings) {
+      reading.from = place_of(places, reading.from);
+      reading.to = place_of(places, reading.to);
+      if (!distances_.contains(key_of(reading))) kept.push_back(reading);
+    }
+    note_copies(title, readings.size() - kept.size(), readings.size());
+    for (const DistanceReading& reading : kept) distances_.insert(key_of(reading));
+    merged_.distances.insert(merged_.distances.end(), kept.begin(), kept.end());
+  }
+
+  void append_points(const PointSeries& series, const std::vector<std::size_t>& places) {
     PointSeries kept{unused_name(series.name, titles_), {}};
     for (PointReading reading : series.readings) {
       reading.station = place_of(places, reading.station);
-      if (!readings_.contains(key_of(reading))) kept.readings.push_back(std::move(reading));
+      if (!points_.contains(key_of(reading))) kept.readings.push_back(std::move(reading));
     }
-    if (const std::size_t copies = series.readings.size() - kept.readings.size(); copies > 0) {
-      merged_.notes.push_back(fmt::format("{}, {} of {} readings stand in an earlier series too: counted once",
-                                          kept.name, copies, series.readings.size()));
-    }
-    for (const PointReading& reading : kept.readings) readings_.insert(key_of(reading));
+    note_copies(kept.name, series.readings.size() - kept.readings.size(), series.readings.size());
+    for (const PointReading& reading : kept.readings) points_.insert(key_of(reading));
     titles_.insert(kept.name);
     if (!kept.readings.empty() || series.readings.empty()) merged_.series.push_back(std::move(kept));
+  }
+
+  /// A dial shows few digits, so that single heights agree by chance: copies are series that agree as a whole.
+  void append_heights(const HeightSeries& plane, const std::vector<std::size_t>& places) {
+    HeightSeries kept{unused_name(plane.name, titles_), plane.readings};
+    std::multiset<ReadingKey> keys;
+    for (HeightReading& reading : kept.readings) {
+      reading.station = place_of(places, reading.station);
+      keys.insert(key_of(reading));
+    }
+    titles_.insert(kept.name);
+    if (heights_.insert(std::move(keys)).second) return merged_.planes.push_back(std::move(kept));
+    note_copies(kept.name, kept.readings.size(), kept.readings.size());
   }
 
   /// Files of distances may share their file of poses.
@@ -105,7 +125,8 @@ class Merger {
   Measurements merged_;
   std::map<std::string, std::vector<std::size_t>> stations_;  ///< places of those that have or had a name
   std::set<std::string> titles_;
-  std::set<ReadingKey> readings_;
+  std::set<ReadingKey> points_, distances_;      ///< readings so far
+  std::set<std::multiset<ReadingKey>> heights_;  ///< series so far
 };
 
 }  // namespace

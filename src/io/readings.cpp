@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace paracal::io {
 namespace {
 
@@ -33,6 +35,15 @@ ReadingKey key_of(const PointReading& reading) {
   std::optional<Coordinates> second;
   if (reading.second) second = coordinates(*reading.second);
   return {reading.station, coordinates(reading.point), second, reading.rotation};
+}
+
+ReadingKey key_of(const HeightReading& reading) { return {reading.station, {0.0, 0.0, reading.height}, {}, {}}; }
+
+ReadingKey key_of(const DistanceReading& reading) {
+  const auto [first, second] = std::minmax(reading.from, reading.to);
+  std::optional<double> rotation = reading.rotation;
+  if (rotation && second == reading.from) rotation = -*rotation;
+  return {first, {static_cast<double>(second), reading.distance, 0.0}, {}, rotation};
 }
 
 bool is_same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }

@@ -22,6 +22,9 @@ using Coordinates = std::array<double, 3>;
 using ReadingKey = std::tuple<std::size_t, Coordinates, std::optional<Coordinates>, std::optional<double>>;
 
 ReadingKey key_of(const PointReading& reading);
+ReadingKey key_of(const HeightReading& reading);
+/// The same whichever of its two stations is named first.
+ReadingKey key_of(const DistanceReading& reading);
 
 bool is_same(const Pose& a, const Pose& b);
 bool is_same(const std::optional<Joints>& a, const std::optional<Joints>& b);

@@ -407,6 +407,43 @@ TEST(Merge, DistancesFindTheirStations) {
   EXPECT_EQ(m.files.size(), 3u);
 }
 
+TEST(Merge, CopiedDistancesCountOnce) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\nC,50,0,-888\n"};
+  const Measurements distances = read_distances({"d.csv", "from,to,distance_mm\nA,C,50\nB,C,49\n"}, poses);
+  const Measurements turned = read_distances({"e.csv", "from,to,distance_mm\nC,B,49\nA,B,101\nC,A,50.5\n"}, poses);
+  const Measurements m = merge({distances, turned});
+  ASSERT_EQ(m.distances.size(), 4u);
+  EXPECT_EQ(m.distances[2].distance, 101.0);
+  EXPECT_EQ(m.distances[3].distance, 50.5);
+  EXPECT_THAT(m.notes, ElementsAre("e.csv, 1 of 3 readings stand in an earlier series too: counted once"));
+}
+
+TEST(Merge, ARotationReadBackwardsIsTheSameReading) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\n"};
+  const auto read = [&](const std::string& row) {
+    return read_distances({"d.csv", "from,to,distance_mm,rotation_deg\n" + row + "\n"}, poses);
+  };
+  EXPECT_EQ(merge({read("A,B,101,2.5"), read("B,A,101,-2.5")}).distances.size(), 1u);
+  EXPECT_EQ(merge({read("A,B,101,2.5"), read("B,A,101,2.5")}).distances.size(), 2u);
+}
+
+// Single heights agree by chance on a dial that shows a hundredth.
+TEST(Merge, CopiedHeightsCountOnceAsAWhole) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\nC,50,0,-888\n"};
+  const auto read = [&](const std::string& name, const std::string& rows) {
+    return read_heights({name, "pose,height_mm\n" + rows}, poses);
+  };
+  const Measurements first = read("monday.csv", "A,0.01\nB,0.02\nC,0.02\n");
+  const Measurements copy = read("copy.csv", "C,0.02\nA,0.01\nB,0.02\n");
+  const Measurements other = read("tuesday.csv", "A,0.01\nB,0.02\nC,0.03\n");
+  const Measurements m = merge({first, copy, other});
+  ASSERT_EQ(m.planes.size(), 2u);
+  EXPECT_EQ(m.planes[0].name, "monday.csv");
+  EXPECT_EQ(m.planes[1].name, "tuesday.csv");
+  EXPECT_EQ(m.planes[1].readings.size(), 3u);
+  EXPECT_THAT(m.notes, ElementsAre("copy.csv, 3 of 3 readings stand in an earlier series too: counted once"));
+}
+
 TEST(Merge, OnePartStaysAsItIs) {
   const Measurements m = read_points(points("A,0,0,-888,0,1,2,3\nB,9,0,-888,0,,,\n"));
   const Measurements merged = merge({m});
