@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "calibration_page.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/klipper.hpp"
@@ -32,11 +35,16 @@ PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
   for (const std::string& name : options.readings) {
     const io::TextFile file = io::read_file(name);
+    InputFile stamp{file.name, io::sha256(file.text)};
+    const auto known = std::ranges::find(printer.files, stamp.sha256, &InputFile::sha256);
+    if (known != printer.files.end()) {  // a reading left out would still be there, and tell of itself
+      throw InputFileError(file.name, 0, fmt::format("expected other readings, got those of {} again", known->name));
+    }
     const DeltaReadings more = io::read_printer_table(file, printer.geometry);
     DeltaReadings& all = printer.readings;
     all.heights.insert(all.heights.end(), more.heights.begin(), more.heights.end());
     all.distances.insert(all.distances.end(), more.distances.begin(), more.distances.end());
-    printer.files.push_back({file.name, io::sha256(file.text)});
+    printer.files.push_back(std::move(stamp));
   }
   if (printer.readings.heights.empty()) {
     const char* expected =

@@ -135,6 +135,11 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
   refused("x_mm,y_mm,z_mm,bed_mm\n0,0,0,1\n", "bed_mm");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n", "expected distance_mm above 0, got -50");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n", "config.g: expected heights of the bed");
+  folder.write("again.csv", folder.read("readings.csv"));
+  const ProgramResult twice =
+      folder.run("calibrate --printer config.g --firmware marlin --readings readings.csv,again.csv");
+  EXPECT_EQ(twice.exit_code, kBadInputFile);
+  EXPECT_THAT(twice.err, HasSubstr("again.csv: expected other readings, got those of readings.csv again"));
   EXPECT_EQ(folder.run("calibrate --readings readings.csv").exit_code, kWrongUsage);
 }
 
