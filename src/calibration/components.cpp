@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <utility>
 
 namespace paracal::detail {
@@ -30,23 +28,6 @@ struct Candidate {
   std::function<double(const StageFit&)> size;  ///< what it came to
   Sentence say;
 };
-
-/// Rows of repeated readings, by station and series.
-using Visits = std::map<std::array<std::uint32_t, 2>, std::vector<Eigen::VectorXd>>;
-
-Visits repeated_visits(const StageFit& fit) {
-  Visits visits;
-  const Observation& observation = fit.observation();
-  const auto states = observation.stations(fit.fit().parameters);
-  if (!states) return visits;
-  Eigen::MatrixXd block;
-  for (const Group& group : observation.groups()) {
-    if (!group.active || group.is_relative()) continue;
-    observation.rows(group, *states, fit.fit().parameters, block);
-    visits[{group.station, group.series}].push_back(block.col(observation.unknown_count()));
-  }
-  return visits;
-}
 
 class Finder {
  public:
@@ -231,21 +212,8 @@ class Finder {
 }  // namespace
 
 FitScatter fit_scatter(const StageFit& fit) {
-  FitScatter scatter;
-  for (const auto& [place, visits] : repeated_visits(fit)) {
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(visits.front().size());
-    std::size_t alike = 0;
-    for (const Eigen::VectorXd& one : visits) {
-      if (one.size() == mean.size()) mean += (one - mean) / static_cast<double>(++alike);
-    }
-    for (const Eigen::VectorXd& one : visits) {
-      if (one.size() == mean.size()) scatter.visits.sum += (one - mean).squaredNorm();
-    }
-    scatter.visits.redundancy += static_cast<double>(alike - 1) * static_cast<double>(mean.size());
-  }
-  const Scatter all = fit.scatter();
-  scatter.poses = {std::max(all.sum - scatter.visits.sum, 0.0), all.redundancy - scatter.visits.redundancy};
-  return scatter;
+  const Scatter all = fit.scatter(), visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
+  return {visits, {std::max(all.sum - visits.sum, 0.0), all.redundancy - visits.redundancy}};
 }
 
 std::vector<Component> find_components(StageFit& fit, const CalibrationOptions& options) {

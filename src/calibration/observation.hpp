@@ -93,6 +93,9 @@ class Observation {
   /// I + H P H^T when it is not in use. Without joint effects: [J | r] and I.
   void check_each(const Eigen::VectorXd& unknowns,
                   const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
+  /// Variances of a reading's rows when joints, sought errors and its scale are off, in units of its own noise.
+  /// @param covariance  of the sought errors.
+  Eigen::VectorXd variances(const Group& group, const Placed& at, const Eigen::MatrixXd& covariance) const;
   /// log det V of all active readings, in units of the standard deviations before any factor.
   double log_determinant(const Eigen::VectorXd& unknowns) const;
 
@@ -115,8 +118,7 @@ class Observation {
   void lay_out_priors();
   void add_groups();
   void list_stations();
-  /// Variances of the rows of a reading between two stations when the joints of both may be off, over those when they
-  /// are not.
+  /// Variances of a reading's rows when the joints may be off, over those when they are not.
   Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations,
                            const ByPlate& by_plate) const;
   void check_station(

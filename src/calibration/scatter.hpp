@@ -34,4 +34,7 @@ Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns,
   return {readings.squared_residuals(), worth - hat.squaredNorm()};
 }
 
+/// How repeated visits of a station scatter about their mean, by rows as weighted for the fit: pure error.
+Scatter scatter_of_visits(const Observation& observation, const Eigen::VectorXd& unknowns);
+
 }  // namespace paracal::detail

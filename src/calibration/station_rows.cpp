@@ -50,10 +50,23 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
 /// Readings that share a station share how far its joints are off; here each has its own.
 Eigen::VectorXd Observation::widening(const Group& group, const std::vector<StationState>& stations,
                                       const ByPlate& by_plate) const {
-  const double variance = components_.joint * components_.joint;
-  return Eigen::VectorXd::Ones(by_plate.rows()) +
-         variance * ((by_plate * stations[group.station].by_joint).rowwise().squaredNorm() +
-                     (by_plate * stations[group.from].by_joint).rowwise().squaredNorm());
+  Eigen::VectorXd squares = (by_plate * stations[group.station].by_joint).rowwise().squaredNorm();
+  if (group.is_relative()) squares += (by_plate * stations[group.from].by_joint).rowwise().squaredNorm();
+  return Eigen::VectorXd::Ones(by_plate.rows()) + components_.joint * components_.joint * squares;
+}
+
+Eigen::VectorXd Observation::variances(const Group& group, const Placed& at, const Eigen::MatrixXd& covariance) const {
+  Eigen::MatrixXd block;
+  const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
+  const ByPlate by_plate = series_of(group).rows(group.index, at, block) / factor;
+  Eigen::MatrixXd by_error = by_plate * at.stations[group.station].jacobian;
+  if (group.is_relative()) by_error -= by_plate * at.stations[group.from].jacobian;
+  Eigen::VectorXd variances =
+      widening(group, at.stations, by_plate) + (by_error * covariance).cwiseProduct(by_error).rowwise().sum();
+  if (const Eigen::Index scale = series_of(group).scale_column(); scale >= 0) {
+    variances += (options_.scale_std / factor * block.col(scale)).cwiseAbs2();
+  }
+  return variances;
 }
 
 StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
+#include <utility>
 
+#include "agreement.hpp"
 #include "iso9283.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -103,6 +106,76 @@ MeanSigma mean_sigma(const Measurements& measurements, const ValidationOptions& 
   return largest;
 }
 
+/// U of the least certain reading, mm (k = 2).
+double uncertainty_of_readings(const Validation& validation, bool distances) {
+  double largest = 0.0;
+  for (const CheckedReading& one : validation.readings) {
+    if (one.is_distance == distances) largest = std::max(largest, kCoverageFactor * one.sigma);
+  }
+  return largest;
+}
+
+/// Largest |residual| of distances or heights, before and after.
+std::pair<double, double> largest_of_readings(const Validation& validation, bool distances) {
+  double before = 0.0, after = 0.0;
+  for (const CheckedReading& one : validation.readings) {
+    if (one.is_distance != distances) continue;
+    before = std::max(before, std::abs(one.before));
+    after = std::max(after, std::abs(one.after));
+  }
+  return {before, after};
+}
+
+/// Without limits a calibration must have made the machine better by more than can be measured: by points where there
+/// are any, else by distances, else by heights.
+void require_gain(double two_points, Validation& validation) {
+  const auto require = [&](const char* what, double before, double after, double uncertainty) {
+    if (before - after > uncertainty) return;
+    validation.reasons.push_back(
+        fmt::format("the largest {} went from {:.3f} to {:.3f} mm, which is not more than the uncertainty of measuring "
+                    "it, {:.3f} mm",
+                    what, before, after, uncertainty));
+  };
+  if (!validation.poses.empty()) {
+    return require("aligned error", validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned,
+                   two_points);
+  }
+  const bool distances = validation.after.reads_distances;
+  const auto [before, after] = largest_of_readings(validation, distances);
+  require(distances ? "error of a distance" : "error of a height", before, after,
+          uncertainty_of_readings(validation, distances));
+}
+
+/// Root mean squares of distances or heights, before and after, mm.
+std::pair<double, double> rms_of_readings(const Validation& validation, bool distances) {
+  double before = 0.0, after = 0.0, count = 0.0;
+  for (const CheckedReading& one : validation.readings) {
+    if (one.is_distance != distances) continue;
+    before += one.before * one.before;
+    after += one.after * one.after;
+    ++count;
+  }
+  return {std::sqrt(before / count), std::sqrt(after / count)};
+}
+
+/// Adds distances and heights to what the points showed.
+void summarize_readings(Validation& validation) {
+  PoseErrorSummary &before = validation.before, &after = validation.after;
+  const auto has = [&](bool distances) {
+    return std::ranges::any_of(validation.readings, [&](const auto& one) { return one.is_distance == distances; });
+  };
+  before.reads_distances = after.reads_distances = has(true) || !validation.poses.empty();
+  if (has(true)) {
+    const auto [largest_before, largest_after] = largest_of_readings(validation, true);
+    before.max_abs_distance = std::max(before.max_abs_distance, largest_before);
+    after.max_abs_distance = std::max(after.max_abs_distance, largest_after);
+    if (validation.poses.empty()) {
+      std::tie(before.rms_distance, after.rms_distance) = rms_of_readings(validation, true);
+    }
+  }
+  if (has(false)) std::tie(before.rms_height, after.rms_height) = rms_of_readings(validation, false);
+}
+
 /// The differences of two points vary sqrt(2) times as much as one coordinate; |dr| of an aligned point by its three.
 void check_limits(const Measurements& measurements, const ValidationOptions& options, Validation& validation) {
   const MeanSigma sigma = mean_sigma(measurements, options);
@@ -117,50 +190,45 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
     validation.reasons.push_back(fmt::format("{}: {:.4g} +- {:.2g} against a limit of {:.4g} is {}", quantity, error,
                                              uncertainty, *limit, name(conformity)));
   };
-  check("distance error, mm", options.limits.distance, validation.after.max_abs_distance, two_points);
-  check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
-        kCoverageFactor * sigma.point);
+  if (options.limits.distance && !validation.after.reads_distances) {
+    validation.reasons.emplace_back("a limit on distances was set, and heights alone were read");
+  } else {
+    check("distance error, mm", options.limits.distance, validation.after.max_abs_distance,
+          std::max(two_points, uncertainty_of_readings(validation, true)));
+  }
+  if (options.limits.volumetric && validation.poses.empty()) {
+    validation.reasons.emplace_back("a limit on aligned positions was set, and no points were read");
+  } else {
+    check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
+          kCoverageFactor * sigma.point);
+  }
   if (options.limits.rotation && !validation.after.max_abs_rotation) {
     validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
   } else if (options.limits.rotation) {
     check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
           kCoverageFactor * std::sqrt(2.0) * sigma.rotation);
   }
-  const bool limited = options.limits.distance || options.limits.volumetric || options.limits.rotation;
-  if (!limited && validation.before.max_volumetric_aligned - validation.after.max_volumetric_aligned <= two_points) {
-    validation.reasons.push_back(
-        fmt::format("the largest aligned error went from {:.3f} to {:.3f} mm, which is not more than the uncertainty "
-                    "of measuring it, {:.3f} mm",
-                    validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned, two_points));
+  if (!options.limits.any()) require_gain(two_points, validation);
+  if (validation.agreement && validation.agreement->contradicts()) {
+    const Agreement& agreement = *validation.agreement;
+    std::string text = fmt::format(
+        "these readings contradict the uncertainty that the calibration states: they lie {:.1f} times as far from its "
+        "predictions as that and their noise explain (chance {:.1g})",
+        std::sqrt(agreement.chi_square / agreement.freedom), agreement.chance);
+    (options.limits.any() ? validation.notes : validation.reasons).push_back(std::move(text));
   }
   validation.accepted = validation.reasons.empty();
 }
 
-}  // namespace
-
-std::string_view name(Conformity conformity) {
-  switch (conformity) {
-    case Conformity::conforming:
-      return "conforming";
-    case Conformity::not_conforming:
-      return "not conforming";
-    case Conformity::undecided:
-      return "undecided";
-  }
-  return "";
-}
-
-Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
-                    const ValidationOptions& options) {
-  check(measurements, robot.limb_count());
-  if (measurements.series.empty()) throw InvalidArgument("validation: expected measured points, got none");
+void validate_points(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                     const ValidationOptions& options, Validation& validation) {
+  if (measurements.series.empty()) return;
   std::vector<PredictedPose> predicted;
   std::vector<Pose> poses;
   for (const Station& station : measurements.stations) {
     predicted.push_back(predict(robot, known, believed_joints(robot, station)));
     poses.push_back(predicted.back().pose);
   }
-  Validation validation;
   for (const PointSeries& series : measurements.series) {
     const Located located = locate(series, poses, options);
     if (located.order.size() < kFewestPoses) {
@@ -185,6 +253,32 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
     widen(validation.before, summarize(before, located.rotations));
     widen(validation.after, summarize(after, located.rotations));
   }
+}
+
+}  // namespace
+
+std::string_view name(Conformity conformity) {
+  switch (conformity) {
+    case Conformity::conforming:
+      return "conforming";
+    case Conformity::not_conforming:
+      return "not conforming";
+    case Conformity::undecided:
+      return "undecided";
+  }
+  return "";
+}
+
+Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                    const ValidationOptions& options) {
+  check(measurements, robot.limb_count());
+  if (measurements.series.empty() && measurements.distances.empty() && measurements.planes.empty()) {
+    throw InvalidArgument("validation: expected at least one reading, got none");
+  }
+  Validation validation;
+  validate_points(robot, known, measurements, options, validation);
+  detail::add_agreement(robot, known, measurements, options, validation);
+  summarize_readings(validation);
   check_limits(measurements, options, validation);
   return validation;
 }

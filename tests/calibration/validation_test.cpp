@@ -165,7 +165,7 @@ TEST(Validation, NeedsPointsOfSeveralPoses) {
       [&] {
         (void)validate(robot, {}, Measurements{.stations = {{"P0", {robot.workspace().centre()}}}});
       },
-      testing::ThrowsMessage<InvalidArgument>(HasSubstr("expected measured points, got none")));
+      testing::ThrowsMessage<InvalidArgument>(HasSubstr("expected at least one reading, got none")));
   const Measurements three = test::measured_machine(robot, rough_stations(robot, 2), 1, {}).measurements;
   EXPECT_THAT([&] { (void)validate(robot, {}, three); },
               testing::ThrowsMessage<InvalidArgument>(HasSubstr("at least 4 different poses, got 3")));

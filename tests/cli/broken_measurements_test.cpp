@@ -261,9 +261,6 @@ const std::vector<BrokenInput> kTooLittle{
               {"points.csv: ", "at least 4 different poses", "got 3"}),
     with_file("three_poses_in_the_second_file", "few.csv", kThreePoints, kValidate + " few.csv",
               {"few.csv: ", "at least 4 different poses", "got 3"}),
-    command("only_distances_to_validate",
-            "validate --calibration calibration.json --measurements distances.csv --poses poses.csv",
-            {"validation: ", "points"}, kBadInputFile),
 };
 
 const std::vector<BrokenInput> kOutOfReach{

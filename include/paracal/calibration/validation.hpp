@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,9 @@ struct LimitCheck {
 
 struct ValidationOptions {
   NoiseModel noise = {};
+  bool noise_is_known = false;  ///< `noise` is a fact; else only readings that state their own sigma are sure of it
+  double scale_std = CalibrationOptions{}.scale_std;  ///< of the readings' scale against the machine, m/m
+  ReflectorMount reflectors = ReflectorMount::plate;
   Frame frame = Frame::unknown;
   RotationZero rotation_zero = RotationZero::unknown;
   AcceptanceLimits limits = {};
@@ -56,25 +60,57 @@ struct ValidatedPose {
   std::optional<Eigen::Matrix4d> covariance;  ///< of the prediction: x, y, z (mm), phi (rad)
 };
 
+/// A reading of one number (a distance, a height) against the nominal and the calibrated machine: measured minus
+/// predicted, once the set-up has been fitted.
+struct CheckedReading {
+  std::string text;                  ///< "distance P1 - P3"
+  double before = 0.0, after = 0.0;  ///< mm
+  double sigma = 0.0;                ///< standard deviation of the reading, mm
+  double U = 0.0;  ///< of `after`, from the reading, the calibration and where joints stand, mm (k = 2)
+  bool is_distance = true;
+};
+
+/// Whether readings lie where the calibration says that they must, given its own uncertainty and their noise: with
+/// residuals v = J_n a + J z + n, set-up a, errors z ~ N(0, C) beside the calibrated ones and joints at each pose,
+///
+///   chi^2 = min over a, z of |v - J_n a - J z|^2 + z^T C^-1 z
+///
+/// is chi-square distributed with `freedom` degrees of freedom where C and the noise are as stated; over its freedom it
+/// is Fisher distributed where `noise_dof` repeats estimate the noise.
+struct Agreement {
+  double chi_square = 0.0, freedom = 0.0;
+  double noise_dof = std::numeric_limits<double>::infinity();
+  double chance = 1.0;  ///< that a machine within its uncertainty shows as much
+
+  /// Readings and calibration contradict each other: one sound machine in a thousand looks like this.
+  bool contradicts() const { return chance < 1e-3; }
+};
+
 struct [[nodiscard]] Validation {
   PoseErrorSummary before, after;
   std::vector<ValidatedPose> poses;
+  std::vector<CheckedReading> readings;  ///< distances and heights
+  /// Empty where nobody can tell: the calibration has no covariance, or the noise is neither stated nor seen in
+  /// repeats.
+  std::optional<Agreement> agreement;
   Iso9283 iso9283;
   std::vector<LimitCheck> checks;  ///< of the errors after calibration
-  /// All limits kept for certain; without limits: the largest aligned error shrank by more than its uncertainty.
+  /// All limits kept for certain; without limits: the largest aligned error (of distances or heights where no points
+  /// were read) shrank by more than its uncertainty, and the readings do not contradict the calibration's.
   bool accepted = false;
   std::vector<std::string> reasons;  ///< why not
+  std::vector<std::string> notes;    ///< what a careful reader should know
 };
 
-/// Measures a calibration on poses that it has not seen.
+/// Measures a calibration on poses that it has not seen, by whatever was read there.
 ///
 /// The frame of a series is unknown as a rule. It is found by fitting the measured points to the poses that the
 /// calibrated machine predicts from the believed joints; in this frame "before" compares measured with commanded and
 /// "after" measured with predicted poses, both relative to home (d_rho, d_v, d_phi of pose_error.hpp). The aligned
 /// errors remove the best rigid motion from each comparison on its own, so they do not depend on that frame.
 ///
-/// @throws InvalidArgument for measurements that make no sense or a series with fewer than 4 poses, Unreachable as
-/// calibrate().
+/// @throws InvalidArgument for measurements that make no sense, a series of points with fewer than 4 poses, or no more
+/// readings than their set-up has unknowns; Unreachable as calibrate().
 Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                     const ValidationOptions& options = {});
 

@@ -1,0 +1,235 @@
+// Readings of any kind against what a calibration says of its own uncertainty.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/validation.hpp"
+#include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNoise = 0.017;  // mm
+
+/// A machine, its calibration, and where it goes at other poses.
+class AgreementLaw : public test::EveryRobot {
+ protected:
+  void calibrate_machine(int number) {
+    measured = test::measured_machine(robot, fine_stations(robot, 9), number, {.noise = kNoise, .repeats = 2});
+    known = known_errors(calibrate(robot, measured.measurements));
+  }
+
+  Measurements points(int number, VirtualInstrument instrument) const {
+    return test::measure(robot, measured.errors, validation_stations(robot), 100 + number, std::move(instrument));
+  }
+
+  /// Distances from home and heights above a tilted plane at other poses, as they are.
+  Measurements distances_and_heights() const {
+    Measurements read{.stations = fine_stations(robot, 5), .planes = {{"bed", {}}}};
+    const std::vector<Eigen::Vector3d> places = places_of(measured.errors, read.stations);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      read.planes[0].readings.push_back({.station = k, .height = above_plane(places[k])});
+      if (k > 0) read.distances.push_back({.from = 0, .to = k, .distance = (places[k] - places[0]).norm()});
+    }
+    return read;
+  }
+
+  std::vector<Eigen::Vector3d> places_of(const SourceErrors& errors, const std::vector<Station>& stations) const {
+    std::vector<Eigen::Vector3d> places;
+    const Machine machine = build(robot, errors);
+    for (const Station& station : stations) {
+      places.push_back(forward(machine, believed_joints(robot, station)).plate.position);
+    }
+    return places;
+  }
+
+  double above_plane(const Eigen::Vector3d& p) const {
+    return p.z() - robot.workspace().top_z - 0.7 - 2e-3 * p.x() + 1e-3 * p.y();
+  }
+
+  test::MeasuredMachine measured;
+  KnownErrors known;
+};
+PARACAL_ON_EVERY_ROBOT(AgreementLaw);
+
+/// chi^2 / freedom of 20 machines: their mean lies within 4 standard deviations of 1, below which the uncertainty that
+/// Student's k adds may bring it by a tenth; none is told.
+TEST_P(AgreementLaw, SoundMachinesAgree) {
+  constexpr int kMachines = 20;
+  double sum = 0.0, freedom = 0.0;
+  for (int number = 0; number < kMachines; ++number) {
+    calibrate_machine(number);
+    const Validation validation =
+        validate(robot, known, points(number, {.noise = kNoise}), {.noise = {.point = kNoise}, .noise_is_known = true});
+    ASSERT_TRUE(validation.agreement);
+    EXPECT_FALSE(validation.agreement->contradicts()) << "machine " << number;
+    EXPECT_TRUE(std::isinf(validation.agreement->noise_dof));
+    sum += validation.agreement->chi_square;
+    freedom += validation.agreement->freedom;
+  }
+  const double spread = 4.0 * std::sqrt(2.0 / freedom);
+  EXPECT_LT(sum / freedom, 1.0 + spread);
+  EXPECT_GT(sum / freedom, 0.9 - spread);
+}
+
+/// A machine whose errors changed by three standard deviations in every direction after it was calibrated.
+TEST_P(AgreementLaw, AChangedMachineIsTold) {
+  calibrate_machine(3);
+  const Measurements same = points(3, {.noise = kNoise, .repeats = 3});
+  EXPECT_FALSE(validate(robot, known, same).agreement->contradicts());
+  measured.errors(0, Source::theta_offset) += robot.actuator() == Actuator::linear ? 0.3 : 1e-3;
+  const Validation validation = validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}));
+  ASSERT_TRUE(validation.agreement);
+  EXPECT_TRUE(validation.agreement->contradicts());
+  EXPECT_FALSE(validation.accepted);
+  EXPECT_THAT(validation.reasons, Contains(HasSubstr("contradict the uncertainty that the calibration states")));
+  // Within limits that it keeps for certain it is accepted all the same, and a note says what is wrong.
+  const Validation limited =
+      validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}), {.limits = {.distance = 50.0}});
+  EXPECT_TRUE(limited.accepted);
+  EXPECT_THAT(limited.notes, ElementsAre(HasSubstr("contradict the uncertainty that the calibration states")));
+}
+
+/// Joints that stand elsewhere at each pose contradict a calibration that knows of none, not one that states them.
+TEST_P(AgreementLaw, JointsThatStandElsewhereAreToldUnlessStated) {
+  calibrate_machine(4);
+  test::Random random(4);
+  const double backlash = 3e-4 * test::joint_scale(robot);
+  Measurements read{.stations = validation_stations(robot), .series = {{"tracker", {}}}};
+  for (Station& station : read.stations) {
+    const Joints believed = believed_joints(robot, station);
+    Joints true_ones = believed;
+    for (double& joint : true_ones) joint += random.normal(backlash);
+    const Machine machine = build(robot, measured.errors);
+    const Eigen::Vector3d place = forward(machine, true_ones).plate.position;
+    read.series[0].readings.push_back(
+        {.station = static_cast<std::size_t>(&station - read.stations.data()), .point = place, .sigma = kNoise});
+    station.believed = believed;
+  }
+  EXPECT_TRUE(validate(robot, known, read).agreement->contradicts());
+  known.joint_std = backlash;
+  EXPECT_FALSE(validate(robot, known, read).agreement->contradicts());
+}
+
+/// Repeats estimate noise that nobody stated; neither: nobody can tell.
+TEST_P(AgreementLaw, NoiseComesFromRepeatsOrNobodyCanTell) {
+  calibrate_machine(5);
+  const Validation once = validate(robot, known, points(5, {.noise = 5.0 * kNoise}));
+  EXPECT_FALSE(once.agreement);
+  EXPECT_THAT(once.notes, ElementsAre(HasSubstr("cannot be told from these readings")));
+  const Validation thrice = validate(robot, known, points(5, {.noise = 5.0 * kNoise, .repeats = 3}));
+  ASSERT_TRUE(thrice.agreement);
+  EXPECT_EQ(thrice.agreement->noise_dof, 2.0 * 3.0 * static_cast<double>(validation_stations(robot).size()));
+  EXPECT_FALSE(thrice.agreement->contradicts());
+  EXPECT_THAT(thrice.notes, IsEmpty());
+  const Validation wrong = validate(robot, known, points(5, {.noise = 5.0 * kNoise, .repeats = 3}),
+                                    {.noise = {.point = kNoise}, .noise_is_known = true});
+  EXPECT_THAT(wrong.notes, ElementsAre(testing::MatchesRegex(
+                               "visits of a pose scatter [45]\\.[0-9] times as much as the noise that is stated")));
+  EXPECT_FALSE(wrong.agreement->contradicts());
+}
+
+TEST_P(AgreementLaw, DistancesAndHeightsAreTrueAgainstPredicted) {
+  calibrate_machine(6);
+  const Measurements read = distances_and_heights();
+  const Validation validation = validate(robot, known, read);
+  const auto nominal = places_of({}, read.stations), predicted = places_of(known.errors, read.stations);
+  ASSERT_EQ(validation.readings.size(), read.distances.size() + read.planes[0].readings.size());
+  for (std::size_t k = 0; k < read.distances.size(); ++k) {
+    const CheckedReading& one = validation.readings[k];
+    const std::size_t to = read.distances[k].to;
+    EXPECT_TRUE(one.is_distance);
+    EXPECT_NEAR(one.before, read.distances[k].distance - (nominal[to] - nominal[0]).norm(), 1e-6);
+    EXPECT_NEAR(one.after, read.distances[k].distance - (predicted[to] - predicted[0]).norm(), 1e-6);
+    EXPECT_LT(std::abs(one.after), one.U);
+    EXPECT_EQ(one.sigma, NoiseModel{}.distance);
+    EXPECT_GT(one.U, 2.0 * one.sigma);
+    EXPECT_LT(one.U, 2.2 * one.sigma);  // the calibration is known better than the reading
+  }
+  // Heights scatter about the plane that fits them best as those of the predicted places do.
+  double squares = 0.0, count = 0.0;
+  for (const CheckedReading& one : validation.readings) {
+    if (one.is_distance) continue;
+    squares += one.after * one.after;
+    ++count;
+    EXPECT_LT(std::abs(one.after), one.U);
+  }
+  ASSERT_TRUE(validation.after.rms_height);
+  EXPECT_NEAR(*validation.after.rms_height, std::sqrt(squares / count), 1e-12);
+  EXPECT_LT(*validation.after.rms_height, 0.05);
+  EXPECT_GT(*validation.before.rms_height, 3.0 * *validation.after.rms_height);
+  EXPECT_TRUE(validation.after.reads_distances);
+}
+
+/// The uncertainty of a distance by hand: sigma, and the calibration's by differences of the predicted distance.
+TEST_P(AgreementLaw, UncertaintyOfADistanceByHand) {
+  calibrate_machine(7);
+  Measurements read = distances_and_heights();
+  read.planes.clear();
+  for (DistanceReading& one : read.distances) one.distance_sigma = 0.01;
+  known.covariance *= 100.0;
+  known.noise_covariance *= 100.0;
+  constexpr double kScale = 3e-5;
+  const Validation validation = validate(robot, known, read, {.scale_std = kScale});
+  const std::size_t to = read.distances[2].to;
+  const auto length = [&](const SourceErrors& errors) {
+    const auto places = places_of(errors, read.stations);
+    return (places[to] - places[0]).norm();
+  };
+  Eigen::RowVectorXd row(std::ssize(known.parameters));
+  for (std::size_t k = 0; k < known.parameters.size(); ++k) {
+    SourceErrors up = known.errors, down = known.errors;
+    up(known.parameters[k].limb, known.parameters[k].source) += 1e-5;
+    down(known.parameters[k].limb, known.parameters[k].source) -= 1e-5;
+    row(static_cast<Eigen::Index>(k)) = (length(up) - length(down)) / 2e-5;
+  }
+  const double variance = (row * known.expanded_covariance() * row.transpose())(0);
+  EXPECT_GT(variance, 1e-5);
+  const double by_scale = kScale * length(known.errors);
+  EXPECT_NEAR(validation.readings[2].U, 2.0 * std::sqrt(0.01 * 0.01 + variance + by_scale * by_scale), 1e-6);
+}
+
+TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
+  calibrate_machine(8);
+  Measurements heights = distances_and_heights(), distances = heights;
+  heights.distances.clear();
+  distances.planes.clear();
+  const ValidationOptions limits{.limits = {.distance = 0.5, .volumetric = 0.5}};
+  EXPECT_THAT(validate(robot, known, heights, limits).reasons,
+              ElementsAre(HasSubstr("heights alone were read"), HasSubstr("no points were read")));
+  EXPECT_THAT(validate(robot, known, distances, limits).reasons, ElementsAre(HasSubstr("no points were read")));
+  const Validation kept = validate(robot, known, distances, {.limits = {.distance = 0.5}});
+  EXPECT_TRUE(kept.accepted);
+  EXPECT_EQ(kept.checks[0].uncertainty, 2.0 * NoiseModel{}.distance);
+  const ValidationOptions tight{.limits = {.distance = 0.15}};
+  EXPECT_EQ(validate(robot, known, distances, tight).checks[0].conformity, Conformity::conforming);
+  EXPECT_EQ(validate(robot, known, distances, {.limits = {.distance = 0.09}}).checks[0].conformity,
+            Conformity::undecided);
+}
+
+TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {
+  calibrate_machine(9);
+  Measurements read = distances_and_heights();
+  EXPECT_THAT(validate(robot, known, read).reasons, IsEmpty());
+  EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a distance went from")));
+  read.distances.clear();
+  EXPECT_THAT(validate(robot, known, read).reasons, IsEmpty());
+  EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a height went from")));
+  read.planes[0].readings.resize(3);
+  EXPECT_THAT([&] { (void)validate(robot, known, read); },
+              testing::ThrowsMessage<InvalidArgument>(HasSubstr("more readings than their set-up has unknowns")));
+}
+
+}  // namespace
+}  // namespace paracal
