@@ -1,5 +1,7 @@
 #include "validating.hpp"
 
+#include <algorithm>
+
 #include "paracal/units.hpp"
 #include "session.hpp"
 
@@ -19,15 +21,31 @@ void add_limit_options(Command& command, LimitOptions& options) {
 }
 
 ValidationOptions ValidatingOptions::options() const {
+  const bool stated = measuring.sigma_known || measuring.sigma_mm || !measuring.tracker_um.empty();
   return {.noise = measuring.noise(),
+          .noise_is_known = stated,
+          .scale_std = 1e-6 * measuring.scale_ppm,
+          .reflectors = reflectors,
           .frame = measuring.frame_kind(),
           .rotation_zero = measuring.rotation_kind(),
           .limits = limits.limits()};
 }
 
+std::vector<std::string> ValidatingOptions::own(const io::CalibratedMachine& machine,
+                                                const Measurements& measurements) const {
+  std::vector<std::string> own;
+  for (const InputFile& file : measurements.files) {
+    const bool is_known = std::ranges::find(machine.inputs, file.sha256, &InputFile::sha256) != machine.inputs.end();
+    const bool has_readings = std::ranges::find(measuring.files, file.name) != measuring.files.end();
+    if (is_known && has_readings) own.push_back(file.name);
+  }
+  return own;
+}
+
 Option* add_validating_options(Command& command, ValidatingOptions& options) {
   command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
   Option* measurements = add_measuring_options(command, options.measuring);
+  add_mount_option(command, options.reflectors);
   add_limit_options(command, options.limits);
   return measurements;
 }

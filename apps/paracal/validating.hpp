@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "arguments.hpp"
 #include "inputs.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/validation.hpp"
+#include "paracal/io/json.hpp"
 
 namespace paracal::app {
 
@@ -24,9 +26,12 @@ struct ValidatingOptions {
   MeasuringOptions measuring;
   std::string calibration;
   LimitOptions limits;
+  ReflectorMount reflectors = ReflectorMount::plate;
 
   RobotSources robot_sources() const { return {.calibrations = {calibration}, .tables = measuring.tables()}; }
   ValidationOptions options() const;
+  /// Of the files of readings, those that the calibration was made from: they confirm nothing.
+  std::vector<std::string> own(const io::CalibratedMachine& machine, const Measurements& measurements) const;
 };
 
 /// --calibration, the measuring options and the limits.

@@ -402,6 +402,9 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
                          json.at("verdict").get<std::string>()));
     }
+    for (const Json& input : json.value("inputs", Json::array())) {
+      machine.inputs.push_back({input.at("file"), input.at("sha256")});
+    }
     std::set<std::pair<std::size_t, Source>> seen;
     for (const Json& entry : json.at("parameters")) {
       const ParameterEstimate parameter = read_parameter(entry, robot, refuse);

@@ -49,13 +49,36 @@ Json poses_json(const Validation& validation) {
   return json;
 }
 
+Json agreement_json(const Validation& validation) {
+  if (!validation.agreement) return nullptr;
+  const Agreement& agreement = *validation.agreement;
+  return {{"chi_square", agreement.chi_square},
+          {"dof", agreement.freedom},
+          {"noise_dof", std::isfinite(agreement.noise_dof) ? Json(agreement.noise_dof) : Json(nullptr)},
+          {"chance", agreement.chance},
+          {"contradicts", agreement.contradicts()}};
+}
+
+Json readings_json(const Validation& validation) {
+  Json json = Json::array();
+  for (const CheckedReading& one : validation.readings) {
+    json.push_back({{"reading", one.text},
+                    {"before_mm", one.before},
+                    {"after_mm", one.after},
+                    {"sigma_mm", one.sigma},
+                    {"U_mm", one.U}});
+  }
+  return json;
+}
+
 }  // namespace
 
 Json to_json(const Validation& validation) {
   Json json{{"accepted", validation.accepted},         {"reasons", validation.reasons},
             {"before", to_json(validation.before)},    {"after", to_json(validation.after)},
             {"iso9283", iso_json(validation.iso9283)}, {"checks", Json::array()},
-            {"poses", poses_json(validation)}};
+            {"poses", poses_json(validation)},         {"readings", readings_json(validation)},
+            {"agreement", agreement_json(validation)}, {"notes", validation.notes}};
   for (const LimitCheck& check : validation.checks) {
     json["checks"].push_back({{"quantity", check.quantity},
                               {"error", check.error},

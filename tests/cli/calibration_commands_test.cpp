@@ -1,6 +1,8 @@
 // A calibration as its user goes through it: plan poses, see what they will tell, measure (here: simulate), calibrate,
 // validate; every file that one command writes and another reads.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -442,7 +444,8 @@ TEST_F(CalibratePoints, ItsErrorsAreThoseOfTheMachine) {
 TEST_F(CalibratePoints, TheCompensatorStatesTheUncertaintyThatValidationPredicts) {
   ASSERT_EQ(run("calibrate --measurements points.csv --out calibration.json").exit_code, kDone);
   const json stated = json_from("compensate --calibration calibration.json --poses poses.csv").at("uncertainty");
-  const json predicted = json_from("validate --calibration calibration.json --measurements points.csv").at("poses");
+  const json predicted =
+      json_from("validate --calibration calibration.json --measurements points.csv", kVerdictIsNo).at("poses");
   ASSERT_EQ(stated.size(), predicted.size());
   for (std::size_t k = 0; k < stated.size(); ++k) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -750,8 +753,71 @@ TEST_F(ValidateCommand, ExportsAndSeveralFilesAreTakenToo) {
                 .at("accepted"),
             true);
   EXPECT_THAT(
-      json_from("validate --calibration calibration.json --measurements points.csv other_points.csv").at("poses"),
+      json_from("validate --calibration calibration.json --measurements points.csv other_points.csv", kVerdictIsNo)
+          .at("poses"),
       SizeIs(19 + 20));
+}
+
+/// A calliper and a dial gauge: distances from home and heights that the true machine shows, read to 0.02 mm.
+TEST_F(ValidateCommand, DistancesAndHeightsValidateToo) {
+  written("inverse --poses other.csv --out joints.csv");
+  const json places = json_from("forward --joints joints.csv --errors truth.toml").at("poses");
+  const auto at = [&](std::size_t k, const char* axis) { return places.at(k).at(axis).get<double>(); };
+  std::string distances = "from,to,distance_mm,sigma_mm\n", heights = "pose,height_mm,sigma_mm\n";
+  const std::string home = places[0].at("name");
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const std::string name = places[k].at("name");
+    const double off = k % 2 == 0 ? 0.02 : -0.02;
+    heights += fmt::format("{},{},0.02\n", name, at(k, "z_mm") + 900.0 - 1e-3 * at(k, "x_mm") + off);
+    if (k == 0) continue;
+    const double length =
+        std::hypot(at(k, "x_mm") - at(0, "x_mm"), at(k, "y_mm") - at(0, "y_mm"), at(k, "z_mm") - at(0, "z_mm"));
+    distances += fmt::format("{},{},{},0.02\n", home, name, length + off);
+  }
+  folder.write("distances.csv", distances);
+  folder.write("heights.csv", heights);
+  const std::string command = "validate --calibration calibration.json --poses other.csv --measurements ";
+  const json both = json_from(command + "distances.csv heights.csv");
+  ASSERT_THAT(both.at("readings"), SizeIs(2 * places.size() - 1));
+  EXPECT_THAT(both.at("poses"), IsEmpty());
+  for (const json& one : both["readings"]) {
+    EXPECT_LT(std::abs(one.at("after_mm").get<double>()), 2.0 * one.at("U_mm").get<double>()) << one;
+    EXPECT_GT(one.at("U_mm"), 0.04);
+    EXPECT_EQ(one.at("sigma_mm"), 0.02);
+  }
+  EXPECT_EQ(both.at("agreement").at("contradicts"), false);
+  EXPECT_EQ(both.at("agreement").at("dof"), 2 * places.size() - 1 - 3);  // the plane takes three
+  EXPECT_TRUE(both.at("agreement").at("noise_dof").is_null());
+  EXPECT_EQ(both.at("accepted"), true);
+  const std::string text = written(command + "heights.csv");
+  EXPECT_THAT(text, HasSubstr("height, root mean square, mm"));
+  EXPECT_THAT(text, Not(HasSubstr("distance")));  // none was read
+  EXPECT_THAT(text, HasSubstr("no contradiction (chance "));
+}
+
+TEST_F(ValidateCommand, WhatACalibrationWasMadeFromConfirmsNothing) {
+  const json own = json_from("validate --calibration calibration.json --measurements points.csv", kVerdictIsNo);
+  EXPECT_THAT(own.at("reasons").dump(), HasSubstr("points.csv is what the calibration was made from"));
+  folder.write("renamed.csv", folder.read("points.csv"));
+  const json both =
+      json_from("validate --calibration calibration.json --measurements other_points.csv renamed.csv --limit-mm 50",
+                kVerdictIsNo);
+  EXPECT_EQ(both.at("reasons"),
+            json::array({"renamed.csv is what the calibration was made from: it confirms nothing"}));
+}
+
+TEST_F(ValidateCommand, AMachineThatWasKnockedContradictsItsCalibration) {
+  std::string knocked = folder.read("truth.toml");
+  const std::string key = "theta_offset_deg = ";
+  const std::size_t from = knocked.find(key) + key.size(), end = knocked.find('\n', from);
+  const double offset = std::stod(knocked.substr(from, end - from));
+  folder.write("knocked.toml", knocked.replace(from, end - from, fmt::format("{}", offset + 0.1)));
+  written("simulate --errors knocked.toml --poses other.csv --noise-mm 0.02 --repeats 3 --out other_points.csv");
+  const json validation = validated("", kVerdictIsNo);
+  EXPECT_EQ(validation.at("agreement").at("contradicts"), true);
+  EXPECT_THAT(validation.at("reasons").dump(), HasSubstr("contradict the uncertainty"));
+  EXPECT_THAT(written("validate --calibration calibration.json --measurements other_points.csv --limit-mm 50"),
+              HasSubstr("note: these readings contradict the uncertainty"));
 }
 
 TEST_F(ValidateCommand, TheTextSaysTheSame) {

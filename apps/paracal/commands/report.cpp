@@ -15,7 +15,8 @@ namespace {
 void run(const ValidatingOptions& options, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
   const io::TextFile file = input_file(options.calibration);
-  const KnownErrors known = io::read_calibration(file, robot).known();
+  const io::CalibratedMachine machine = io::read_calibration(file, robot);
+  const KnownErrors known = machine.known();
   ReportContent content{.kind = "calibration", .results = {{"calibration", io::parse_json(file)}}};
   std::vector<report::ErrorArrow> arrows;
   std::vector<Station> stations = validation_stations(robot);
@@ -24,7 +25,7 @@ void run(const ValidatingOptions& options, Session& session) {
     const Measurements measurements = options.measuring.read(robot.joint_space());
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());
     stations = measurements.stations;
-    if (!measurements.series.empty()) {
+    if (options.own(machine, measurements).empty()) {
       const Validation validation = validate(robot, known, measurements, options.options());
       if (!validation.accepted) session.exit_code = kVerdictIsNo;
       content.results["validation"] = io::to_json(validation);

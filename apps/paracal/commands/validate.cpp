@@ -17,16 +17,36 @@ std::string text_of(const Validation& validation) {
   std::string text = fmt::format("validation: {}\n", validation.accepted ? "accepted" : "not accepted");
   const auto out = std::back_inserter(text);
   for (const std::string& reason : validation.reasons) fmt::format_to(out, "  because {}\n", reason);
-  fmt::format_to(out, "  largest errors over {} poses{:>14}{:>11}\n", validation.poses.size(), "before", "after");
+  for (const std::string& note : validation.notes) fmt::format_to(out, "  note: {}\n", note);
+  if (validation.agreement) {
+    const Agreement& one = *validation.agreement;
+    fmt::format_to(out,
+                   "  against the calibration's own uncertainty: chi-square {:.1f} for {:.0f} degrees of freedom, {} "
+                   "(chance {:.2g})\n",
+                   one.chi_square, one.freedom, one.contradicts() ? "a contradiction" : "no contradiction", one.chance);
+  }
+  const bool points = !validation.poses.empty();
+  const std::string heading = points ? fmt::format("largest errors over {} poses", validation.poses.size())
+                                     : fmt::format("largest errors over {} readings", validation.readings.size());
+  fmt::format_to(out, "  {:<38}{:>8}{:>11}\n", heading, "before", "after");
   const auto line = [&](const char* what, double before, double after) {
     fmt::format_to(out, "  {:<38}{:>8.3f}{:>11.3f}\n", what, before, after);
   };
   const PoseErrorSummary &before = validation.before, &after = validation.after;
-  line("distance to home, mm", before.max_abs_distance, after.max_abs_distance);
-  line("position relative to home, mm", before.max_volumetric, after.max_volumetric);
-  line("position after best alignment, mm", before.max_volumetric_aligned, after.max_volumetric_aligned);
+  if (points) {
+    line("distance to home, mm", before.max_abs_distance, after.max_abs_distance);
+    line("position relative to home, mm", before.max_volumetric, after.max_volumetric);
+    line("position after best alignment, mm", before.max_volumetric_aligned, after.max_volumetric_aligned);
+  } else if (after.reads_distances) {
+    line("distance, mm", before.max_abs_distance, after.max_abs_distance);
+  }
+  if (before.rms_height) line("height, root mean square, mm", *before.rms_height, *after.rms_height);
   if (before.max_abs_rotation) {
     line("rotation relative to home, deg", to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
+  }
+  for (const CheckedReading& one : validation.readings) {
+    fmt::format_to(out, "  {:<38}{:>8.3f}{:>11.3f}  U {:.3f} (k = 2)\n", one.text + ", mm", one.before, one.after,
+                   one.U);
   }
   if (!validation.iso9283.poses.empty()) {
     const Iso9283& iso = validation.iso9283;
@@ -42,9 +62,14 @@ std::string text_of(const Validation& validation) {
 
 void run(const ValidatingOptions& options, const std::string& report, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
-  const KnownErrors known = io::read_calibration(input_file(options.calibration), robot).known();
+  const io::CalibratedMachine machine = io::read_calibration(input_file(options.calibration), robot);
+  const KnownErrors known = machine.known();
   const Measurements measurements = options.measuring.read(robot.joint_space());
-  const Validation validation = validate(robot, known, measurements, options.options());
+  Validation validation = validate(robot, known, measurements, options.options());
+  for (const std::string& file : options.own(machine, measurements)) {
+    validation.accepted = false;
+    validation.reasons.push_back(file + " is what the calibration was made from: it confirms nothing");
+  }
   const io::Json json = io::to_json(validation);
   if (!report.empty()) {
     write_report(report, session, robot,

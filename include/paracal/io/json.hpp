@@ -93,6 +93,7 @@ struct CalibratedMachine {
   Eigen::MatrixXd noise_covariance = {};           ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
   double joint_std = 0.0;                                      ///< as Calibration::joint_std, rad or mm
+  std::vector<InputFile> inputs = {};                          ///< that it was made from
 
   /// What predictions are made from; no parameters where no covariance was stated.
   KnownErrors known() const;

@@ -127,13 +127,24 @@ function suspects(calibration: Calibration): HTMLElement {
     table(text.columns, worst.map((one) => [one.reading, digits(one.statistic), probability(one.chance), one.excluded ? text.leftOut : text.used]), text.suspects, [1, 2]));
 }
 
-function validated(validation: Validation): HTMLElement[] {
+function validatedPoses(validation: Validation): HTMLElement[] {
+  if (validation.poses.length === 0) return [];
   const sizes = validation.poses.map((one, k) => ({ index: k + 1, name: one.pose, before: one.before.d_v_mm, after: one.after.d_v_mm }));
   const shows = text.posesShows(digits(validation.before.max_volumetric_mm ?? 0), digits(validation.after.max_volumetric_mm ?? 0, 2));
   const { poses } = validation.iso9283;
   return [
     sizesFigure("validated-poses", text.poses, shows, sizes, text.pose, text.error_mm),
     ...(poses.length > 0 ? [h("details", {}, h("summary", {}, text.iso), table(text.isoColumns, poses.map((one) => [one.pose, String(one.repeats), ...[one.AP_mm, one.RP_mm, one.AD_mm, one.RD_mm].map((value) => digits(value))]), text.iso, [1, 2, 3, 4, 5]))] : []),
+  ];
+}
+
+function validatedReadings({ readings }: Validation): HTMLElement[] {
+  if (readings.length === 0) return [];
+  const sizes = readings.map((one, k) => ({ index: k + 1, name: one.reading, before: Math.abs(one.before_mm), after: Math.abs(one.after_mm) }));
+  const shows = text.readingsShows(digits(rms(sizes.map((size) => size.before))), digits(rms(sizes.map((size) => size.after)), 2));
+  return [
+    sizesFigure("validated-readings", text.readings, shows, sizes, text.reading, text.size_mm),
+    h("details", {}, h("summary", {}, text.readings), table(text.readingsColumns, readings.map((one) => [one.reading, ...[one.before_mm, one.after_mm, one.U_mm].map((value) => digits(value))]), text.readings, [1, 2, 3])),
   ];
 }
 
@@ -148,6 +159,6 @@ export function residuals({ results }: Report): Section | null {
   const numbers = calibration ? residualsOf(calibration) : [];
   if (numbers.length === 0 && !validation) return null;
   return section("residuals", strings.nav.residuals, text.heading, text.intro,
-    ...(validation ? validated(validation) : []),
+    ...(validation ? [...validatedPoses(validation), ...validatedReadings(validation)] : []),
     ...(calibration && numbers.length > 0 ? [sizeOf(calibration), ...(alike(calibration) ? [h("div", { class: "pair" }, afterFigure(numbers, calibration.noise_mm), normalFigure(numbers, calibration.noise_mm))] : []), suspects(calibration)] : []));
 }

@@ -83,7 +83,7 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined, 
   return {
     yes: validation.accepted,
     says: validation.accepted ? (limited ? text.yes.validation : text.improved) : limited ? text.no.validation : text.no.improved,
-    sentence: text.validation(validation.poses.length),
+    sentence: text.validation(validation.poses.length, validation.readings.length),
     reasons: validation.reasons,
     cards: [
       ...checks,
@@ -91,6 +91,10 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined, 
       ...useCards(calibration?.use ?? null),
       ...(iso.poses.length > 0 ? [card(text.iso, [`AP ${digits(iso.max_AP_mm)}`, unitOf("mm")], [text.isoMore(digits(iso.max_RP_mm, 2), digits(iso.max_AD_mm), digits(iso.max_RD_mm, 2))])] : []),
     ],
-    notes: calibration ? notesOf(calibration) : [],
+    notes: [...validation.notes, ...agreementOf(validation), ...(calibration ? notesOf(calibration) : [])],
   };
+}
+
+function agreementOf({ agreement }: Validation): string[] {
+  return agreement && !agreement.contradicts ? [text.agrees(digits(agreement.chi_square), String(Math.round(agreement.dof)))] : [];
 }
