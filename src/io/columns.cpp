@@ -65,7 +65,7 @@ std::string pose_name(const CsvTable& table, std::size_t row) {
 }
 
 std::string row_name(const CsvTable& table, std::size_t row) {
-  return table.has("pose") ? pose_name(table, row) : std::to_string(row + 1);
+  return table.has("pose") ? pose_name(table, row) : std::to_string(table.number_of(row));
 }
 
 std::optional<double> positive_number(const CsvTable& table, std::size_t row, std::string_view column) {
@@ -83,14 +83,23 @@ std::string quoted(const std::string& field) {
   return text + '"';
 }
 
-std::vector<std::string_view> lines_of(std::string_view text) {
+std::string_view without_byte_order_mark(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
+}
+
+std::string_view without_end(std::string_view line) {
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  text = without_byte_order_mark(text);
   std::vector<std::string_view> lines;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    lines.push_back(line);
+    lines.push_back(without_end(text.substr(0, end)));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return lines;
@@ -106,6 +115,8 @@ std::optional<double> finite_number(std::string_view text) {
 
 /// Names go into JSON later, which takes nothing but UTF-8; its writer is also the one who can tell.
 bool is_utf8(std::string_view text) {
+  if (std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; }))
+    return true;  // nearly always
   try {
     return !nlohmann::json(text).dump().empty();
   } catch (const nlohmann::json::type_error&) {

@@ -47,6 +47,11 @@ std::optional<double> positive_number(const CsvTable& table, std::size_t row, st
 /// a comment.
 std::string quoted(const std::string& field);
 
+std::string_view without_byte_order_mark(std::string_view text);
+
+/// A line without the characters that end it.
+std::string_view without_end(std::string_view line);
+
 /// The text cut into lines, without line ends and a leading byte-order mark.
 std::vector<std::string_view> lines_of(std::string_view text);
 

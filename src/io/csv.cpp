@@ -36,36 +36,51 @@ std::string joined(const auto& names) {
 
 CsvTable::CsvTable(const TextFile& file) : name_(file.name) {
   int number = 0;
-  bool has_header = false;
-  for (const std::string_view line : lines_of(file.text)) {
-    ++number;
-    if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) continue;
-    if (!is_utf8(line)) throw InputFileError(name_, number, "expected UTF-8 text, got other bytes");
-    if (const auto at = control_character(line)) {
-      const auto code = static_cast<unsigned char>(line[*at]);
-      throw InputFileError(name_, number, fmt::format("expected text, got the control character {:#04x}", code));
-    }
-    Row row{number, split(name_, number, line)};
-    if (!has_header) {
-      header_ = std::move(row);
-      has_header = true;
-      continue;
-    }
-    if (row.fields.size() != header_.fields.size()) {
-      throw InputFileError(
-          name_, number,
-          fmt::format("expected {} fields as in the header, got {}", header_.fields.size(), row.fields.size()));
-    }
-    rows_.push_back(std::move(row));
+  for (const std::string_view line : lines_of(file.text)) add(++number, line);
+  finish();
+}
+
+bool CsvTable::add(int number, std::string_view line) {
+  if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) return false;
+  if (!is_utf8(line)) throw InputFileError(name_, number, "expected UTF-8 text, got other bytes");
+  if (const auto at = control_character(line)) {
+    const auto code = static_cast<unsigned char>(line[*at]);
+    throw InputFileError(name_, number, fmt::format("expected text, got the control character {:#04x}", code));
   }
-  if (!has_header) throw InputFileError(name_, 0, "expected a header line, got no line");
-  for (const std::string& column : header_.fields) {
-    if (std::ranges::count(header_.fields, column) > 1) {
-      throw InputFileError(name_, header_.line,
+  Row row{number, split(name_, number, line)};
+  if (!has_header()) {
+    take_header(std::move(row));
+    return false;
+  }
+  if (row.fields.size() != header_.fields.size()) {
+    throw InputFileError(
+        name_, number,
+        fmt::format("expected {} fields as in the header, got {}", header_.fields.size(), row.fields.size()));
+  }
+  rows_.push_back(std::move(row));
+  return true;
+}
+
+void CsvTable::take_header(Row header) {
+  for (const std::string& column : header.fields) {
+    if (std::ranges::count(header.fields, column) > 1) {
+      throw InputFileError(name_, header.line,
                            fmt::format("expected a header line with every column once, got \"{}\" twice", column));
     }
   }
-  if (rows_.empty()) throw InputFileError(name_, 0, "expected at least one row below the header, got none");
+  header_ = std::move(header);
+}
+
+void CsvTable::finish() const {
+  if (!has_header()) throw InputFileError(name_, 0, "expected a header line, got no line");
+  if (dropped_ + rows_.size() == 0) {
+    throw InputFileError(name_, 0, "expected at least one row below the header, got none");
+  }
+}
+
+void CsvTable::drop_rows() {
+  dropped_ += rows_.size();
+  rows_.clear();
 }
 
 void CsvTable::allow_only(const std::vector<std::string_view>& known) const {

@@ -12,15 +12,26 @@
 #include <cstring>
 #include <fstream>
 
+#include "descriptor.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/signals_wait.hpp"
 
 namespace paracal::io {
-namespace {
 
-[[noreturn]] void fail_to_write(const std::filesystem::path& path) {
+void fail_to_write(const std::filesystem::path& path) {
   throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
 }
+
+void write_all(int descriptor, std::string_view text, const std::filesystem::path& path) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail_to_write(path);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+namespace {
 
 bool is_pipe_or_device(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -133,14 +144,7 @@ OutputFile::~OutputFile() {
   if (!neighbour_.empty()) unlink(neighbour_.c_str());
 }
 
-void OutputFile::write(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor_, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail_to_write(target_);
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
+void OutputFile::write(std::string_view text) { write_all(descriptor_, text, target_); }
 
 void OutputFile::settle() {
   if (!replaces_) return;

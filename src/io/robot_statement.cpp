@@ -117,14 +117,16 @@ std::optional<RobotStatement> robot_of_line(const std::string& file, int line, s
   }
 }
 
+void add_statement(std::optional<RobotStatement>& found, const std::string& file, int line, std::string_view text) {
+  std::optional<RobotStatement> stated = robot_of_line(file, line, text);
+  if (stated && found) require_same(*found, *stated);
+  if (stated && !found) found = std::move(stated);
+}
+
 std::optional<RobotStatement> robot_of_table(const TextFile& file) {
   std::optional<RobotStatement> found;
   int line = 0;
-  for (const std::string_view text : lines_of(file.text)) {
-    std::optional<RobotStatement> stated = robot_of_line(file.name, ++line, text);
-    if (stated && found) require_same(*found, *stated);
-    if (stated && !found) found = std::move(stated);
-  }
+  for (const std::string_view text : lines_of(file.text)) add_statement(found, file.name, ++line, text);
   return found;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <unordered_map>
 
 #include "columns.hpp"
 #include "names.hpp"
@@ -35,39 +37,84 @@ class StationIndex {
   std::map<std::string, std::size_t> positions_;
 };
 
+/// Rows of a pose table, whose header it has checked.
+class PoseRows {
+ public:
+  /// @param names  how many rows' names are kept, to be known again.
+  PoseRows(const CsvTable& table, const JointSpace& joints, std::size_t names)
+      : columns_(table.has("x_cmd_mm") ? kCommandedPose : kPlainPose),
+        present_(joint_columns(table, joints)),
+        names_(table.has("pose") ? names : 0) {
+    table.allow_only(with_joint_columns(
+        {"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm", "z_mm", "phi_deg", "repeat",
+         "x2_mm", "y2_mm", "z2_mm", "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "residual_mm"},
+        joints));
+  }
+
+  Station read(const CsvTable& table, std::size_t row) {
+    Station station{row_name(table, row), pose_of(table, row, columns_)};
+    require_new(table, row, station.name);
+    if (present_.count > 0) station.believed = joints_of(table, row, present_);
+    return station;
+  }
+
+ private:
+  /// Rows that have numbers for names cannot share one.
+  void require_new(const CsvTable& table, std::size_t row, const std::string& name) {
+    if (names_ == 0) return;
+    const auto first = lines_.find(name);
+    if (first != lines_.end()) {
+      table.fail(row,
+                 fmt::format("expected every pose once, got \"{}\" again (first in line {})", name, first->second));
+    }
+    if (lines_.size() < names_) lines_.emplace(name, table.line(row));
+  }
+
+  const PoseColumns& columns_;
+  JointSpace present_;
+  std::size_t names_;  ///< 0: none
+  std::unordered_map<std::string, int> lines_;
+};
+
+void allow_joints(const CsvTable& table, const JointSpace& joints) {
+  table.allow_only(with_joint_columns({"pose"}, joints));
+}
+
+NamedJoints named_joints(const CsvTable& table, std::size_t row, const JointSpace& joints) {
+  return {row_name(table, row), joints_of(table, row, joints)};
+}
+
 }  // namespace
 
 std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
-  table.allow_only(with_joint_columns(
-      {"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm", "z_mm", "phi_deg", "repeat", "x2_mm",
-       "y2_mm", "z2_mm", "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "residual_mm"},
-      joints));
-  const PoseColumns& columns = table.has("x_cmd_mm") ? kCommandedPose : kPlainPose;
-  const JointSpace present = joint_columns(table, joints);
-  std::map<std::string, int> lines;
+  PoseRows rows(table, joints, table.row_count());
   std::vector<Station> stations;
-  for (std::size_t row = 0; row < table.row_count(); ++row) {
-    Station station{row_name(table, row), pose_of(table, row, columns)};
-    const auto [first, inserted] = lines.try_emplace(station.name, table.line(row));
-    if (!inserted) {
-      table.fail(row, fmt::format("expected every pose once, got \"{}\" again (first in line {})", station.name,
-                                  first->second));
-    }
-    if (present.count > 0) station.believed = joints_of(table, row, present);
-    stations.push_back(std::move(station));
-  }
+  for (std::size_t row = 0; row < table.row_count(); ++row) stations.push_back(rows.read(table, row));
   return stations;
+}
+
+void read_poses(CsvStream& table, const JointSpace& joints, const std::function<void(const Station&)>& take) {
+  std::optional<PoseRows> rows;
+  while (const CsvTable* row = table.next()) {
+    if (!rows) rows.emplace(*row, joints, kNamesCompared);
+    take(rows->read(*row, 0));
+  }
 }
 
 std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
-  table.allow_only(with_joint_columns({"pose"}, joints));
+  allow_joints(table, joints);
   std::vector<NamedJoints> rows;
-  for (std::size_t row = 0; row < table.row_count(); ++row) {
-    rows.push_back({row_name(table, row), joints_of(table, row, joints)});
-  }
+  for (std::size_t row = 0; row < table.row_count(); ++row) rows.push_back(named_joints(table, row, joints));
   return rows;
+}
+
+void read_joints(CsvStream& table, const JointSpace& joints, const std::function<void(const NamedJoints&)>& take) {
+  while (const CsvTable* row = table.next()) {
+    if (row->number_of(0) == 1) allow_joints(*row, joints);
+    take(named_joints(*row, 0, joints));
+  }
 }
 
 Measurements read_distances(const TextFile& distances, const TextFile& poses, const JointSpace& joints) {
@@ -120,39 +167,54 @@ Measurements read_distances(const std::filesystem::path& distances, const std::f
   return read_distances(read_file(distances), read_file(poses), joints);
 }
 
-std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator) {
+std::string joint_table_header(const JointSpace& joints) {
   std::string text = "pose";
-  const Eigen::Index count = rows.empty() ? 0 : rows.front().joints.size();
-  for (Eigen::Index i = 0; i < count; ++i) text.append(",").append(joint_names(actuator)[static_cast<std::size_t>(i)]);
-  text += '\n';
-  for (const NamedJoints& row : rows) {
-    text += quoted(row.name);
-    for (const double joint : row.joints) {
-      fmt::format_to(std::back_inserter(text), ",{}", to_file_unit(joint_unit(actuator), joint));
-    }
-    text += '\n';
+  for (std::size_t i = 0; i < joints.count; ++i) text.append(",").append(joint_names(joints.actuator)[i]);
+  return text + '\n';
+}
+
+std::string joint_table_row(const NamedJoints& row, Actuator actuator) {
+  std::string text = quoted(row.name);
+  for (const double joint : row.joints) {
+    fmt::format_to(std::back_inserter(text), ",{}", to_file_unit(joint_unit(actuator), joint));
   }
+  return text + '\n';
+}
+
+std::string_view pose_table_header() { return "pose,x_mm,y_mm,z_mm,phi_deg\n"; }
+
+std::string pose_table_row(const NamedPose& row) {
+  const Eigen::Vector3d& r = row.pose.position;
+  return fmt::format("{},{},{},{},{}\n", quoted(row.name), r.x(), r.y(), r.z(), to_degrees(row.pose.rotation));
+}
+
+std::string_view plate_table_header() {
+  return "pose,x_mm,y_mm,z_mm,phi_deg,tilt_x_rad,tilt_y_rad,tilt_z_rad,residual_mm\n";
+}
+
+std::string plate_table_row(const NamedPlate& row) {
+  const PlateState& plate = row.result.plate;
+  return fmt::format("{},{},{},{},{},{},{},{},{}\n", quoted(row.name), plate.position.x(), plate.position.y(),
+                     plate.position.z(), to_degrees(row.rotation), plate.tilt.x(), plate.tilt.y(), plate.tilt.z(),
+                     row.result.residual);
+}
+
+std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator) {
+  const auto count = rows.empty() ? 0 : static_cast<std::size_t>(rows.front().joints.size());
+  std::string text = joint_table_header({count, actuator});
+  for (const NamedJoints& row : rows) text += joint_table_row(row, actuator);
   return text;
 }
 
 std::string pose_table(const std::vector<NamedPose>& rows) {
-  std::string text = "pose,x_mm,y_mm,z_mm,phi_deg\n";
-  for (const NamedPose& row : rows) {
-    const Eigen::Vector3d& r = row.pose.position;
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{}\n", quoted(row.name), r.x(), r.y(), r.z(),
-                   to_degrees(row.pose.rotation));
-  }
+  std::string text(pose_table_header());
+  for (const NamedPose& row : rows) text += pose_table_row(row);
   return text;
 }
 
 std::string plate_table(const std::vector<NamedPlate>& rows) {
-  std::string text = "pose,x_mm,y_mm,z_mm,phi_deg,tilt_x_rad,tilt_y_rad,tilt_z_rad,residual_mm\n";
-  for (const NamedPlate& row : rows) {
-    const PlateState& plate = row.result.plate;
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{}\n", quoted(row.name), plate.position.x(),
-                   plate.position.y(), plate.position.z(), to_degrees(row.rotation), plate.tilt.x(), plate.tilt.y(),
-                   plate.tilt.z(), row.result.residual);
-  }
+  std::string text(plate_table_header());
+  for (const NamedPlate& row : rows) text += plate_table_row(row);
   return text;
 }
 

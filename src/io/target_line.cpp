@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "columns.hpp"
 #include "gcode_block.hpp"
 #include "line_reader.hpp"
 #include "paracal/units.hpp"
@@ -141,12 +142,6 @@ class Writer {
   AxisValues told_{};
   std::array<std::size_t, kAxes> order_{};
 };
-
-std::string_view without_end(std::string_view line) {
-  if (line.ends_with('\n')) line.remove_suffix(1);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
 
 }  // namespace
 

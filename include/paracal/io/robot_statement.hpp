@@ -28,6 +28,10 @@ RobotStatement named_robot(const std::string& name, const std::filesystem::path&
 /// @throws InputFileError for a name that is none.
 std::optional<RobotStatement> robot_of_line(const std::string& file, int line, std::string_view text);
 
+/// The same into `found`, where nothing is found yet.
+/// @throws InputFileError as above, and where the line says something else than what was found.
+void add_statement(std::optional<RobotStatement>& found, const std::string& file, int line, std::string_view text);
+
 /// What a table says, in any line.
 /// @throws InputFileError as above, and where two of its lines disagree.
 std::optional<RobotStatement> robot_of_table(const TextFile& file);

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/io/csv_stream.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/kinematics/forward.hpp"
 
@@ -26,6 +29,12 @@ std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints =
 
 /// Joint table (CSV): q1_deg, q2_deg, ... (of rails q1_mm, ...) for every limb, optional pose.
 std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints);
+
+/// The same tables row by row, which memory does not grow with: a name that comes again is seen if it stands in one of
+/// the first kNamesCompared rows.
+inline constexpr std::size_t kNamesCompared = 100'000;
+void read_poses(CsvStream& table, const JointSpace& joints, const std::function<void(const Station&)>& take);
+void read_joints(CsvStream& table, const JointSpace& joints, const std::function<void(const NamedJoints&)>& take);
 
 /// Distance table (CSV): from,to,distance_mm and optional rotation_deg, sigma_mm; names are those of the pose table.
 Measurements read_distances(const TextFile& distances, const TextFile& poses, const JointSpace& joints = {});
@@ -49,10 +58,16 @@ struct NamedPlate {
   double rotation = 0.0;  ///< phi, rad
 };
 
-/// Tables as text that the readers above accept again; the table of plates also has tilt_x_rad, tilt_y_rad,
-/// tilt_z_rad, residual_mm.
+/// Tables as text that the readers above accept again, whole and by their lines: the header, and a row. The table of
+/// plates has tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
 std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator = Actuator::revolute);
 std::string pose_table(const std::vector<NamedPose>& rows);
 std::string plate_table(const std::vector<NamedPlate>& rows);
+std::string joint_table_header(const JointSpace& joints);
+std::string joint_table_row(const NamedJoints& row, Actuator actuator = Actuator::revolute);
+std::string_view pose_table_header();
+std::string pose_table_row(const NamedPose& row);
+std::string_view plate_table_header();
+std::string plate_table_row(const NamedPlate& row);
 
 }  // namespace paracal::io

@@ -1,0 +1,86 @@
+#include "paracal/io/csv_stream.hpp"
+
+#include <fmt/format.h>
+
+#include "columns.hpp"
+#include "line_reader.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// A line without its end, and its number in the file, from 1.
+struct NumberedLine {
+  int number;
+  std::string_view text;
+};
+
+}  // namespace
+
+/// Lines one at a time, though they are read many at a time.
+class CsvStream::Lines {
+ public:
+  explicit Lines(const TextStream& in) : name_(in.name), reader_(in) {}
+
+  /// The next line stays the next one; nothing at the end.
+  std::optional<NumberedLine> peek() { return has_next() ? std::optional(line(next_)) : std::nullopt; }
+  void pass() { ++next_; }
+
+  /// Calls look(line) with the lines that were read together, from the next one on.
+  void look_ahead(const auto& look) {
+    if (!has_next()) return;
+    for (std::size_t k = next_; k < block_.size(); ++k) look(line(k));
+  }
+
+ private:
+  bool has_next() {
+    if (next_ == block_.size()) {
+      passed_ += static_cast<std::int64_t>(block_.size());
+      block_ = reader_.next();
+      next_ = 0;
+    }
+    return next_ < block_.size();
+  }
+
+  NumberedLine line(std::size_t k) const {
+    const int number = static_cast<int>(passed_ + static_cast<std::int64_t>(k) + 1);
+    if (block_[k].part != Line::Part::whole) {
+      throw InputFileError(
+          name_, number,
+          fmt::format("expected lines of at most {} KiB, got a longer one", LineReader::kLongest / 1024));
+    }
+    const std::string_view text = without_end(block_[k].text);
+    return {number, number == 1 ? without_byte_order_mark(text) : text};
+  }
+
+  std::string name_;
+  LineReader reader_;
+  std::span<const Line> block_ = {};
+  std::size_t next_ = 0;     ///< in the block
+  std::int64_t passed_ = 0;  ///< lines of earlier blocks
+};
+
+CsvStream::CsvStream(const TextStream& in) : name_(in.name), lines_(std::make_unique<Lines>(in)), table_(in.name) {}
+
+CsvStream::~CsvStream() = default;
+
+std::optional<RobotStatement> CsvStream::robot() {
+  std::optional<RobotStatement> found;
+  lines_->look_ahead([&](const NumberedLine& line) { add_statement(found, name_, line.number, line.text); });
+  return found;
+}
+
+void CsvStream::expect(RobotStatement robot) { expected_ = std::move(robot); }
+
+const CsvTable* CsvStream::next() {
+  table_.drop_rows();
+  while (const auto line = lines_->peek()) {
+    lines_->pass();
+    add_statement(expected_, name_, line->number, line->text);
+    if (table_.add(line->number, line->text)) return &table_;
+  }
+  table_.finish();
+  return nullptr;
+}
+
+}  // namespace paracal::io
