@@ -35,10 +35,21 @@ bool is_calibration(const std::string& errors_file) {
   return lower_case(std::filesystem::path(errors_file).extension()) == ".json";
 }
 
-RobotSources sources_of(const std::string& errors_file, std::vector<std::string> tables) {
-  RobotSources sources{.tables = std::move(tables)};
+namespace {
+
+RobotSources with_calibration(const std::string& errors_file, RobotSources sources) {
   if (is_calibration(errors_file)) sources.calibrations = {errors_file};
   return sources;
+}
+
+}  // namespace
+
+RobotSources sources_of(const std::string& errors_file, std::string table) {
+  return with_calibration(errors_file, {.tables = {std::move(table)}});
+}
+
+RobotSources sources_of(const std::string& errors_file, io::CsvStream& rows) {
+  return with_calibration(errors_file, {.rows = &rows});
 }
 
 }  // namespace paracal::app

@@ -3,9 +3,19 @@
 #include <string>
 #include <vector>
 
+#include "paracal/io/csv_stream.hpp"
 #include "paracal/io/file.hpp"
 
 namespace paracal::app {
+
+/// A table that is read row by row, and so from a pipe, too.
+struct RowInput {
+  /// @throws InputFileError when the file cannot be opened.
+  explicit RowInput(const std::string& name) : file(io::open_file(name)), rows({name, file}) {}
+
+  std::ifstream file;
+  io::CsvStream rows;
+};
 
 /// A file's text, which input_file() will take: what comes through a pipe cannot be read twice.
 const io::TextFile& look_into(const std::string& name);
@@ -17,12 +27,14 @@ io::TextFile input_file(const std::string& name);
 struct RobotSources {
   std::vector<std::string> calibrations = {};  ///< JSON, which carries its robot
   std::vector<std::string> tables = {};        ///< with a line "# robot: NAME", or without
+  io::CsvStream* rows = nullptr;               ///< such a table that is read row by row
 };
 
 /// Whether --errors names a calibration (.json) rather than source errors (TOML), which do not say of which robot.
 bool is_calibration(const std::string& errors_file);
 
-/// What --errors names, if it is a calibration, and tables.
-RobotSources sources_of(const std::string& errors_file, std::vector<std::string> tables);
+/// What --errors names, if it is a calibration, and a table.
+RobotSources sources_of(const std::string& errors_file, std::string table);
+RobotSources sources_of(const std::string& errors_file, io::CsvStream& rows);
 
 }  // namespace paracal::app

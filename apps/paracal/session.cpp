@@ -70,6 +70,9 @@ std::vector<io::RobotStatement> statements(const std::string& option, const Robo
     if (name.empty()) continue;
     if (auto stated = io::robot_of_table(look_into(name))) all.push_back(std::move(*stated));
   }
+  if (inputs.rows != nullptr) {
+    if (auto stated = inputs.rows->robot()) all.push_back(std::move(*stated));
+  }
   return all;
 }
 
@@ -84,6 +87,7 @@ Robot Session::robot(const RobotSources& inputs) {
                     catalogue_names()));
   }
   for (const io::RobotStatement& one : stated) io::require_same(stated.front(), one);
+  if (inputs.rows != nullptr) inputs.rows->expect(stated.front());
   robot_file_ = stated.front().robot_file;
   if (robot_file_) outputs.keep_off({robot_file_->string()});  // a table may name it
   return stated.front().robot;
@@ -107,19 +111,20 @@ std::string pose_text(const std::string& name, const Pose& pose) {
                      to_degrees(pose.rotation));
 }
 
-io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator) {
-  const Unit unit = joint_unit(actuator);
-  io::Json names = io::Json::array(), joints = io::Json::array();
-  for (const io::NamedJoints& row : rows) {
-    names.push_back(row.name);
-    io::Json coordinates = io::Json::array();
-    for (const double joint : row.joints) coordinates.push_back(io::to_file_unit(unit, joint));
-    joints.push_back(coordinates);
-  }
-  return {{"names", names}, {fmt::format("joints_{}", io::file_unit(unit)), joints}};
+std::string joints_key(Actuator actuator) { return fmt::format("joints_{}", io::file_unit(joint_unit(actuator))); }
+
+io::Json joints_json(const io::NamedJoints& row, Actuator actuator) {
+  io::Json coordinates = io::Json::array();
+  for (const double joint : row.joints) coordinates.push_back(io::to_file_unit(joint_unit(actuator), joint));
+  return {{"name", row.name}, {joints_key(actuator), coordinates}};
 }
 
-void Session::print(std::string_view text) { out_.empty() ? print_summary(text) : outputs.write(out_, text); }
+io::TextSink Session::result_sink() {
+  if (out_.empty()) return print_summary;
+  return [&file = outputs.begin(out_)](std::string_view text) { file.write(text); };
+}
+
+void Session::print(std::string_view text) { result_sink()(text); }
 
 namespace {
 
@@ -160,10 +165,18 @@ void print_summary(std::string_view text) {
   if (!written) throw Error("standard output: cannot be written");
 }
 
-std::string json_text(const io::Json& json) {
-  // File names may hold bytes that are no UTF-8, which JSON cannot.
-  return json.dump(2, ' ', false, io::Json::error_handler_t::replace) + "\n";
+namespace {
+
+/// File names may hold bytes that are no UTF-8, which JSON cannot.
+std::string dumped(const io::Json& json, int indent) {
+  return json.dump(indent, ' ', false, io::Json::error_handler_t::replace) + "\n";
 }
+
+}  // namespace
+
+std::string json_text(const io::Json& json) { return dumped(json, 2); }
+
+std::string json_line(const io::Json& json) { return dumped(json, -1); }
 
 void Session::finish() {
   outputs.commit();

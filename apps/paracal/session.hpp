@@ -12,6 +12,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/tables.hpp"
+#include "paracal/io/target_filter.hpp"
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
 
@@ -42,11 +43,14 @@ std::string pose_text(const std::string& name, const Pose& pose);
 /// Seconds since 1970, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
 std::int64_t now();
 
-/// {names, joints_deg: [[q1, ...], ...]}; joints_mm of rails.
-io::Json joints_json(const std::vector<io::NamedJoints>& rows, Actuator actuator);
+/// "joints_deg"; "joints_mm" of rails.
+std::string joints_key(Actuator actuator);
+/// {name, joints_deg: [q1, ...]}, of one pose.
+io::Json joints_json(const io::NamedJoints& row, Actuator actuator);
 
-/// A JSON object as it is printed.
+/// A JSON object as it is printed, and in one line.
 std::string json_text(const io::Json& json);
+std::string json_line(const io::Json& json);
 
 /// Prints what goes to standard output even with --out.
 void print_summary(std::string_view text);
@@ -71,6 +75,8 @@ class Session {
   std::uint64_t seed() const { return seed_; }
   /// 0: all.
   unsigned threads() const { return threads_; }
+  /// Takes a result piece by piece, to standard output or, whole or not at all, --out.
+  io::TextSink result_sink();
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text);
   void print_json(const io::Json& json);

@@ -199,23 +199,4 @@ std::string plate_table_row(const NamedPlate& row) {
                      row.result.residual);
 }
 
-std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator) {
-  const auto count = rows.empty() ? 0 : static_cast<std::size_t>(rows.front().joints.size());
-  std::string text = joint_table_header({count, actuator});
-  for (const NamedJoints& row : rows) text += joint_table_row(row, actuator);
-  return text;
-}
-
-std::string pose_table(const std::vector<NamedPose>& rows) {
-  std::string text(pose_table_header());
-  for (const NamedPose& row : rows) text += pose_table_row(row);
-  return text;
-}
-
-std::string plate_table(const std::vector<NamedPlate>& rows) {
-  std::string text(plate_table_header());
-  for (const NamedPlate& row : rows) text += plate_table_row(row);
-  return text;
-}
-
 }  // namespace paracal::io

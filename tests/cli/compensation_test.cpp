@@ -61,6 +61,13 @@ TEST_F(CompensateCommand, ErrorsInTomlDoTheSame) {
   EXPECT_EQ(json_from("compensate --errors errors.toml --poses poses.csv"), json_from(kCompensate));
 }
 
+TEST_F(CompensateCommand, SaysThatUncertaintyIsNotKnown) {
+  EXPECT_THAT(folder.run(kCompensate).out,
+              StartsWith("# U of these poses is not known: the errors have no covariance\npose,q1_deg,"));
+  const json compensated = json_from(kCompensate);
+  for (const json& one : compensated.at("uncertainty")) EXPECT_TRUE(one.is_null());
+}
+
 /// What a closed controller does with the targets.
 TEST_F(CompensateCommand, TheNominalInverseOfTheTargetsGivesTheJoints) {
   EXPECT_EQ(folder.run(kCompensate + " --targets --out targets.csv").exit_code, kDone);

@@ -45,6 +45,7 @@ const std::vector<Injected> kCommands{
     {"validate --calibration calibration.json --measurements points.csv --out out.json"},
     {"report --calibration calibration.json --measurements points.csv --out out.html"},
     {"compensate --calibration calibration.json --poses plan.csv --out out.csv"},
+    {"compensate --calibration calibration.json --poses path.csv --json --out out.json"},
     {"export --target gcode --calibration calibration.json --input part.gcode --out out.gcode"},
     {"export --target csv --calibration calibration.json --input plan.csv --out out.csv"},
     {"export --target c99 --calibration calibration.json --out out.h"},
@@ -62,6 +63,9 @@ class Injection : public testing::TestWithParam<Injected> {
  protected:
   void SetUp() override {
     folder.write("part.gcode", "G1 X0 Y0 Z-900\nG1 X100 Y50 Z-950\n");
+    std::string path = "x_mm,y_mm,z_mm\n";  // longer than what waits in memory
+    for (int k = 0; k < 700; ++k) path += fmt::format("{},0,-900\n", k / 10.0);
+    folder.write("path.csv", path);
     for (const char* command : {"robot --out robot.toml", "poses --stage rough --out plan.csv",
                                 "inverse --poses plan.csv --out joints.csv", "poses --stage fine --out fine.csv",
                                 "simulate --poses fine.csv --noise-mm 0.01 --frame random --out points.csv",

@@ -109,6 +109,11 @@ ssize_t read(int file, void* into, size_t size) {
   return file > STDERR_FILENO && fails(kRead) ? -1 : real(file, into, size);
 }
 
+ssize_t pread(int file, void* into, size_t size, off_t at) {
+  static const auto real = next(static_cast<ssize_t (*)(int, void*, size_t, off_t)>(nullptr), "pread");
+  return fails(kRead) ? -1 : real(file, into, size, at);
+}
+
 ssize_t write(int file, const void* from, size_t size) {
   static const auto real = next(static_cast<ssize_t (*)(int, const void*, size_t)>(nullptr), "write");
   return file > STDERR_FILENO && fails(kWrite) ? -1 : real(file, from, size);

@@ -210,9 +210,15 @@ TEST_F(Faults, AnErrorOfReadingIsNotTheEnd) {
 }
 
 TEST_F(Faults, AFileWithoutEndIsRefused) {
-  const ProgramResult result = folder.run("inverse --poses /dev/zero");
-  EXPECT_EQ(result.exit_code, kBadInputFile);
-  EXPECT_THAT(result.err, HasSubstr("at most 128 MiB"));
+  for (const auto& [command, message] :
+       {std::pair{"simulate --poses /dev/zero", "/dev/zero: expected at most 128 MiB"},
+        {"inverse --poses /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"},
+        {"forward --joints /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"},
+        {"compensate --errors errors.toml --poses /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"}}) {
+    const ProgramResult result = folder.run(command);
+    EXPECT_EQ(result.exit_code, kBadInputFile) << command;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
 }
 
 /// Of batches that begin in one new folder at the same time, one is made and the others are refused.

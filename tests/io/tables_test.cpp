@@ -101,7 +101,7 @@ TEST(JointTable, WrittenTablesReadBack) {
     const auto micro_degrees = *rc::gen::container<std::vector<int>>(4, rc::gen::arbitrary<int>());
     Joints joints(4);
     for (int i = 0; i < 4; ++i) joints(i) = to_radians(micro_degrees[static_cast<std::size_t>(i)] * 1e-6);
-    const auto again = read_joints({"j.csv", joint_table({{name, joints}})}, 4);
+    const auto again = read_joints({"j.csv", joint_table_header(4) + joint_table_row({name, joints})}, 4);
     RC_ASSERT(again.size() == 1u);
     RC_ASSERT(again[0].name == name);
     RC_ASSERT((again[0].joints - joints).cwiseAbs().maxCoeff() <= 1e-15 * joints.cwiseAbs().maxCoeff());

@@ -7,6 +7,7 @@
 
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/units.hpp"
+#include "rows.hpp"
 #include "session.hpp"
 #include "tolerancing.hpp"
 
@@ -31,6 +32,7 @@ struct Options {
   std::string calibration, errors;
   std::string way = "exact";
   bool targets = false;
+  bool json_lines = false;
 };
 
 struct Compensated {
@@ -73,77 +75,96 @@ io::Json uncertainty_json(const std::optional<CompensatorUncertainty<double>>& s
   return {{"U_mm", {stated->x, stated->y, stated->z}}, {"U_deg", to_degrees(stated->phi)}};
 }
 
-io::Json json_of(const Options& options, Actuator actuator, const std::vector<Compensated>& rows) {
-  std::vector<io::NamedJoints> joints;
-  joints.reserve(rows.size());
-  for (const Compensated& row : rows) joints.push_back({row.name, row.joints});
-  io::Json targets = io::Json::array(), tilts = io::Json::array(), uncertainties = io::Json::array();
-  for (const Compensated& row : rows) {
-    targets.push_back(io::to_json(row.target));
-    tilts.push_back({{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}});
-    uncertainties.push_back(uncertainty_json(row.uncertainty));
-  }
-  io::Json json = joints_json(joints, actuator);
-  json["targets"] = std::move(targets);
-  json["remaining_tilt"] = std::move(tilts);
-  json["uncertainty"] = std::move(uncertainties);
-  json["way"] = options.way;
+io::Json json_of(const Compensated& row, Actuator actuator) {
+  io::Json json = joints_json({row.name, row.joints}, actuator);
+  json["target"] = io::to_json(row.target);
+  json["remaining_tilt"] = {{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}};
+  json["uncertainty"] = uncertainty_json(row.uncertainty);
   return json;
 }
 
-/// "# U of these poses in the robot's frame (95 %), largest: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of the
-/// table.
-std::string uncertainty_line(const std::vector<Compensated>& rows) {
-  CompensatorUncertainty<double> largest;
-  for (const Compensated& row : rows) {
-    if (!row.uncertainty) return "# U of these poses is not known: the errors have no covariance\n";
-    largest.x = std::max(largest.x, row.uncertainty->x);
-    largest.y = std::max(largest.y, row.uncertainty->y);
-    largest.z = std::max(largest.z, row.uncertainty->z);
-    largest.phi = std::max(largest.phi, row.uncertainty->phi);
-  }
-  return fmt::format(
-      "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, phi {:.2g} deg\n",
-      largest.x, largest.y, largest.z, to_degrees(largest.phi));
+std::vector<JsonColumn> json_columns(Actuator actuator) {
+  return {{"names", "name"},
+          {joints_key(actuator), joints_key(actuator)},
+          {"targets", "target"},
+          {"remaining_tilt", "remaining_tilt"},
+          {"uncertainty", "uncertainty"}};
 }
 
-std::string text_of(const Options& options, Actuator actuator, const std::vector<Compensated>& rows) {
-  std::vector<io::NamedJoints> joints;
-  std::vector<io::NamedPose> targets;
-  for (const Compensated& row : rows) {
-    joints.push_back({row.name, row.joints});
-    targets.push_back({row.name, row.target});
+/// The largest U of some poses, in each direction.
+class LargestUncertainty {
+ public:
+  void add(const std::optional<CompensatorUncertainty<double>>& stated) {
+    is_known_ = is_known_ && stated;
+    if (!stated) return;
+    largest_.x = std::max(largest_.x, stated->x);
+    largest_.y = std::max(largest_.y, stated->y);
+    largest_.z = std::max(largest_.z, stated->z);
+    largest_.phi = std::max(largest_.phi, stated->phi);
   }
-  return uncertainty_line(rows) + (options.targets ? io::pose_table(targets) : io::joint_table(joints, actuator));
-}
 
-/// Adds U to rows that were compensated.
-void state_uncertainty(const Robot& robot, const io::CalibratedMachine& machine,
-                       const CompensatorParameters<double>& parameters, const std::vector<Station>& stations,
-                       std::vector<Compensated>& rows) {
-  if (machine.covariance.size() == 0) return;
-  const auto covariance = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
-  for (std::size_t k = 0; k < rows.size(); ++k) {
+  /// "# U of these poses in the robot's frame (95 %), largest: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of the
+  /// table.
+  std::string line() const {
+    if (!is_known_) return "# U of these poses is not known: the errors have no covariance\n";
+    return fmt::format(
+        "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, phi {:.2g} deg\n",
+        largest_.x, largest_.y, largest_.z, to_degrees(largest_.phi));
+  }
+
+ private:
+  CompensatorUncertainty<double> largest_ = {};
+  bool is_known_ = true;
+};
+
+/// U of poses; nothing where no covariance is known.
+class PoseUncertainty {
+ public:
+  PoseUncertainty(const Robot& robot, const io::CalibratedMachine& machine) {
+    if (machine.covariance.size() == 0) return;
+    covariance_ = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
+  }
+
+  std::optional<CompensatorUncertainty<double>> at(const CompensatorParameters<double>& parameters,
+                                                   const Pose& pose) const {
     CompensatorUncertainty<double> stated;
-    const CompensatorPose<double> pose = compensator_pose(stations[k].commanded);
-    if (stated_uncertainty(parameters, covariance, pose, stated) == CompensationStatus::ok)
-      rows[k].uncertainty = stated;
+    if (!covariance_) return std::nullopt;
+    const CompensationStatus status = stated_uncertainty(parameters, *covariance_, compensator_pose(pose), stated);
+    return status == CompensationStatus::ok ? std::optional(stated) : std::nullopt;
   }
+
+ private:
+  std::optional<CompensatorCovariance<double>> covariance_ = {};
+};
+
+std::string table_header(const Options& options, const Robot& robot) {
+  return options.targets ? std::string(io::pose_table_header()) : io::joint_table_header(robot.joint_space());
+}
+
+std::string table_row(const Options& options, Actuator actuator, const Compensated& row) {
+  return options.targets ? io::pose_table_row({row.name, row.target})
+                         : io::joint_table_row({row.name, row.joints}, actuator);
 }
 
 void run(const Options& options, Session& session) {
-  RobotSources sources = sources_of(options.errors, {options.poses});
+  RowInput poses(options.poses);
+  RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
   const io::CalibratedMachine machine = known_machine(options, robot);
   const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(options.way));
-  const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
-  std::vector<Compensated> rows;
-  rows.reserve(stations.size());
-  for (const Station& station : stations) rows.push_back(compensated(robot, compensator, station));
-  state_uncertainty(robot, machine, compensator.parameters(), stations, rows);
-  if (!session.json()) return session.print(text_of(options, robot.actuator(), rows));
-  session.print_json(json_of(options, robot.actuator(), rows));
+  const PoseUncertainty uncertainty(robot, machine);
+  const Actuator actuator = robot.actuator();
+  RowOutput rows(session, options.json_lines, json_columns(actuator));
+  LargestUncertainty largest;
+  io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
+    Compensated row = compensated(robot, compensator, station);
+    row.uncertainty = uncertainty.at(compensator.parameters(), station.commanded);
+    largest.add(row.uncertainty);
+    rows.add([&] { return table_row(options, actuator, row); }, [&] { return json_of(row, actuator); });
+  });
+  rows.head(largest.line() + table_header(options, robot));
+  rows.finish({{"way", options.way}});
 }
 
 }  // namespace
@@ -160,6 +181,7 @@ void add_compensate(Command& program, Session& session) {
       ->shows_default();
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV), for a controller that computes with the nominal robot");
+  add_json_lines_option(*command, options->json_lines);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -130,8 +130,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   if (!is_standard_input) file = io::open_file(options.input);
   const io::TextStream in{is_standard_input ? "standard input" : options.input,
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
-  io::OutputFile* out = session.out().empty() ? nullptr : &session.outputs.begin(session.out());
-  io::TextSink sink = [out](std::string_view text) { out != nullptr ? out->write(text) : print_summary(text); };
+  io::TextSink sink = session.result_sink();
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
   const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, frame, session.threads())

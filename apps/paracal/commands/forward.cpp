@@ -5,6 +5,7 @@
 #include "paracal/io/tables.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/units.hpp"
+#include "rows.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -13,6 +14,7 @@ namespace {
 struct Options {
   std::string joints;
   std::string errors;
+  bool json_lines = false;
 };
 
 io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
@@ -42,16 +44,16 @@ io::Json plate_json(const io::NamedPlate& row) {
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot(sources_of(options.errors, {options.joints}));
+  RowInput joints(options.joints);
+  const Robot robot = session.robot(sources_of(options.errors, joints.rows));
   const Machine machine = machine_as_built(robot, options.errors);
-  std::vector<io::NamedPlate> rows;
-  for (const io::NamedJoints& joints : io::read_joints(input_file(options.joints), robot.joint_space())) {
-    rows.push_back(plate_at(machine, joints));
-  }
-  if (!session.json()) return session.print(io::plate_table(rows));
-  io::Json poses = io::Json::array();
-  for (const io::NamedPlate& row : rows) poses.push_back(plate_json(row));
-  session.print_json(io::Json{{"poses", poses}});
+  RowOutput rows(session, options.json_lines, {JsonColumn{"poses"}});
+  rows.head(io::plate_table_header());
+  io::read_joints(joints.rows, robot.joint_space(), [&](const io::NamedJoints& one) {
+    const io::NamedPlate row = plate_at(machine, one);
+    rows.add([&] { return io::plate_table_row(row); }, [&] { return plate_json(row); });
+  });
+  rows.finish();
 }
 
 }  // namespace
@@ -62,6 +64,7 @@ void add_forward(Command& program, Session& session) {
   command->add_option("--joints", options->joints, "joint table (CSV)")->required();
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");
+  add_json_lines_option(*command, options->json_lines);
   command->callback([&session, options] { run(*options, session); });
 }
 

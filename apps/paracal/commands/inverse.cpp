@@ -5,6 +5,7 @@
 #include "paracal/io/tables.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
+#include "rows.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -13,6 +14,7 @@ namespace {
 struct Options {
   std::string poses;
   std::string errors;
+  bool json_lines = false;
 };
 
 Joints joints_at(const Machine& machine, const Station& station) {
@@ -27,14 +29,17 @@ Joints joints_at(const Machine& machine, const Station& station) {
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
+  RowInput poses(options.poses);
+  const Robot robot = session.robot(sources_of(options.errors, poses.rows));
   const Machine machine = machine_as_built(robot, options.errors);
-  std::vector<io::NamedJoints> rows;
-  for (const Station& station : io::read_poses(input_file(options.poses))) {
-    rows.push_back({station.name, joints_at(machine, station)});
-  }
-  if (!session.json()) return session.print(io::joint_table(rows, robot.actuator()));
-  session.print_json(joints_json(rows, robot.actuator()));
+  const Actuator actuator = robot.actuator();
+  RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
+  rows.head(io::joint_table_header(robot.joint_space()));
+  io::read_poses(poses.rows, {}, [&](const Station& station) {
+    const io::NamedJoints row{station.name, joints_at(machine, station)};
+    rows.add([&] { return io::joint_table_row(row, actuator); }, [&] { return joints_json(row, actuator); });
+  });
+  rows.finish();
 }
 
 }  // namespace
@@ -45,6 +50,7 @@ void add_inverse(Command& program, Session& session) {
   command->add_option("--poses", options->poses, "pose table (CSV)")->required();
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");
+  add_json_lines_option(*command, options->json_lines);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -42,7 +42,7 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot(sources_of(options.errors, {options.poses}));
+  const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
   const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());

@@ -58,11 +58,8 @@ struct NamedPlate {
   double rotation = 0.0;  ///< phi, rad
 };
 
-/// Tables as text that the readers above accept again, whole and by their lines: the header, and a row. The table of
-/// plates has tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
-std::string joint_table(const std::vector<NamedJoints>& rows, Actuator actuator = Actuator::revolute);
-std::string pose_table(const std::vector<NamedPose>& rows);
-std::string plate_table(const std::vector<NamedPlate>& rows);
+/// Lines of tables that the readers above accept again, with their ends: the header, and a row. The table of plates has
+/// tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
 std::string joint_table_header(const JointSpace& joints);
 std::string joint_table_row(const NamedJoints& row, Actuator actuator = Actuator::revolute);
 std::string_view pose_table_header();
