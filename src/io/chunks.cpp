@@ -25,6 +25,13 @@ class Damaged : public Error {
   using Error::Error;
 };
 
+/// @throws Json::exception for anything but a whole number, std::out_of_range for one above `most`.
+std::uint64_t count_of(const Json& json, std::uint64_t most) {
+  const auto& count = json.get_ref<const std::uint64_t&>();
+  if (count > most) throw std::out_of_range("count");
+  return count;
+}
+
 /// [[bin, count], ...]
 Json histogram_json(const Histogram& histogram) {
   Json json = Json::array();
@@ -32,9 +39,13 @@ Json histogram_json(const Histogram& histogram) {
   return json;
 }
 
-Histogram histogram_of(const Json& json) {
+Histogram histogram_of(const Json& json, std::uint64_t machines) {
   Histogram histogram;
-  for (const Json& bin : json) histogram.add(bin.at(0).get<std::uint32_t>(), bin.at(1).get<std::uint64_t>());
+  for (const Json& bin : json) {
+    const auto number = static_cast<std::uint32_t>(count_of(bin.at(0), Histogram::kBins - 1));
+    histogram.add(number, count_of(bin.at(1), machines));
+  }
+  if (histogram.total() != machines) throw std::out_of_range("total");
   return histogram;
 }
 
@@ -48,14 +59,19 @@ Json tally_json(const Tally& tally) {
   return json;
 }
 
-Tally tally_of(const Json& json) {
+/// @throws Json::exception, std::out_of_range for what no tally of so many machines says.
+Tally tally_of(const Json& json, std::uint64_t machines) {
   Tally tally;
-  tally.fates = json.at("fates").get<decltype(tally.fates)>();
-  tally.passed = json.at("passed").get<std::uint64_t>();
+  for (const Fate fate : kFates) {
+    tally.of(fate) = count_of(json.at("fates").at(static_cast<std::size_t>(fate)), machines);
+  }
+  if (tally.machines() != machines) throw std::out_of_range("machines");
+  const std::uint64_t measured = machines - tally.of(Fate::does_not_close);
+  tally.passed = count_of(json.at("passed"), measured);
   for (const ErrorKind kind : kErrorKinds) {
     const std::string key(name(kind));
-    tally.before[kind] = histogram_of(json.at("before").at(key));
-    tally.after[kind] = histogram_of(json.at("after").at(key));
+    tally.before[kind] = histogram_of(json.at("before").at(key), measured);
+    tally.after[kind] = histogram_of(json.at("after").at(key), measured);
   }
   return tally;
 }
@@ -157,10 +173,10 @@ class ChunkFolder {
   Tally read(MachineRange range) const {
     const TextFile file = read_file(file_of(range));
     try {
-      return tally_of(content_of(file, range));
+      return tally_of(content_of(file, range), range.count);
     } catch (const Json::exception&) {
       throw Damaged(not_a_chunk(file));
-    } catch (const std::out_of_range&) {  // a bin that no histogram has
+    } catch (const std::out_of_range&) {
       throw Damaged(not_a_chunk(file));
     }
   }

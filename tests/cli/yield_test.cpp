@@ -8,11 +8,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <tuple>
 
 #include "json_checks.hpp"
+#include "paracal/io/file.hpp"
 
 namespace paracal::test {
 namespace {
@@ -368,6 +370,36 @@ TEST_F(Yield, ADamagedChunkIsNamedAndMadeAgain) {
     EXPECT_EQ(result.exit_code, kDone);
     EXPECT_TRUE(result.out == undisturbed());
     EXPECT_THAT(result.err, AllOf(HasSubstr(name), HasSubstr("expected"), HasSubstr("got"), HasSubstr("made again")));
+    EXPECT_EQ(folder.read(name), good);
+  }
+}
+
+/// Whatever gave it a hash that fits: what it says must add up to its machines.
+TEST_F(Yield, AChunkThatDoesNotAddUpIsMadeAgain) {
+  const std::string command = kept_yield(kMachines);
+  expect_undisturbed(folder.run(command));
+  const std::string name = "folder/" + *chunks().begin();
+  const std::string good = folder.read(name);
+  using Json = nlohmann::ordered_json;
+  for (const auto& change : std::vector<std::function<void(Json&)>>{
+           [](Json& tally) { tally["fates"][0] = kChunk + 1; }, [](Json& tally) { tally["fates"][1] = -1; },
+           [](Json& tally) { tally["passed"] = kChunk + 1; }, [](Json& tally) { tally["passed"] = 1e22; },
+           [](Json& tally) { tally["after"]["tilt"] = Json::array(); },
+           [](Json& tally) {
+             tally["before"]["distance"].push_back({1, 1});
+           },
+           [](Json& tally) { tally["before"]["distance"][0][0] = std::uint64_t{1} << 32; },
+           [](Json& tally) {
+             tally["before"]["distance"].push_back({99999, 0});
+           }}) {
+    Json chunk = Json::parse(good);
+    change(chunk["tally"]);
+    chunk["sha256"] = io::sha256(chunk["tally"].dump());
+    folder.write(name, chunk.dump());
+    const ProgramResult result = folder.run(command);
+    EXPECT_EQ(result.exit_code, kDone) << chunk["tally"];
+    EXPECT_TRUE(result.out == undisturbed()) << chunk["tally"];
+    EXPECT_THAT(result.err, AllOf(HasSubstr(name), HasSubstr("expected a chunk of a batch"), HasSubstr("made again")));
     EXPECT_EQ(folder.read(name), good);
   }
 }
