@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 seconds=$1
 shift
 targets=("$@")
-((${#targets[@]})) || targets=(calibration compensator filter printer tables toml)
+((${#targets[@]})) || targets=(calibration chunks compensator filter path printer tables toml)
 tools/build.sh fuzz
 build=build/fuzz
 mkdir -p "$build/found"
