@@ -24,9 +24,13 @@ Waiting& waiting() {
   return shared;
 }
 
-std::atomic<int> arrived{0};
+std::array<std::atomic<bool>, kSignals.size()> arrived{};
 
-extern "C" void note_signal(int signal) { arrived.store(signal); }
+extern "C" void note_signal(int signal) {
+  for (std::size_t k = 0; k < kSignals.size(); ++k) {
+    if (kSignals[k] == signal) arrived[k].store(true);
+  }
+}
 
 }  // namespace
 
@@ -48,7 +52,9 @@ SignalsWait::~SignalsWait() {
   const std::lock_guard lock(shared.mutex);
   if (--shared.count > 0) return;
   for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &shared.before[k], nullptr);
-  if (const int signal = arrived.exchange(0)) raise(signal);
+  for (std::size_t k = 0; k < kSignals.size(); ++k) {
+    if (arrived[k].exchange(false)) raise(kSignals[k]);
+  }
 }
 
 }  // namespace paracal::io

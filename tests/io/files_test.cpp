@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
 #include "paracal/error.hpp"
+#include "paracal/io/signals_wait.hpp"
 
 namespace paracal::io {
 namespace {
@@ -43,6 +45,45 @@ TEST_F(Files, MissingFileAndFolderAreNamed) {
   EXPECT_THAT([&] { read_file(folder / "none.csv"); },
               testing::ThrowsMessage<InputFileError>(testing::HasSubstr("none.csv: cannot be read")));
   EXPECT_THAT([&] { read_file(folder); }, testing::ThrowsMessage<InputFileError>(testing::HasSubstr("got a folder")));
+}
+
+volatile std::sig_atomic_t interrupts = 0, terminations = 0;
+
+extern "C" void count_signal(int signal) {
+  if (signal == SIGINT) interrupts = interrupts + 1;
+  if (signal == SIGTERM) terminations = terminations + 1;
+}
+
+/// None is lost, none comes twice, and what is to be ignored still is.
+TEST(SignalsWait, TheyComeAfterwards) {
+  interrupts = 0;
+  terminations = 0;
+  const auto interrupted = std::signal(SIGINT, count_signal), terminated = std::signal(SIGTERM, count_signal);
+  const auto hung_up = std::signal(SIGHUP, SIG_IGN);
+  {
+    const SignalsWait outer;
+    {
+      const SignalsWait inner;
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
+    }
+    EXPECT_EQ(interrupts + terminations, 0);
+  }
+  EXPECT_EQ(interrupts, 1);
+  EXPECT_EQ(terminations, 1);
+  std::raise(SIGINT);
+  EXPECT_EQ(interrupts, 2);
+  EXPECT_EQ(std::signal(SIGHUP, hung_up), SIG_IGN);
+  std::signal(SIGINT, interrupted);
+  std::signal(SIGTERM, terminated);
+}
+
+TEST(SignalsWaitDeathTest, OneThatEndsTheProcessEndsIt) {
+  EXPECT_EXIT(
+      {
+        const SignalsWait whole;
+        std::raise(SIGTERM);
+      },
+      testing::KilledBySignal(SIGTERM), "");
 }
 
 TEST(Sha256, KnownDigest) {
