@@ -423,6 +423,23 @@ TEST_F(Yield, RefusesTheFolderOfAnotherBatch) {
   expect_refused(kept_yield(kChunk), "expected the description of a batch");
 }
 
+/// Another compiler, or another commit of the same version, may round otherwise.
+TEST_F(Yield, RefusesTheFolderOfAnotherBuild) {
+  EXPECT_EQ(folder.run(kept_yield(kChunk)).exit_code, kDone);
+  const std::string name = "folder/" + *chunks().begin(), chunk = folder.read(name);
+  auto header = nlohmann::ordered_json::parse(folder.read("folder/batch.json"));
+  ASSERT_TRUE(run_program({"--version"}).out.ends_with("(" + header.at("build").get<std::string>() + ")\n"));
+  header["build"] = "another";
+  folder.write("folder/batch.json", header.dump(2) + "\n");
+  const ProgramResult result = folder.run(kept_yield(2 * kChunk));
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, AllOf(HasSubstr("folder/batch.json"), HasSubstr("expected build \""),
+                                HasSubstr("got \"another\""), HasSubstr("another batch")));
+  EXPECT_EQ(chunks().size(), 1u);
+  EXPECT_EQ(folder.read(name), chunk);
+}
+
 TEST_F(Yield, RefusesAChunkOfAnotherBatch) {
   EXPECT_EQ(folder.run(kept_yield(kChunk)).exit_code, kDone);
   const std::string name = *chunks().begin();
