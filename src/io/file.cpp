@@ -40,13 +40,16 @@ bool is_pipe_or_device(const std::filesystem::path& path) {
 }
 
 /// A link stays a link: what it points to is replaced, or made.
-std::filesystem::path behind_links(std::filesystem::path path) {
+std::filesystem::path behind_links(const std::filesystem::path& link) {
   constexpr int kMostLinks = 40;  // as Linux
+  std::filesystem::path path = link;
   std::error_code ignored;
   for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(path, ignored); ++links) {
     path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
   }
-  return path;
+  if (!std::filesystem::is_symlink(path, ignored)) return path;
+  errno = ELOOP;
+  fail_to_write(link);
 }
 
 /// A short name beside a file, whose own may be as long as names can be.
@@ -122,7 +125,8 @@ OutputFile::OutputFile(const std::filesystem::path& path) : target_(path) {
   } else {
     replaces_ = true;
     target_ = behind_links(path);
-    if (std::filesystem::is_directory(target_))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(target_, ignored))
       throw Error(fmt::format("{}: cannot be written: a folder", target_.string()));
     descriptor_ = open_nameless(target_);
     if (descriptor_ >= 0) {  // now: nothing may want memory between a file's getting a name and its place

@@ -187,10 +187,58 @@ TEST_F(Faults, ALinkToNothingIsFollowed) {
   EXPECT_TRUE(folder.read("target.toml") == folder.run("robot").out);
 }
 
+/// What a link points to is replaced, and keeps its mode; the link stays, and the folders hold nothing else.
+TEST_F(Faults, ALinkStaysALink) {
+  const std::string robot = folder.run("robot").out;
+  std::filesystem::create_directory(folder.path() / "other");
+  const std::filesystem::path target = folder.write("other/target.toml", "earlier");
+  std::filesystem::permissions(target, std::filesystem::perms(0640));
+  std::filesystem::create_symlink("target.toml", folder.path() / "other" / "near.toml");
+  std::filesystem::create_symlink("other/near.toml", folder.path() / "far.toml");
+  const std::set<std::string> names = folder.names();
+  for (const std::string link : {"other/near.toml", "far.toml"}) {
+    folder.write("other/target.toml", "earlier");
+    EXPECT_EQ(folder.run("robot --out " + link).exit_code, kDone);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / link));
+    EXPECT_FALSE(std::filesystem::is_symlink(target));
+    EXPECT_TRUE(folder.read("other/target.toml") == robot) << link;
+    EXPECT_EQ(std::filesystem::status(target).permissions(), std::filesystem::perms(0640));
+    EXPECT_EQ(folder.names(), names);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path() / "other"), {}), 2);
+  }
+}
+
+TEST_F(Faults, LinksThatPointAtEachOtherAreRefused) {
+  std::filesystem::create_symlink("two.toml", folder.path() / "one.toml");
+  std::filesystem::create_symlink("one.toml", folder.path() / "two.toml");
+  const ProgramResult result = folder.run("robot --out one.toml");
+  EXPECT_EQ(result.exit_code, kWrongUsage);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("one.toml"), HasSubstr("cannot be written"), HasSubstr("links")));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "one.toml"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "two.toml"));
+}
+
 TEST_F(Faults, NamesMayBeAsLongAsNamesCanBe) {
-  const std::string name(255, 'r');
-  EXPECT_EQ(folder.run("robot --out " + name).exit_code, kDone);
-  EXPECT_TRUE(folder.read(name) == folder.run("robot").out);
+  const std::string robot = folder.run("robot").out;
+  for (const std::size_t length : {241U, 250U, 254U, 255U}) {
+    const std::string name(length, 'r'), page = "p" + std::string(length - 1, 'r');
+    EXPECT_EQ(folder.run("robot --out " + name).exit_code, kDone) << length;
+    EXPECT_TRUE(folder.read(name) == robot);
+    EXPECT_EQ(folder.run("calibrate --measurements points.csv --out " + name + " --report " + page).exit_code, kDone);
+    EXPECT_EQ(folder.run("yield --machines 2 --chunk 1 --checkpoint b" + page.substr(1)).exit_code, kDone);
+    for (const std::string& made : {name, page, "b" + page.substr(1)}) {
+      EXPECT_EQ(std::filesystem::remove_all(folder.path() / made) > 0, true) << length;
+    }
+    expect_untouched("names of " + std::to_string(length));
+  }
+  const std::string name(256, 'r');
+  for (const std::string command : {"robot --out ", "calibrate --measurements points.csv --report ",
+                                    "yield --machines 2 --chunk 1 --checkpoint "}) {
+    const ProgramResult result = folder.run(command + name);
+    EXPECT_EQ(result.exit_code, kWrongUsage) << command;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("cannot be written"), HasSubstr("name too long"))) << command;
+    expect_untouched(command);
+  }
 }
 
 /// Reading one's own memory from its beginning is an input-output error.
