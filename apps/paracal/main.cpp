@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -56,6 +57,14 @@ std::string licences() {
   return text;
 }
 
+/// Opens those of the standard streams that are closed, the wrong way round, so that they fail as before: else a result
+/// would get the number of one, and with it what is printed.
+void keep_standard_streams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (fcntl(stream, F_GETFD) < 0) (void)open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 /// Everything, up to the outputs that replace earlier ones.
 int run(int argc, char** argv) {
   Arguments arguments(
@@ -94,6 +103,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::set_new_handler(give_up);
+  keep_standard_streams();
   try {
     return run(argc, argv);
   } catch (const paracal::InputFileError& error) {

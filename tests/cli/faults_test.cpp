@@ -241,6 +241,28 @@ TEST_F(Faults, NamesMayBeAsLongAsNamesCanBe) {
   }
 }
 
+/// Else a result would be opened as what is closed, and get the summary.
+TEST_F(Faults, ClosedStandardStreamsAreNoResults) {
+  const auto run = [&](const std::string& streams) {
+    return run_program(words("calibrate --robot huang2016 --measurements points.csv --out out.json --report out.html"),
+                       {.folder = folder.path(), .launcher = {"/bin/sh", "-c", "exec \"$0\" \"$@\" " + streams}});
+  };
+  ASSERT_EQ(run("").exit_code, kDone);
+  const std::string page = folder.read("out.html").substr(0, 15), end = "</html>\n";
+  for (const std::string streams : {"<&- >&-", ">&-", "<&- >&- 2>&-"}) {
+    folder.write("out.json", "earlier");
+    folder.write("out.html", "earlier");
+    EXPECT_EQ(run(streams).exit_code, kWrongUsage) << streams;
+    EXPECT_TRUE(folder.read("out.json") == "earlier") << streams;
+    EXPECT_TRUE(folder.read("out.html") == "earlier") << streams;
+  }
+  for (const std::string streams : {"<&-", "2>&-", "<&- 2>&-"}) {
+    EXPECT_EQ(run(streams).exit_code, kDone) << streams;
+    EXPECT_TRUE(nlohmann::json::accept(folder.read("out.json"))) << streams;
+    EXPECT_TRUE(folder.read("out.html").starts_with(page) && folder.read("out.html").ends_with(end)) << streams;
+  }
+}
+
 /// Reading one's own memory from its beginning is an input-output error.
 TEST_F(Faults, AnErrorOfReadingIsNotTheEnd) {
   const auto filter = words("export --target gcode --robot huang2016 --calibration calibration.json --out out.gcode");
