@@ -52,21 +52,24 @@ std::filesystem::path behind_links(const std::filesystem::path& link) {
   fail_to_write(link);
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& target) {
+  return target.has_parent_path() ? target.parent_path() : ".";
+}
+
 /// A short name beside a file, whose own may be as long as names can be.
 std::string neighbour_of(const std::filesystem::path& target) {
   return (target.parent_path() / ".paracal-XXXXXX").string();
 }
 
-std::string of_descriptor(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+std::string of_descriptor(const Descriptor& file) { return fmt::format("/proc/self/fd/{}", file.number()); }
 
-/// A file without a name, of which nothing is left whatever ends this process; -1 where the file system has none.
-int open_nameless(const std::filesystem::path& target) {
-  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
-  const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (descriptor < 0 || access(of_descriptor(descriptor).c_str(), F_OK) == 0) return descriptor;
-  close(descriptor);  // without /proc it could never be given a name
+/// A file without a name, of which nothing is left whatever ends this process; not open where the file system has none.
+Descriptor open_nameless(const std::filesystem::path& folder) {
+  Descriptor file(open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (!file.is_open() || access(of_descriptor(file).c_str(), F_OK) == 0) return file;
+  file = Descriptor();  // without /proc it could never be given a name
   errno = EOPNOTSUPP;
-  return -1;
+  return file;
 }
 
 bool has_no_nameless_files(int error) { return error == EOPNOTSUPP || error == EISDIR || error == EINVAL; }
@@ -119,40 +122,52 @@ TextFile read_file(const std::filesystem::path& path) {
   return file;
 }
 
+Descriptor::~Descriptor() {
+  if (is_open()) close(number_);
+}
+
 OutputFile::OutputFile(const std::filesystem::path& path) : target_(path) {
   if (is_pipe_or_device(path)) {
-    descriptor_ = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    file_ = Descriptor(open(path.c_str(), O_WRONLY | O_CLOEXEC));
   } else {
     replaces_ = true;
     target_ = behind_links(path);
     std::error_code ignored;
     if (std::filesystem::is_directory(target_, ignored))
       throw Error(fmt::format("{}: cannot be written: a folder", target_.string()));
-    descriptor_ = open_nameless(target_);
-    if (descriptor_ >= 0) {  // now: nothing may want memory between a file's getting a name and its place
+    reach_place();
+    file_ = open_nameless(folder_of(place_));
+    if (file_.is_open()) {  // now: nothing may want memory between a file's getting a name and its place
       static std::atomic<unsigned> files = 0;
-      nameless_ = of_descriptor(descriptor_);
-      name_ = fmt::format("{}-{}-{}-a", neighbour_of(target_), getpid(), ++files);
+      nameless_ = of_descriptor(file_);
+      name_ = fmt::format("{}-{}-{}-a", neighbour_of(place_), getpid(), ++files);
     }
-    if (descriptor_ < 0 && has_no_nameless_files(errno)) {
-      neighbour_ = neighbour_of(target_);
-      descriptor_ = mkostemp(neighbour_.data(), O_CLOEXEC);
-      if (descriptor_ < 0) neighbour_.clear();
+    if (!file_.is_open() && has_no_nameless_files(errno)) {
+      neighbour_ = neighbour_of(place_);
+      file_ = Descriptor(mkostemp(neighbour_.data(), O_CLOEXEC));
+      if (!file_.is_open()) neighbour_.clear();
     }
   }
-  if (descriptor_ < 0) fail_to_write(target_);
+  if (!file_.is_open()) fail_to_write(target_);
+}
+
+void OutputFile::reach_place() {
+  place_ = target_;
+  folder_ = Descriptor(open(folder_of(target_).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!folder_.is_open()) fail_to_write(target_);
+  const std::filesystem::path folder = of_descriptor(folder_);
+  if (access(folder.c_str(), F_OK) == 0) place_ = folder / target_.filename();
 }
 
 OutputFile::~OutputFile() {
-  close(descriptor_);
   if (!neighbour_.empty()) unlink(neighbour_.c_str());
 }
 
-void OutputFile::write(std::string_view text) { write_all(descriptor_, text, target_); }
+void OutputFile::write(std::string_view text) { write_all(file_.number(), text, target_); }
 
 void OutputFile::settle() {
   if (!replaces_) return;
-  if (fchmod(descriptor_, mode_of_result(target_)) != 0 || fsync(descriptor_) != 0) fail_to_write(target_);
+  if (fchmod(file_.number(), mode_of_result(place_)) != 0 || fsync(file_.number()) != 0) fail_to_write(target_);
   if (neighbour_.empty()) {
     if (!give_name(nameless_, name_)) fail_to_write(target_);
     neighbour_ = std::move(name_);
@@ -164,10 +179,10 @@ void OutputFile::commit() {
   if (!replaces_) return;
   if (!is_settled_) settle();
   // What stood there moves into the neighbour, which goes with this object.
-  const bool exchanged = renameat2(AT_FDCWD, neighbour_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
+  const bool exchanged = renameat2(AT_FDCWD, neighbour_.c_str(), AT_FDCWD, place_.c_str(), RENAME_EXCHANGE) == 0;
   before_ = exchanged ? Before::in_neighbour : errno == ENOENT ? Before::nothing : Before::lost;
   if (!exchanged) {
-    if (std::rename(neighbour_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
+    if (std::rename(neighbour_.c_str(), place_.c_str()) != 0) fail_to_write(target_);
     neighbour_.clear();
   }
   replaces_ = false;
@@ -175,10 +190,10 @@ void OutputFile::commit() {
 
 void OutputFile::undo() noexcept {
   if (before_ == Before::in_neighbour) {
-    (void)std::rename(neighbour_.c_str(), target_.c_str());
+    (void)std::rename(neighbour_.c_str(), place_.c_str());
     neighbour_.clear();
   } else if (before_ == Before::nothing) {
-    unlink(target_.c_str());
+    unlink(place_.c_str());
   }
   before_ = Before::lost;
 }
@@ -186,7 +201,7 @@ void OutputFile::undo() noexcept {
 bool OutputFile::commit_new() {
   if (!replaces_) return true;
   settle();
-  const bool linked = link(neighbour_.c_str(), target_.c_str()) == 0;
+  const bool linked = link(neighbour_.c_str(), place_.c_str()) == 0;
   if (!linked && errno != EEXIST) fail_to_write(target_);
   unlink(neighbour_.c_str());
   neighbour_.clear();

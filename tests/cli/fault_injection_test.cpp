@@ -1,36 +1,81 @@
 // Every command, with every call that can fail failing once: it ends with a code of the contract and one message, and
 // leaves inputs and earlier outputs as they were, and nothing else; what it says is done is what an undisturbed run
-// does. And every command, interrupted before any such call: all its outputs are there, or none.
+// does. The same where the folder of its outputs goes away, and where its standard output cannot be written. And every
+// command, interrupted before any such call: all its outputs are there, or none. The end says how often all that held.
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <map>
+#include <ranges>
+#include <set>
 #include <sstream>
 
+#include "printer/klipper_sets.hpp"
 #include "run_program.hpp"
 
 namespace paracal::test {
 namespace {
 
+/// Names and texts; a name of a folder ends in a slash.
 using Files = std::map<std::string, std::string>;
 
 Files files_of(const std::filesystem::path& folder) {
   Files files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::string name = std::filesystem::relative(entry.path(), folder);
-    files[name] = entry.is_regular_file() ? read_text(entry.path()) : "";
+    entry.is_directory() ? files[name + "/"] = "" : files[name] = read_text(entry.path());
   }
   return files;
 }
 
+/// What was tried in this process, and how much of it held.
+class Account : public testing::Environment {
+ public:
+  void add(const std::string& command, const std::string& fault, bool held) {
+    commands_.insert(command);
+    faults_.insert(fault);
+    ++tried_;
+    held_ += held;
+  }
+  void TearDown() override {
+    if (tried_ == 0) return;
+    const std::string held = held_ == tried_ ? "all held" : fmt::format("{} held", held_);
+    fmt::print("{} injections of {} faults in {} commands: {}\n", tried_, faults_.size(), commands_.size(), held);
+  }
+
+ private:
+  int tried_ = 0, held_ = 0;
+  std::set<std::string> commands_, faults_;
+};
+
+Account& account() {
+  static auto* const all = new Account;  // of the framework, once it is handed over
+  return *all;
+}
+
+const testing::Environment* const kHandedOver = testing::AddGlobalTestEnvironment(&account());
+
+bool every_one() { return std::getenv("PARACAL_EVERY_MACHINE") != nullptr; }
+
 struct Injected {
   std::string command;
-  bool is_batch = false;  ///< whose chunks stay: that is what they are for
+  enum Kind : std::uint8_t {
+    plain,
+    stops,   ///< a signal makes it state what it has so far: exit code 1
+    batch,   ///< so does it, and its chunks stay: that is what they are for
+    lengthy  ///< left to PARACAL_EVERY_MACHINE
+  } kind = plain;
+  std::string input = "/dev/null";  ///< its standard input
+
+  bool is_batch() const { return kind == batch; }
 };
 
 void PrintTo(const Injected& one, std::ostream* stream) { *stream << one.command; }
@@ -38,74 +83,146 @@ void PrintTo(const Injected& one, std::ostream* stream) { *stream << one.command
 const std::vector<Injected> kCommands{
     {"robot --out out.toml"},
     {"poses --stage rough --out out.csv"},
+    {"poses --optimal 8 --candidates 40 --out out.csv"},
     {"inverse --poses plan.csv --errors calibration.json --out out.csv"},
     {"forward --joints joints.csv --out out.csv"},
+    {"inverse --poses /dev/stdin --out out.csv", Injected::plain, "plan.csv"},
+    {"forward --joints /dev/stdin --out out.csv", Injected::plain, "joints.csv"},
+    {"error-model --pose 100,50,-900,20 --out out.txt"},
     {"simulate --poses plan.csv --truth truth.toml --out out.csv"},
     {"calibrate --measurements points.csv --tolerances tolerances.toml --out out.json --report out.html"},
+    {"calibrate --printer printer.cfg --out out.json"},
     {"validate --calibration calibration.json --measurements points.csv --out out.json"},
     {"report --calibration calibration.json --measurements points.csv --out out.html"},
     {"compensate --calibration calibration.json --poses plan.csv --out out.csv"},
     {"compensate --calibration calibration.json --poses path.csv --json --out out.json"},
+    {"compensate --calibration calibration.json --poses /dev/stdin --out out.csv", Injected::plain, "plan.csv"},
     {"export --target gcode --calibration calibration.json --input part.gcode --out out.gcode"},
     {"export --target csv --calibration calibration.json --input plan.csv --out out.csv"},
     {"export --target c99 --calibration calibration.json --out out.h"},
+    {"export --target linuxcnc --calibration calibration.json --out out.comp"},
+    {"export --target json --calibration calibration.json --out out.json"},
     {"identifiability --poses plan.csv --out out.txt"},
     {"sensitivity --map map.csv --out out.txt"},
     {"tolerance allocate --max-tilt 5e-4 --toml out.toml --out out.txt"},
-    {"yield --machines 4 --chunk 2 --checkpoint batch --out out.txt", true},
+    {"tolerance analyze --tolerances tolerances.toml --out out.txt --report out.html", Injected::stops},
+    {"yield --machines 2 --chunk 1 --checkpoint batch --out out.txt --report out.html", Injected::batch},
+    {"reproduce huang2016 --out out.txt --report out.html", Injected::lengthy},
 };
 
-struct Tally {
-  int tried = 0, disturbed = 0;
+bool is_output(const std::string& word) {
+  return word.starts_with("out.") || word == "truth.toml" || word == "map.csv";
+}
+
+/// What makes the files that commands read.
+const std::map<std::string, std::string> kMadeBy{
+    {"robot.toml", "robot --out robot.toml"},
+    {"plan.csv", "poses --stage rough --out plan.csv"},
+    {"joints.csv", "inverse --poses plan.csv --out joints.csv"},
+    {"fine.csv", "poses --stage fine --out fine.csv"},
+    {"points.csv", "simulate --poses fine.csv --noise-mm 0.01 --frame random --out points.csv"},
+    {"calibration.json", "calibrate --measurements points.csv --out calibration.json"},
 };
+
+std::string shortest_config() {
+  return std::ranges::min(klipper_sets(), {}, [](const KlipperSet& set) { return set.config.size(); }).config;
+}
+
+/// More results than what waits in memory holds.
+std::string long_path() {
+  std::string path = "x_mm,y_mm,z_mm\n";
+  for (int k = 0; k < 700; ++k) path += fmt::format("{},0,-900\n", k / 10.0);
+  return path;
+}
 
 class Injection : public testing::TestWithParam<Injected> {
  protected:
-  void SetUp() override {
-    folder.write("part.gcode", "G1 X0 Y0 Z-900\nG1 X100 Y50 Z-950\n");
-    std::string path = "x_mm,y_mm,z_mm\n";  // longer than what waits in memory
-    for (int k = 0; k < 700; ++k) path += fmt::format("{},0,-900\n", k / 10.0);
-    folder.write("path.csv", path);
-    for (const char* command : {"robot --out robot.toml", "poses --stage rough --out plan.csv",
-                                "inverse --poses plan.csv --out joints.csv", "poses --stage fine --out fine.csv",
-                                "simulate --poses fine.csv --noise-mm 0.01 --frame random --out points.csv",
-                                "calibrate --measurements points.csv --out calibration.json"}) {
-      ASSERT_EQ(folder.run(command).exit_code, 0) << command;
+  /// Makes a file, and before it what that is made of.
+  void make(const std::string& name) const {
+    const auto made_by = kMadeBy.find(name);
+    if (made_by == kMadeBy.end() || exists(folder.path() / name)) return;
+    for (const std::string& word : words(made_by->second)) {
+      if (word != name) make(word);
     }
-    const std::string robot = folder.read("robot.toml");
-    folder.write("tolerances.toml", robot.substr(robot.find("[tolerances]")));
-    // What a command is to replace.
-    for (const std::string& word : words(GetParam().command)) {
-      if (word.starts_with("out.") || word == "truth.toml" || word == "map.csv") folder.write(word, "earlier");
-    }
-    before = files_of(folder.path());
+    ASSERT_EQ(folder.run(made_by->second).exit_code, 0) << made_by->second;
   }
 
-  ProgramResult run_with(const std::string& fault, const std::string& counts = "") const {
-    std::vector<std::string> environment{fmt::format("LD_PRELOAD={}", PARACAL_FAULT_SHIM), "PARACAL_FAULT=" + fault,
-                                         "SOURCE_DATE_EPOCH=0"};
-    if (!counts.empty()) environment.push_back("PARACAL_FAULT_COUNTS=" + counts);
-    return run_program(of_huang2016(GetParam().command), {.folder = folder.path(), .environment = environment});
+  /// Whether this run leaves the command out.
+  static bool is_left_out() { return GetParam().kind == Injected::lengthy && !every_one(); }
+
+  void SetUp() override {
+    if (is_left_out()) return;
+    for (const std::string& word : words(GetParam().command + " " + GetParam().input)) {
+      make(word);
+      if (word == "path.csv") folder.write(word, long_path());
+      if (word == "part.gcode") folder.write(word, "G1 X0 Y0 Z-900\nG1 X100 Y50 Z-950\n");
+      if (word == "printer.cfg") folder.write(word, shortest_config());
+      if (word != "tolerances.toml") continue;
+      const std::string robot = folder.run("robot").out;
+      folder.write(word, robot.substr(robot.find("[tolerances]")));
+    }
+    inputs = files_of(folder.path());
+    arguments = of_huang2016(GetParam().command);
+    set_out("", true);
+  }
+
+  /// Outputs go to a folder, or where the program runs; files of an earlier run stand there, or none.
+  void set_out(const std::string& results, bool earlier) {
+    before = inputs;
+    if (!results.empty()) before[results + "/"] = "";
+    arguments = of_huang2016(GetParam().command);
+    for (std::string& word : arguments) {
+      if (!is_output(word)) continue;
+      if (!results.empty()) word = results + "/" + word;
+      if (earlier) before[word] = "earlier";
+    }
+    restore();
+  }
+
+  Surroundings here(const std::vector<std::string>& environment) const {
+    return {.folder = folder.path(), .environment = environment, .standard_input = folder.path() / GetParam().input};
+  }
+
+  ProgramResult run_with(const std::string& fault, std::vector<std::string> environment = {}) const {
+    for (const std::string& one : {fmt::format("LD_PRELOAD={}", PARACAL_FAULT_SHIM), "PARACAL_FAULT=" + fault,
+                                   std::string("SOURCE_DATE_EPOCH=0")}) {
+      environment.push_back(one);
+    }
+    return run_program(arguments, here(environment));
   }
 
   void restore() const {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path())) remove_all(entry.path());
-    for (const auto& [name, text] : before) folder.write(name, text);
+    for (const auto& [name, text] : before) {
+      name.ends_with("/") ? (void)create_directory(folder.path() / name) : (void)folder.write(name, text);
+    }
+  }
+
+  static bool is_of_batch(const Files::value_type& file) { return file.first.starts_with("batch"); }
+
+  /// What speaks against a run that was refused.
+  std::string objection_to_refusal(const ProgramResult& result) const {
+    Files now = files_of(folder.path());
+    if (result.exit_code < 2 || result.exit_code > 4) return "ended otherwise than the contract says";
+    if (std::ranges::count(result.err, '\n') != 1 || !result.err.starts_with("paracal: ")) return "said no one message";
+    if (GetParam().is_batch()) std::erase_if(now, is_of_batch);
+    return now == before ? "" : "left other files than it found";
   }
 
   /// @returns what speaks against the outcome; nothing of a good one.
   std::string objection(const ProgramResult& result, const ProgramResult& undisturbed, const Files& expected) const {
-    Files now = files_of(folder.path());
-    if (result.exit_code == undisturbed.exit_code) {
-      if (result.out != undisturbed.out) return "said something else";
-      return now == expected ? "" : "left other files than an undisturbed run";
-    }
-    if (result.exit_code < 2 || result.exit_code > 4) return "ended otherwise than the contract says";
-    if (std::ranges::count(result.err, '\n') != 1 || !result.err.starts_with("paracal: ")) return "said no one message";
-    if (GetParam().is_batch) {
-      std::erase_if(now, [](const auto& file) { return file.first.starts_with("batch"); });
-    }
-    return now == before ? "" : "left other files than it found";
+    if (result.exit_code != undisturbed.exit_code) return objection_to_refusal(result);
+    if (result.out != undisturbed.out) return "said something else";
+    return files_of(folder.path()) == expected ? "" : "left other files than an undisturbed run";
+  }
+
+  /// All outputs are there, and the text says that not all was done.
+  bool says_partial(Files now) const {
+    const std::string text = now["out.txt"];
+    const auto is_new = [&](const auto& file) { return file.second != before.at(file.first); };
+    return std::ranges::equal(std::views::keys(now), std::views::keys(before)) &&
+           std::ranges::count_if(now, is_new) == std::ssize(now) - std::ssize(inputs) &&
+           (text.find("partial") != text.npos || text.find("stopped") != text.npos);
   }
 
   /// The same of a run that got a signal.
@@ -115,20 +232,36 @@ class Injection : public testing::TestWithParam<Injected> {
     if (std::ranges::any_of(now, [](const auto& file) { return file.first.find(".paracal-") != std::string::npos; })) {
       return "left a temporary file";
     }
-    const bool ended = result.exit_code == undisturbed.exit_code || (GetParam().is_batch && result.exit_code == 1);
+    const bool stopped = GetParam().kind != Injected::plain && result.exit_code == kVerdictIsNo;
+    const bool ended = result.exit_code == undisturbed.exit_code || stopped;
     if (!ended && result.exit_code != -signal) return "ended neither by the signal nor in spite of it";
-    if (GetParam().is_batch) {  // goes on where it was
-      (void)run_with("none 0 0");
-      return files_of(folder.path()) == expected ? "" : "did not go on to what an undisturbed run leaves";
-    }
+    if (GetParam().is_batch()) return objection_to_resumption(expected);
+    if (stopped) return says_partial(now) ? "" : "did not say that it stopped";
     return now == expected || (!ended && now == before) ? "" : "left neither all its outputs nor none";
+  }
+
+  /// A batch goes on where it was.
+  std::string objection_to_resumption(const Files& expected) const {
+    (void)run_with("none 0 0");
+    return files_of(folder.path()) == expected ? "" : "did not go on to what an undisturbed run leaves";
+  }
+
+  /// The same of a run whose folder went; it is put back first, so that all is where it would have been.
+  std::string objection_after_vanishing(const ProgramResult& result, const std::filesystem::path& gone,
+                                        const ProgramResult& undisturbed, const Files& expected) const {
+    const std::filesystem::path away = gone.string() + ".away";
+    if (exists(away) && exists(gone)) return "made a folder that had been there";
+    if (exists(away)) rename(away, gone);
+    if (!GetParam().is_batch()) create_directory(gone);
+    const std::string complaint = objection(result, undisturbed, expected);
+    return complaint.empty() && GetParam().is_batch() ? objection_to_resumption(expected) : complaint;
   }
 
   /// How often an undisturbed run makes each call.
   std::vector<std::pair<std::string, long>> calls(ProgramResult& undisturbed) const {
     const TemporaryFolder elsewhere;
     const std::string counts_file = elsewhere.path() / "counts";
-    undisturbed = run_with("none 0 0", counts_file);
+    undisturbed = run_with("none 0 0", {"PARACAL_FAULT_COUNTS=" + counts_file});
     std::istringstream counts(read_text(counts_file));
     std::vector<std::pair<std::string, long>> calls;
     std::string call;
@@ -136,17 +269,25 @@ class Injection : public testing::TestWithParam<Injected> {
     return calls;
   }
 
+  /// Enters one run into the account.
+  static void judge(const std::string& fault, const std::string& complaint, const ProgramResult& result,
+                    const std::string& where) {
+    account().add(GetParam().command, fault, complaint.empty());
+    EXPECT_EQ(complaint, "") << fault << ", " << where << ": exit code " << result.exit_code << ", " << result.err;
+  }
+
   template <typename FaultsOf, typename Objection>
-  Tally inject(long quick, FaultsOf&& faults_of, Objection&& objection_to) const;
+  int inject(long quick, FaultsOf&& faults_of, Objection&& objection_to,
+             const std::vector<std::string>& environment = {}) const;
 
   TemporaryFolder folder;
-  Files before;
+  Files inputs, before;
+  std::vector<std::string> arguments;
 };
 
 /// Which of the calls of a kind are tried: in the quick run a few of many. The last ones always: what is done by then
 /// cannot fail any more. Where a run works in threads, how many calls there are varies.
-std::vector<long> tried_of(long number, long quick) {
-  const long most = std::getenv("PARACAL_EVERY_MACHINE") != nullptr ? 100 : quick;
+std::vector<long> tried_of(long number, long most) {
   const long step = std::max(1L, number / most), last = std::max(1L, number - 1);
   std::vector<long> tried;
   for (long k = 1; k < last; k += step) tried.push_back(k);
@@ -154,52 +295,212 @@ std::vector<long> tried_of(long number, long quick) {
   return tried;
 }
 
+std::string name_of_fault(const std::string& call, int fault) {
+  if (fault < 0) return fmt::format("{} before {}", strsignal(-fault), call);
+  return fault == 0 ? "no folder at " + call : fmt::format("{} of {}", std::strerror(fault), call);
+}
+
 /// Runs the command with each fault, and says of each outcome what speaks against it.
 /// @param faults_of  a kind of call: what is done to it, numbers of errors, or of signals with a minus.
+/// @returns how many runs ended otherwise than an undisturbed one.
 template <typename FaultsOf, typename Objection>
-Tally Injection::inject(long quick, FaultsOf&& faults_of, Objection&& objection_to) const {
+int Injection::inject(long quick, FaultsOf&& faults_of, Objection&& objection_to,
+                      const std::vector<std::string>& environment) const {
   ProgramResult undisturbed;
   const auto all = calls(undisturbed);
   EXPECT_LT(undisturbed.exit_code, 2) << undisturbed.err;
   const Files expected = files_of(folder.path());
-  Tally tally;
+  const long most = !every_one() ? quick : GetParam().kind == Injected::lengthy ? 5 : 100;
+  int disturbed = 0;
   for (const auto& [call, number] : all) {
-    for (const long k : tried_of(number, quick)) {
-      for (const int fault : faults_of(call)) {
+    const std::vector<int> faults = faults_of(call);
+    for (const long k : tried_of(number, most)) {
+      for (const int fault : faults) {
+        if (!every_one() && fault != faults[static_cast<std::size_t>(k) % faults.size()]) continue;
         restore();
-        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, fault));
-        ++tally.tried;
-        tally.disturbed += result.exit_code != undisturbed.exit_code;
-        EXPECT_EQ(objection_to(result, fault, undisturbed, expected), "")
-            << call << " " << k << " of " << number << ", fault " << fault << ": exit code " << result.exit_code << ", "
-            << result.err;
+        const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, fault), environment);
+        disturbed += result.exit_code != undisturbed.exit_code;
+        judge(name_of_fault(call, fault), objection_to(result, fault, undisturbed, expected), result,
+              fmt::format("{} of {}", k, number));
       }
     }
   }
-  return tally;
+  return disturbed;
 }
 
 TEST_P(Injection, LosesNothing) {
+  if (is_left_out()) return;
   const auto errors_of = [](const std::string& call) {
     if (call == "unlink") return std::vector<int>{};  // of what only leaves a file behind
     if (call == "malloc") return std::vector{ENOMEM};
     if (call == "read") return std::vector{EIO};
     return call == "open" ? std::vector{EACCES, EMFILE} : std::vector{ENOSPC, EIO};
   };
-  const auto [tried, disturbed] = inject(6, errors_of, [this](const auto& result, int, const auto&... undisturbed) {
+  const int disturbed = inject(2, errors_of, [this](const auto& result, int, const auto&... undisturbed) {
     return objection(result, undisturbed...);
   });
   EXPECT_GT(disturbed, 0);
-  fmt::print("  {}: {} injections, {} of them disturbed the command\n", GetParam().command, tried, disturbed);
 }
 
 TEST_P(Injection, SignalsLeaveAllOutputsOrNone) {
+  if (is_left_out()) return;
   const auto signals = [](const std::string&) { return std::vector{-SIGINT, -SIGTERM}; };
-  const auto [tried, ended] = inject(3, signals, [this](const auto& result, int fault, const auto&... undisturbed) {
+  const int ended = inject(1, signals, [this](const auto& result, int fault, const auto&... undisturbed) {
     return objection_after_signal(result, -fault, undisturbed...);
   });
-  EXPECT_GT(GetParam().is_batch ? 1 : ended, 0);
-  fmt::print("  {}: {} signals, {} of them ended the command\n", GetParam().command, tried, ended);
+  EXPECT_GT(GetParam().is_batch() ? 1 : ended, 0);
+}
+
+/// A signal that waited until the outputs were in their places is not lost.
+TEST_P(Injection, SignalsComeInTheEnd) {
+  if (GetParam().kind != Injected::plain) return;  // others handle them
+  (void)run_with("none 0 0");
+  const Files expected = files_of(folder.path());
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (signal != SIGINT && !every_one()) break;
+    restore();
+    const ProgramResult result = run_with(fmt::format("rename 1 {}", -signal));
+    const bool held = result.exit_code == -signal && files_of(folder.path()) == expected;
+    judge(name_of_fault("the first rename", -signal), held ? "" : "was lost", result, "");
+  }
+}
+
+/// The folder of the outputs, or that of a batch: moved away, or removed where nothing is in it. What moves takes the
+/// outputs along.
+TEST_P(Injection, VanishedFoldersTakeAllOutputsOrNone) {
+  if (is_left_out()) return;
+  const auto vanishes = [](const std::string& call) {
+    return call == "malloc" || call == "unlink" ? std::vector<int>{} : std::vector{0};
+  };
+  const std::string gone = GetParam().is_batch() ? "batch" : "results";
+  for (const bool is_empty : {false, true}) {
+    if (is_empty && (GetParam().is_batch() || !every_one())) continue;  // a batch makes its own
+    set_out(GetParam().is_batch() ? "" : gone, !is_empty);
+    inject(1, vanishes,
+           [&](const auto& result, int, const auto&... undisturbed) {
+             return objection_after_vanishing(result, folder.path() / gone, undisturbed...);
+           },
+           {"PARACAL_FAULT_FOLDER=" + gone});
+  }
+}
+
+/// A shell line that ends in the program, which stands behind it.
+std::vector<std::string> behind(const std::string& line) { return {"/bin/sh", "-c", line}; }
+
+/// A pipe whose reader goes: at once, or after it has got so many bytes.
+ProgramResult run_into_pipe(const std::vector<std::string>& arguments, Surroundings where, std::size_t bytes) {
+  const TemporaryFolder elsewhere;
+  where.standard_output = elsewhere.path() / "pipe";
+  if (mkfifo(where.standard_output.c_str(), 0600) != 0) throw std::runtime_error("mkfifo");
+  const int reader = open(where.standard_output.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  fcntl(reader, F_SETPIPE_SZ, 4096);
+  RunningProgram running(arguments, where);
+  fcntl(reader, F_SETFL, 0);
+  std::string got(bytes, '\0');
+  if (bytes > 0 && read(reader, got.data(), bytes) < 0) throw std::runtime_error("read");
+  close(reader);
+  return running.result();
+}
+
+/// What is printed and not written to --out, into what takes nothing, or no more.
+TEST_P(Injection, StandardOutputsThatFailLoseNothing) {
+  if (is_left_out()) return;
+  if (const auto out = std::ranges::find(arguments, "--out"); out != arguments.end()) arguments.erase(out, out + 2);
+  for (const bool json : {false, true}) {
+    if (json && !every_one()) break;
+    if (json) arguments.emplace_back("--json");
+    restore();
+    const ProgramResult undisturbed = run_with("none 0 0");
+    const Files expected = files_of(folder.path());
+    if (undisturbed.exit_code > 1 || undisturbed.out.empty()) continue;  // prints no JSON, or nothing
+    const auto expect_refused = [&](const std::string& fault, const Surroundings& where) {
+      restore();
+      const ProgramResult result = run_program(arguments, where);
+      const bool is_refused = result.exit_code == kWrongUsage && result.err.find("standard output") < 50;
+      judge(fault, is_refused ? objection_to_refusal(result) : "did not refuse", result, json ? "JSON" : "text");
+    };
+    const auto with = [&](const auto& change) {
+      Surroundings where = here({"SOURCE_DATE_EPOCH=0"});
+      change(where);
+      return where;
+    };
+    expect_refused("full standard output", with([](auto& where) { where.standard_output = "/dev/full"; }));
+    expect_refused("closed standard output",
+                   with([](auto& where) { where.launcher = behind("exec \"$0\" \"$@\" >&-"); }));
+    for (const std::size_t bytes : {0U, 1U}) {
+      for (const bool ignored : {false, true}) {
+        restore();
+        const ProgramResult result = run_into_pipe(arguments, with([&](auto& where) {
+                                                     if (ignored)
+                                                       where.launcher = behind("trap '' PIPE; exec \"$0\" \"$@\"");
+                                                   }),
+                                                   bytes);
+        Files now = files_of(folder.path());
+        if (GetParam().is_batch()) std::erase_if(now, is_of_batch);
+        std::string complaint;
+        if (result.exit_code == undisturbed.exit_code) {  // nobody was gone yet
+          if (files_of(folder.path()) != expected) complaint = "left other files than an undisturbed run";
+        } else if (!ignored) {
+          complaint = result.exit_code == -SIGPIPE && result.err.empty() && now == before ? "" : "ended otherwise";
+        } else {
+          complaint = objection_to_refusal(result);
+        }
+        judge(fmt::format("no reader{}{}", bytes > 0 ? " any more" : "", ignored ? ", signal ignored" : ""), complaint,
+              result, json ? "JSON" : "text");
+      }
+    }
+  }
+}
+
+/// What came through a pipe until its writer died is what a file of that length says.
+TEST_P(Injection, PipesThatBreakOffAreShortFiles) {
+  const std::string& input = GetParam().input;
+  if (input == "/dev/null") return;
+  const std::string text = folder.read(input);
+  const std::size_t step = every_one() ? 7 : text.size() / 3;
+  for (std::size_t length = 0; length < text.size(); length += step) {
+    restore();
+    folder.write("short.csv", text.substr(0, length));
+    Surroundings where = here({"SOURCE_DATE_EPOCH=0"});
+    where.standard_input = folder.path() / "short.csv";
+    const ProgramResult expected = run_program(arguments, where);
+    const Files files = files_of(folder.path());
+    restore();
+    folder.write("short.csv", text.substr(0, length));
+    where.standard_input = "/dev/null";
+    where.launcher = behind("cat short.csv | \"$0\" \"$@\"");
+    const ProgramResult result = run_program(arguments, where);
+    const bool held = result.exit_code == expected.exit_code && result.exit_code != kWrongUsage &&
+                      result.out == expected.out && result.err == expected.err && files_of(folder.path()) == files;
+    judge("a writer that dies", held ? "" : "took it otherwise", result, fmt::format("after {} bytes", length));
+  }
+}
+
+/// A disk of a few pages, mounted where no other process sees it, with what it holds in the end copied off it.
+TEST_P(Injection, FullDisksLoseNothing) {
+  if (is_left_out()) return;
+  constexpr int kNoMount = 32;  // exit code of mount
+  const std::string disk = GetParam().is_batch() ? "batch" : "results";
+  set_out(GetParam().is_batch() ? "" : disk, true);
+  const ProgramResult undisturbed = run_with("none 0 0");
+  const Files expected = files_of(folder.path());
+  std::vector<int> sizes{8, 16, 32, 64, 256, 1024, 4096};  // KiB
+  if (!every_one()) sizes = {8};
+  for (const int size : sizes) {
+    restore();
+    Surroundings where = here({"SOURCE_DATE_EPOCH=0"});
+    where.launcher = {"/usr/bin/unshare", "-rm", "/bin/sh", "-c",
+                      fmt::format("mkdir -p {0} kept; cp -a {0} earlier; mount -t tmpfs -o size={1}k none {0} || exit; "
+                                  "cp -a earlier/. {0}; \"$0\" \"$@\"; code=$?; cp -a {0}/. kept; exit $code",
+                                  disk, size)};
+    const ProgramResult result = run_program(arguments, where);
+    if (result.exit_code == kNoMount) GTEST_SKIP() << result.err;
+    for (const std::string& name : {disk, std::string("earlier")}) remove_all(folder.path() / name);
+    rename(folder.path() / "kept", folder.path() / disk);
+    std::string complaint = objection(result, undisturbed, expected);
+    if (complaint.empty() && GetParam().is_batch()) complaint = objection_to_resumption(expected);
+    judge("full disk", complaint, result, fmt::format("of {} KiB", size));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Commands, Injection, testing::ValuesIn(kCommands));

@@ -1,11 +1,13 @@
 // Preloaded into paracal: lets one call fail, or counts them. PARACAL_FAULT="CALL NUMBER ERRNO", calls from 1; with the
-// negative number of a signal instead, the process gets that signal before the call, which then goes on.
+// negative number of a signal instead, the process gets that signal before the call, which then goes on; with 0 the
+// folder PARACAL_FAULT_FOLDER goes before the call: removed if it is empty, else renamed to FOLDER.away.
 // PARACAL_FAULT_COUNTS=FILE keeps how many calls of each kind a run makes. Standard streams and what the program does
 // before main() are left alone.
 
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -27,17 +29,24 @@ bool started = false;
 int failing = kCalls, error = 0;
 long number = 0;
 
+/// Of what the program does not see.
+void vanish() {
+  const char* folder = std::getenv("PARACAL_FAULT_FOLDER");
+  if (folder == nullptr || rmdir(folder) == 0) return;
+  char away[4096] = "";
+  std::snprintf(away, sizeof away, "%s.away", folder);
+  syscall(SYS_renameat2, AT_FDCWD, folder, AT_FDCWD, away, 0);
+}
+
 /// Whether this call is the one to fail.
 bool fails(Call call) {
   if (!started) return false;
   const long now = __atomic_add_fetch(&counts[call], 1, __ATOMIC_RELAXED);
   if (call != failing || now != number) return false;
-  if (error < 0) {
-    kill(getpid(), -error);
-    return false;
-  }
-  errno = error;
-  return true;
+  if (error < 0) kill(getpid(), -error);
+  if (error == 0) vanish();
+  if (error > 0) errno = error;
+  return error > 0;
 }
 
 template <typename Function>

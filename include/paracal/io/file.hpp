@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace paracal::io {
 
@@ -28,10 +29,30 @@ std::ifstream open_file(const std::filesystem::path& path);
 /// @throws InputFileError when the file cannot be read, or is larger than 128 MiB: no table that is held in memory is.
 TextFile read_file(const std::filesystem::path& path);
 
+/// An open file, closed with this.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}  ///< -1 for one that could not be opened
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor();
+
+  int number() const { return number_; }
+  bool is_open() const { return number_ >= 0; }
+
+ private:
+  int number_ = -1;
+};
+
 /// A file that comes to be whole or not at all: pieces go into a file without a name (where the file system has none,
 /// into a neighbour), which commit() puts in its place. What is not committed is gone with this object or process, and
 /// what stood at `path` is still there.
-/// A link stays and its target is replaced, keeping its mode, or made; pipes and devices are written into.
+/// A link stays and its target is replaced, keeping its mode, or made; pipes and devices are written into. A folder
+/// that is moved meanwhile takes the file along; none is left in one that takes its name.
 class OutputFile {
  public:
   /// @throws Error when the folder cannot be written; so do the others.
@@ -52,14 +73,19 @@ class OutputFile {
   bool commit_new();
 
  private:
-  std::filesystem::path target_;
+  /// Sets folder_ and place_.
+  void reach_place();
+
+  std::filesystem::path target_;  ///< what messages name
+  Descriptor folder_ = {};
+  std::filesystem::path place_ = {};       ///< the target, reached through folder_
   std::string nameless_ = {}, name_ = {};  ///< how to reach a file without a name, and the name that it is to get
   std::string neighbour_ = {};             ///< empty while the file has no name
   bool replaces_ = false;                  ///< a file, once; pipes and devices cannot be replaced
   bool is_settled_ = false;
   /// What stood there before commit(); lost: not committed, or a file system that cannot exchange two files.
   enum class Before : std::uint8_t { lost, nothing, in_neighbour } before_ = Before::lost;
-  int descriptor_ = -1;
+  Descriptor file_ = {};
 };
 
 /// One text as an OutputFile.
