@@ -275,8 +275,7 @@ class Injection : public testing::TestWithParam<Injected> {
   }
 
   template <typename FaultsOf, typename Objection>
-  int inject(long quick, FaultsOf&& faults_of, Objection&& objection_to,
-             const std::vector<std::string>& environment = {}) const;
+  int inject(FaultsOf&& faults_of, Objection&& objection_to, const std::vector<std::string>& environment = {}) const;
 
   TemporaryFolder folder;
   Files inputs, before;
@@ -302,13 +301,13 @@ std::string name_of_fault(const std::string& call, int fault) {
 /// @param faults_of  a kind of call: what is done to it, numbers of errors, or of signals with a minus.
 /// @returns how many runs ended otherwise than an undisturbed one.
 template <typename FaultsOf, typename Objection>
-int Injection::inject(long quick, FaultsOf&& faults_of, Objection&& objection_to,
+int Injection::inject(FaultsOf&& faults_of, Objection&& objection_to,
                       const std::vector<std::string>& environment) const {
   ProgramResult undisturbed;
   const auto all = calls(undisturbed);
   EXPECT_LT(undisturbed.exit_code, 2) << undisturbed.err;
   const Files expected = files_of(folder.path());
-  const long most = !every_one() ? quick : GetParam().kind == Injected::lengthy ? 5 : 100;
+  const long most = !every_one() ? 1 : GetParam().kind == Injected::lengthy ? 5 : 100;
   int disturbed = 0;
   for (const auto& [call, number] : all) {
     const std::vector<int> faults = faults_of(call);
@@ -334,7 +333,7 @@ TEST_P(Injection, LosesNothing) {
     if (call == "read") return std::vector{EIO};
     return call == "open" ? std::vector{EACCES, EMFILE} : std::vector{ENOSPC, EIO};
   };
-  const int disturbed = inject(2, errors_of, [this](const auto& result, int, const auto&... undisturbed) {
+  const int disturbed = inject(errors_of, [this](const auto& result, int, const auto&... undisturbed) {
     return objection(result, undisturbed...);
   });
   EXPECT_GT(disturbed, 0);
@@ -343,7 +342,7 @@ TEST_P(Injection, LosesNothing) {
 TEST_P(Injection, SignalsLeaveAllOutputsOrNone) {
   if (is_left_out()) return;
   const auto signals = [](const std::string&) { return std::vector{-SIGINT, -SIGTERM}; };
-  const int ended = inject(1, signals, [this](const auto& result, int fault, const auto&... undisturbed) {
+  const int ended = inject(signals, [this](const auto& result, int fault, const auto&... undisturbed) {
     return objection_after_signal(result, -fault, undisturbed...);
   });
   EXPECT_GT(GetParam().is_batch() ? 1 : ended, 0);
@@ -374,7 +373,7 @@ TEST_P(Injection, VanishedFoldersTakeAllOutputsOrNone) {
   for (const bool is_empty : {false, true}) {
     if (is_empty && (GetParam().is_batch() || !every_one())) continue;  // a batch makes its own
     set_out(GetParam().is_batch() ? "" : gone, !is_empty);
-    inject(1, vanishes,
+    inject(vanishes,
            [&](const auto& result, int, const auto&... undisturbed) {
              return objection_after_vanishing(result, folder.path() / gone, undisturbed...);
            },
