@@ -81,12 +81,12 @@ int component_count(Quantity quantity) {
   }
 }
 
-LinearModel::LinearModel(const Robot& robot) : robot_(&robot), home_(model_at(home_of(robot))) {
+LinearModel::LinearModel(const Robot& robot) : robot_(robot), home_(model_at(home_of(robot))) {
   for (const Source source : all_sources()) scale_[index(source)] = paper_scale(robot, source);
 }
 
 ErrorModel LinearModel::model_at(const Pose& pose) const {
-  ErrorModel model = error_model(*robot_, pose);
+  ErrorModel model = error_model(robot_, pose);
   if (!model.ok()) {
     throw Unreachable(fmt::format("pose ({:g}, {:g}, {:g}) mm: the robot is {} there", pose.position.x(),
                                   pose.position.y(), pose.position.z(),
@@ -109,13 +109,13 @@ SourceRows LinearModel::rows(const Pose& pose, Characteristic characteristic) co
     case Quantity::position:
       return motion(model).topRows<3>();
     case Quantity::distance: {
-      const Eigen::Vector3d way = pose.position - home_of(*robot_).position;
+      const Eigen::Vector3d way = pose.position - home_of(robot_).position;
       const Eigen::Vector3d direction = way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
       return direction.transpose() * (motion(model).topRows<3>() - motion(home_).topRows<3>());
     }
     case Quantity::rotation:
-      if (!robot_->slide()) throw InvalidArgument("rotation: expected a robot with a slide, got a rigid plate");
-      return motion(model).bottomRows<1>() / robot_->slide()->pinion_radius;
+      if (!robot_.slide()) throw InvalidArgument("rotation: expected a robot with a slide, got a rigid plate");
+      return motion(model).bottomRows<1>() / robot_.slide()->pinion_radius;
   }
   return {};
 }

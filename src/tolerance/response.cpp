@@ -7,7 +7,7 @@
 namespace paracal {
 
 Response::Response(const Robot& robot, std::vector<Characteristic> characteristics, std::vector<Pose> poses)
-    : robot_(&robot), characteristics_(std::move(characteristics)), poses_(std::move(poses)) {
+    : robot_(robot), characteristics_(std::move(characteristics)), poses_(std::move(poses)) {
   const auto count = static_cast<Eigen::Index>(poses_.size());
   Eigen::Index rows = 0;
   for (const Characteristic characteristic : characteristics_) {
@@ -26,7 +26,7 @@ Response::Response(const Robot& robot, std::vector<Characteristic> characteristi
 
 bool Response::add_exact(const Machine& machine, const Machine& believed, bool compensated,
                          Eigen::Ref<Eigen::VectorXd> components) const {
-  const std::optional<PlateState> home = drive(machine, believed, {robot_->workspace().centre(), 0.0});
+  const std::optional<PlateState> home = drive(machine, believed, {robot_.workspace().centre(), 0.0});
   if (!home) return false;
   const auto count = static_cast<Eigen::Index>(poses_.size());
   for (Eigen::Index p = 0; p < count; ++p) {
@@ -36,7 +36,7 @@ bool Response::add_exact(const Machine& machine, const Machine& believed, bool c
     const Reached point{pose, plate->position, plate->tilt, machine.rotation_of(plate->slide), home->position};
     for (std::size_t c = 0; c < characteristics_.size(); ++c) {
       if (characteristics_[c].compensated != compensated) continue;
-      const auto values = exact_components(*robot_, point, characteristics_[c].quantity);
+      const auto values = exact_components(robot_, point, characteristics_[c].quantity);
       for (Eigen::Index j = 0; j < values.size(); ++j) components(first_row_[c] + j * count + p) = values(j);
     }
   }
@@ -44,13 +44,13 @@ bool Response::add_exact(const Machine& machine, const Machine& believed, bool c
 }
 
 bool Response::exact(const SourceErrors& errors, Eigen::Ref<Eigen::VectorXd> components) const {
-  const Machine machine = build(*robot_, errors);
+  const Machine machine = build(robot_, errors);
   const auto wants = [&](bool compensated) {
     return std::ranges::any_of(characteristics_, [&](const auto& c) { return c.compensated == compensated; });
   };
-  if (wants(false) && !add_exact(machine, robot_->nominal(), false, components)) return false;
+  if (wants(false) && !add_exact(machine, robot_.nominal(), false, components)) return false;
   if (!wants(true)) return true;
-  return add_exact(machine, build(*robot_, without_tilt_group(errors)), true, components);
+  return add_exact(machine, build(robot_, without_tilt_group(errors)), true, components);
 }
 
 }  // namespace paracal

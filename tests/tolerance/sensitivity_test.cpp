@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "paracal/error.hpp"
 #include "paracal/tolerance/requirement.hpp"
@@ -166,6 +168,15 @@ TEST(Characteristics, NamesReadBack) {
     }
   }
   EXPECT_FALSE(characteristic_named("speed"));
+}
+
+/// A model outlives the robot that it was made from.
+TEST(LinearModel, KeepsItsRobot) {
+  const LinearModel model(catalogue::huang2016());
+  const std::vector<std::string> others(100, std::string(200, 'x'));  // take the memory of the temporary
+  const Robot robot = catalogue::huang2016();
+  const Pose pose{robot.workspace().centre() + Eigen::Vector3d(100, 50, 0), 0.2};
+  EXPECT_EQ(model.rows(pose, {Quantity::rotation}), LinearModel(robot).rows(pose, {Quantity::rotation}));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class LinearModel {
  private:
   ErrorModel model_at(const Pose& pose) const;
 
-  const Robot* robot_;
+  Robot robot_;  ///< its own: a caller may give a temporary
   ErrorModel home_;
   std::array<double, kSourceCount> scale_{};
 };

@@ -39,7 +39,7 @@ class Response {
   bool add_exact(const Machine& machine, const Machine& believed, bool compensated,
                  Eigen::Ref<Eigen::VectorXd> components) const;
 
-  const Robot* robot_;
+  Robot robot_;  ///< its own: a caller may give a temporary
   std::vector<Characteristic> characteristics_;
   std::vector<Pose> poses_;
   std::vector<Eigen::Index> first_row_;

@@ -1,0 +1,95 @@
+// The arrows of docs/design.md, against what the files include.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace paracal {
+namespace {
+
+const std::filesystem::path kRoot = PARACAL_SOURCE;
+
+using Arrows = std::map<std::string, std::set<std::string>>;
+
+std::vector<std::string> lines_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Rooms, and which others each may use: "| `room/` | what it holds | kinematics, mechanism |", or "all above".
+Arrows promised_arrows() {
+  const std::regex row("\\| `([a-z]+)/` \\|.*\\| ([a-z, ]*)\\|");
+  Arrows arrows;
+  std::set<std::string> above;
+  for (const std::string& line : lines_of(kRoot / "docs/design.md")) {
+    std::smatch found;
+    if (!std::regex_match(line, found, row)) continue;
+    const std::string room = found[1], may_use = found[2];
+    std::set<std::string>& allowed = arrows[room];
+    if (may_use.starts_with("all above")) allowed = above;
+    for (const std::string& one : above) {
+      if (may_use.find(one) != std::string::npos) allowed.insert(one);
+    }
+    above.insert(room);
+  }
+  return arrows;
+}
+
+/// Includes of other rooms that the table does not allow: "FILE includes ROOM".
+std::vector<std::string> forbidden(const Arrows& promised) {
+  const std::regex include("#include \"(?:paracal/)?([a-z]+)/.*");
+  std::vector<std::string> found;
+  for (const auto& [room, allowed] : promised) {
+    for (const auto& side : {kRoot / "include/paracal" / room, kRoot / "src" / room}) {
+      if (!std::filesystem::is_directory(side)) continue;  // the page
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(side)) {
+        for (const std::string& line : entry.is_regular_file() ? lines_of(entry.path()) : std::vector<std::string>()) {
+          std::smatch other;
+          if (!std::regex_match(line, other, include) || !promised.contains(other[1])) continue;
+          if (other[1] == room || allowed.contains(other[1])) continue;
+          found.push_back(fmt::format("{} includes {}", entry.path().lexically_relative(kRoot).string(), other.str(1)));
+        }
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Structure, ArrowsPointAsTheDesignSays) {
+  Arrows promised = promised_arrows();
+  ASSERT_THAT(promised, testing::Contains(testing::Key("calibration")));
+  for (const auto& entry : std::filesystem::directory_iterator(kRoot / "src")) {
+    const bool is_room = promised.contains(entry.path().filename());
+    EXPECT_TRUE(is_room || !entry.is_directory()) << entry.path() << " is no room of docs/design.md";
+  }
+  EXPECT_THAT(promised["mechanism"], testing::IsEmpty());
+  EXPECT_THAT(forbidden(promised), testing::IsEmpty());
+  // The test sees an arrow that is there.
+  promised["calibration"].erase("kinematics");
+  EXPECT_THAT(forbidden(promised), testing::Contains(testing::HasSubstr("src/calibration/observation.cpp")));
+}
+
+TEST(Structure, OneHeaderShowsTheLibraryForJson) {
+  std::vector<std::string> showing;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / "include")) {
+    if (!entry.is_regular_file()) continue;
+    const std::vector<std::string> lines = lines_of(entry.path());
+    const bool shows =
+        std::ranges::any_of(lines, [](const std::string& line) { return line.find("<nlohmann") != std::string::npos; });
+    if (shows) showing.push_back(entry.path().filename());
+  }
+  EXPECT_THAT(showing, testing::ElementsAre("json.hpp"));
+}
+
+}  // namespace
+}  // namespace paracal
