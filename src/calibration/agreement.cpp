@@ -56,7 +56,8 @@ std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd
   const bool stated = all_stated(observation);
   const double if_believed = std::numeric_limits<double>::infinity();
   const Scatter visits = scatter_of_visits(observation, unknowns);
-  if (visits.redundancy < kFewest) return stated ? std::optional(if_believed) : std::nullopt;
+  if (visits.redundancy < kFewest || !std::isfinite(visits.sum))
+    return stated ? std::optional(if_believed) : std::nullopt;
   const double factor = std::max(std::sqrt(visits.sum / visits.redundancy), kSmallest);
   if (stated) {
     const boost::math::chi_squared_distribution<> expected(visits.redundancy);
@@ -144,6 +145,12 @@ void add_agreement(const Robot& robot, const KnownErrors& known, const Measureme
   }
   Agreement agreement{
       .chi_square = least_sum(observation, unknowns, covariance), .freedom = freedom, .noise_dof = *noise_dof};
+  if (!std::isfinite(agreement.chi_square)) {
+    validation.notes.emplace_back(
+        "residuals over their sigmas leave the range of numbers: whether the calibration's uncertainty holds cannot be "
+        "told");
+    return;
+  }
   agreement.chance = chance_of(agreement);
   validation.agreement = agreement;
 }
