@@ -159,6 +159,165 @@ TEST(Iso9283, RepeatabilityOfRotationByHand) {
   }
 }
 
+/// Home at the centre and poses that the machine reaches a little beside, by hand: in the robot's frame, rotations
+/// known.
+class ByHand : public testing::Test {
+ protected:
+  /// Visits of a pose so far from home, off by so much.
+  void add(const Eigen::Vector3d& from_home, const std::vector<Eigen::Vector3d>& off, double turned = 0.0) {
+    measurements.stations.push_back({"S" + std::to_string(measurements.stations.size()), {home + from_home, 0.0}});
+    for (const Eigen::Vector3d& one : off) {
+      measurements.series[0].readings.push_back(
+          {.station = measurements.stations.size() - 1, .point = home + from_home + one, .rotation = turned});
+    }
+  }
+  Validation checked() const {
+    return validate(robot, {}, measurements, {.frame = Frame::robot, .rotation_zero = RotationZero::known});
+  }
+
+  Robot robot = catalogue::huang2016();
+  Eigen::Vector3d home = robot.workspace().centre();
+  Measurements measurements{.series = {{"hand", {}}}};
+};
+
+/// The first pose is the worst in everything, the second lies too near and turns too little.
+TEST_F(ByHand, CriteriaHaveNoSignAndTheLargestIsStated) {
+  add({0, 0, 0}, {{0, 0.1, 0}, {0, -0.1, 0}});
+  add({300, 0, 0}, {{0.1, 0.9, 0}, {0.3, 0.9, 0}}, 2e-3);
+  add({0, 300, 0}, {{0, -0.3, 0}, {0, -0.3, 0}}, -1e-3);
+  add({0, 0, 100}, {{0, 0, 0}});
+  const Iso9283 criteria = checked().iso9283;
+  ASSERT_EQ(criteria.poses.size(), 3u);
+  const PoseCriteria &at_home = criteria.poses[0], &first = criteria.poses[1], &near = criteria.poses[2];
+  EXPECT_EQ(at_home.AD, 0.0);  // no distance from itself
+  EXPECT_EQ(at_home.RD, 0.0);
+  EXPECT_NEAR(first.AP, std::hypot(0.2, 0.9), 1e-9);
+  EXPECT_NEAR(near.AP, 0.3, 1e-9);
+  EXPECT_NEAR(near.AD, 0.3, 1e-9);
+  EXPECT_NEAR(*near.AP_rotation, 1e-3, 1e-9);
+  EXPECT_EQ(criteria.max_AP, first.AP);
+  EXPECT_EQ(criteria.max_RP, first.RP);
+  EXPECT_EQ(criteria.max_AD, near.AD);
+  EXPECT_EQ(criteria.max_RD, first.RD);
+  EXPECT_GT(first.RP, near.RP);
+  EXPECT_GT(near.AD, first.AD);
+  std::swap(measurements.stations[1], measurements.stations[2]);
+  for (PointReading& one : measurements.series[0].readings) {
+    if (one.station == 1 || one.station == 2) one.station = 3 - one.station;
+  }
+  const Iso9283 swapped = checked().iso9283;
+  EXPECT_EQ(swapped.max_AP, criteria.max_AP);
+  EXPECT_EQ(swapped.max_RP, criteria.max_RP);
+  EXPECT_EQ(swapped.max_AD, criteria.max_AD);
+  EXPECT_EQ(swapped.max_RD, criteria.max_RD);
+}
+
+TEST_F(ByHand, HomeIsTheFirstStationWheneverItWasRead) {
+  add({0, 0, 0}, {{0.1, 0, 0}});
+  add({300, 0, 0}, {{0.5, 0, 0}});
+  add({0, 300, 0}, {{0, 0, 0}});
+  add({0, 0, 100}, {{0, 0, 0}});
+  const double distance = checked().before.max_abs_distance;
+  EXPECT_NEAR(distance, 0.4, 1e-9);
+  std::ranges::reverse(measurements.series[0].readings);
+  EXPECT_EQ(checked().before.max_abs_distance, distance);
+}
+
+/// One series is off by much and the other by little: whichever comes last.
+TEST_F(ByHand, TheWorstOfSeveralSeriesCounts) {
+  add({0, 0, 0}, {{0, 0, 0}});
+  add({300, 0, 0}, {{0.5, 0.7, 0}}, 2e-3);
+  add({0, 300, 0}, {{0, 0, 0}});
+  add({0, 0, 100}, {{0, 0, 0}});
+  const Validation alone = checked();
+  PointSeries good = measurements.series[0];
+  good.readings[1].point = home + Eigen::Vector3d(300.01, 0, 0);
+  good.readings[1].rotation = 1e-4;
+  for (const std::size_t place : {0u, 1u}) {
+    std::vector<PointSeries> both = measurements.series;
+    both.insert(both.begin() + static_cast<std::ptrdiff_t>(place), good);
+    Measurements two = measurements;
+    two.series = both;
+    const Validation all = validate(robot, {}, two, {.frame = Frame::robot, .rotation_zero = RotationZero::known});
+    EXPECT_EQ(all.before.max_abs_distance, alone.before.max_abs_distance);
+    EXPECT_EQ(all.before.rms_distance, alone.before.rms_distance);
+    EXPECT_EQ(all.before.max_volumetric, alone.before.max_volumetric);
+    EXPECT_EQ(all.before.max_volumetric_aligned, alone.before.max_volumetric_aligned);
+    EXPECT_EQ(all.before.max_abs_rotation, alone.before.max_abs_rotation);
+  }
+}
+
+TEST_F(ByHand, AnEncodersZeroIsFound) {
+  add({0, 0, 0}, {{0, 0, 0}}, 0.3);
+  add({300, 0, 0}, {{0, 0, 0}}, 0.3);
+  add({0, 300, 0}, {{0, 0, 0}}, 0.302);
+  add({0, 0, 100}, {{0, 0, 0}}, 0.3);
+  const auto off = [&](RotationZero zero) {
+    return validate(robot, {}, measurements, {.frame = Frame::robot, .rotation_zero = zero}).poses[2].after.actual;
+  };
+  // The mean of the readings is taken for that of the predicted rotations, which are 0.
+  EXPECT_NEAR(off(RotationZero::unknown).rotation, 0.302 - 0.3005, 1e-9);
+  EXPECT_NEAR(off(RotationZero::known).rotation, 0.302, 1e-9);
+  for (Station& station : measurements.stations) station.commanded.rotation = 0.1;
+  EXPECT_NEAR(off(RotationZero::unknown).rotation, 0.1 + 0.302 - 0.3005, 1e-9);
+}
+
+/// U of a distance: 2 sqrt(2) of the largest sigma of a station's mean, of whatever states it.
+TEST_F(ByHand, WhoeverStatesASigmaCounts) {
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {300, 0, 0}, {0, 300, 0}, {0, 0, 100}}) {
+    add(place, {{0, 0, 0}});
+  }
+  const auto uncertainty = [&](const NoiseModel& noise) {
+    return validate(robot, {}, measurements, {.noise = noise, .frame = Frame::robot, .limits = {.distance = 1.0}})
+        .checks.at(0)
+        .uncertainty;
+  };
+  EXPECT_NEAR(uncertainty({.point = 0.02}), 2.0 * std::sqrt(2.0) * 0.02, 1e-12);
+  double farthest = 0.0;  // m
+  for (const PointReading& one : measurements.series[0].readings)
+    farthest = std::max(farthest, 1e-3 * one.point.norm());
+  EXPECT_NEAR(uncertainty({.tracker = TrackerModel{.transverse = 0.01, .transverse_per_m = 0.004}}),
+              2.0 * std::sqrt(2.0) * (0.01 + 0.004 * farthest), 1e-12);
+  measurements.series[0].readings[2].sigma = 0.05;
+  EXPECT_NEAR(uncertainty({.point = 0.02}), 2.0 * std::sqrt(2.0) * 0.05, 1e-12);
+}
+
+/// The nominal machine, 0.5 mm off at one pose and measured to 2 sqrt(2) 0.01 mm.
+TEST_F(ByHand, LimitsAreBrokenKeptOrUndecided) {
+  add({0, 0, 0}, {{0, 0, 0}});
+  add({300, 0, 0}, {{0.5, 0, 0}});
+  add({0, 300, 0}, {{0, 0, 0}});
+  add({0, 0, 100}, {{0, 0, 0}});
+  const auto with = [&](const AcceptanceLimits& limits) {
+    return validate(robot, {}, measurements, {.noise = {.point = 0.01}, .frame = Frame::robot, .limits = limits});
+  };
+  const double U = 2.0 * std::sqrt(2.0) * 0.01;
+  EXPECT_EQ(with({.distance = 0.5 - 1.01 * U}).checks.at(0).conformity, Conformity::not_conforming);
+  EXPECT_EQ(with({.distance = 0.5 - 0.99 * U}).checks.at(0).conformity, Conformity::undecided);
+  EXPECT_EQ(with({.distance = 0.5 + 0.99 * U}).checks.at(0).conformity, Conformity::undecided);
+  EXPECT_EQ(with({.distance = 0.5 + 1.01 * U}).checks.at(0).conformity, Conformity::conforming);
+  // Any limit is what decides; that nothing was gained does not.
+  EXPECT_TRUE(with({.volumetric = 1.0}).accepted);
+  EXPECT_THAT(with({}).reasons, testing::ElementsAre(HasSubstr("not more than the uncertainty")));
+  for (PointReading& one : measurements.series[0].readings) one.rotation.reset();
+  EXPECT_THAT(with({.rotation = 1.0}).reasons,
+              testing::ElementsAre("a limit on rotation was set, and no rotation was read"));
+}
+
+TEST_F(ByHand, PosesHaveTheUncertaintyOfTheirPrediction) {
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {300, 0, 0}, {0, 300, 0}, {0, 0, 100}}) {
+    add(place, {{0, 0, 0}});
+  }
+  const KnownErrors known{{}, {{0, Source::arm_length}}, Eigen::MatrixXd::Constant(1, 1, 0.01)};
+  const Validation validation = validate(robot, known, measurements, {.frame = Frame::robot});
+  for (std::size_t k = 0; k < validation.poses.size(); ++k) {
+    ASSERT_TRUE(validation.poses[k].covariance);
+    const Joints joints = believed_joints(robot, measurements.stations[k]);
+    EXPECT_EQ(*validation.poses[k].covariance, predict(robot, known, joints).covariance);
+  }
+  EXPECT_FALSE(checked().poses[0].covariance);
+}
+
 TEST(Validation, NeedsPointsOfSeveralPoses) {
   const Robot robot = catalogue::huang2016();
   EXPECT_THAT(

@@ -1,0 +1,140 @@
+// How known errors spread over poses, against the exact machine moved a little and what follows by hand.
+
+#include "paracal/calibration/prediction.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "paracal/calibration/plan.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "support/robots.hpp"
+
+namespace paracal {
+namespace {
+
+class SpreadLaw : public test::EveryRobot {
+ protected:
+  /// x, y, z, phi of the exact machine.
+  Eigen::Vector4d pose(const SourceErrors& errors, const Joints& joints) const {
+    const Machine machine = build(robot, errors);
+    const PlateState plate = forward(machine, joints).plate;
+    return {plate.position.x(), plate.position.y(), plate.position.z(), machine.rotation_of(plate.slide)};
+  }
+  Eigen::Vector4d by_arm(const Joints& joints) const {
+    constexpr double kStep = 1e-3;
+    SourceErrors more, less;
+    more(0, Source::arm_length) = kStep;
+    less(0, Source::arm_length) = -kStep;
+    return (pose(more, joints) - pose(less, joints)) / (2.0 * kStep);
+  }
+  Eigen::Matrix4Xd by_joints(const Joints& joints) const {
+    const double step = 1e-6 * test::joint_scale(robot);
+    Eigen::Matrix4Xd columns(4, joints.size());
+    for (Eigen::Index k = 0; k < joints.size(); ++k) {
+      Joints more = joints, less = joints;
+      more(k) += step;
+      less(k) -= step;
+      columns.col(k) = (pose({}, more) - pose({}, less)) / (2.0 * step);
+    }
+    return columns;
+  }
+  Joints joints_at(std::size_t station) const { return believed_joints(robot, stations[station]); }
+
+  /// Home and one pose: all that rigid motions leave of two points is their distance, half of it to each.
+  std::vector<Station> stations{fine_stations(robot, 4)[0], fine_stations(robot, 4)[3]};
+  Eigen::Vector3d direction = (stations[1].commanded.position - stations[0].commanded.position).normalized();
+  KnownErrors arm{{}, {{0, Source::arm_length}}, Eigen::MatrixXd::Constant(1, 1, 0.04)};
+  PoseSpread spread{robot, {}, arm.parameters, stations};
+  /// Four limbs neglect curvature (exact_jacobian.hpp); rotations of some thousandths of a rad a mm.
+  double exactly = 2e-3;
+};
+
+TEST_P(SpreadLaw, JacobianIsTheDerivativeOfThePose) {
+  const Joints joints = joints_at(1);
+  const Eigen::MatrixXd jacobian = pose_jacobian(build(robot, {}), joints, arm.parameters);
+  const Eigen::Vector4d expected = by_arm(joints);
+  EXPECT_LT((jacobian.col(0).head<3>() - expected.head<3>()).norm(), exactly * expected.head<3>().norm());
+  EXPECT_NEAR(jacobian(3, 0), expected(3), exactly * std::abs(expected(3)) + 1e-9);
+}
+
+TEST_P(SpreadLaw, OfTwoPosesByHand) {
+  const Eigen::Vector4d change = by_arm(joints_at(1)) - by_arm(joints_at(0));
+  const double distance = 0.2 * std::abs(direction.dot(change.head<3>())), rotation = 0.2 * std::abs(change(3));
+  const std::vector<PoseStd> each = spread.each(arm.covariance);
+  ASSERT_EQ(each.size(), 2u);
+  EXPECT_NEAR(each[1].distance, distance, exactly * distance);
+  for (const PoseStd& one : each) EXPECT_NEAR(one.aligned, 0.5 * distance, exactly * distance);
+  EXPECT_NEAR(each[1].rotation, rotation, exactly * rotation + 1e-9);
+  EXPECT_EQ(each[0].distance, 0.0);
+  EXPECT_EQ(each[0].rotation, 0.0);
+
+  const WorkspaceUncertainty all = spread.uncertainty(arm.covariance);
+  EXPECT_NEAR(all.rms_distance, each[1].distance, 1e-12);  // of all poses but home
+  EXPECT_NEAR(all.rms_aligned, 0.5 * distance, exactly * distance);
+  const double lever = 70.0;
+  EXPECT_NEAR((spread.mean_square(lever) * arm.covariance).trace(),
+              0.25 * distance * distance + lever * lever * rotation * rotation,
+              2.0 * exactly * (distance * distance + lever * lever * rotation * rotation));
+}
+
+/// Of one normal error 95 % are within 1.96 standard deviations; 1000 drawn machines know that to 3 % (one sigma).
+TEST_P(SpreadLaw, UseOfOneErrorIsItsQuantile) {
+  const std::vector<PoseStd> each = spread.each(arm.covariance);
+  const Use use = spread.worst(arm);
+  EXPECT_NEAR(use.distance.U, 1.96 * each[1].distance, 0.1 * each[1].distance * 1.96);
+  EXPECT_NEAR(use.aligned.U, 1.96 * each[1].aligned, 0.1 * each[1].aligned * 1.96);
+  if (robot.slide()) {
+    EXPECT_NEAR(use.rotation->U, 1.96 * each[1].rotation, 0.1 * each[1].rotation * 1.96);
+  }
+}
+
+/// Joints that stand elsewhere at each pose do so at home, too.
+TEST_P(SpreadLaw, JointsOfBothPosesCount) {
+  const double joint_std = 1e-3 * test::joint_scale(robot);
+  const Eigen::Matrix4Xd here = by_joints(joints_at(1)), home = by_joints(joints_at(0));
+  const Eigen::RowVector3d along = direction.transpose();
+  const double distance =
+      joint_std * std::hypot((along * here.topRows<3>()).norm(), (along * home.topRows<3>()).norm());
+  const double rotation = joint_std * std::hypot(here.row(3).norm(), home.row(3).norm());
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(1, 1);
+  const std::vector<PoseStd> each = spread.each(none, joint_std);
+  EXPECT_NEAR(each[1].distance, distance, exactly * distance);
+  EXPECT_NEAR(each[1].rotation, rotation, exactly * rotation + 1e-9);
+  EXPECT_NEAR(each[0].aligned, joint_std * home.topRows<3>().norm(), exactly * each[0].aligned);
+  EXPECT_NEAR(each[1].aligned, joint_std * here.topRows<3>().norm(), exactly * each[1].aligned);
+
+  KnownErrors known = arm;
+  known.covariance = none;
+  known.joint_std = joint_std;
+  const Use use = spread.worst(known);
+  EXPECT_NEAR(use.distance.U, 1.96 * distance, 0.1 * 1.96 * distance);
+  EXPECT_GT(use.aligned.U, std::max(each[0].aligned, each[1].aligned));
+  if (robot.slide()) {
+    EXPECT_NEAR(use.rotation->U, 1.96 * rotation, 0.1 * 1.96 * rotation);
+  }
+}
+
+TEST_P(SpreadLaw, APlateThatDoesNotTurnHasNoRotationInUse) {
+  EXPECT_EQ(use_over_workspace(robot, arm).rotation.has_value(), robot.slide().has_value());
+}
+
+PARACAL_ON_EVERY_ROBOT(SpreadLaw);
+
+/// Ten degrees of freedom: k = 2.284 of the noise's part alone [gum, Table G.2, 95.45 %].
+TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {
+  const Eigen::MatrixXd all = Eigen::Vector2d(4.0, 9.0).asDiagonal(), noise = Eigen::Vector2d(1.0, 0.0).asDiagonal();
+  KnownErrors known{{}, {{0, Source::theta_offset}, {1, Source::arm_length}}, all, noise};
+  known.noise_dof = 10.0;
+  known.joint_std = 0.3;
+  const double widened = 3.0 + std::pow(2.284 / 2.0, 2);
+  EXPECT_NEAR(known.expanded_covariance()(0, 0), widened, 2e-3);
+  EXPECT_EQ(known.expanded_covariance()(1, 1), 9.0);
+  EXPECT_NEAR(known.expanded_joint_std(), 0.3 * 2.284 / 2.0, 1e-3);
+  // At one pose a joint that stands elsewhere is one whose zero lies elsewhere.
+  EXPECT_NEAR(known.pose_covariance()(0, 0), widened + std::pow(0.3 * 2.284 / 2.0, 2), 2e-3);
+  EXPECT_EQ(known.pose_covariance()(1, 1), 9.0);
+}
+
+}  // namespace
+}  // namespace paracal

@@ -1,0 +1,204 @@
+// What a calibration says beside its numbers: each sentence in a world that demands it, and not in one beside it that
+// does not.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kNoise = 0.017;  // mm
+
+class Sentences : public testing::Test {
+ protected:
+  /// A machine of the fine stage's poses; sigmas stated if they are above 0.
+  Measurements points(double sigma, int repeats = 1, int on_a_circle = 9) const {
+    Measurements measured =
+        measured_machine(robot, fine_stations(robot, on_a_circle), 3, {.noise = kNoise, .repeats = repeats})
+            .measurements;
+    if (sigma > 0.0) state_sigma(measured, sigma);
+    return measured;
+  }
+  /// Home to so many points of a machine of which offsets alone are off.
+  Measurements distances(int count) const {
+    SourceErrors offsets;
+    offsets(1, Source::theta_offset) = to_radians(0.3);
+    const Measurements read = measure(robot, offsets, rough_stations(robot, count, 0.3), 1, {.noise = kNoise});
+    Measurements measured{.stations = read.stations};
+    for (const DistanceReading& one : all_distances(read.series[0])) {
+      if (one.from == 0) measured.distances.push_back(one);
+    }
+    return measured;
+  }
+
+  Robot robot = catalogue::rotary_delta();
+};
+
+TEST_F(Sentences, AssumedScaleIsThatOfTheOptions) {
+  const auto assumed = [&](double scale) { return calibrate(robot, points(kNoise), {.scale_std = scale}).assumed; };
+  EXPECT_THAT(assumed(20e-6), Contains(HasSubstr("the scale of the readings is right within 20 ppm")));
+  EXPECT_THAT(assumed(0.0), Not(Contains(HasSubstr("scale"))));
+}
+
+TEST_F(Sentences, WhatIsKnownExactlyIsListed) {
+  const Calibration fixed =
+      calibrate(robot, points(0.0), {.states_use = false, .fixed = {{Source::e_x, 1}, {Source::alpha0, {}}}});
+  EXPECT_THAT(fixed.assumed, Contains("known exactly: e_x of limb 2, alpha0 of all limbs"));
+  const Calibration open = calibrate(robot, points(0.0), {.states_use = false});
+  EXPECT_THAT(open.assumed, Not(Contains(HasSubstr("known exactly"))));
+  EXPECT_THAT(open.assumed, Not(Contains(HasSubstr("held at nominal"))));
+}
+
+TEST_F(Sentences, NoiseThatIsStatedIsToldFromBacklashWithoutRepeats) {
+  const auto assumed = [&](double sigma) { return calibrate(robot, points(sigma), {.states_use = false}).assumed; };
+  EXPECT_THAT(assumed(0.0), Contains(HasSubstr("no pose was visited twice")));
+  EXPECT_THAT(assumed(kNoise), Not(Contains(HasSubstr("no pose was visited twice"))));
+}
+
+TEST_F(Sentences, ReadingsThatLeaveNothingToTellTheirNoiseBy) {
+  const auto assumed = [&](int count) {
+    return calibrate(robot, distances(count), {.stage = Stage::rough, .states_use = false, .diagnose = false}).assumed;
+  };
+  EXPECT_THAT(assumed(3), Contains(HasSubstr("the readings leave nothing to tell their noise by: 0.05 mm")));
+  EXPECT_THAT(assumed(5), Not(Contains(HasSubstr("leave nothing to tell their noise by"))));
+}
+
+TEST_F(Sentences, EveryLimitRefusesByItsNumbers) {
+  robot = catalogue::huang2016();
+  const Measurements measured = points(kNoise);
+  const Calibration open = calibrate(robot, measured);
+  ASSERT_TRUE(open.accepted() && open.use && open.use->rotation);
+  const auto refusal = [&](AcceptanceLimits limits) {
+    const Calibration limited = calibrate(robot, measured, {.limits = limits});
+    EXPECT_EQ(limited.accepted(), limited.reasons.empty());
+    return limited.accepted() ? "" : limited.reasons.front();
+  };
+  const double aligned = open.use->aligned.U, rotation = open.use->rotation->U;
+  EXPECT_EQ(refusal({.volumetric = 1.01 * aligned, .rotation = 1.01 * rotation}), "");
+  EXPECT_THAT(
+      refusal({.volumetric = 0.9 * aligned}),
+      HasSubstr(fmt::format("U of positions after alignment over the workspace, {:.3g} mm, is above the limit of "
+                            "{:.3g} mm",
+                            aligned, 0.9 * aligned)));
+  EXPECT_THAT(refusal({.rotation = 0.9 * rotation}),
+              HasSubstr(fmt::format("U of rotations over the workspace, {:.3g} deg, is above the limit of {:.3g} deg",
+                                    to_degrees(rotation), to_degrees(0.9 * rotation))));
+}
+
+TEST_F(Sentences, ALimitOnRotationNeedsAPlateThatTurns) {
+  const Calibration calibration = calibrate(robot, points(kNoise), {.limits = {.rotation = 1.0}});
+  EXPECT_EQ(calibration.verdict, Verdict::rejected);
+  EXPECT_THAT(calibration.reasons,
+              ElementsAre(HasSubstr("a limit on rotation was set for a plate that does not turn")));
+}
+
+/// Readings that scatter three times as much as they say: a note, or where nothing is worth one, what was assumed.
+TEST_F(Sentences, AComponentIsANoteOrAnAssumption) {
+  const Measurements measured = points(kNoise / 3.0, 2, 4);
+  const auto said = [&](double tell_chance) {
+    return calibrate(robot, measured, {.stage = Stage::fine, .tell_chance = tell_chance, .states_use = false});
+  };
+  const Calibration told = said(1e-3), untold = said(0.0);
+  EXPECT_THAT(told.notes, Contains(HasSubstr("times as much as their stated sigmas; all uncertainties include it")));
+  EXPECT_THAT(told.assumed, Not(Contains(HasSubstr("stated sigmas"))));
+  EXPECT_THAT(untold.notes, Not(Contains(HasSubstr("stated sigmas"))));
+  EXPECT_THAT(untold.assumed, Contains(HasSubstr("times as much as their stated sigmas, perhaps (chance alone would")));
+}
+
+/// The chance of a variance that may only grow: half that of a chi-square of one degree of freedom [self-liang1987].
+TEST_F(Sentences, TheChanceOfAComponentIsHalfThatOfAChiSquare) {
+  int seen = 0;
+  for (const double sigma : {0.8 * kNoise, 0.75 * kNoise, kNoise / 1.5}) {
+    const Calibration calibration = calibrate(robot, points(sigma), {.admit_drop = 0.0, .states_use = false});
+    for (const Component& one : calibration.components) {
+      EXPECT_NEAR(one.chance, 0.5 * std::erfc(std::sqrt(one.drop / 2.0)), 1e-6 + 1e-6 * one.chance) << one.text;
+      EXPECT_EQ(one.told, one.chance < 1e-3);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 0);
+}
+
+/// Stated three times too large, or right, or three times too small.
+TEST_F(Sentences, NoiseBelowWhatWasStatedIsTold) {
+  const auto notes = [&](double factor) {
+    return calibrate(robot, points(factor * kNoise), {.states_use = false}).notes;
+  };
+  EXPECT_THAT(notes(3.0), Contains(HasSubstr("the readings scatter only 0.3")));
+  EXPECT_THAT(notes(1.0), Not(Contains(HasSubstr("the readings scatter only"))));
+  EXPECT_THAT(notes(1.0 / 3.0), Not(Contains(HasSubstr("the readings scatter only"))));
+}
+
+TEST_F(Sentences, TheFineStageIsPromisedWhereItWouldKnowMore) {
+  const auto promise = testing::Contains(HasSubstr("these are the encoder offsets alone"));
+  const Calibration rough = calibrate(robot, points(0.0), {.stage = Stage::rough});
+  ASSERT_TRUE(rough.use);
+  EXPECT_THAT(rough.notes, promise);
+  EXPECT_THAT(rough.notes, Contains(HasSubstr(fmt::format("known to {:.2g} mm; the fine", rough.use->distance.U))));
+  EXPECT_THAT(calibrate(robot, points(0.0), {.stage = Stage::fine}).notes, Not(promise));
+  // Nothing but offsets is off, and the readings repeat far better than the noise that is expected of them.
+  CalibrationOptions options{.stage = Stage::rough, .scale_std = 0.0};
+  for (const Source source : all_sources()) {
+    if (source != Source::theta_offset) options.fixed.push_back({source, {}});
+  }
+  SourceErrors offsets;
+  offsets(1, Source::theta_offset) = to_radians(0.3);
+  const Calibration alone =
+      calibrate(robot, measure(robot, offsets, fine_stations(robot, 9), 1, {.noise = 1e-4}), options);
+  EXPECT_TRUE(alone.use);
+  EXPECT_THAT(alone.notes, Not(promise));
+}
+
+/// The rods are too short for the workspace's rim, and nothing else is: measured near its middle.
+TEST_F(Sentences, AMachineThatDoesNotReachItsWorkspaceHasNoUse) {
+  RobotDescription description = robot.description();
+  description.workspace.radius *= 0.3;
+  const Robot small(description);
+  SourceErrors errors;
+  Tolerances tolerances = *robot.tolerances();
+  tolerances[Source::rod_mean] = 1000.0;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) errors(limb, Source::rod_mean) = -408.0;
+  const Measurements measured = measure(small, errors, fine_stations(small, 9), 1, {.noise = kNoise});
+  const Calibration calibration = calibrate(robot, measured, {.tolerances = tolerances, .diagnose = false});
+  EXPECT_FALSE(calibration.use) << calibration.brief();
+  EXPECT_THAT(calibration.notes, Contains("the calibrated machine does not close everywhere in its workspace"));
+}
+
+TEST_F(Sentences, AMachineThatDoesNotCloseIsToldFromAFitThatDidNotSettle) {
+  robot = catalogue::linear_delta();
+  Measurements measured = points(0.0);
+  measured.stations[2].believed = Eigen::Vector3d(0.0, 0.0, 10.0 * robot.geometry().rod);
+  const Calibration calibration = calibrate(robot, measured, {.stage = Stage::fine, .diagnose = false});
+  EXPECT_EQ(calibration.verdict, Verdict::not_converged);
+  EXPECT_THAT(calibration.reasons, ElementsAre(HasSubstr("does not close at every station, or a reading is absurd")));
+}
+
+TEST_F(Sentences, ThoseOfTheVerdict) {
+  CalibrationOptions options{.stage = Stage::rough, .states_use = false, .diagnose = false};
+  const Calibration few = calibrate(robot, distances(2), options);
+  EXPECT_EQ(few.verdict, Verdict::not_identifiable);
+  EXPECT_THAT(few.reasons, ElementsAre("the readings determine 2 of 3 parameters: measure more poses"));
+  const Calibration enough = calibrate(robot, distances(6), options);
+  EXPECT_TRUE(enough.accepted());
+  options.largest_chance = 0.5 * *enough.chance;
+  const Calibration chance = calibrate(robot, distances(6), options);
+  EXPECT_EQ(chance.verdict, Verdict::rejected);
+  EXPECT_THAT(chance.reasons, ElementsAre(HasSubstr("the improvement could be chance")));
+  options.largest_chance = 1.1 * *enough.chance;
+  EXPECT_TRUE(calibrate(robot, distances(6), options).accepted());
+}
+
+}  // namespace
+}  // namespace paracal::test
