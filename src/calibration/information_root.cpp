@@ -94,6 +94,7 @@ Eigen::VectorXd InformationRoot::reachable() const {
 
 Spectrum analyse(const Eigen::MatrixXd& root, double rank_tolerance, const Eigen::VectorXd& scale) {
   Spectrum spectrum;
+  if (root.cols() == 0) return spectrum;  // Eigen decomposes nothing that is empty
   spectrum.scale = scale.size() > 0 ? scale : Eigen::VectorXd(root.colwise().norm());
   spectrum.scale = (spectrum.scale.array() > 0.0).select(spectrum.scale, 1.0);
   const Eigen::VectorXd unscale = spectrum.scale.cwiseInverse();

@@ -220,6 +220,15 @@ TEST_P(FineCalibrationLaw, FixedStaysAndFreeHasNoPrior) {
   EXPECT_EQ(calibration.errors()(0, Source::alpha0), 0.0);
 }
 
+/// Encoders that were set to zero with care: the rough stage, which seeks nothing else, has nothing to seek.
+TEST_P(FineCalibrationLaw, OffsetsMayBeKnownExactly) {
+  const MeasuredMachine machine = measured_machine(robot, stations, 9, {.noise = kNoise});
+  const Calibration calibration =
+      calibrate(robot, machine.measurements, {.fixed = {{Source::theta_offset, {}}}, .diagnose = false});
+  EXPECT_NE(calibration.verdict, Verdict::not_converged) << calibration.brief();
+  EXPECT_EQ(calibration.errors()(0, Source::theta_offset), 0.0);
+}
+
 /// Noise stated, or found from the residuals: the answer is nearly the same, and the estimate is right.
 TEST_P(FineCalibrationLaw, FindsTheNoiseThatNobodyStated) {
   std::vector<double> noise;
