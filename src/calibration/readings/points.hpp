@@ -40,6 +40,9 @@ class Points final : public ReadingSeries {
   void state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const override;
   /// instrument = frame(robot)
   RigidMotion frame(const Eigen::VectorXd& unknowns) const;
+  /// Measured points in the robot's frame beside the machine's poses, one pair a station, repeats averaged, home (or
+  /// the first station read) first. Readings left out do not count.
+  std::vector<PosePair> station_pairs(std::span<const Group> of_series, const Placed& at) const;
 
  private:
   std::optional<double> rotation_zero(const Eigen::VectorXd& unknowns) const;
@@ -54,9 +57,6 @@ class Points final : public ReadingSeries {
   /// Of a point if it had been taken at this station, mm.
   Eigen::Vector3d off(const PointReading& reading, const StationState& station, const Eigen::VectorXd& unknowns) const;
   double rotation_off(const PointReading& reading, const StationState& station, const Eigen::VectorXd& unknowns) const;
-  /// Measured points in the robot's frame beside the machine's poses, one pair a station, repeats averaged, home (or
-  /// the first station read) first. Readings left out do not count.
-  std::vector<PosePair> station_pairs(std::span<const Group> of_series, const Placed& at) const;
 
   const std::vector<PointReading>& readings_;
   const CalibrationOptions& options_;

@@ -1,0 +1,115 @@
+// When a calibration asks what is wrong with its input: one machine for each doubt, of which no other doubt arises.
+
+#include <gmock/gmock.h>
+
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/units.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNoise = 0.017;  // mm
+constexpr double kNever = 1e300;  // drop of a likelihood
+
+/// Home to so many points, in inches; of the machine offsets alone are off.
+Measurements distances_in_inches(const Robot& robot, int count) {
+  SourceErrors offsets;
+  offsets(1, Source::theta_offset) = to_radians(0.3);
+  const Measurements read = measure(robot, offsets, rough_stations(robot, count), 1, {.noise = kNoise});
+  Measurements measured{.stations = read.stations};
+  for (DistanceReading one : all_distances(read.series[0])) {
+    one.distance /= 25.4;
+    if (one.from == 0) measured.distances.push_back(one);
+  }
+  return measured;
+}
+
+std::string first_reason(const Calibration& calibration) {
+  return calibration.reasons.empty() ? "accepted" : calibration.reasons.front();
+}
+
+/// The rough stage seeks no components and leaves nothing out.
+class RoughDoubts : public testing::Test {
+ protected:
+  Robot robot = catalogue::rotary_delta();
+  CalibrationOptions options{.stage = Stage::rough, .states_use = false};
+};
+
+TEST_F(RoughDoubts, ReadingsScatterMoreThanTheyState) {
+  Measurements stated = distances_in_inches(robot, 6);
+  for (DistanceReading& one : stated.distances) one.distance_sigma = kNoise;
+  options.noise.distance = 1e6;  // is not asked
+  EXPECT_THAT(first_reason(calibrate(robot, stated, options)), HasSubstr("inches"));
+}
+
+/// By the noise that was expected of what was read.
+TEST_F(RoughDoubts, ReadingsScatterMoreThanWasExpected) {
+  options.noise.point = options.noise.height = 1e6;
+  EXPECT_THAT(first_reason(calibrate(robot, distances_in_inches(robot, 6), options)), HasSubstr("inches"));
+  Measurements points = measured_machine(robot, fine_stations(robot, 9), 1, {.noise = kNoise}).measurements;
+  for (PointReading& one : points.series[0].readings) one.point /= 25.4;
+  options.noise.point = 1e-2 * calibrate(robot, points, {.stage = Stage::rough, .diagnose = false}).noise;
+  options.noise.distance = 1e6;
+  EXPECT_THAT(first_reason(calibrate(robot, points, options)), HasSubstr("inches"));
+}
+
+/// Four of the nineteen rotations are not zero, and were read with the other sign: the fit leaves them out.
+TEST(Doubts, ManyReadingsWereLeftOut) {
+  const Robot robot = catalogue::huang2016();
+  std::vector<Station> stations = fine_stations(robot, 9);
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    stations[k].commanded.rotation = k < 15 ? 0.0 : to_radians(k % 2 == 0 ? 30.0 : -45.0);
+  }
+  Measurements measured =
+      measured_machine(robot, stations, 1, {.noise = kNoise, .reads_rotation = true, .rotation_noise = to_radians(0.1)})
+          .measurements;
+  for (PointReading& one : measured.series[0].readings) *one.rotation = -*one.rotation;
+  const CalibrationOptions options{.stage = Stage::fine, .admit_drop = kNever, .states_use = false};
+  EXPECT_THAT(first_reason(calibrate(robot, measured, options)), HasSubstr("the readings of phi have the other sign"));
+}
+
+/// The controller knew its rods; the file has others.
+Robot misprinted(const Robot& robot, Measurements& measured) {
+  for (Station& station : measured.stations) station.believed = believed_joints(robot, station);
+  RobotDescription description = robot.description();
+  description.workspace.radius = description.workspace.height = 1.0;
+  description.geometry.rod += 10.0;
+  return Robot(std::move(description));
+}
+
+TEST(Doubts, AnErrorIsFarOutsideItsTolerance) {
+  const Robot robot = catalogue::huang2016();
+  Measurements measured = measured_machine(robot, fine_stations(robot, 9), 9, {.noise = kNoise}).measurements;
+  const Robot wrong = misprinted(robot, measured);
+  CalibrationOptions options{.stage = Stage::fine, .noise = {.point = 0.1}, .admit_drop = kNever, .states_use = false};
+  for (const Source source : all_sources()) {  // that could make up for it
+    if (source != Source::rod_mean && source != Source::theta_offset) options.fixed.push_back({source, {}});
+  }
+  EXPECT_THAT(first_reason(calibrate(wrong, measured, options)), HasSubstr("whose rod_mm is "));
+}
+
+/// What the fit took for a fault of the machine was the mistake's doing: nothing is said of it, nor of its use.
+TEST(Doubts, NothingOfTheConsequencesIsSaid) {
+  const Robot robot = catalogue::huang2016();
+  Measurements measured = measured_machine(robot, fine_stations(robot, 9), 9, {.noise = kNoise}).measurements;
+  measured.notes = {"of the import"};
+  const Robot wrong = misprinted(robot, measured);
+  const Calibration fooled = calibrate(wrong, measured, {.diagnose = false}), told = calibrate(wrong, measured);
+  ASSERT_FALSE(fooled.components.empty());
+  ASSERT_GT(fooled.notes.size(), 1u);
+  EXPECT_EQ(told.verdict, Verdict::rejected);
+  EXPECT_THAT(told.reasons, ElementsAre(HasSubstr("whose rod_mm is ")));
+  EXPECT_THAT(told.components, IsEmpty());
+  EXPECT_THAT(told.notes, ElementsAre("of the import"));
+  EXPECT_FALSE(told.use);
+}
+
+}  // namespace
+}  // namespace paracal::test
