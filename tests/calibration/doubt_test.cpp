@@ -54,21 +54,6 @@ TEST_F(RoughDoubts, ReadingsScatterMoreThanWasExpected) {
   EXPECT_THAT(first_reason(calibrate(robot, points, options)), HasSubstr("limbs are in another order"));
 }
 
-/// Three of the nineteen rotations are not zero, and were read with the other sign: the fit leaves them out.
-TEST(Doubts, ManyReadingsWereLeftOut) {
-  const Robot robot = catalogue::huang2016();
-  std::vector<Station> stations = fine_stations(robot, 9);
-  for (std::size_t k = 0; k < stations.size(); ++k) {
-    stations[k].commanded.rotation = k < 16 ? 0.0 : to_radians(k % 2 == 0 ? 30.0 : -45.0);
-  }
-  Measurements measured =
-      measured_machine(robot, stations, 1, {.noise = kNoise, .reads_rotation = true, .rotation_noise = to_radians(0.1)})
-          .measurements;
-  for (PointReading& one : measured.series[0].readings) *one.rotation = -*one.rotation;
-  const CalibrationOptions options{.stage = Stage::fine, .admit_drop = kNever, .states_use = false};
-  EXPECT_THAT(first_reason(calibrate(robot, measured, options)), HasSubstr("the readings of phi have the other sign"));
-}
-
 /// The controller knew its rods; the file has others.
 Robot misprinted(const Robot& robot, Measurements& measured) {
   for (Station& station : measured.stations) station.believed = believed_joints(robot, station);
