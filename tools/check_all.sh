@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of the last commits, without its analyzer); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, the coverage, and a minute of each fuzz target.
+# of the last commits, without its analyzer); then all that is too long for .ci/run: every check of clang's sanitizers, those of GCC, the coverage, a minute of each fuzz target,
+# and whether the tests notice every mutation of mutations.txt.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,5 +12,6 @@ for preset in asan-all asan-gcc; do
 done
 tools/part.sh "coverage" tools/coverage.sh
 tools/part.sh "fuzzing" tools/fuzz.sh 60
+tools/part.sh "mutations" tools/mutations.sh
 echo "slowest parts:"
 sort -rn build/parts.txt | head -n 5
