@@ -135,11 +135,22 @@ void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, 
   }
 }
 
-/// Everything was determined that readings of this kind can determine: with priors always; offsets alone (a rail's are
-/// also the robot's height) and the paper's pseudo-inverse may leave motions of the whole robot open; otherwise nothing
-/// may be open.
-bool is_determined(const Observation& observation, const Calibration& calibration) {
-  if (has_priors(observation) || calibration.rank == observation.source_count()) return true;
+/// Errors without a prior beside others that have one may together do what no reading sees, as e_x of all limbs does:
+/// then neither readings nor priors hold it.
+bool leaves_open(const StageFit& fit) {
+  constexpr double kNothing = 1e-11;  // far below what exact readings leave to a prior
+  const auto& sought = fit.observation().sought();
+  const bool all = std::ranges::all_of(sought, [](const SoughtSource& one) { return one.prior_std.has_value(); });
+  return !all && analyse(fit.fit().at_answer.root(), kNothing).rank < fit.observation().unknown_count();
+}
+
+/// Everything was determined that readings of this kind can determine: with priors, unless errors without any are open;
+/// offsets alone (a rail's are also the robot's height) and the paper's pseudo-inverse may leave motions of the whole
+/// robot open; otherwise nothing may be open.
+bool is_determined(const StageFit& fit, const Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  if (has_priors(observation)) return !leaves_open(fit);
+  if (calibration.rank == observation.source_count()) return true;
   const bool may_leave_motions = calibration.options.method == Method::paper || calibration.stages.size() == 1;
   return may_leave_motions && std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
 }
@@ -177,7 +188,7 @@ void state_bare_covariance(const Measurements& measurements, const StageFit& fit
   if (calibration.options.method == Method::paper) {
     calibration.noise_covariance =
         covariance_of_pairs(measurements, observation, fit.fit().parameters, all.covariance, scatter_of_fit.sum);
-  } else if (is_determined(observation, calibration)) {
+  } else if (is_determined(fit, calibration)) {
     const double factor = stated ? std::max(1.0, scatter) : scatter;
     calibration.noise_covariance = all.covariance.bottomRightCorner(n, n) * factor * factor;
   }
@@ -211,6 +222,7 @@ void state_uncertainty(const Measurements& measurements, const StageFit& fit, co
   }
   calibration.joint_std = observation.components().joint;
   if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
+  if (leaves_open(fit)) return;
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd covariance = fit.covariance();
   calibration.covariance = covariance.bottomRightCorner(n, n);
@@ -293,7 +305,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   add_assumptions(fit, calibration);
   state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
-  judge(answer, is_determined(observation, calibration), calibration);
+  judge(answer, is_determined(fit, calibration), calibration);
 }
 
 }  // namespace paracal::detail

@@ -130,7 +130,11 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
   const auto sought = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
   if (!determined) {
     return say(Verdict::not_identifiable,
-               fmt::format("the readings determine {} of {} parameters: measure more poses", calibration.rank, sought));
+               fmt::format("the readings determine {} of {} parameters: {}", calibration.rank, sought,
+                           calibration.options.free.empty()
+                               ? "measure more poses"
+                               : "give those that are sought without a prior a tolerance, or hold one that goes with "
+                                 "them"));
   }
   if (!calibration.chance) {
     return say(Verdict::rejected,

@@ -252,6 +252,29 @@ TEST(Determined, WithoutPriorsNothingMayBeOpen) {
             Verdict::not_identifiable);
 }
 
+/// e_x of all limbs alike moves the base, which no point in an unknown frame sees: without a prior nothing holds it,
+/// and nothing may be said of it. arm_length is seen; a base whose frame is known is, too.
+TEST(Determined, ErrorsWithoutAPriorMayNotBeOpenBesideOthersThatHaveOne) {
+  const Robot robot = catalogue::huang2016();
+  const auto freed = [&](Source source, Frame frame) {
+    const Measurements read = measure(robot, {}, fine_stations(robot, 9), 1, {.noise = kNoise});
+    CalibrationOptions options{.frame = frame, .states_use = true, .diagnose = false};
+    options.free.push_back({source, {}});
+    return calibrate(robot, read, options);
+  };
+  const Calibration open = freed(Source::e_x, Frame::unknown);
+  EXPECT_EQ(open.verdict, Verdict::not_identifiable);
+  EXPECT_THAT(open.reasons, Contains(HasSubstr("sought without a prior a tolerance, or hold one")));
+  EXPECT_EQ(open.covariance.size(), 0);
+  EXPECT_FALSE(open.use);
+  for (const Source source : {Source::arm_length, Source::theta_offset}) {
+    const Calibration seen = freed(source, Frame::unknown);
+    EXPECT_NE(seen.verdict, Verdict::not_identifiable) << name(source);
+    EXPECT_GT(seen.covariance.size(), 0);
+  }
+  EXPECT_NE(freed(Source::e_x, Frame::robot).verdict, Verdict::not_identifiable);
+}
+
 TEST(Stage, ConditionIsTheLargestOverTheSmallestSingularValue) {
   const Robot robot = catalogue::huang2016();
   const Measurements read = measure(robot, {}, fine_stations(robot, 9), 1, {.noise = kNoise});
