@@ -213,8 +213,9 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
     const Agreement& agreement = *validation.agreement;
     std::string text = fmt::format(
         "these readings contradict the uncertainty that the calibration states: they lie {:.1f} times as far from its "
-        "predictions as that and their noise explain (chance {:.1g})",
-        std::sqrt(agreement.chi_square / agreement.freedom), agreement.chance);
+        "predictions as that and their noise explain; has the machine changed since (a knock, a repair, another load), "
+        "or do they scatter more than is stated?",
+        std::sqrt(agreement.chi_square / agreement.freedom));
     (options.limits.any() ? validation.notes : validation.reasons).push_back(std::move(text));
   }
   validation.accepted = validation.reasons.empty();

@@ -20,10 +20,11 @@ std::string text_of(const Validation& validation) {
   for (const std::string& note : validation.notes) fmt::format_to(out, "  note: {}\n", note);
   if (validation.agreement) {
     const Agreement& one = *validation.agreement;
+    const std::string verdict =
+        one.contradicts() ? "a contradiction" : fmt::format("no contradiction (chance {:.2g})", one.chance);
     fmt::format_to(out,
-                   "  against the calibration's own uncertainty: chi-square {:.1f} for {:.0f} degrees of freedom, {} "
-                   "(chance {:.2g})\n",
-                   one.chi_square, one.freedom, one.contradicts() ? "a contradiction" : "no contradiction", one.chance);
+                   "  against the calibration's own uncertainty: chi-square {:.1f} for {:.0f} degrees of freedom, {}\n",
+                   one.chi_square, one.freedom, verdict);
   }
   const bool points = !validation.poses.empty();
   const std::string heading = points ? fmt::format("largest errors over {} poses", validation.poses.size())
