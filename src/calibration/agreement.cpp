@@ -104,7 +104,7 @@ double chance_of(const Agreement& agreement) {
     return cdf(complement(boost::math::chi_squared_distribution<>(agreement.freedom), agreement.chi_square));
   }
   const boost::math::fisher_f_distribution<> fisher(agreement.freedom, agreement.noise_dof);
-  return cdf(complement(fisher, agreement.chi_square / agreement.freedom));
+  return cdf(complement(fisher, std::max(agreement.chi_square, 0.0) / agreement.freedom));
 }
 
 }  // namespace
@@ -135,16 +135,19 @@ void add_agreement(const Robot& robot, const KnownErrors& known, const Measureme
                                    kCoverageFactor * sigma * std::sqrt(variance),
                                    series.quantity() == Quantity::distance});
   }
-  if (!is_known || !noise_dof) {
-    validation.notes.emplace_back(
-        is_known
-            ? "no sigma is stated and no pose was visited twice: whether the calibration's uncertainty holds cannot "
-              "be told from these readings"
-            : "the calibration states no uncertainty: whether it holds cannot be told");
+  if (!is_known || !noise_dof || (std::isfinite(*noise_dof) && freedom - *noise_dof < 1.0)) {
+    validation.notes.emplace_back(is_known ? "no sigma is stated and too few poses were visited twice: whether the "
+                                             "calibration's uncertainty holds cannot "
+                                             "be told from these readings"
+                                           : "the calibration states no uncertainty: whether it holds cannot be told");
     return;
   }
   Agreement agreement{
       .chi_square = least_sum(observation, unknowns, covariance), .freedom = freedom, .noise_dof = *noise_dof};
+  if (std::isfinite(*noise_dof)) {  // repeats scatter as they do, by which the noise was told
+    agreement.chi_square -= *noise_dof;
+    agreement.freedom -= *noise_dof;
+  }
   if (!std::isfinite(agreement.chi_square)) {
     validation.notes.emplace_back(
         "residuals over their sigmas leave the range of numbers: whether the calibration's uncertainty holds cannot be "

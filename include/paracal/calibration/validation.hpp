@@ -75,8 +75,9 @@ struct CheckedReading {
 ///
 ///   chi^2 = min over a, z of |v - J_n a - J z|^2 + z^T C^-1 z
 ///
-/// is chi-square distributed with `freedom` degrees of freedom where C and the noise are as stated; over its freedom it
-/// is Fisher distributed where `noise_dof` repeats estimate the noise.
+/// is chi-square distributed with `freedom` degrees of freedom where C and the noise are as stated. Where the noise is
+/// what `noise_dof` degrees of freedom of repeated visits show, their own sum, which is noise_dof then, and degrees of
+/// freedom are taken off both, and over its freedom the rest is Fisher distributed: a test of lack of fit.
 struct Agreement {
   double chi_square = 0.0, freedom = 0.0;
   double noise_dof = std::numeric_limits<double>::infinity();
