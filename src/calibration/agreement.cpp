@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <functional>
 
 #include "observation.hpp"
 #include "paracal/error.hpp"
 #include "scatter.hpp"
+#include "square_root.hpp"
+#include "tails.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -60,19 +59,12 @@ std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd
     return stated ? std::optional(if_believed) : std::nullopt;
   const double factor = std::max(std::sqrt(visits.sum / visits.redundancy), kSmallest);
   if (stated) {
-    const boost::math::chi_squared_distribution<> expected(visits.redundancy);
-    if (cdf(complement(expected, visits.sum)) > kContradiction) return if_believed;
+    if (chi_square_tail(visits.sum, visits.redundancy) > kContradiction) return if_believed;
     validation.notes.push_back(
         fmt::format("visits of a pose scatter {:.1f} times as much as the noise that is stated", factor));
   }
   observation.components().stated_noise = observation.components().unstated_noise = factor;
   return visits.redundancy;
-}
-
-/// L with L L^T = C, whether C has full rank or not.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// The sum of squares that is left when set-up and errors z = L u, u ~ N(0, I), have been found.
@@ -82,7 +74,7 @@ double least_sum(const Observation& observation, const Eigen::VectorXd& unknowns
   if (!observation(unknowns, rows)) return 0.0;
   Eigen::MatrixXd block(n, n + 1);
   block << rows.root(), rows.reachable();
-  block.middleCols(setup, n - setup) *= root_of(covariance);
+  block.middleCols(setup, n - setup) *= square_root(covariance);
   observation.add_priors(unknowns, all);
   for (Eigen::Index k = setup; k < n; ++k) all.add_prior(k, 0.0, 0.0, 1.0);
   all.add(block);
@@ -99,12 +91,8 @@ double freedom_of(const Observation& observation, const Eigen::VectorXd& unknown
 }
 
 double chance_of(const Agreement& agreement) {
-  using boost::math::complement;
-  if (std::isinf(agreement.noise_dof)) {
-    return cdf(complement(boost::math::chi_squared_distribution<>(agreement.freedom), agreement.chi_square));
-  }
-  const boost::math::fisher_f_distribution<> fisher(agreement.freedom, agreement.noise_dof);
-  return cdf(complement(fisher, std::max(agreement.chi_square, 0.0) / agreement.freedom));
+  if (std::isinf(agreement.noise_dof)) return chi_square_tail(agreement.chi_square, agreement.freedom);
+  return fisher_tail(std::max(agreement.chi_square, 0.0) / agreement.freedom, agreement.freedom, agreement.noise_dof);
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
 #include "considered.hpp"
@@ -12,6 +10,7 @@
 #include "pair_covariance.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "sought.hpp"
+#include "tails.hpp"
 #include "verdict.hpp"
 
 namespace paracal::detail {
@@ -87,14 +86,10 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
 std::optional<double> chance_of(double gain, double found, const Scatter& scatter, bool sigmas_known) {
   gain = std::max(gain, 0.0);
   if (found < 1e-6) return 1.0;
-  if (sigmas_known) {
-    return boost::math::cdf(boost::math::complement(boost::math::chi_squared_distribution<>(found), gain));
-  }
+  if (sigmas_known) return chi_square_tail(gain, found);
   if (scatter.redundancy < 1e-6) return std::nullopt;
   if (scatter.sum <= 0.0) return gain > 0.0 ? 0.0 : 1.0;
-  const double ratio = (gain / found) / (scatter.sum / scatter.redundancy);
-  return boost::math::cdf(
-      boost::math::complement(boost::math::fisher_f_distribution<>(found, scatter.redundancy), ratio));
+  return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
 }
 
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
@@ -216,10 +211,7 @@ void state_uncertainty(const Measurements& measurements, const StageFit& fit, co
   const double stated = all_stated(observation) ? std::pow(observation.components().stated_noise, 2) : 1.0;
   const double sum = scatter_of_fit.sum * stated, freedom = scatter_of_fit.redundancy;
   if (freedom >= 0.5) calibration.unit_weight_std = std::sqrt(sum / freedom);
-  if (freedom >= 0.5 && all_stated(observation)) {
-    calibration.fit_probability =
-        boost::math::cdf(boost::math::complement(boost::math::chi_squared_distribution<>(freedom), sum));
-  }
+  if (freedom >= 0.5 && all_stated(observation)) calibration.fit_probability = chi_square_tail(sum, freedom);
   calibration.joint_std = observation.components().joint;
   if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
   if (leaves_open(fit)) return;

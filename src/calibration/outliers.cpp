@@ -2,8 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+
+#include "tails.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -23,8 +24,7 @@ double checked_sum(const Eigen::MatrixXd& spread, const Eigen::VectorXd& residua
 /// Chance that the worst of `count` good readings has at least this F.
 double chance_of_worst(double statistic, int rows, double freedom, std::size_t count) {
   if (!std::isfinite(statistic)) return 0.0;
-  const boost::math::fisher_f_distribution<> fisher(rows, freedom);
-  const double one = boost::math::cdf(boost::math::complement(fisher, statistic));
+  const double one = fisher_tail(statistic, rows, freedom);
   return -std::expm1(static_cast<double>(count) * std::log1p(-std::min(one, 1.0 - 1e-16)));
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "sought.hpp"
+#include "square_root.hpp"
 
 namespace paracal {
 namespace {
@@ -32,14 +32,6 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
     block.rightCols<3>() << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;
   }
   return displacements - motions * motions.colPivHouseholderQr().solve(displacements);
-}
-
-/// B = B^T with B B = C, whether C has full rank or not. The symmetric root: unlike a triangular one or eigenvectors it
-/// is continuous in C, so that rounding does not draw other machines.
-Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         eigen.eigenvectors().transpose();
 }
 
 /// Of the largest |value| of each column, a machine, what a twentieth of the machines exceeds.
@@ -184,7 +176,7 @@ Use PoseSpread::worst(const KnownErrors& known) const {
   constexpr std::uint64_t kSeed = 95;
   RandomStream random(kSeed);
   const auto normal = [&] { return random.normal(); };
-  const Eigen::MatrixXd root = square_root(known.expanded_covariance());
+  const Eigen::MatrixXd root = detail::square_root(known.expanded_covariance());
   const Eigen::MatrixXd errors = root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, normal);
   Eigen::MatrixXd distances = distance_ * errors, aligned = aligned_ * errors, rotations = rotation_ * errors;
   const double joint_std = known.expanded_joint_std();

@@ -1,0 +1,16 @@
+#include "tails.hpp"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+
+namespace paracal::detail {
+
+double chi_square_tail(double sum, double freedom) {
+  return cdf(complement(boost::math::chi_squared_distribution<>(freedom), sum));
+}
+
+double fisher_tail(double ratio, double freedom, double noise_freedom) {
+  return cdf(complement(boost::math::fisher_f_distribution<>(freedom, noise_freedom), ratio));
+}
+
+}  // namespace paracal::detail
