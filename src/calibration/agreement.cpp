@@ -39,7 +39,17 @@ struct Placement {
     stations = observation.stations(setup);
   }
 
-  Residual residual(const Group& group) const { return observation.residual(group, {*stations, setup}).reversed(); }
+  Placed placed() const { return {*stations, setup}; }
+  Residual residual(const Group& group) const { return observation.residual(group, placed()).reversed(); }
+  /// Errors of distances and heights.
+  PoseErrorSummary summary() const {
+    ErrorTally tally;
+    for (std::size_t s = 0; s < observation.series().size(); ++s) {
+      const ReadingSeries& series = *observation.series()[s];
+      if (series.quantity() != Quantity::coordinate) series.add_to(tally, observation.groups_of(s), placed());
+    }
+    return tally.finished();
+  }
 
   Observation observation;
   Eigen::VectorXd setup;
@@ -67,27 +77,22 @@ std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd
   return visits.redundancy;
 }
 
-/// The sum of squares that is left when set-up and errors z = L u, u ~ N(0, I), have been found.
-double least_sum(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance) {
+/// The sum of squares that is left when set-up and errors z = L u, u ~ N(0, I), have been found, and its degrees of
+/// freedom: the readings' rows less what finding their set-up takes; what is known of it beforehand counts as read.
+Scatter disagreement(const Observation& observation, const Eigen::VectorXd& unknowns,
+                     const Eigen::MatrixXd& covariance) {
   const Eigen::Index setup = observation.nuisance_count(), n = observation.unknown_count();
   InformationRoot rows(n), all(n);
-  if (!observation(unknowns, rows)) return 0.0;
+  (void)observation(unknowns, rows);
+  observation.add_priors(unknowns, all);
+  const auto freedom = static_cast<double>(rows.row_count() + all.row_count() - setup);
   Eigen::MatrixXd block(n, n + 1);
   block << rows.root(), rows.reachable();
   block.middleCols(setup, n - setup) *= square_root(covariance);
-  observation.add_priors(unknowns, all);
   for (Eigen::Index k = setup; k < n; ++k) all.add_prior(k, 0.0, 0.0, 1.0);
   all.add(block);
   const double beyond = rows.squared_residuals() - rows.reachable().squaredNorm();
-  return beyond + all.squared_residuals() - all.reachable().squaredNorm();
-}
-
-/// Rows of readings less what finding their set-up takes; what is known of the set-up beforehand counts as read.
-double freedom_of(const Observation& observation, const Eigen::VectorXd& unknowns) {
-  InformationRoot readings(observation.unknown_count()), priors(observation.unknown_count());
-  (void)observation(unknowns, readings);
-  observation.add_priors(unknowns, priors);
-  return static_cast<double>(readings.row_count() + priors.row_count() - observation.nuisance_count());
+  return {beyond + all.squared_residuals() - all.reachable().squaredNorm(), freedom};
 }
 
 double chance_of(const Agreement& agreement) {
@@ -95,55 +100,70 @@ double chance_of(const Agreement& agreement) {
   return fisher_tail(std::max(agreement.chi_square, 0.0) / agreement.freedom, agreement.freedom, agreement.noise_dof);
 }
 
+/// Distances and heights, one by one. @param covariance  of the sought errors.
+std::vector<CheckedReading> checked_readings(const Placement& nominal, const Placement& calibrated,
+                                             const Observation& observation, const Placed& at,
+                                             const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
+  std::vector<CheckedReading> readings;
+  const VarianceComponents& factors = observation.components();
+  for (const Group& group : observation.groups()) {
+    const ReadingSeries& series = observation.series_of(group);
+    if (series.quantity() == Quantity::coordinate) continue;
+    const double sigma = observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise);
+    readings.push_back({.text = series.label(group.index, stations),
+                        .before = nominal.residual(group).length(0),
+                        .after = calibrated.residual(group).length(0),
+                        .sigma = sigma,
+                        .U = kCoverageFactor * sigma * std::sqrt(observation.variances(group, at, covariance)(0)),
+                        .is_distance = series.quantity() == Quantity::distance});
+  }
+  return readings;
+}
+
+/// Adds `agreement`, or a note where nobody can tell.
+void state_agreement(Scatter left, std::optional<double> noise_dof, bool is_known, Validation& validation) {
+  if (noise_dof && std::isfinite(*noise_dof)) {  // repeats scatter as they do, by which the noise was told
+    left.sum -= *noise_dof;
+    left.redundancy -= *noise_dof;
+  }
+  if (!is_known) {
+    validation.notes.emplace_back("the calibration states no uncertainty: whether it holds cannot be told");
+  } else if (!noise_dof || left.redundancy < 1.0) {
+    validation.notes.emplace_back(
+        "no sigma is stated and too few poses were visited twice: whether the calibration's uncertainty holds cannot "
+        "be told from these readings");
+  } else if (!std::isfinite(left.sum)) {
+    validation.notes.emplace_back(
+        "residuals over their sigmas leave the range of numbers: whether the calibration's uncertainty holds cannot be "
+        "told");
+  } else {
+    validation.agreement = {.chi_square = left.sum, .freedom = left.redundancy, .noise_dof = *noise_dof};
+    validation.agreement->chance = chance_of(*validation.agreement);
+  }
+}
+
 }  // namespace
 
-void add_agreement(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
-                   const ValidationOptions& options, Validation& validation) {
+ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                            const ValidationOptions& options, Validation& validation) {
   const CalibrationOptions fit = as_for_a_fit(options);
   const Placement nominal(robot, measurements, fit, {}), calibrated(robot, measurements, fit, known.errors);
   Observation observation(robot, measurements, fit, known.parameters, true);
   const Eigen::VectorXd unknowns = *observation.start(known.errors);
-  const double freedom = freedom_of(observation, unknowns);
-  if (freedom < 1.0) throw InvalidArgument("validation: expected more readings than their set-up has unknowns");
   const std::optional<double> noise_dof = find_noise(observation, unknowns, validation);
   observation.components().joint = known.expanded_joint_std();
   const bool is_known = known.covariance.size() > 0;
-  const Eigen::MatrixXd covariance =
-      is_known ? known.expanded_covariance()
-               : Eigen::MatrixXd::Zero(std::ssize(known.parameters), std::ssize(known.parameters));
+  const Eigen::Index n = observation.source_count();
+  const Eigen::MatrixXd covariance = is_known ? known.expanded_covariance() : Eigen::MatrixXd::Zero(n, n);
+  const Scatter left = disagreement(observation, unknowns, covariance);
+  if (left.redundancy < 1.0) {
+    throw InvalidArgument("validation: expected more readings than their set-up has unknowns");
+  }
   const auto stations = observation.stations(unknowns);
-  for (const Group& group : observation.groups()) {
-    const ReadingSeries& series = observation.series_of(group);
-    if (series.quantity() == Quantity::coordinate) continue;
-    const VarianceComponents& factors = observation.components();
-    const double sigma = observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise);
-    const double variance = observation.variances(group, {*stations, unknowns}, covariance)(0);
-    validation.readings.push_back({series.label(group.index, measurements.stations), nominal.residual(group).length(0),
-                                   calibrated.residual(group).length(0), sigma,
-                                   kCoverageFactor * sigma * std::sqrt(variance),
-                                   series.quantity() == Quantity::distance});
-  }
-  if (!is_known || !noise_dof || (std::isfinite(*noise_dof) && freedom - *noise_dof < 1.0)) {
-    validation.notes.emplace_back(is_known ? "no sigma is stated and too few poses were visited twice: whether the "
-                                             "calibration's uncertainty holds cannot "
-                                             "be told from these readings"
-                                           : "the calibration states no uncertainty: whether it holds cannot be told");
-    return;
-  }
-  Agreement agreement{
-      .chi_square = least_sum(observation, unknowns, covariance), .freedom = freedom, .noise_dof = *noise_dof};
-  if (std::isfinite(*noise_dof)) {  // repeats scatter as they do, by which the noise was told
-    agreement.chi_square -= *noise_dof;
-    agreement.freedom -= *noise_dof;
-  }
-  if (!std::isfinite(agreement.chi_square)) {
-    validation.notes.emplace_back(
-        "residuals over their sigmas leave the range of numbers: whether the calibration's uncertainty holds cannot be "
-        "told");
-    return;
-  }
-  agreement.chance = chance_of(agreement);
-  validation.agreement = agreement;
+  validation.readings =
+      checked_readings(nominal, calibrated, observation, {*stations, unknowns}, covariance, measurements.stations);
+  state_agreement(left, noise_dof, is_known, validation);
+  return {nominal.summary(), calibrated.summary()};
 }
 
 }  // namespace paracal::detail

@@ -27,14 +27,7 @@ PoseErrorSummary summarize_fit(const Observation& observation, const Placed& at)
   for (std::size_t s = 0; s < observation.series().size(); ++s) {
     observation.series()[s]->add_to(tally, observation.groups_of(s), at);
   }
-  const auto root_mean_square = [](double sum, std::size_t count) {
-    return std::sqrt(sum / static_cast<double>(count));
-  };
-  PoseErrorSummary& all = tally.summary;
-  all.reads_distances = tally.distance_count > 0 || tally.height_count == 0;
-  if (tally.distance_count > 0) all.rms_distance = root_mean_square(tally.distances, tally.distance_count);
-  if (tally.height_count > 0) all.rms_height = root_mean_square(tally.heights, tally.height_count);
-  return all;
+  return tally.finished();
 }
 
 /// The readings at one machine: unknowns, stations, and the weighted residual sum of the active readings.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "agreement.hpp"
@@ -146,34 +145,18 @@ void require_gain(double two_points, Validation& validation) {
           uncertainty_of_readings(validation, distances));
 }
 
-/// Root mean squares of distances or heights, before and after, mm.
-std::pair<double, double> rms_of_readings(const Validation& validation, bool distances) {
-  double before = 0.0, after = 0.0, count = 0.0;
-  for (const CheckedReading& one : validation.readings) {
-    if (one.is_distance != distances) continue;
-    before += one.before * one.before;
-    after += one.after * one.after;
-    ++count;
-  }
-  return {std::sqrt(before / count), std::sqrt(after / count)};
+/// Adds the errors of distances and heights to those of points.
+void add_readings(const PoseErrorSummary& readings, bool has_points, PoseErrorSummary& all) {
+  widen(all, readings);
+  all.reads_distances = has_points || readings.reads_distances;
+  all.rms_height = readings.rms_height;
 }
 
-/// Adds distances and heights to what the points showed.
-void summarize_readings(Validation& validation) {
-  PoseErrorSummary &before = validation.before, &after = validation.after;
-  const auto has = [&](bool distances) {
-    return std::ranges::any_of(validation.readings, [&](const auto& one) { return one.is_distance == distances; });
-  };
-  before.reads_distances = after.reads_distances = has(true) || !validation.poses.empty();
-  if (has(true)) {
-    const auto [largest_before, largest_after] = largest_of_readings(validation, true);
-    before.max_abs_distance = std::max(before.max_abs_distance, largest_before);
-    after.max_abs_distance = std::max(after.max_abs_distance, largest_after);
-    if (validation.poses.empty()) {
-      std::tie(before.rms_distance, after.rms_distance) = rms_of_readings(validation, true);
-    }
-  }
-  if (has(false)) std::tie(before.rms_height, after.rms_height) = rms_of_readings(validation, false);
+/// Standard deviation of a rotation that was read with a distance, rad; 0 where none was.
+double rotation_of_distances(const Measurements& measurements, const ValidationOptions& options) {
+  const bool any =
+      std::ranges::any_of(measurements.distances, [](const auto& one) { return one.rotation.has_value(); });
+  return any ? options.noise.rotation : 0.0;
 }
 
 /// The differences of two points vary sqrt(2) times as much as one coordinate; |dr| of an aligned point by its three.
@@ -206,7 +189,7 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
     validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
   } else if (options.limits.rotation) {
     check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
-          kCoverageFactor * std::sqrt(2.0) * sigma.rotation);
+          kCoverageFactor * std::max(std::sqrt(2.0) * sigma.rotation, rotation_of_distances(measurements, options)));
   }
   if (!options.limits.any()) require_gain(two_points, validation);
   if (validation.agreement && validation.agreement->contradicts()) {
@@ -278,8 +261,11 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
   }
   Validation validation;
   validate_points(robot, known, measurements, options, validation);
-  detail::add_agreement(robot, known, measurements, options, validation);
-  summarize_readings(validation);
+  const auto [before, after] = detail::add_agreement(robot, known, measurements, options, validation);
+  if (!validation.readings.empty()) {
+    add_readings(before, !validation.poses.empty(), validation.before);
+    add_readings(after, !validation.poses.empty(), validation.after);
+  }
   check_limits(measurements, options, validation);
   return validation;
 }

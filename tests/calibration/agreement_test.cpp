@@ -237,6 +237,25 @@ TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
             Conformity::undecided);
 }
 
+/// A rotation that an encoder read with a distance is one, with U of that reading.
+TEST_P(AgreementLaw, RotationsReadWithDistancesCount) {
+  if (!robot.slide()) return;
+  calibrate_machine(8);
+  Measurements read = distances_and_heights();
+  const Machine machine = build(robot, measured.errors);
+  const auto phi = [&](std::size_t k) {
+    return machine.rotation_of(forward(machine, believed_joints(robot, read.stations[k])).plate.slide);
+  };
+  for (DistanceReading& one : read.distances) one.rotation = phi(one.to) - phi(one.from);
+  const Validation validation =
+      validate(robot, known, read, {.noise = {.rotation = 2e-3}, .limits = {.rotation = 0.05}});
+  ASSERT_TRUE(validation.before.max_abs_rotation && validation.after.max_abs_rotation);
+  EXPECT_GT(*validation.before.max_abs_rotation, 10.0 * *validation.after.max_abs_rotation);
+  ASSERT_EQ(validation.checks.size(), 1u);
+  EXPECT_EQ(validation.checks[0].uncertainty, 2.0 * 2e-3);
+  EXPECT_TRUE(validation.accepted);
+}
+
 TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {
   calibrate_machine(9);
   Measurements read = distances_and_heights();

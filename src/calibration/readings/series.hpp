@@ -79,6 +79,8 @@ struct ErrorTally {
   std::size_t distance_count = 0, height_count = 0;
 
   void widen_rotation(const std::optional<double>& residual);
+  /// With the root mean squares of all.
+  PoseErrorSummary finished() const;
 };
 
 /// The readings of one kind from one set-up, and what of that set-up is sought with the source errors: everything that
