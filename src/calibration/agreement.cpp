@@ -157,7 +157,8 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   const Eigen::MatrixXd covariance = is_known ? known.expanded_covariance() : Eigen::MatrixXd::Zero(n, n);
   const Scatter left = disagreement(observation, unknowns, covariance);
   if (left.redundancy < 1.0) {
-    throw InvalidArgument("validation: expected more readings than their set-up has unknowns");
+    throw InvalidArgument(fmt::format("validation: expected more readings than their set-up has unknowns, {}; got {}",
+                                      calibrated.observation.nuisance_count(), observation.groups().size()));
   }
   const auto stations = observation.stations(unknowns);
   validation.readings =

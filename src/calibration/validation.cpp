@@ -126,9 +126,11 @@ std::pair<double, double> largest_of_readings(const Validation& validation, bool
 }
 
 /// Without limits a calibration must have made the machine better by more than can be measured: by points where there
-/// are any, else by distances, else by heights.
+/// are any, else by distances, else by heights. Where nothing tells the noise, what is left says how large it may be:
+/// of lengths read in metres half a metre is.
 void require_gain(double two_points, Validation& validation) {
-  const auto require = [&](const char* what, double before, double after, double uncertainty) {
+  const auto require = [&](const char* what, double before, double after, double uncertainty, double left) {
+    if (!validation.agreement) uncertainty = std::max(uncertainty, kCoverageFactor * left);
     if (before - after > uncertainty) return;
     validation.reasons.push_back(
         fmt::format("the largest {} went from {:.3f} to {:.3f} mm, which is not more than the uncertainty of measuring "
@@ -137,12 +139,13 @@ void require_gain(double two_points, Validation& validation) {
   };
   if (!validation.poses.empty()) {
     return require("aligned error", validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned,
-                   two_points);
+                   two_points, validation.after.rms_distance);
   }
   const bool distances = validation.after.reads_distances;
   const auto [before, after] = largest_of_readings(validation, distances);
   require(distances ? "error of a distance" : "error of a height", before, after,
-          uncertainty_of_readings(validation, distances));
+          uncertainty_of_readings(validation, distances),
+          distances ? validation.after.rms_distance : *validation.after.rms_height);
 }
 
 /// Adds the errors of distances and heights to those of points.

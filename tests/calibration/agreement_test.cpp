@@ -261,6 +261,11 @@ TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {
   Measurements read = distances_and_heights();
   EXPECT_THAT(validate(robot, known, read).reasons, IsEmpty());
   EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a distance went from")));
+  Measurements metres = read;
+  for (DistanceReading& one : metres.distances) one.distance *= 1e-3;
+  metres.planes.clear();
+  metres.distances.resize(2);
+  EXPECT_THAT(validate(robot, known, metres).reasons, ElementsAre(HasSubstr("not more than the uncertainty")));
   read.distances.clear();
   EXPECT_THAT(validate(robot, known, read).reasons, IsEmpty());
   EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a height went from")));
