@@ -9,8 +9,8 @@ double chi_square_tail(double sum, double freedom) {
   return cdf(complement(boost::math::chi_squared_distribution<>(freedom), sum));
 }
 
-double fisher_tail(double ratio, double freedom, double noise_freedom) {
-  return cdf(complement(boost::math::fisher_f_distribution<>(freedom, noise_freedom), ratio));
+double fisher_tail(double ratio, double numerator, double denominator) {
+  return cdf(complement(boost::math::fisher_f_distribution<>(numerator, denominator), ratio));
 }
 
 }  // namespace paracal::detail

@@ -6,7 +6,7 @@ namespace paracal::detail {
 
 /// Probability that a chi-square variable of `freedom` degrees of freedom is above `sum`.
 double chi_square_tail(double sum, double freedom);
-/// The same of Fisher's F: a mean square of `freedom` degrees of freedom over one of `noise_freedom`.
-double fisher_tail(double ratio, double freedom, double noise_freedom);
+/// The same of Fisher's F: a mean square of `numerator` degrees of freedom over one of `denominator`.
+double fisher_tail(double ratio, double numerator, double denominator);
 
 }  // namespace paracal::detail
