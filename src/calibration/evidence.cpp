@@ -164,25 +164,39 @@ double noise_freedom(const StageFit& fit, const Scatter& scatter) {
   return known ? std::numeric_limits<double>::infinity() : std::max(scatter.redundancy, 1.0);
 }
 
+/// What is known of all unknowns; empty where no uncertainty could be stated.
+struct Spread {
+  Eigen::MatrixXd covariance = {}, noise = {};
+
+  /// Student's k multiplies what comes of the noise, so that U = 2 std.
+  Eigen::MatrixXd expanded(double noise_dof) const {
+    if (covariance.size() == 0) return {};
+    return covariance + (std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0) * noise;
+  }
+};
+
 /// Without priors: scaled by the scatter, always where no sigma is stated, upwards only where all are.
-void state_bare_covariance(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                           Calibration& calibration) {
+Spread state_bare_covariance(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
+                             Calibration& calibration) {
   const Observation& observation = fit.observation();
   const bool stated = all_stated(observation);
-  if (!calibration.unit_weight_std && !stated) return;
+  if (!calibration.unit_weight_std && !stated) return {};
   const double scatter = calibration.unit_weight_std.value_or(1.0);
   const Spectrum all = analyse(fit.fit().at_answer.root(), kRankTolerance);
   const Eigen::Index n = observation.source_count();
+  Eigen::MatrixXd of_all;
   if (calibration.options.method == Method::paper) {
     calibration.noise_covariance =
         covariance_of_pairs(measurements, observation, fit.fit().parameters, all.covariance, scatter_of_fit.sum);
   } else if (is_determined(fit, calibration)) {
     const double factor = stated ? std::max(1.0, scatter) : scatter;
-    calibration.noise_covariance = all.covariance.bottomRightCorner(n, n) * factor * factor;
+    of_all = all.covariance * factor * factor;
+    calibration.noise_covariance = of_all.bottomRightCorner(n, n);
   }
   const bool known = stated && scatter <= 1.0 && calibration.options.method != Method::paper;
   if (!known) calibration.noise_dof = std::max(scatter_of_fit.redundancy, 1.0);
   calibration.covariance = calibration.noise_covariance;
+  return {of_all, of_all};
 }
 
 /// How many parameters' worth of readings the fit used up: with priors no whole number.
@@ -197,8 +211,8 @@ double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& s
 }
 
 /// Scatter and covariance. With priors the covariance is the posterior's.
-void state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                       Calibration& calibration) {
+Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
+                         Calibration& calibration) {
   const Observation& observation = fit.observation();
   // Of the sigmas as they were stated, whatever the fit then made of them.
   const double stated = all_stated(observation) ? std::pow(observation.components().stated_noise, 2) : 1.0;
@@ -207,16 +221,19 @@ void state_uncertainty(const Measurements& measurements, const StageFit& fit, co
   if (freedom >= 0.5 && all_stated(observation)) calibration.fit_probability = chi_square_tail(sum, freedom);
   calibration.joint_std = observation.components().joint;
   if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
-  if (leaves_open(fit)) return;
+  if (leaves_open(fit)) return {};
   const Eigen::Index n = observation.source_count();
-  const Eigen::MatrixXd covariance = fit.covariance();
-  calibration.covariance = covariance.bottomRightCorner(n, n);
-  calibration.noise_covariance = noise_part(fit, covariance).bottomRightCorner(n, n);
+  Spread all{fit.covariance()};
+  all.noise = noise_part(fit, all.covariance);
+  calibration.covariance = all.covariance.bottomRightCorner(n, n);
+  calibration.noise_covariance = all.noise.bottomRightCorner(n, n);
   calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
   if (const auto few = fit.prior_freedom()) {  // tolerances that a few errors told are no better known than noise
+    all.noise = all.covariance;
     calibration.noise_covariance = calibration.covariance;
     calibration.noise_dof = std::min(calibration.noise_dof, std::max(*few, 1.0));
   }
+  return all;
 }
 
 /// Rank and null space: of the fit itself, or with priors, whose fit always has full rank, of the readings at the
@@ -269,10 +286,11 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   calibration.readings = observation.groups().size();
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
   state_rank(measurements, observation, answer, calibration);
-  state_uncertainty(measurements, fit, scatter, calibration);
+  const Spread spread = state_uncertainty(measurements, fit, scatter, calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
   add_parameters(fit, held, calibration);
-  for (const auto& series : observation.series()) series->state_setup(answer.parameters, calibration);
+  const Eigen::MatrixXd expanded = spread.expanded(calibration.noise_dof);
+  for (const auto& series : observation.series()) series->state_setup(answer.parameters, expanded, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);

@@ -377,6 +377,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"frames", frames_json(calibration)},
           {"planes", planes_json(calibration)},
           {"distance_bias_mm", optional(calibration.distance_bias)},
+          {"distance_bias_std_mm", optional(calibration.distance_bias_std)},
           {"options", to_json(calibration.options, calibration.robot.actuator())},
           {"inputs", to_json(calibration.files)}};
 }

@@ -223,6 +223,9 @@ struct FoundPlane {
   std::string name;
   double height = 0.0;  ///< mm
   double slope_x = 0.0, slope_y = 0.0;
+  /// Of height and slopes (mm, rad): with themselves, then with the parameters that were sought; U = 2 std, as by
+  /// KnownErrors::expanded_covariance(). Empty where none could be stated.
+  Eigen::Matrix<double, 3, Eigen::Dynamic> covariance = {};
 };
 
 /// What one stage of the fit did.
@@ -271,7 +274,8 @@ struct [[nodiscard]] Calibration {
   std::vector<Suspect> suspects = {};  ///< worst first
   std::vector<SeriesFrame> frames = {};
   std::vector<FoundPlane> planes = {};
-  std::optional<double> distance_bias = {};  ///< found in all distances alike, measured - true, mm
+  std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm
+  std::optional<double> distance_bias_std = {};  ///< mm; U = 2 std, Student's k included
   int degrees_of_freedom = 0;
   /// Root of the weighted residual sum over the degrees of freedom: 1 when the readings scatter as their sigmas say.
   std::optional<double> unit_weight_std = {};

@@ -93,8 +93,10 @@ void Distances::list(const Group& group, const std::vector<Station>& stations, c
                                    !group.active});
 }
 
-void Distances::state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const {
+void Distances::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                            Calibration& calibration) const {
   calibration.distance_bias = bias(unknowns);
+  if (bias_ >= 0 && covariance.size() > 0) calibration.distance_bias_std = std::sqrt(covariance(bias_, bias_));
 }
 
 }  // namespace paracal::detail

@@ -28,7 +28,8 @@ class Distances final : public ReadingSeries {
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
   void list(const Group& group, const std::vector<Station>& stations, const Residual& before, const Residual& after,
             Calibration& calibration) const override;
-  void state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const override;
+  void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                   Calibration& calibration) const override;
 
  private:
   std::optional<double> bias(const Eigen::VectorXd& unknowns) const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "median.hpp"
@@ -73,8 +74,16 @@ void Heights::list(const Group& group, const std::vector<Station>& stations, con
                                  after.length(0), !group.active});
 }
 
-void Heights::state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const {
-  calibration.planes.push_back({name(), unknowns(plane_), unknowns(plane_ + 1), unknowns(plane_ + 2)});
+void Heights::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                          Calibration& calibration) const {
+  FoundPlane plane{name(), unknowns(plane_), unknowns(plane_ + 1), unknowns(plane_ + 2)};
+  if (covariance.size() > 0) {
+    const auto rows = covariance.middleRows<3>(plane_);
+    const auto errors = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
+    plane.covariance.resize(3, 3 + errors);
+    plane.covariance << rows.middleCols<3>(plane_), rows.rightCols(errors);
+  }
+  calibration.planes.push_back(std::move(plane));
 }
 
 }  // namespace paracal::detail

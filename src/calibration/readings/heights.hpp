@@ -27,7 +27,8 @@ class Heights final : public ReadingSeries {
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
   void list(const Group& group, const std::vector<Station>& stations, const Residual& before, const Residual& after,
             Calibration& calibration) const override;
-  void state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const override;
+  void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                   Calibration& calibration) const override;
 
  private:
   const std::vector<HeightReading>& readings_;

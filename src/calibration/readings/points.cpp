@@ -245,7 +245,8 @@ void Points::list(const Group& group, const std::vector<Station>& stations, cons
                                 after.rotation, !group.active});
 }
 
-void Points::state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const {
+void Points::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& /*covariance*/,
+                         Calibration& calibration) const {
   calibration.frames.push_back({name(), frame(unknowns), rotation_zero(unknowns), second_reflector(unknowns)});
 }
 

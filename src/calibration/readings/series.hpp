@@ -129,7 +129,9 @@ class ReadingSeries {
   virtual void list(const Group& group, const std::vector<Station>& stations, const Residual& before,
                     const Residual& after, Calibration& calibration) const = 0;
   /// States what was found of the set-up.
-  virtual void state_setup(const Eigen::VectorXd& unknowns, Calibration& calibration) const = 0;
+  /// @param covariance  of all unknowns, U = 2 std whatever the degrees of freedom; empty where none could be stated.
+  virtual void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                           Calibration& calibration) const = 0;
 
  protected:
   double scale(const Eigen::VectorXd& unknowns) const { return scale_ < 0 ? 1.0 : 1.0 + unknowns(scale_); }
