@@ -10,6 +10,7 @@
 
 #include "columns.hpp"
 #include "paracal/error.hpp"
+#include "paracal/printer/plausibility.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
@@ -19,33 +20,71 @@ constexpr std::array<double, 3> kDesignAngles{210.0, 330.0, 90.0};  // deg
 constexpr std::array<char, 3> kTowers{'X', 'Y', 'Z'}, kTrims{'A', 'B', 'C'};
 constexpr std::string_view kLinear = "M665", kEndstops = "M666", kRotary = "M669";
 
+/// Letters of a code in a dialect.
+std::string_view letters_of(std::string_view code, CodeDialect dialect) {
+  const bool marlin = dialect == CodeDialect::marlin;
+  if (code == kLinear) return marlin ? "LRHSXYZABC" : "LRHBXYZSTD";
+  if (code == kEndstops) return marlin ? "XYZ" : "XYZAB";
+  return "KULRBHAXYZST";
+}
+
 using Three = std::array<double, 3>;
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  line = line.substr(0, line.find(';'));
+char upper(char one) { return static_cast<char>(std::toupper(static_cast<unsigned char>(one))); }
+
+bool is_alphanumeric(char one) { return std::isalnum(static_cast<unsigned char>(one)) != 0; }
+
+/// What stands behind a code in a line, before comment and checksum; empty where the code does not.
+std::optional<std::string_view> behind(std::string_view line, std::string_view code) {
+  line = line.substr(0, line.find_first_of(";*\r"));
+  const auto same = [](char one, char other) { return upper(one) == other; };
+  for (auto from = line.begin();;) {
+    const auto found = std::search(from, line.end(), code.begin(), code.end(), same);
+    if (found == line.end()) return std::nullopt;
+    const auto first = static_cast<std::size_t>(found - line.begin()), end = first + code.size();
+    const bool begins = first == 0 || !is_alphanumeric(line[first - 1]);
+    const bool ends = end == line.size() || std::isdigit(static_cast<unsigned char>(line[end])) == 0;
+    if (begins && ends) return line.substr(end);
+    from = found + 1;
+  }
+}
+
+/// Between blanks; where there are none after the code, from letter to letter.
+std::vector<std::string_view> words_of(std::string_view text) {
+  const bool glued = !text.empty() && text.front() != ' ' && text.front() != '\t';
   std::vector<std::string_view> words;
   while (true) {
-    const std::size_t begin = line.find_first_not_of(" \t");
+    const std::size_t begin = text.find_first_not_of(" \t");
     if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
+    text.remove_prefix(begin);
+    std::size_t end = 1;
+    const auto goes_on = [&](char one) {
+      return one != ' ' && one != '\t' && !(glued && std::isalpha(static_cast<unsigned char>(one)) != 0);
+    };
+    while (end < text.size() && goes_on(text[end])) ++end;
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(end);
   }
 }
 
 /// The words of one code by their letters, each the last of its letter in the file.
 class Code {
  public:
-  Code(const TextFile& file, std::string_view name) : file_(file.name), name_(name) {
+  /// @param letters  that the code has; others are refused.
+  Code(const TextFile& file, std::string_view name, std::string_view letters) : file_(file.name), name_(name) {
     int number = 0;
     for (const std::string_view line : lines_of(file.text)) {
       ++number;
-      const std::vector<std::string_view> words = words_of(line);
-      if (words.empty() || words[0] != name) continue;
+      const auto rest = behind(line, name);
+      if (!rest) continue;
       line_ = number;
-      for (std::size_t k = 1; k < words.size(); ++k) {
-        text_[static_cast<char>(std::toupper(static_cast<unsigned char>(words[k].front())))] = words[k].substr(1);
+      for (const std::string_view word : words_of(*rest)) {
+        const char letter = upper(word.front());
+        if (letters.find(letter) == std::string_view::npos) {
+          fail(
+              fmt::format("expected {} with words of {}, got \"{}\": is it of another firmware?", name, letters, word));
+        }
+        text_[letter] = word.substr(1);
       }
     }
   }
@@ -98,6 +137,17 @@ class Code {
   int line_ = 0;
 };
 
+/// RepRapFirmware's bed that slopes in its coordinates, in percent.
+void refuse_tilt(const Code& endstops, CodeDialect dialect) {
+  if (dialect == CodeDialect::marlin) return;
+  for (const char letter : {'A', 'B'}) {
+    const double tilt = endstops.number_or(letter, 0.0);
+    if (tilt == 0.0) continue;
+    endstops.fail(fmt::format("expected M666 without bed tilt, got {}{}: level the bed or calibrate without it first",
+                              letter, tilt));
+  }
+}
+
 void turn_towers(const Code& code, DeltaGeometry& geometry) {
   constexpr double kWholeTurn = 360.0;
   const Three turned = code.of_towers();
@@ -115,7 +165,9 @@ double nozzle_below(DeltaGeometry geometry) {
 }
 
 DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
-  const Code code(file, kLinear), endstops(file, kEndstops);
+  const Code code(file, kLinear, letters_of(kLinear, dialect));
+  const Code endstops(file, kEndstops, letters_of(kEndstops, dialect));
+  refuse_tilt(endstops, dialect);
   DeltaGeometry geometry{.actuator = Actuator::linear};
   geometry.rod = code.one_or_three('L', "length of the rods");
   if (dialect == CodeDialect::marlin) {
@@ -141,7 +193,8 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
 }
 
 DeltaGeometry rotary_delta(const TextFile& file, const Code& code) {
-  const Code endstops(file, kEndstops);
+  const Code endstops(file, kEndstops, letters_of(kEndstops, CodeDialect::reprapfirmware));
+  refuse_tilt(endstops, CodeDialect::reprapfirmware);
   DeltaGeometry geometry{.actuator = Actuator::revolute};
   geometry.radius = code.number('R', "shoulder radius");
   geometry.arm = code.one_or_three('U', "length of the arms");
@@ -167,7 +220,7 @@ DeltaGeometry rotary_delta(const TextFile& file, const Code& code) {
 
 std::string colons(const Three& values) { return fmt::format("{:.4f}:{:.4f}:{:.4f}", values[0], values[1], values[2]); }
 
-std::string letters(const Three& values) {
+std::string of_towers(const Three& values) {
   return fmt::format("X{:.4f} Y{:.4f} Z{:.4f}", values[0], values[1], values[2]);
 }
 
@@ -194,22 +247,36 @@ std::string rotary_codes(const DeltaGeometry& geometry) {
       "; A of this line: your lowest angle, then {:.4f}, where the endstops are\nM669 K10 U{} L{} R{:.4f} H{} {}\n"
       "M666 {}\n",
       to_degrees(homed), colons(geometry.arm), colons(geometry.rod), geometry.radius, colons(geometry.shoulder),
-      letters(turned(geometry)), letters(adjustments));
+      of_towers(turned(geometry)), of_towers(adjustments));
 }
 
 std::string linear_codes(const DeltaGeometry& geometry, const std::string& rods, double homed,
                          const Three& adjustments) {
-  return fmt::format("M665 {} R{:.4f} H{:.4f} {}\nM666 {}\n", rods, geometry.radius, homed, letters(turned(geometry)),
-                     letters(adjustments));
+  return fmt::format("M665 {} R{:.4f} H{:.4f} {}\nM666 {}\n", rods, geometry.radius, homed, of_towers(turned(geometry)),
+                     of_towers(adjustments));
+}
+
+DeltaGeometry plausible(const TextFile& file, const DeltaGeometry& geometry) {
+  const std::vector<std::string> complaints = implausible(geometry);
+  if (complaints.empty()) return geometry;
+  throw InputFileError(
+      file.name, 0, fmt::format("expected a delta of this firmware, got one that cannot be: {}", complaints.front()));
 }
 
 }  // namespace
 
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
   constexpr double kRotaryKinematics = 10.0;
-  const Code kinematics(file, kRotary);
-  const bool rotary = dialect == CodeDialect::reprapfirmware && kinematics.number_or('K', 0.0) == kRotaryKinematics;
-  return rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect);
+  if (dialect == CodeDialect::marlin) return plausible(file, linear_delta(file, dialect));
+  const Code kinematics(file, kRotary, letters_of(kRotary, dialect));
+  const bool rotary = kinematics.number_or('K', 0.0) == kRotaryKinematics;
+  return plausible(file, rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect));
+}
+
+double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {
+  if (dialect == CodeDialect::marlin) return 0.0;
+  const Code linear(file, kLinear, letters_of(kLinear, dialect)), rotary(file, kRotary, letters_of(kRotary, dialect));
+  return rotary.number_or('B', linear.number_or('B', 0.0));
 }
 
 std::string machine_codes(const DeltaGeometry& geometry, CodeDialect dialect) {

@@ -60,7 +60,33 @@ void refused(CodeDialect dialect, const std::string& text, const std::string& pa
       testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
 }
 
+/// As consoles print them, and as people type them.
+TEST(MachineCodes, AreFoundInLogs) {
+  for (const char* text :
+       {"echo:  M665 L290.00 R130.25 H250.00 S160.00 X0.50 Y-0.25 Z0.00 A0.50 B0.00 C-0.25\n",
+        "m665 l290 r130.25 h250 x0.5 y-0.25 z0 a0.5 c-0.25\n", "N12 M665L290R130.25H250X0.5Y-0.25Z0A.5C-.25*71\n",
+        "Recv: echo:; Delta settings: L<rod> R<radius>\r\nRecv: echo:  M665 L290 R130.25 H250 X0.5 "
+        "Y-0.25 Z0 A0.5 C-0.25\r\nSend: M6655 L1\nSend: M665\n"}) {
+    const DeltaGeometry geometry = read_machine_codes({"log", text}, CodeDialect::marlin);
+    EXPECT_EQ(geometry.radius, 130.25) << text;
+    EXPECT_EQ(geometry.rod, (std::array{290.5, 290.0, 289.75})) << text;
+    EXPECT_EQ(geometry.endstop[0], 250.0) << text;
+    EXPECT_NEAR(to_degrees(geometry.tower_angle[1]), 329.75, 1e-9) << text;
+  }
+}
+
+TEST(MachineCodes, StateTheBed) {
+  const std::string text = "M665 R105.6 L215.0 B85.5 H235\n";
+  EXPECT_EQ(print_radius_of_codes({"config.g", text}, CodeDialect::reprapfirmware), 85.5);
+  EXPECT_EQ(print_radius_of_codes({"config.g", "M665 L215 R105 H235\n"}, CodeDialect::reprapfirmware), 0.0);
+}
+
 TEST(MachineCodes, AreRefusedWithTheirLine) {
+  refused(CodeDialect::marlin, "M665 L200 R100 H200 Q1\n", "expected M665 with words of LRHSXYZABC, got \"Q1\"");
+  refused(CodeDialect::reprapfirmware, "M665 L200 R100 H200\nM666 X0 A0.2 B0\n",
+          "config.g:2: expected M666 without bed tilt, got A0.2");
+  // A bed's radius is the trim of a rod to the other firmware.
+  refused(CodeDialect::marlin, "M665 R105.6 L215.0 B85 H235\n", "are no set");
   refused(CodeDialect::marlin, "G28\nM665 R100 H200\n", "config.g:2: expected M665 with L");
   refused(CodeDialect::marlin, "M665 L200 R100\n", "expected M665 with H");
   refused(CodeDialect::marlin, "\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");

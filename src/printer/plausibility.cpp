@@ -1,0 +1,185 @@
+#include "paracal/printer/plausibility.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "paracal/units.hpp"
+
+namespace paracal {
+namespace {
+
+double design_angle(double angle) {
+  constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
+  return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
+}
+
+double spread(const std::array<double, 3>& values) {
+  const auto [least, most] = std::ranges::minmax(values);
+  return most - least;
+}
+
+/// What the owner reads in the file as a rod.
+const char* rod_name(const DeltaGeometry& geometry) {
+  return geometry.actuator == Actuator::linear ? "rods" : "lower arms";
+}
+
+/// The fit changes a length of the file by more than is usual.
+void check_change(const char* what, double before, double after, double size, const PrinterLimits& limits,
+                  std::vector<std::string>& complaints) {
+  if (std::abs(after - before) <= limits.changed * size) return;
+  complaints.push_back(
+      fmt::format("{} of {:.2f} mm in the file would be {:.2f} mm by the readings", what, before, after));
+}
+
+DeltaReadings changed(DeltaReadings readings, const auto& change) {
+  for (BedReading& one : readings.heights) one.drops = change(one.drops);
+  for (PrintedDistance& one : readings.distances) {
+    one.from = change(one.from);
+    one.to = change(one.to);
+  }
+  return readings;
+}
+
+/// Root mean square over all readings that a geometry leaves, mm; infinite where it does not close.
+double misfit(const DeltaGeometry& geometry, const DeltaReadings& readings) {
+  const DeltaFit judged = judge_as_firmware(geometry, readings);
+  return judged.ok() ? std::hypot(judged.rms_height, judged.rms_distance) : INFINITY;
+}
+
+/// Ratio by which all (or one tower's) steps would have to be taken to suit the file, among those that a wrong line
+/// makes.
+std::optional<std::string> wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, double enough) {
+  constexpr std::array kRatios{0.0625, 0.1, 0.125, 0.2,         0.25,        1.0 / 3.0,  0.4,  0.5,
+                               0.625,  0.8, 0.9,   16.0 / 17.0, 17.0 / 16.0, 10.0 / 9.0, 1.25, 1.6,
+                               2.0,    2.5, 3.0,   4.0,         5.0,         8.0,        10.0, 16.0};
+  double best = enough;
+  std::optional<std::string> cause;
+  for (const double ratio : kRatios) {
+    for (int tower = -1; tower < 3; ++tower) {
+      const auto scaled = [&](JointDrops drops) {
+        for (std::size_t i = 0; i < 3; ++i) drops[i] *= tower < 0 || tower == static_cast<int>(i) ? ratio : 1.0;
+        return drops;
+      };
+      const double left = misfit(saved, changed(readings, scaled));
+      if (left >= best) continue;
+      best = left;
+      cause = fmt::format(
+          "steps of {} {:.4g} times as large would suit the file: is its rotation_distance, gear_ratio, microsteps or "
+          "full_steps_per_rotation (steps a mm) what it was when the readings were taken, and right?",
+          tower < 0 ? std::string("all towers") : fmt::format("tower {}", "ABC"[tower]), ratio);
+    }
+  }
+  return cause;
+}
+
+std::optional<std::string> wrong_order(const DeltaGeometry& saved, const DeltaReadings& readings, double enough) {
+  std::array<std::size_t, 3> order{0, 1, 2};
+  double best = enough;
+  std::optional<std::string> cause;
+  while (std::ranges::next_permutation(order).found) {
+    const auto exchanged = [&](const JointDrops& drops) {
+      return JointDrops{drops[order[0]], drops[order[1]], drops[order[2]]};
+    };
+    const double left = misfit(saved, changed(readings, exchanged));
+    if (left >= best) continue;
+    best = left;
+    cause = fmt::format("towers in the order {}{}{} would suit the file: were the towers of the readings exchanged?",
+                        "ABC"[order[0]], "ABC"[order[1]], "ABC"[order[2]]);
+  }
+  return cause;
+}
+
+}  // namespace
+
+std::vector<std::string> implausible(const DeltaGeometry& geometry, const PrinterLimits& limits) {
+  std::vector<std::string> complaints;
+  const double rod = mean_of(geometry.rod);
+  if (!(std::ranges::min(geometry.rod) > 0.0 && geometry.radius > 0.0)) {
+    return {
+        fmt::format("a radius of {:.2f} mm and rods of {:.2f} mm in the mean are no lengths", geometry.radius, rod)};
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double angle = geometry.tower_angle[i],
+                 off = std::remainder(angle - design_angle(angle), 2.0 * std::numbers::pi);
+    if (std::abs(off) <= limits.tower) continue;
+    complaints.push_back(fmt::format("tower {} stands {:+.1f} deg from where towers stand", "ABC"[i], to_degrees(off)));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double apart =
+        std::remainder(geometry.tower_angle[i] - geometry.tower_angle[(i + 1) % 3], 2.0 * std::numbers::pi);
+    if (std::abs(std::abs(apart) - to_radians(120.0)) <= 2.0 * limits.tower) continue;
+    complaints.push_back(fmt::format("towers {} and {} stand {:.1f} deg apart, not 120", "ABC"[i], "ABC"[(i + 1) % 3],
+                                     std::abs(to_degrees(apart))));
+  }
+  if (spread(geometry.rod) > limits.rods_apart * rod) {
+    complaints.push_back(fmt::format("{} of {:.2f}, {:.2f} and {:.2f} mm are no set", rod_name(geometry),
+                                     geometry.rod[0], geometry.rod[1], geometry.rod[2]));
+  }
+  if (spread(geometry.endstop) > limits.endstops_apart * rod) {
+    complaints.push_back(fmt::format("endstops at {:.2f}, {:.2f} and {:.2f} mm are further apart than towers are built",
+                                     geometry.endstop[0], geometry.endstop[1], geometry.endstop[2]));
+  }
+  if (geometry.actuator == Actuator::linear) {
+    const double share = geometry.radius / rod;
+    if (share < limits.smallest_radius || share > limits.largest_radius) {
+      complaints.push_back(
+          fmt::format("a delta radius of {:.2f} mm does not go with rods of {:.2f} mm", geometry.radius, rod));
+    }
+  }
+  return complaints;
+}
+
+namespace {
+
+/// What a fit of the readings says against the file.
+std::vector<std::string> complaints_of(const DeltaGeometry& saved, const DeltaFit& fit, const PrinterLimits& limits) {
+  if (!fit.ok()) return {"the firmware's fit does not settle on these readings"};
+  std::vector<std::string> complaints;
+  if (fit.rms_height > limits.worst_height || fit.rms_distance > limits.worst_distance) {
+    complaints.push_back(
+        fmt::format("no delta explains these readings: the best leaves heights {:.2f} mm and distances {:.2f} mm (rms)",
+                    fit.rms_height, fit.rms_distance));
+  }
+  const bool linear = saved.actuator == Actuator::linear;
+  const double rod = mean_of(saved.rod);
+  check_change("a radius", saved.radius, fit.geometry.radius, linear ? saved.radius : rod, limits, complaints);
+  for (std::size_t i = 0; i < 3; ++i) {
+    check_change(linear ? "a rod" : "a lower arm", saved.rod[i], fit.geometry.rod[i], rod, limits, complaints);
+    check_change("an endstop", saved.endstop[i], fit.geometry.endstop[i], rod, limits, complaints);
+  }
+  for (const std::string& one : implausible(fit.geometry, limits)) complaints.push_back("by the readings, " + one);
+  return complaints;
+}
+
+/// What a wrong line in the file, or readings in another order, would explain.
+std::optional<std::string> likely_cause(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaFit& fit,
+                                        bool is_wrong, const PrinterLimits& limits) {
+  constexpr double kSteps = 0.2, kOrder = 0.5;  // of what the file leaves must be left
+  constexpr double kNotable = 2.0;              // times what the fit leaves
+  const double left = misfit(saved, readings), best = std::hypot(fit.rms_height, fit.rms_distance);
+  if (is_wrong || left > limits.worst_saved) {
+    if (auto steps = wrong_steps(saved, readings, std::min(kSteps * left, 5.0 * limits.worst_height))) return steps;
+  }
+  if (!is_wrong && !(left > limits.least_notable && left > kNotable * best)) return std::nullopt;
+  return wrong_order(saved, readings, kOrder * left);
+}
+
+}  // namespace
+
+std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaFit& fit,
+                                     const PrinterLimits& limits) {
+  std::vector<std::string> complaints;
+  // Fewer readings than numbers leave the fit anywhere.
+  const std::size_t count = readings.heights.size() + readings.distances.size();
+  if (count >= static_cast<std::size_t>(fit.parameters)) complaints = complaints_of(saved, fit, limits);
+  if (auto cause = likely_cause(saved, readings, fit, !complaints.empty(), limits)) {
+    complaints.insert(complaints.begin(), std::move(*cause));
+  }
+  return complaints;
+}
+
+}  // namespace paracal
