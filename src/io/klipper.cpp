@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -158,6 +159,60 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
   return readings;
 }
 
+/// A number of a geometry by the section and key that hold it.
+struct Entry {
+  std::string_view section, key;
+  double value = 0.0;
+};
+
+std::vector<Entry> entries_of(const DeltaGeometry& geometry) {
+  const Keys& keys = keys_of(geometry.actuator);
+  const bool rotary = keys.actuator == Actuator::revolute;
+  std::vector<Entry> entries{{"printer", keys.radius, geometry.radius}};
+  if (rotary) entries.push_back({"printer", kShoulder, mean_of(geometry.shoulder)});
+  for (std::size_t i = 0; i < 3; ++i) {
+    entries.push_back({kTowers[i], "angle", to_degrees(geometry.tower_angle[i])});
+    if (rotary) entries.push_back({kTowers[i], kArm, geometry.arm[i]});
+    entries.push_back({kTowers[i], keys.rod, geometry.rod[i]});
+    entries.push_back({kTowers[i], "position_endstop", geometry.endstop[i]});
+  }
+  return entries;
+}
+
+std::vector<std::string> notes_of(const Settings& settings, const DeltaGeometry& geometry) {
+  std::vector<std::string> notes;
+  for (const Entry& one : entries_of(geometry)) {
+    const auto saved = settings.overridden(one.section, one.key);
+    if (!saved) continue;
+    const Settings::Value typed = settings.require(one.section, one.key);
+    notes.push_back(fmt::format("{}:{}: {} {} of [{}] is typed there and in force, not the saved {} (line {})",
+                                typed.file->name, typed.line, one.key, typed.text, one.section, saved->text,
+                                saved->line));
+  }
+  for (const Settings::Value& one : settings.missing()) {
+    notes.push_back(fmt::format(
+        "{}:{}: {}, which is included there, is not here; if it states the printer's geometry, that is in force",
+        one.file->name, one.line, one.text));
+  }
+  return notes;
+}
+
+/// Lines of the SAVE_CONFIG block: section by section.
+std::string block_lines(const std::vector<Entry>& entries) {
+  std::string text;
+  std::string_view section;
+  for (const Entry& one : entries) {
+    if (one.section != section) text += fmt::format("{}#*# [{}]\n", section.empty() ? "" : "#*#\n", one.section);
+    section = one.section;
+    text += fmt::format("#*# {} = {:.9f}\n", one.key, one.value);
+  }
+  return text;
+}
+
+constexpr std::string_view kBlockHead =
+    "\n#*# <---------------------- SAVE_CONFIG ---------------------->\n"
+    "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n";
+
 }  // namespace
 
 KlipperDelta read_klipper(const TextFile& file) {
@@ -165,6 +220,7 @@ KlipperDelta read_klipper(const TextFile& file) {
   KlipperDelta printer;
   for (const TextFile& one : settings.files()) printer.files.push_back({one.name, sha256(one.text)});
   printer.geometry = geometry_of(settings);
+  printer.notes = notes_of(settings, printer.geometry);
   for (std::size_t i = 0; i < 3; ++i) {
     printer.step_size[i] = step_size(settings, kTowers[i], printer.geometry.actuator);
   }
@@ -173,20 +229,37 @@ KlipperDelta read_klipper(const TextFile& file) {
   return printer;
 }
 
-std::string klipper_save_config(const DeltaGeometry& geometry) {
-  const Keys& keys = keys_of(geometry.actuator);
-  const bool rotary = keys.actuator == Actuator::revolute;
-  std::string text = fmt::format("#*# [printer]\n#*# {} = {:.6f}\n", keys.radius, geometry.radius);
-  if (rotary) {
-    text += fmt::format("#*# {} = {:.6f}\n", kShoulder, mean_of(geometry.shoulder));
+std::string klipper_save_config(const DeltaGeometry& geometry) { return block_lines(entries_of(geometry)); }
+
+std::string klipper_config(const TextFile& file, const DeltaGeometry& geometry) {
+  const Settings settings(file);
+  const TextFile& own = settings.files().front();
+  std::map<std::size_t, std::pair<std::size_t, std::string>> changes;  // by place: length, and what stands there then
+  std::vector<Entry> unstated;
+  for (const Entry& one : entries_of(geometry)) {
+    const auto value = settings.find(one.section, one.key);
+    if (!value) {
+      unstated.push_back(one);
+    } else if (value->file != &own) {
+      Settings::fail(*value,
+                     fmt::format("expected {} of [{}] in {}, where it can be changed; got it here: make it {:.9f}",
+                                 one.key, one.section, own.name, one.value));
+    } else {
+      changes[static_cast<std::size_t>(value->text.data() - own.text.data())] = {value->text.size(),
+                                                                                 fmt::format("{:.9f}", one.value)};
+    }
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    text += fmt::format("#*#\n#*# [{}]\n#*# angle = {:.6f}\n", kTowers[i], to_degrees(geometry.tower_angle[i]));
-    if (rotary) text += fmt::format("#*# {} = {:.6f}\n", kArm, geometry.arm[i]);
-    text +=
-        fmt::format("#*# {} = {:.6f}\n#*# position_endstop = {:.6f}\n", keys.rod, geometry.rod[i], geometry.endstop[i]);
+  std::string text;
+  std::size_t done = 0;
+  for (const auto& [place, change] : changes) {
+    text.append(own.text, done, place - done).append(change.second);
+    done = place + change.first;
   }
-  return text;
+  text.append(own.text, done);
+  if (unstated.empty()) return text;
+  if (!text.empty() && text.back() != '\n') text += '\n';
+  const bool has_block = std::ranges::any_of(lines_of(own.text), [](auto line) { return line.starts_with("#*#"); });
+  return text + (has_block ? "#*#\n" : std::string(kBlockHead)) + block_lines(unstated);
 }
 
 }  // namespace paracal::io

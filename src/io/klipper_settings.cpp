@@ -79,7 +79,8 @@ void KlipperSettings::add(const TextFile& given, const std::vector<std::string>&
     }
     const std::size_t end = text.find_first_of(":=");
     if (end == std::string_view::npos || section.empty()) continue;
-    values_[{section, lower(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)), &file, number};
+    (saved ? saved_ : typed_)[{section, lower(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)), &file,
+                                                                                 number, saved};
   }
 }
 
@@ -87,9 +88,7 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
   const std::filesystem::path folder = std::filesystem::path(pattern.file->name).parent_path();
   const std::string whole = (folder / pattern.text).string();
   const std::vector<std::string> names = matches(whole);
-  if (names.empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) {
-    fail(pattern, fmt::format("expected a file {} to include, got none", whole));
-  }
+  if (names.empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) missing_.push_back(pattern);
   for (const std::string& name : names) {
     if (std::ranges::find(within, name) != within.end()) {
       fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
@@ -106,13 +105,30 @@ void KlipperSettings::fail(const Value& value, const std::string& complaint) {
 }
 
 std::optional<KlipperSettings::Value> KlipperSettings::find(std::string_view section, std::string_view key) const {
-  const auto found = values_.find({std::string(section), std::string(key)});
-  return found == values_.end() ? std::nullopt : std::optional(found->second);
+  const std::pair name{std::string(section), std::string(key)};
+  if (const auto found = typed_.find(name); found != typed_.end()) return found->second;
+  const auto found = saved_.find(name);
+  return found == saved_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<KlipperSettings::Value> KlipperSettings::overridden(std::string_view section,
+                                                                  std::string_view key) const {
+  const std::pair name{std::string(section), std::string(key)};
+  const auto typed = typed_.find(name), saved = saved_.find(name);
+  if (typed == typed_.end() || saved == saved_.end()) return std::nullopt;
+  const auto one = finite_number(typed->second.text), other = finite_number(saved->second.text);
+  const bool same = one && other ? *one == *other : typed->second.text == saved->second.text;
+  return same ? std::nullopt : std::optional(saved->second);
 }
 
 KlipperSettings::Value KlipperSettings::require(std::string_view section, std::string_view key) const {
   if (const auto value = find(section, key)) return *value;
-  fail({{}, &files_.front(), 0}, fmt::format("expected {} in [{}], got none", key, section));
+  std::string complaint = fmt::format("expected {} in [{}], got none", key, section);
+  for (const Value& one : missing_) {
+    complaint += fmt::format("; it may be in {}, which {}:{} includes and which is not there", one.text, one.file->name,
+                             one.line);
+  }
+  fail({{}, &files_.front(), 0}, complaint);
 }
 
 double KlipperSettings::number_of(const Value& value, std::string_view what) {

@@ -17,12 +17,14 @@ namespace paracal::io {
 /// A text without blanks around it, cut at a separator.
 std::vector<std::string_view> cut(std::string_view text, char separator);
 
-/// Settings by section and key, with the places where they stand; later ones replace earlier ones, so those of the
-/// SAVE_CONFIG block win. Sections `[include NAME]` stand for the files of that name or pattern (*, ?), from the folder
-/// of the file that names them.
+/// Settings by section and key, with the places where they stand. What is typed is in force, the last of a key, in the
+/// file itself or in one that it includes; the SAVE_CONFIG block states what nobody has typed (Klipper comments out the
+/// lines of its block that others contradict). Sections `[include NAME]` stand for the files of that name or pattern
+/// (*,
+/// ?), from the folder of the file that names them.
 class KlipperSettings {
  public:
-  /// @throws InputFileError for an included file that is not there, or that includes itself.
+  /// @throws InputFileError for an included file that includes itself.
   explicit KlipperSettings(const TextFile& file);
   KlipperSettings(const KlipperSettings&) = delete;
   KlipperSettings& operator=(const KlipperSettings&) = delete;
@@ -31,6 +33,7 @@ class KlipperSettings {
     std::string_view text;
     const TextFile* file = nullptr;
     int line = 0;
+    bool saved = false;  ///< in the SAVE_CONFIG block
   };
 
   [[noreturn]] static void fail(const Value& value, const std::string& complaint);
@@ -42,6 +45,11 @@ class KlipperSettings {
   std::optional<double> optional_number(std::string_view section, std::string_view key) const;
   double positive(std::string_view section, std::string_view key) const;
 
+  /// What the SAVE_CONFIG block says of a key that is typed otherwise, and so is not in force.
+  std::optional<Value> overridden(std::string_view section, std::string_view key) const;
+  /// Files that should be included and are not there.
+  const std::vector<Value>& missing() const { return missing_; }
+
   /// The file and what it includes, in the order of reading.
   const std::deque<TextFile>& files() const { return files_; }
 
@@ -50,7 +58,9 @@ class KlipperSettings {
   void include(const Value& pattern, const std::vector<std::string>& within);
 
   std::deque<TextFile> files_;  // which the values point into
-  std::map<std::pair<std::string, std::string>, Value> values_;
+  using Values = std::map<std::pair<std::string, std::string>, Value>;
+  Values typed_, saved_;
+  std::vector<Value> missing_;
 };
 
 }  // namespace paracal::io

@@ -31,7 +31,7 @@ std::string config_of(const json& entry) {
   for (std::size_t i = 0; i < 3; ++i) {
     text +=
         fmt::format("\n[{}]\nstep_pin: PF{}\nstep_distance: {}\n", kTowers[i], i, entry["step_distance_mm"][i].dump());
-    if (i == 0) text += "arm_length: 999.0 ; typed, replaced below\nposition_endstop = 999\n";
+    if (i == 0) text += "#arm_length: 999.0 ; typed once, commented out by SAVE_CONFIG\n#position_endstop = 999\n";
     saved += fmt::format("#*# [{}]\n#*# angle = {}\n#*# arm_length = {}\n#*# position_endstop = {}\n#*#\n", kTowers[i],
                          entry["tower_angle_deg"][i].dump(), entry["arm_length_mm"][i].dump(),
                          entry["position_endstop_mm"][i].dump());
