@@ -84,9 +84,9 @@ void report(const KlipperSet& set) {
 class LeftOut {
  public:
   void add(const std::string& id, const DeltaGeometry& saved, const DeltaReadings& readings) {
-    const auto errors = leave_one_out(saved, readings);
-    if (!errors || readings.distances.empty()) return;
-    const auto& [firmware, ours] = *errors;
+    const PrinterCalibration found = calibrate_printer(saved, readings);
+    if (!found.tested() || readings.distances.empty()) return;
+    const PredictionErrors firmware = found.by_firmware.held_out, ours = found.written.held_out;
     heights_.push_back(ours.height / firmware.height);
     distances_.push_back(ours.distance / firmware.distance);
     fmt::print("{:<8}{:>10.3f}{:>10.3f}\n", id, heights_.back(), distances_.back());

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <ctime>
+#include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "calibration_page.hpp"
@@ -85,16 +89,21 @@ PrinterState read_printer(const PrinterFile& file) {
   const io::TextFile text = io::read_file(file.name);
   if (file.firmware != kKlipper) {
     const DeltaGeometry geometry = io::read_machine_codes(text, dialect_of(file.firmware));
-    return {.files = {{text.name, io::sha256(text.text)}}, .geometry = geometry};
+    return {.files = {{text.name, io::sha256(text.text)}},
+            .geometry = geometry,
+            .print_radius = io::print_radius_of_codes(text, dialect_of(file.firmware)),
+            .text = text};
   }
   io::KlipperDelta klipper = io::read_klipper(text);
   return {.files = std::move(klipper.files),
           .geometry = klipper.geometry,
           .print_radius = klipper.print_radius,
-          .readings = std::move(klipper.readings)};
+          .readings = std::move(klipper.readings),
+          .notes = std::move(klipper.notes),
+          .text = text};
 }
 
-Option* add_printer_options(Command& command, PrinterOptions& options) {
+Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs) {
   Option* file =
       add_printer_file(command, options.printer,
                        "instead: a delta printer's own configuration: Klipper's printer.cfg with what DELTA_CALIBRATE "
@@ -107,6 +116,14 @@ Option* add_printer_options(Command& command, PrinterOptions& options) {
   command.add_option("--write", options.write, "with --printer: how to write new values; default: as --firmware")
       ->check(any_firmware())
       ->needs(file);
+  outputs
+      .declare(command.add_option("--config", options.config,
+                                  "with --printer: write the whole of a printer.cfg with the advised values in force"))
+      ->needs(file);
+  command
+      .add_flag("--apply", options.apply,
+                "with --printer: show what changes in the printer.cfg, change it, and keep what it was beside it")
+      ->needs(file);
   return file;
 }
 
@@ -115,7 +132,7 @@ namespace {
 /// Complaints of numbers that cannot be meant name the file that they came from.
 PrinterCalibration calibrate(const PrinterState& printer, const std::string& file) {
   try {
-    return calibrate_printer(printer.geometry, printer.readings, printer.print_radius);
+    return calibrate_printer(printer.geometry, printer.readings, {.print_radius = printer.print_radius});
   } catch (const InvalidArgument& complaint) {
     throw InputFileError(file, 0, complaint.what());
   } catch (const Unreachable& complaint) {
@@ -123,20 +140,78 @@ PrinterCalibration calibrate(const PrinterState& printer, const std::string& fil
   }
 }
 
+/// What differs, line by line, as patches show it. Lines are changed or added at the end, none taken away.
+std::string changed_lines(const std::string& before, const std::string& after) {
+  std::istringstream old(before), changed(after);
+  std::string text, one, other;
+  for (int line = 1; std::getline(changed, other); ++line) {
+    const bool is_there = static_cast<bool>(std::getline(old, one));
+    if (is_there && one == other) continue;
+    text += is_there ? fmt::format("{}: -{}\n", line, one) : std::string();
+    text += fmt::format("{}: +{}\n", line, other);
+  }
+  return text;
+}
+
+/// printer-20261122_221500.cfg beside printer.cfg, as the firmware itself names what it keeps.
+std::string kept_name(const std::string& file) {
+  const std::filesystem::path path(file);
+  const std::time_t seconds = now();
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::array<char, 32> stamp{};
+  std::strftime(stamp.data(), stamp.size(), "-%Y%m%d_%H%M%S", &utc);
+  return (path.parent_path() / (path.stem().string() + stamp.data() + path.extension().string())).string();
+}
+
+/// Writes the configuration with the advised values, where it is asked for and anything is advised.
+/// @returns what to tell of it.
+std::string write_configuration(const PrinterOptions& options, const PrinterState& printer,
+                                const PrinterCalibration& found, Session& session) {
+  if (options.config.empty() && !options.apply) return {};
+  const bool advised = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::take_firmware;
+  if (!advised) return "\nnothing is advised, so no configuration is written\n";
+  const std::string changed = io::klipper_config(printer.text, found.advised());
+  if (!options.config.empty()) session.outputs.write(options.config, changed);
+  if (!options.apply) return fmt::format("\nwritten: {}\n", options.config);
+  const std::string kept = kept_name(options.printer.name);
+  if (std::filesystem::exists(kept)) {
+    throw WrongUsage(fmt::format("--apply: {}: expected no file where the old configuration is to be kept", kept));
+  }
+  session.outputs.write(kept, printer.text.text);
+  session.outputs.write(options.printer.name, changed);
+  return fmt::format("\n{}changed: {}; what it was: {}; restart the firmware\n",
+                     changed_lines(printer.text.text, changed), options.printer.name, kept);
+}
+
+void check_configuration_options(const PrinterOptions& options) {
+  const char* name = options.apply ? "--apply" : "--config";
+  if (!options.apply && options.config.empty()) return;
+  if (options.printer.firmware != kKlipper) {
+    throw WrongUsage(
+        fmt::format("{}: expected Klipper's printer.cfg, got --firmware {}: enter the lines and save with "
+                    "M500 (in config.g, replace them)",
+                    name, options.printer.firmware));
+  }
+}
+
 }  // namespace
 
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session) {
+  check_configuration_options(options);
   const PrinterState printer = with_readings(options);
   const std::string write = options.write.empty() ? options.printer.firmware : options.write;
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
     throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
   }
   PrinterCalibration found = calibrate(printer, options.printer.name);
+  found.findings.insert(found.findings.begin(), printer.notes.begin(), printer.notes.end());
   const std::string parameters = parameters_text(write, found.advised());
   found.calibration.files = printer.files;
   std::vector<std::string> read;
   for (const InputFile& file : printer.files) read.push_back(file.name);
   session.outputs.keep_off(read);
+  const std::string written = write_configuration(options, printer, found, session);
   io::Json json = io::to_json(found.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;
@@ -148,7 +223,9 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   if (session.json()) return;
   std::string text;
   for (const std::string& finding : found.findings) text += fmt::format("- {}\n", finding);
-  if (found.advice != PrinterAdvice::keep_saved) text.append("\n").append(parameters);
+  const bool advised = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::take_firmware;
+  if (advised) text.append("\n").append(parameters);
+  text += written;
   print_summary(text);
 }
 

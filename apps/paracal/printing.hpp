@@ -5,10 +5,12 @@
 
 #include "arguments.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/printer/delta_geometry.hpp"
 
 namespace paracal::app {
 
+class Outputs;
 class Session;
 
 /// A printer's own configuration: a file and whose it is.
@@ -26,6 +28,8 @@ struct PrinterState {
   DeltaGeometry geometry;
   double print_radius = 0.0;  ///< mm; 0: not stated
   DeltaReadings readings = {};
+  std::vector<std::string> notes = {};  ///< on how the file is to be read
+  io::TextFile text = {};               ///< the configuration itself
 };
 
 /// @throws InputFileError for a file that is none of this firmware.
@@ -35,12 +39,14 @@ PrinterState read_printer(const PrinterFile& file);
 struct PrinterOptions {
   PrinterFile printer;
   std::vector<std::string> readings;
-  std::string write;  ///< empty: as the printer's firmware
+  std::string write;   ///< empty: as the printer's firmware
+  std::string config;  ///< file for the whole changed configuration; empty: none
+  bool apply = false;  ///< change the configuration itself, and keep what it was beside it
 };
 
-/// --printer, --firmware, --readings and --write.
+/// --printer, --firmware, --readings, --write, --config and --apply.
 /// @returns --printer.
-Option* add_printer_options(Command& command, PrinterOptions& options);
+Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs);
 
 /// Calibrates a printer from its own file, and from what else was read on it.
 /// @param page  report to write; empty: none.

@@ -40,21 +40,25 @@ Json errors_json(const PredictionErrors& errors) {
   return {{"height_mm", errors.height}, {"distance_mm", errors.distance}};
 }
 
-const char* name(PrinterAdvice advice) {
-  switch (advice) {
-    case PrinterAdvice::accept_new:
-      return "accept_new";
-    case PrinterAdvice::take_firmware:
-      return "take_firmware";
-    case PrinterAdvice::keep_saved:
-      break;
-  }
-  return "keep_saved";
+Json candidate_json(const PrinterCandidate& one) {
+  return {{"geometry", geometry_json(one.geometry)},
+          {"gain", {{"value", one.gain.value}, {"low", one.gain.low}, {"high", one.gain.high}}},
+          {"chance_better", one.chance_better},
+          {"expected_shape_mm", one.expected_shape}};
+}
+
+Json size_json(const PrintSize& size) {
+  return {{"bias_can_be_told", size.bias_can_be_told},
+          {"bias_is_there", size.bias_is_there},
+          {"bias_mm", size.bias},
+          {"bias_std_mm", size.bias_std},
+          {"open_share", size.open}};
 }
 
 }  // namespace
 
 Json to_json(const PrinterCalibration& found) {
+  const auto held_out = [&](const PredictionErrors& errors) { return found.tested() ? errors_json(errors) : Json(); };
   return {{"advice", name(found.advice)},
           {"findings", found.findings},
           {"saved", fit_json(found.saved)},
@@ -62,8 +66,15 @@ Json to_json(const PrinterCalibration& found) {
           {"new", geometry_json(found.projection.geometry)},
           {"accuracy_saved", accuracy_json(found.accuracy_before)},
           {"accuracy_new", accuracy_json(found.projection.accuracy)},
-          {"left_out", found.tested() ? errors_json(found.predicted) : Json()},
-          {"left_out_firmware", found.tested() ? errors_json(found.by_firmware) : Json()}};
+          {"left_out", held_out(found.written.held_out)},
+          {"left_out_firmware", held_out(found.by_firmware.held_out)},
+          {"left_out_saved", held_out(found.held_out)},
+          {"groups", found.groups},
+          {"judged_new", candidate_json(found.written)},
+          {"judged_firmware", candidate_json(found.by_firmware)},
+          {"expected_shape_saved_mm", found.expected_shape},
+          {"size", size_json(found.size)},
+          {"uncheckable", found.uncheckable}};
 }
 
 }  // namespace paracal::io

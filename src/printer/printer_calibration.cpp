@@ -4,78 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
-#include <tuple>
 
-#include "paracal/calibration/identification.hpp"
+#include "advice.hpp"
 #include "paracal/error.hpp"
-#include "paracal/kinematics/forward.hpp"
+#include "paracal/printer/plausibility.hpp"
+#include "printer_fit.hpp"
 
 namespace paracal {
 namespace {
-
-/// Both ways of knowing a printer, from the same readings.
-struct Known {
-  DeltaFit firmware;
-  PrinterMachine printer;
-  Measurements measurements;
-  Calibration calibration;
-};
-
-std::optional<Known> known_from(const DeltaGeometry& start, const DeltaReadings& readings, double print_radius) {
-  DeltaFit firmware = fit_as_firmware(start, readings);
-  const DeltaGeometry& nominal = firmware.ok() ? firmware.geometry : start;
-  PrinterMachine printer = printer_machine(nominal, print_radius);
-  Measurements measurements = printer_measurements(printer, nominal, readings);
-  Calibration calibration = calibrate(printer.robot, measurements, printer_options(printer.robot, readings));
-  if (calibration.planes.empty()) return std::nullopt;
-  return Known{firmware, std::move(printer), std::move(measurements), std::move(calibration)};
-}
-
-std::optional<Eigen::Vector3d> place_of(const Known& known, const Machine& machine, const JointDrops& drops) {
-  const ForwardResult taken = forward(machine, known.printer.joints_at(drops));
-  return taken.ok() ? std::optional(taken.plate.position) : std::nullopt;
-}
-
-/// Predicted minus measured, mm: by the firmware's fit, by ours; not finite where a machine does not close.
-std::pair<double, double> errors_of(const Known& known, const BedReading& reading) {
-  const auto theirs = nozzle(known.firmware.geometry, reading.drops);
-  const auto ours = place_of(known, build(known.printer.robot, known.calibration.errors()), reading.drops);
-  if (!theirs || !ours) return {NAN, NAN};
-  const FoundPlane& bed = known.calibration.planes.front();
-  return {theirs->z() - reading.height,
-          ours->z() - bed.height - bed.slope_x * ours->x() - bed.slope_y * ours->y() - reading.height};
-}
-
-std::pair<double, double> errors_of(const Known& known, const PrintedDistance& reading) {
-  const DeltaGeometry& g = known.firmware.geometry;
-  const Machine machine = build(known.printer.robot, known.calibration.errors());
-  const auto from = nozzle(g, reading.from), to = nozzle(g, reading.to);
-  const auto our_from = place_of(known, machine, reading.from), our_to = place_of(known, machine, reading.to);
-  if (!from || !to || !our_from || !our_to) return {NAN, NAN};
-  return {(*to - *from).norm() - reading.distance,
-          (*our_to - *our_from).norm() + known.calibration.distance_bias.value_or(0.0) - reading.distance};
-}
-
-/// Root mean squares of the errors of one kind of readings, each left out in turn: the firmware's, ours.
-template <typename Reading>
-std::pair<double, double> left_out(const DeltaGeometry& start, const DeltaReadings& all,
-                                   std::vector<Reading> DeltaReadings::*kind) {
-  double theirs = 0.0, ours = 0.0;
-  const std::vector<Reading>& readings = all.*kind;
-  if (readings.empty()) return {0.0, 0.0};
-  for (std::size_t k = 0; k < readings.size(); ++k) {
-    DeltaReadings rest = all;
-    (rest.*kind).erase((rest.*kind).begin() + static_cast<std::ptrdiff_t>(k));
-    const auto known = known_from(start, rest, 0.0);
-    if (!known) return {NAN, NAN};
-    const auto [their_error, our_error] = errors_of(*known, readings[k]);
-    theirs += their_error * their_error;
-    ours += our_error * our_error;
-  }
-  const auto count = static_cast<double>(readings.size());
-  return {std::sqrt(theirs / count), std::sqrt(ours / count)};
-}
 
 /// Radius of the place where the readings were taken, mm.
 double covered_radius(const DeltaGeometry& geometry, const DeltaReadings& readings) {
@@ -91,60 +27,89 @@ double covered_radius(const DeltaGeometry& geometry, const DeltaReadings& readin
   return radius;
 }
 
-/// Weighted with what readings of each kind are worth.
-double summed(const PredictionErrors& errors) {
-  const NoiseModel noise = CalibrationOptions{}.noise;
-  return std::hypot(errors.height / noise.height, errors.distance / noise.distance);
+/// The readings that the calibration did not leave out.
+DeltaReadings without_gross(const DeltaReadings& all, const Calibration& calibration) {
+  DeltaReadings good;
+  for (std::size_t k = 0; k < calibration.heights.size(); ++k) {
+    if (!calibration.heights[k].excluded) good.heights.push_back(all.heights[k]);
+  }
+  for (std::size_t k = 0; k < calibration.distances.size(); ++k) {
+    if (!calibration.distances[k].excluded) good.distances.push_back(all.distances[k]);
+  }
+  return good;
 }
 
-void tell(const DeltaReadings& readings, PrinterCalibration& result) {
-  const auto say = [&](std::string_view text) { result.findings.emplace_back(text); };
-  constexpr double kBelongs = 1.01, kBetter = 0.98;  // of the optimum's cost; of what the firmware's fit predicts to
-  const double floor = 1e-6 * static_cast<double>(readings.heights.size() + readings.distances.size());  // mm^2
-  const bool has_distances = !readings.distances.empty();
-  const bool belongs =
-      !result.tested() || (result.saved.ok() && result.saved.cost <= kBelongs * result.firmware.cost + floor);
-  if (!belongs) {
-    say(fmt::format(
-        "the saved values do not belong to these readings: they explain the heights to {:.3f} mm, where the "
-        "firmware's own fit would to {:.3f} mm. Was something changed, or the calibration not saved?",
-        result.saved.rms_height, result.firmware.rms_height));
+/// Share by which the size of prints may be off (k = 2): what the bias leaves open of the mean distance.
+double open_size(const DeltaReadings& readings, double bias_std) {
+  double sum = 0.0;
+  for (const PrintedDistance& one : readings.distances) sum += one.distance;
+  return sum > 0.0 ? 2.0 * bias_std * static_cast<double>(readings.distances.size()) / sum : 0.0;
+}
+
+PrintSize size_of(const detail::BiasTrial& trial, const DeltaReadings& readings) {
+  const double std = trial.can_be_told ? trial.std : kDistanceBias;
+  return {.bias_can_be_told = trial.can_be_told,
+          .bias_is_there = trial.is_there,
+          .bias = trial.is_there ? trial.value : 0.0,
+          .bias_std = std,
+          .open = open_size(readings, std)};
+}
+
+PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& saved, const KnownPrinter& known,
+                           const std::optional<HeldOut>& held_out, double HeldOutReading::*by) {
+  PrinterCandidate one{.geometry = geometry,
+                       .held_out = {},
+                       .gain = {},
+                       .some_kind_worse = false,
+                       .chance_better = chance_better(known, geometry, saved),
+                       .expected_shape = expected_shape(known, geometry)};
+  if (!held_out) return one;
+  one.held_out = held_out->errors(by);
+  one.gain = held_out->gain(by);
+  one.some_kind_worse = held_out->some_kind_worse(by);
+  return one;
+}
+
+/// Readings that nobody would notice to be wrong: put off by so much, either way, they are not left out as gross.
+std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings, bool seeks_bias) {
+  constexpr double kHeight = 1.0, kDistance = 0.5;  // mm
+  constexpr std::size_t kMost = 100;                // of more readings each is checked by many
+  std::vector<std::string> names;
+  if (readings.heights.size() + readings.distances.size() > kMost) return names;
+  const auto is_noticed = [&](const DeltaReadings& wrong, const auto& is_excluded) {
+    const auto fit = detail::fit_printer(saved, wrong, {.seeks_bias = seeks_bias});
+    return fit && is_excluded(fit->calibration);
+  };
+  const auto try_both = [&](const auto& off_by, const auto& is_excluded, std::string name) {
+    DeltaReadings above = readings, below = readings;
+    off_by(above, 1.0);
+    off_by(below, -1.0);
+    if (!is_noticed(above, is_excluded) || !is_noticed(below, is_excluded)) names.push_back(std::move(name));
+  };
+  for (std::size_t k = 0; k < readings.heights.size(); ++k) {
+    try_both([&](DeltaReadings& all, double sign) { all.heights[k].height += sign * kHeight; },
+             [&](const Calibration& found) { return found.heights[k].excluded; }, fmt::format("height{}", k));
   }
-  for (const std::string& note : result.calibration.notes) say(note);
-  say(fmt::format("the readings tell {} thing{} about the machine; the rest is taken to be as printers usually are",
-                  result.calibration.rank, result.calibration.rank == 1 ? "" : "s"));
-  say(has_distances
-          ? "heights and distances do not show where along the bed the printer believes its centre, nor how it is "
-            "turned about z"
-          : "heights alone do not show the length of the rods, and so not the size of prints: measure printed "
-            "distances; nor do they show the centre or the turn about z");
-  const DeltaAccuracy &before = result.accuracy_before, &after = result.projection.accuracy;
-  say(fmt::format(
-      "shape of prints over the place of the readings, if this calibration is right: off by {:.0f} um (rms) with the "
-      "saved values, {:.0f} um with the new ones, for which the controller has no parameter; absolute {:.0f} and "
-      "{:.0f} um",
-      1e3 * before.shape_rms, 1e3 * after.shape_rms, 1e3 * before.absolute_rms, 1e3 * after.absolute_rms));
-  if (!result.tested()) {
-    result.advice = PrinterAdvice::keep_saved;
-    return say(
-        fmt::format("warning: keep the saved values: {} readings are too few to check the {} numbers of the "
-                    "firmware's own fit with; measure more",
-                    readings.heights.size() + readings.distances.size(), result.firmware.parameters));
+  for (std::size_t k = 0; k < readings.distances.size(); ++k) {
+    try_both([&](DeltaReadings& all, double sign) { all.distances[k].distance += sign * kDistance; },
+             [&](const Calibration& found) { return found.distances[k].excluded; }, fmt::format("distance{}", k));
   }
-  say(fmt::format("readings left out and predicted from the others: heights to {:.3f} mm (firmware's fit {:.3f} mm){}",
-                  result.predicted.height, result.by_firmware.height,
-                  has_distances ? fmt::format(", distances to {:.3f} mm ({:.3f} mm)", result.predicted.distance,
-                                              result.by_firmware.distance)
-                                : std::string()));
-  const bool better = summed(result.predicted) <= kBetter * summed(result.by_firmware);
-  if (result.projection.ok() && better && result.calibration.verdict != Verdict::not_converged) {
-    result.advice = PrinterAdvice::accept_new;
-    return say("accept the new values");
-  }
-  result.advice = belongs || !result.firmware.ok() ? PrinterAdvice::keep_saved : PrinterAdvice::take_firmware;
-  say(result.advice == PrinterAdvice::keep_saved
-          ? "warning: keep the saved values: the new ones do not predict readings better"
-          : "warning: the new values do not predict readings better than the firmware's own fit: take that one's");
+  return names;
+}
+
+std::vector<std::string> all_implausible(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                         const DeltaFit& fit) {
+  std::vector<std::string> wrong = implausible(saved);
+  const std::vector<std::string> more = implausible(saved, readings, fit);
+  wrong.insert(wrong.end(), more.begin(), more.end());
+  return wrong;
+}
+
+/// Where no machine closes: with what is likely to be wrong.
+[[noreturn]] void refuse(const DeltaGeometry& saved, const DeltaReadings& readings) {
+  const std::vector<std::string> wrong = all_implausible(saved, readings, fit_as_firmware(saved, readings));
+  throw Unreachable(fmt::format("the printer's machine does not close at every reading: {}",
+                                wrong.empty() ? "are step counts and geometry of one printer?" : wrong.front()));
 }
 
 }  // namespace
@@ -152,49 +117,47 @@ void tell(const DeltaReadings& readings, PrinterCalibration& result) {
 const DeltaGeometry& PrinterCalibration::advised() const {
   switch (advice) {
     case PrinterAdvice::accept_new:
-      return projection.geometry;
+      return written.geometry;
     case PrinterAdvice::take_firmware:
-      return firmware.geometry;
-    case PrinterAdvice::keep_saved:
-      break;
+      return by_firmware.geometry;
+    default:
+      return saved.geometry;
   }
-  return saved.geometry;
 }
 
-std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const DeltaGeometry& start,
-                                                                           const DeltaReadings& readings) {
-  const std::size_t count = readings.heights.size() + readings.distances.size();
-  const auto parameters = firmware_basis(start.actuator, !readings.distances.empty()).cols();
-  if (count <= static_cast<std::size_t>(parameters)) return std::nullopt;
-  const auto [their_heights, our_heights] = left_out(start, readings, &DeltaReadings::heights);
-  const auto [their_distances, our_distances] = left_out(start, readings, &DeltaReadings::distances);
-  if (!std::isfinite(our_heights + our_distances + their_heights + their_distances)) return std::nullopt;
-  return std::pair{PredictionErrors{their_heights, their_distances}, PredictionErrors{our_heights, our_distances}};
-}
-
-PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings, double print_radius) {
-  auto known = known_from(saved, readings, print_radius > 0.0 ? print_radius : covered_radius(saved, readings));
-  if (!known) {
-    throw Unreachable(
-        "the printer's machine does not close at every reading: are step counts and geometry of one printer?");
-  }
-  const KnownPrinter machine{known->printer, known->calibration.errors(), known->calibration.planes.front()};
+PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                     const PrinterCalibrationOptions& options) {
+  const double radius = options.print_radius > 0.0 ? options.print_radius : covered_radius(saved, readings);
+  const detail::BiasTrial trial = detail::try_bias(saved, readings);
+  auto fit =
+      detail::fit_printer(saved, readings, {.seeks_bias = trial.is_there, .print_radius = radius, .states_use = true});
+  if (!fit) refuse(saved, readings);
+  const DeltaReadings good = without_gross(readings, fit->calibration);
+  const DeltaFit checked = fit_as_firmware(saved, good);
+  const PrintSize size = size_of(trial, good);
+  const KnownPrinter known = detail::known_printer(*fit, readings, size.bias_std);
+  const DeltaFit judged = judge_as_firmware(saved, good);
+  const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
+  const auto held_out = hold_out(saved, good, trial.is_there, saved_is_fit);
+  const DeltaProjection projection = fit->written();
   PrinterCalibration result{
       .saved = judge_as_firmware(saved, readings),
-      .firmware = known->firmware,
-      .measurements = std::move(known->measurements),
-      .calibration = std::move(known->calibration),
-      .known = machine,
-      .projection = project(machine, known->firmware.geometry,
-                            readings.distances.empty() ? ControllerRods::kept : ControllerRods::each),
-      .accuracy_before = accuracy_of(machine, saved),
-      .predicted = {},
-      .by_firmware = {},
+      .firmware = fit->firmware,
+      .measurements = std::move(fit->measurements),
+      .calibration = std::move(fit->calibration),
+      .known = known,
+      .projection = projection,
+      .written = candidate(projection.geometry, saved, known, held_out, &HeldOutReading::written),
+      .by_firmware = candidate(checked.geometry, saved, known, held_out, &HeldOutReading::firmware),
+      .held_out = held_out ? held_out->errors(&HeldOutReading::saved) : PredictionErrors{},
+      .groups = held_out ? held_out->groups : 0,
+      .expected_shape = expected_shape(known, saved),
+      .saved_is_fit = saved_is_fit,
+      .accuracy_before = accuracy_of(known, saved),
+      .size = size,
+      .uncheckable = options.tries_gross ? unnoticed(saved, readings, trial.is_there) : std::vector<std::string>{},
       .findings = {}};
-  if (const auto errors = leave_one_out(saved, readings)) {
-    std::tie(result.by_firmware, result.predicted) = *errors;
-  }
-  tell(readings, result);
+  detail::advise(readings, all_implausible(saved, good, checked), result);
   return result;
 }
 

@@ -99,31 +99,33 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   const double width = geometry.parallelogram_width;
   Tolerances tolerances;
   tolerances[Source::theta_offset] = linear ? 10.0 : to_radians(5.0);
-  tolerances[Source::e_x] = tolerances[Source::e_y] = tolerances[Source::e_z] = 0.3;
-  tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(linear ? 0.04 : 0.3);
+  tolerances[Source::e_x] = tolerances[Source::e_y] = linear ? 1.5 : 0.3;
+  tolerances[Source::e_z] = 0.3;
+  tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(linear ? 0.08 : 0.3);
   tolerances[Source::arm_length] = linear ? 0.0 : 0.1;
-  tolerances[Source::rod_mean] = 0.1;
-  tolerances[Source::rod_difference] = 2e-3 * width;
-  tolerances[Source::width_difference] = 4e-3 * width;
+  tolerances[Source::rod_mean] = linear ? 0.5 : 0.1;
+  const double assembly = linear ? 8e-3 : 4e-3;  // rad
+  tolerances[Source::rod_difference] = 0.5 * assembly * width;
+  tolerances[Source::width_difference] = assembly * width;
   tolerances[Source::alpha03] = tolerances[Source::beta03] = tolerances[Source::alpha2] = tolerances[Source::beta2] =
-      4e-3;
+      assembly;
   tolerances.origin.fill(Origin::generous);
   list_assumed(tolerances, geometry.actuator);
   return tolerances;
 }
 
-std::vector<CommonError> printer_common_errors(const Robot& robot, bool rods_too) {
-  constexpr double kUnknown = 5.0;  // mm, standard deviation
+std::vector<CommonError> printer_common_errors(const Robot& robot, bool has_distances) {
+  constexpr double kUnknown = 5.0, kTyped = 0.5;  // mm, standard deviations
   CommonError radius{.text = "delta radius", .direction = {}, .std = kUnknown};
-  CommonError rods{.text = "length of the rods", .direction = {}, .std = kUnknown};
-  CommonError arms{.text = "length of the arms", .direction = {}, .std = kUnknown};
+  const double lengths = has_distances ? kUnknown : kTyped;
+  CommonError rods{.text = "length of the rods", .direction = {}, .std = lengths};
+  CommonError arms{.text = "length of the arms", .direction = {}, .std = lengths};
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     radius.direction(i, Source::e_x) = robot.nominal().limbs[i].radial.x();
     radius.direction(i, Source::e_y) = robot.nominal().limbs[i].radial.y();
     rods.direction(i, Source::rod_mean) = 1.0;
     arms.direction(i, Source::arm_length) = 1.0;
   }
-  if (!rods_too) return {radius};
   return robot.actuator() == Actuator::linear ? std::vector{radius, rods} : std::vector{radius, rods, arms};
 }
 
@@ -152,13 +154,13 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
   return measurements;
 }
 
-CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings) {
+CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings, bool seeks_bias) {
   CalibrationOptions options;
   options.diagnose = false;  // the firmware's own fit stands beside it
   options.stage = Stage::fine;
   options.noise.height = 0.02;
-  options.noise.distance = 0.06;
-  options.noise.distance_bias = 0.2;
+  options.noise.distance = 0.05;
+  options.noise.distance_bias = seeks_bias ? kDistanceBias : 0.0;
   options.plane_slope = 0.5e-3;
   options.common = printer_common_errors(robot, !readings.distances.empty());
   return options;

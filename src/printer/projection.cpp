@@ -1,11 +1,14 @@
 #include "paracal/printer/projection.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
 
 namespace paracal {
@@ -64,6 +67,61 @@ std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geo
   return places;
 }
 
+/// Places with both beliefs, stacked x, y, z.
+struct Grid {
+  Eigen::VectorXd machine, geometry, than;
+  Eigen::MatrixXd by_errors;  ///< d machine / d (height and slopes of the bed, parameters)
+  Eigen::MatrixXd motions;    ///< shifts along x and y, turn about z
+
+  /// Without what such a motion explains.
+  Eigen::VectorXd without_motion(const Eigen::VectorXd& stacked) const {
+    return stacked - motions * motions.colPivHouseholderQr().solve(stacked);
+  }
+};
+
+/// d above() / d (bed, parameters).
+Eigen::MatrixXd by_errors(const FoundPlane& bed, const Eigen::Vector3d& p, const Eigen::MatrixXd& by_parameters) {
+  const double height = p.z() - bed.height - bed.slope_x * p.x() - bed.slope_y * p.y();
+  Eigen::MatrixXd by(3, 3 + by_parameters.cols());
+  by.row(2) << -1.0, -p.x(), -p.y(), Eigen::RowVector3d(-bed.slope_x, -bed.slope_y, 1.0) * by_parameters.topRows(3);
+  by.row(0) << 0.0, height, 0.0, by_parameters.row(0);
+  by.row(1) << 0.0, 0.0, height, by_parameters.row(1);
+  by.row(0) += bed.slope_x * by.row(2);
+  by.row(1) += bed.slope_y * by.row(2);
+  return by;
+}
+
+Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than) {
+  const Machine machine = build(known.printer.robot, known.errors);
+  const Eigen::Index n = std::ssize(known.parameters);
+  const std::vector<Place> places = places_of(known, than);
+  Grid grid;
+  const Eigen::Index rows = 3 * std::ssize(places);
+  grid.machine.resize(rows);
+  grid.geometry.resize(rows);
+  grid.than.resize(rows);
+  grid.by_errors.resize(rows, 3 + n);
+  grid.motions.resize(rows, 3);
+  Eigen::Index at = 0;
+  for (const Place& place : places) {
+    const Joints joints = known.printer.joints_at(place.drops);
+    const auto one = nozzle(geometry, place.drops), other = nozzle(than, place.drops);
+    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
+    if (!one || !other || jacobian.rows() == 0) continue;
+    const auto here = Eigen::seqN(at, Eigen::fix<3>);
+    grid.machine(here) = place.above_bed;
+    grid.geometry(here) = *one;
+    grid.than(here) = *other;
+    grid.by_errors.middleRows<3>(at) = by_errors(known.bed, forward(machine, joints).plate.position, jacobian);
+    grid.motions.middleRows<3>(at) << 1.0, 0.0, -other->y(), 0.0, 1.0, other->x(), 0.0, 0.0, 0.0;
+    at += 3;
+  }
+  for (Eigen::VectorXd* one : {&grid.machine, &grid.geometry, &grid.than}) one->conservativeResize(at);
+  grid.by_errors.conservativeResize(at, Eigen::NoChange);
+  grid.motions.conservativeResize(at, Eigen::NoChange);
+  return grid;
+}
+
 DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry& geometry) {
   std::vector<Eigen::Vector3d> believed, actual;
   for (const Place& place : places) {
@@ -103,6 +161,43 @@ DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry&
 }
 
 }  // namespace
+
+KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration) {
+  KnownPrinter known{printer, calibration.errors(), calibration.planes.front()};
+  for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
+  const Eigen::Index n = std::ssize(known.parameters);
+  if (known.bed.covariance.size() == 0) return known;
+  known.covariance.resize(3 + n, 3 + n);
+  known.covariance << known.bed.covariance, known.bed.covariance.rightCols(n).transpose(),
+      known_errors(calibration).expanded_covariance();
+  return known;
+}
+
+double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than) {
+  const Grid grid = grid_of(known, geometry, than);
+  const Eigen::VectorXd change = grid.without_motion(grid.geometry - grid.than);
+  constexpr double kNothing = 1e-4;  // mm, root mean square: no fit settles closer
+  if (change.norm() < kNothing * std::sqrt(static_cast<double>(std::max<Eigen::Index>(change.size(), 3)) / 3.0))
+    return 0.5;
+  const double gain = change.dot(2.0 * grid.machine - grid.geometry - grid.than);
+  const Eigen::VectorXd by_errors = grid.by_errors.transpose() * change;
+  const double variance = known.covariance.size() > 0 ? 4.0 * by_errors.dot(known.covariance * by_errors) : 0.0;
+  if (!(variance > 0.0)) return gain > 0.0 ? 1.0 : gain < 0.0 ? 0.0 : 0.5;
+  return cdf(boost::math::normal_distribution<>(), gain / std::sqrt(variance));
+}
+
+double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry) {
+  const Grid grid = grid_of(known, geometry, geometry);
+  const Eigen::Index places = grid.machine.size() / 3;
+  if (places == 0) return 0.0;
+  double square = grid.without_motion(grid.machine - grid.geometry).squaredNorm();
+  if (known.covariance.size() > 0) {
+    Eigen::MatrixXd shape = grid.by_errors;
+    for (auto column : shape.colwise()) column = grid.without_motion(column);
+    square += (shape * known.covariance).cwiseProduct(shape).sum();
+  }
+  return std::sqrt(square / static_cast<double>(places));
+}
 
 std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
                                          const JointDrops& drops) {

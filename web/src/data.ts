@@ -82,8 +82,19 @@ export interface DeltaAccuracy {
   shape_rms_mm: number;
   shape_max_mm: number;
 }
+export interface PredictionErrors {
+  height_mm: number;
+  distance_mm: number;
+}
+/// Values that could be written, against the saved ones.
+export interface PrinterCandidate {
+  geometry: DeltaGeometry;
+  gain: { value: number; low: number; high: number };
+  chance_better: number;
+  expected_shape_mm: number;
+}
 export interface Printer {
-  advice: "accept_new" | "take_firmware" | "keep_saved";
+  advice: "accept_new" | "take_firmware" | "keep_saved" | "check_input";
   findings: string[];
   saved: DeltaFit;
   firmware: DeltaFit;
@@ -91,8 +102,12 @@ export interface Printer {
   lines: string;
   accuracy_saved: DeltaAccuracy;
   accuracy_new: DeltaAccuracy;
-  left_out: { height_mm: number; distance_mm: number } | null; ///< null: too few readings
-  left_out_firmware: { height_mm: number; distance_mm: number } | null;
+  left_out: PredictionErrors | null; ///< null: too few readings
+  left_out_firmware: PredictionErrors | null;
+  left_out_saved: PredictionErrors | null;
+  judged_new: PrinterCandidate;
+  judged_firmware: PrinterCandidate;
+  expected_shape_saved_mm: number;
 }
 
 export interface Calibration {

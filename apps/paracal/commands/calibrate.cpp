@@ -133,7 +133,7 @@ void add_calibrate(Command& program, Session& session) {
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);
   add_limit_options(*command, options->limits);
-  add_printer_options(*command, options->printer)->excludes(measurements);
+  add_printer_options(*command, options->printer, session.outputs)->excludes(measurements);
   command->add_flag("--sigma-known", options->measuring.sigma_known,
                     "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");
   add_mount_option(*command, options->reflectors);

@@ -4,21 +4,39 @@
 #include <string>
 #include <vector>
 
+#include "paracal/printer/held_out.hpp"
 #include "paracal/printer/projection.hpp"
 
 namespace paracal {
 
-/// Root mean square errors of readings predicted from all the others, mm: what the next reading would show.
-struct PredictionErrors {
-  double height = 0.0;    ///< 0 without heights
-  double distance = 0.0;  ///< 0 without distances
-};
-
 /// What an owner is advised to do.
 enum class PrinterAdvice : std::uint8_t {
   accept_new,     ///< the projected geometry should replace the saved one
-  take_firmware,  ///< the firmware's own fit should: the saved one does not belong to the readings, ours is no better
-  keep_saved,
+  take_firmware,  ///< the firmware's own fit should: it is better than the saved one, and ours no better than it
+  keep_saved,     ///< nothing is better than the saved one by more than chance
+  check_input,    ///< the file or the readings are wrong: nothing is advised
+};
+
+/// "accept_new", ...
+std::string_view name(PrinterAdvice advice);
+
+/// Values that could be written, against the saved ones.
+struct PrinterCandidate {
+  DeltaGeometry geometry;
+  PredictionErrors held_out;     ///< of readings that the values have not seen; 0 where none could be held out
+  PairedGain gain;               ///< of them
+  bool some_kind_worse = false;  ///< of them, by more than chance
+  double chance_better = 0.5;    ///< see chance_better(): by all that the calibration knows
+  double expected_shape = 0.0;   ///< see expected_shape(), mm
+};
+
+/// Whether distances show how large prints become.
+struct PrintSize {
+  bool bias_can_be_told = false;  ///< of all distances alike: they have lengths that differ enough
+  bool bias_is_there = false;     ///< told from zero; then it was sought with everything else
+  double bias = 0.0;              ///< mm, where it is there
+  double bias_std = 0.0;          ///< mm; where it cannot be told, of what is usual
+  double open = 0.0;              ///< half-width of what the size of prints is off by for want of knowing it (95 %)
 };
 
 /// A printer calibrated from what its owner measured, beside the firmware's own fit.
@@ -27,37 +45,40 @@ struct PrinterCalibration {
   DeltaFit firmware;          ///< the optimum of that cost
   Measurements measurements;  ///< the readings, as the calibration took them
   Calibration calibration;
-  KnownPrinter known;                 ///< what the calibration says
-  DeltaProjection projection;         ///< what the controller should be told
-  DeltaAccuracy accuracy_before;      ///< of the saved geometry, if the calibration is right
-  PredictionErrors predicted;         ///< by this calibration
-  PredictionErrors by_firmware;       ///< by the firmware's fit
-  std::vector<std::string> findings;  ///< in plain words: what could be told, what could not, what to do
+  KnownPrinter known;             ///< what the calibration says
+  DeltaProjection projection;     ///< what the controller should be told
+  PrinterCandidate written;       ///< the same as values to be written
+  PrinterCandidate by_firmware;   ///< the firmware's fit, gross readings left out
+  PredictionErrors held_out;      ///< of the saved values, as of the candidates
+  std::size_t groups = 0;         ///< in which readings were held out; 0: there were too few
+  double expected_shape = 0.0;    ///< of the saved values, mm
+  bool saved_is_fit = false;      ///< the saved values are the firmware's fit of the readings
+  DeltaAccuracy accuracy_before;  ///< of the saved geometry, if the calibration is right
+  PrintSize size;
+  std::vector<std::string> uncheckable;  ///< readings that could be wrong by 1 mm (a distance 0.5) unnoticed
+  std::vector<std::string> findings;     ///< in plain words: what could be told, what could not, what to do
   PrinterAdvice advice = PrinterAdvice::keep_saved;
 
-  /// Whether there were readings enough to leave some out.
-  bool tested() const { return by_firmware.height > 0.0; }
+  bool tested() const { return groups > 0; }
 
   /// The geometry that the advice is for.
   const DeltaGeometry& advised() const;
 };
 
-/// Readings left out one at a time and predicted from the rest, by the firmware's fit and by ours. Nothing of the
-/// prediction has seen the reading: the nominal machine, too, is that which the firmware's fit finds in the rest.
-/// Readings that contradict all others (named by the calibration) are predicted like the rest.
-/// @param start  a geometry near the optimum.
-/// @returns nothing where some fit fails, and where all but one reading are fewer than the firmware's parameters: such
-/// a fit stays where it starts, and may know the reading from there.
-std::optional<std::pair<PredictionErrors, PredictionErrors>> leave_one_out(const DeltaGeometry& start,
-                                                                           const DeltaReadings& readings);
+struct PrinterCalibrationOptions {
+  double print_radius = 0.0;  ///< of the bed, mm; 0: as far out as the readings were taken
+  bool tries_gross = true;    ///< put every reading off in turn to see whether it would be noticed: most of the time
+};
 
-/// Calibrates with all errors of the machine and projects the answer onto what the controller holds.
+/// Calibrates with all errors of the machine, projects the answer onto what the controller holds, and judges the values
+/// that would be written: readings that they have not seen, by the firmware's own formula, against the saved values and
+/// the firmware's fit of the same readings; and over the place of the readings by what the calibration knows.
 ///
-/// New values are advised where readings that it had not seen are predicted better than by the firmware's fit; else the
-/// findings warn.
-/// @param print_radius  of the bed, mm; 0: as far out as the readings were taken.
+/// Values are advised where they are better than the saved ones by more than chance, and on no kind of readings worse:
+/// see better() in advice.hpp. Gross readings leave every fit. Heights alone of fewer than 13 places never make new
+/// values.
 /// @throws InvalidArgument without heights, or for readings that no machine with this geometry takes.
 PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
-                                     double print_radius = 0.0);
+                                     const PrinterCalibrationOptions& options = {});
 
 }  // namespace paracal

@@ -26,23 +26,30 @@ struct PrinterMachine {
 /// @throws InvalidArgument for a geometry that makes no sense.
 PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius = 0.0);
 
-/// Half-widths (3 sigma) of a printer's parts against each other: rods (and arms) cut in one jig alike to 0.1 mm, rails
-/// and shoulders within 0.3 mm of where they belong, rails at both ends (0.04 deg), motor axes within 0.3 deg, endstops
-/// anywhere within 10 mm or 5 deg, ball joints as people assemble them.
+/// Half-widths (3 sigma) of a printer's parts against each other. Linear: rails within 1.5 mm of where they belong
+/// (towers of 14 published printers are 0.15 deg off in the median, 0.4 mm on their radius) and upright to 0.08 deg,
+/// rods alike to 0.5 mm. Rotary, of which nobody has published any: shoulders within 0.3 mm, motor axes within 0.3 deg,
+/// rods and arms cut in one jig alike to 0.1 mm. Endstops anywhere within 10 mm or 5 deg, ball joints as people
+/// assemble them.
 Tolerances printer_tolerances(const Geometry& geometry);
 
-/// What the limbs of a printer share, and nobody has measured: the delta radius and the lengths of rods and arms.
-/// Heights alone hardly tell them apart; then rods and arms are left as they are typed.
-std::vector<CommonError> printer_common_errors(const Robot& robot, bool rods_too);
+/// What the limbs of a printer share: the delta radius and the lengths of rods and arms. Nobody has measured the radius
+/// (5 mm, standard deviation). Distances tell the lengths; heights alone hardly do, and then they are taken to be as
+/// they are typed, to 0.5 mm.
+std::vector<CommonError> printer_common_errors(const Robot& robot, bool has_distances);
 
 /// The readings as stations (named by kind and number, from 0 as in printer.cfg), heights above one bed, and distances.
 /// @throws InvalidArgument where the firmware's geometry does not close.
 Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeometry& geometry,
                                   const DeltaReadings& readings);
 
-/// How printers are measured: probes repeat to 0.02 mm, callipers on printed pillars to 0.06 mm, and all distances
-/// share a bias of 0.2 mm (walls too thick or too thin); beds are square to the rails within 0.5 mrad. These, the
-/// tolerances and the common errors are alike for all printers.
-CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings);
+/// By how much all distances of an object may be read too long (walls too thick or too thin, a calliper's zero), mm,
+/// standard deviation.
+inline constexpr double kDistanceBias = 0.2;
+
+/// How printers are measured: probes repeat to 0.02 mm, callipers on printed pillars to 0.05 mm; beds are square to the
+/// rails within 0.5 mrad. These, the tolerances and the common errors are alike for all printers.
+/// @param seeks_bias  a bias of all distances is one of the unknowns.
+CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings, bool seeks_bias);
 
 }  // namespace paracal

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/printer/printer_machine.hpp"
 
@@ -19,7 +21,13 @@ struct KnownPrinter {
   PrinterMachine printer;
   SourceErrors errors;
   FoundPlane bed;
+  std::vector<SoughtSource> parameters = {};
+  /// Of height and slopes of the bed, then of the parameters, mm and rad, U = 2 std; empty: known exactly.
+  Eigen::MatrixXd covariance = {};
 };
+
+/// As a calibration found it, its bed first among the planes.
+KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration);
 
 /// Which lengths of rods (and arms) a controller is told.
 enum class ControllerRods : std::uint8_t {
@@ -44,6 +52,21 @@ std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaG
 
 /// Of a firmware with this geometry, on a grid of the workspace. Places that it does not reach are passed over.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
+
+/// Probability that with one geometry the nozzle is less off in shape (root mean square over the workspace) than with
+/// another. t: where the machine stands on the grid, above the bed; a, b: where either believes it; Q: takes a shift
+/// along the bed and a turn about z away,
+///
+///   D = |Q(t - a)|^2 - |Q(t - b)|^2 = (b - a)^T Q (2 t - a - b),    var D = 4 v^T cov(t) v,  v = Q(b - a):
+///
+/// linear in t, so that what is known of t is all it takes. 1/2 where both believe the same.
+double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than);
+
+/// Error of shape to be expected over the workspace, root mean square, mm: that of the machine as it was found, and
+/// what is not known of it,
+///
+///   sqrt((|Q(t - b)|^2 + tr Q cov(t) Q) / places)
+double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry);
 
 /// The best fit of what a controller holds over the workspace:
 ///

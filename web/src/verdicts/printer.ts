@@ -6,20 +6,23 @@ import { card, from, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict.printer;
 
-function predicted(name: string, ours: number, firmware: number): HTMLElement[] {
-  return ours > 0 ? [card(name, [digits(ours, 2), unitOf("mm")], [text.byFirmware(digits(firmware, 2))])] : [];
+function predicted(name: string, saved: number, ours: number, firmware: number): HTMLElement[] {
+  return ours > 0 ? [card(name, [from(digits(saved, 2)), digits(ours, 2), unitOf("mm")], [text.byFirmware(digits(firmware, 2))])] : [];
 }
 
 export function ofPrinter(printer: Printer): Verdict {
-  const { accuracy_saved: before, accuracy_new: after, left_out: ours, left_out_firmware: firmware } = printer;
+  const { left_out_saved: saved, left_out: ours, left_out_firmware: firmware } = printer;
+  const lost = printer.accuracy_new.shape_rms_mm;
   return {
     yes: printer.advice === "accept_new",
     says: text.says[printer.advice],
     sentence: text.sentence,
     reasons: printer.advice === "accept_new" ? [] : printer.findings.slice(-1),
     cards: [
-      card(text.shape, [from(digits(before.shape_rms_mm, 2)), digits(after.shape_rms_mm, 2), unitOf("mm")], [text.saved, text.absolute(digits(before.absolute_rms_mm, 2), digits(after.absolute_rms_mm, 2))]),
-      ...(ours && firmware ? [...predicted(text.height, ours.height_mm, firmware.height_mm), ...predicted(text.distance, ours.distance_mm, firmware.distance_mm)] : []),
+      card(text.shape, [from(digits(printer.expected_shape_saved_mm, 2)), digits(printer.judged_new.expected_shape_mm, 2), unitOf("mm")], [text.saved, text.lost(digits(lost, 2))]),
+      ...(ours && firmware && saved
+        ? [...predicted(text.height, saved.height_mm, ours.height_mm, firmware.height_mm), ...predicted(text.distance, saved.distance_mm, ours.distance_mm, firmware.distance_mm)]
+        : []),
     ],
     notes: printer.findings,
   };

@@ -1,0 +1,142 @@
+#include "paracal/printer/plausibility.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "paracal/error.hpp"
+#include "paracal/printer/printer_calibration.hpp"
+#include "paracal/units.hpp"
+#include "printer/klipper_sets.hpp"
+
+namespace paracal {
+namespace {
+
+using test::KlipperSet;
+using testing::Contains;
+using testing::HasSubstr;
+
+KlipperSet set_named(const std::string& id) {
+  const std::vector<KlipperSet> sets = test::klipper_sets();
+  return *std::ranges::find(sets, id, &KlipperSet::id);
+}
+
+/// Every drop of the readings through a function.
+void change(DeltaReadings& readings, const std::function<JointDrops(const JointDrops&)>& by) {
+  for (BedReading& one : readings.heights) one.drops = by(one.drops);
+  for (PrintedDistance& one : readings.distances) {
+    one.from = by(one.from);
+    one.to = by(one.to);
+  }
+}
+
+std::function<JointDrops(const JointDrops&)> times(double factor) {
+  return [factor](const JointDrops& drops) {
+    return JointDrops{factor * drops[0], factor * drops[1], factor * drops[2]};
+  };
+}
+
+struct Wrong {
+  const char* what;
+  const char* set;
+  std::function<void(KlipperSet&)> spoil;
+  const char* said;
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.what << " of " << wrong.set; }
+
+class ImplausiblePrinter : public testing::TestWithParam<Wrong> {};
+
+/// Nothing is advised, and what is likely to be wrong is named; where no machine closes at all, it is refused.
+TEST_P(ImplausiblePrinter, IsNotAdvised) {
+  KlipperSet set = set_named(GetParam().set);
+  GetParam().spoil(set);
+  try {
+    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+    EXPECT_EQ(found.advice, PrinterAdvice::check_input);
+    EXPECT_THAT(found.findings.front(), HasSubstr(GetParam().said));
+    EXPECT_THAT(found.findings.back(), HasSubstr("your file or your readings are wrong"));
+    EXPECT_EQ(numbers_of(found.advised()), numbers_of(set.geometry));
+  } catch (const Unreachable& refused) {
+    EXPECT_THAT(refused.what(), HasSubstr(GetParam().said));
+  }
+}
+
+void scale_steps(KlipperSet& set, double factor) { change(set.readings, times(factor)); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, ImplausiblePrinter,
+    testing::Values(
+        Wrong{"gear ratio of 2", "K18", [](KlipperSet& set) { scale_steps(set, 0.5); }, ""},
+        Wrong{"gear ratio of 2", "K35", [](KlipperSet& set) { scale_steps(set, 0.5); },
+              "of all towers 2 times as large"},
+        Wrong{"half the micro-steps", "K18", [](KlipperSet& set) { scale_steps(set, 2.0); },
+              "of all towers 0.5 times as large"},
+        Wrong{"half the micro-steps", "K09", [](KlipperSet& set) { scale_steps(set, 2.0); },
+              "of all towers 0.5 times as large"},
+        Wrong{"rotation_distance of 32, not 40", "K18", [](KlipperSet& set) { scale_steps(set, 0.8); },
+              "of all towers 1.25 times as large"},
+        Wrong{"16 teeth, not 17", "K34", [](KlipperSet& set) { scale_steps(set, 16.0 / 17.0); },
+              "of all towers 1.062 times as large"},
+        Wrong{"motor of 0.9 deg on one tower", "K18",
+              [](KlipperSet& set) {
+                change(set.readings, [](const JointDrops& d) { return JointDrops{d[0], 0.5 * d[1], d[2]}; });
+              },
+              "of tower B 2 times as large"},
+        Wrong{"towers A and B exchanged", "K18",
+              [](KlipperSet& set) {
+                change(set.readings, [](const JointDrops& d) { return JointDrops{d[1], d[0], d[2]}; });
+              },
+              "towers in the order BAC"},
+        Wrong{"towers turned on", "K48",
+              [](KlipperSet& set) {
+                change(set.readings, [](const JointDrops& d) { return JointDrops{d[1], d[2], d[0]}; });
+              },
+              "towers in the order CAB"},
+        Wrong{"radius 10 % too large", "K18", [](KlipperSet& set) { set.geometry.radius *= 1.1; },
+              "a radius of 178.00 mm in the file would be"},
+        Wrong{"radius 6 % too small", "K35", [](KlipperSet& set) { set.geometry.radius *= 0.94; }, "a radius of"},
+        Wrong{"rods of another printer", "K18",
+              [](KlipperSet& set) {
+                for (double& rod : set.geometry.rod) rod *= 1.1;
+              },
+              "a rod of"},
+        Wrong{"one rod of another printer", "K35", [](KlipperSet& set) { set.geometry.rod[0] += 40.0; }, "are no set"},
+        Wrong{"rods shorter than three radii of 4", "K36",
+              [](KlipperSet& set) { set.geometry.radius = 0.8 * set.geometry.rod[0]; }, "does not go with rods"},
+        Wrong{"tower 30 deg off", "K18", [](KlipperSet& set) { set.geometry.tower_angle[0] += to_radians(30.0); },
+              "towers"},
+        Wrong{"tower 8 deg off", "K18", [](KlipperSet& set) { set.geometry.tower_angle[1] += to_radians(8.0); },
+              "tower B stands +7.9 deg from where towers stand"},
+        Wrong{"endstops 60 mm too high", "K34",
+              [](KlipperSet& set) {
+                for (double& endstop : set.geometry.endstop) endstop += 60.0;
+              },
+              "an endstop of"},
+        Wrong{"an endstop 30 mm too high", "K47", [](KlipperSet& set) { set.geometry.endstop[2] += 30.0; },
+              "further apart than towers are built"},
+        Wrong{"distances in inches", "K18",
+              [](KlipperSet& set) {
+                for (PrintedDistance& one : set.readings.distances) one.distance /= 25.4;
+              },
+              ""},
+        Wrong{"heights with a wrong probe", "K37",
+              [](KlipperSet& set) {
+                for (std::size_t k = 0; k < set.readings.heights.size(); ++k) {
+                  set.readings.heights[k].height += k % 2 == 0 ? 6.0 : -6.0;
+                }
+              },
+              "no delta explains these readings"}));
+
+/// And published printers, one of which has towers 2.3 deg and rods 5 % off, pass.
+TEST(Plausibility, OfPublishedPrintersIsNotDoubted) {
+  for (const KlipperSet& set : test::klipper_sets()) {
+    EXPECT_THAT(implausible(set.geometry), testing::IsEmpty()) << set.id;
+    EXPECT_NE(calibrate_printer(set.geometry, set.readings, {.tries_gross = false}).advice, PrinterAdvice::check_input)
+        << set.id;
+  }
+}
+
+}  // namespace
+}  // namespace paracal
