@@ -30,7 +30,8 @@ void write_calibration_page(const std::string& file, Session& session, const Cal
                             const io::Json& json, const CalibrationPage& page) {
   const Robot& robot = calibration.robot;
   const KnownErrors known = known_errors(calibration);
-  io::Json figures{{"observability", report::observability(robot)}};
+  io::Json figures = io::Json::object();
+  if (page.plan) figures["observability"] = report::observability(robot);
   if (!page.arrows.empty()) figures["scene"] = report::scene(robot, page.arrows, known.errors);
   if (page.map) figures["error_map"] = report::error_map(robot, known);
   write_report(file, session, robot,

@@ -16,6 +16,7 @@ class Session;
 struct CalibrationPage {
   std::vector<report::ErrorArrow> arrows = {};
   bool map = false;                     ///< of errors against the nominal robot, over the workspace
+  bool plan = true;                     ///< how many points a circle would do; owners of printers measure no circles
   std::vector<std::string> files = {};  ///< that were read besides the measurements
 };
 

@@ -216,7 +216,8 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;
   if (!page.empty()) {
-    write_calibration_page(page, session, found.calibration, json, {.arrows = arrows_of(found, printer.readings)});
+    write_calibration_page(page, session, found.calibration, json,
+                           {.arrows = arrows_of(found, printer.readings), .plan = false});
   }
   if (found.advice != PrinterAdvice::accept_new) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);

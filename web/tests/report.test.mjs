@@ -139,6 +139,15 @@ test("a reading that contradicts the others is named and left out", async () => 
   await context.close();
 });
 
+test("an owner of a printer is not told what only makers of robots need", async () => {
+  for (const kind of ["printer", "keep"]) {
+    const { page, context } = await open(browser, pages[kind]);
+    for (const id of ["poses-needed", "correlations"]) assert.equal(await page.$(`#${id}`), null, `${kind}: ${id}`);
+    assert.notEqual(await page.$("#printer"), null);
+    await context.close();
+  }
+});
+
 test("what was assumed is noted, and without limits nothing is said to keep them", async () => {
   const limited = await open(browser, pages.yield), unlimited = await open(browser, pages.unlimited);
   const { results } = await dataOf(unlimited.page);

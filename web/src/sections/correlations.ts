@@ -24,7 +24,7 @@ function pairsOf(names: string[], covariance: number[][]): Pair[] {
 
 export function correlations({ results }: Report): Section | null {
   const { calibration } = results;
-  if (!calibration?.covariance || calibration.covariance.length < 2) return null;
+  if (!calibration?.covariance || calibration.covariance.length < 2 || calibration.printer) return null; // for robot makers
   const sought = calibration.parameters.filter((one) => one.status !== "fixed");
   const names = sought.map((one) => strings.parameters.limb(one.name, one.limb));
   const pairs = pairsOf(names, calibration.covariance);
