@@ -1,11 +1,12 @@
 #include "paracal/io/json.hpp"
 
 #include "names.hpp"
+#include "robot_tables.hpp"
 
 namespace paracal::io {
 namespace {
 
-Json array(const auto& values) {
+Json json_array(const auto& values) {
   Json json = Json::array();
   for (const double value : values) json.push_back(value);
   return json;
@@ -15,7 +16,7 @@ Json array(const auto& values) {
 
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(array(matrix.row(i)));
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(json_array(matrix.row(i)));
   return rows;
 }
 
@@ -51,8 +52,8 @@ Json to_json(const Robot& robot) {
               {"limb_azimuth_deg", azimuth},
               {"actuator", actuator_name(geometry.actuator)}}}};
   if (const std::optional<Slide>& slide = robot.slide()) {
-    json["plate"] = {{"slide_axis", array(slide->axis)},
-                     {"slide_sign", array(slide->sign)},
+    json["plate"] = {{"slide_axis", json_array(slide->axis)},
+                     {"slide_sign", json_array(slide->sign)},
                      {"pinion_radius_mm", slide->pinion_radius}};
   }
   const Workspace& workspace = robot.workspace();
@@ -60,6 +61,16 @@ Json to_json(const Robot& robot) {
                        {"height_mm", workspace.height},
                        {"top_z_mm", workspace.top_z},
                        {"rotation_deg", {tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}}};
+  if (!robot.controller_origin().isZero(0.0)) {
+    json["controller"] = {{"origin_mm", json_array(robot.controller_origin())}};
+  }
+  for (const auto& limb : intended_values(robot)) {
+    Json values = Json::object();
+    for (const auto& [key, numbers] : limb) {
+      values[key] = numbers.size() == 1 ? Json(numbers.front()) : json_array(numbers);
+    }
+    json["limb"].push_back(std::move(values));
+  }
   if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.actuator());
   return json;
 }

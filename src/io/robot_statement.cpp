@@ -17,6 +17,14 @@ namespace {
 
 bool agrees(const Json& expected, const Json& got) {
   constexpr double kRounding = 1e-9;
+  if (expected.is_array() && got.is_array()) return std::ranges::equal(expected, got, agrees);
+  if (expected.is_object() && got.is_object()) {
+    const auto same = [&](const auto& item) {
+      return got.contains(item.key()) && agrees(item.value(), got[item.key()]);
+    };
+    const auto items = expected.items();
+    return expected.size() == got.size() && std::all_of(items.begin(), items.end(), same);
+  }
   if (!expected.is_number() || !got.is_number()) return expected == got;
   const double a = expected.get<double>(), b = got.get<double>();
   return std::abs(a - b) <= kRounding * std::max({1.0, std::abs(a), std::abs(b)});
@@ -60,7 +68,7 @@ std::optional<std::string> name_in(std::string_view line) {
   return std::string(trimmed(line.substr(kKey.size()), " \t\r,"));
 }
 
-/// The depth of a robot's JSON is 3; nothing deeper is followed.
+/// The depth of a robot's JSON is 4; nothing deeper is followed.
 constexpr int kDeepest = 8;
 
 toml::array toml_of_array(const Json& json, int depth);
@@ -152,7 +160,7 @@ int line_of_key(std::string_view text, std::string_view key) {
 }
 
 std::optional<std::string> robot_difference(const Json& expected, const Json& got) {
-  for (const char* part : {"name", "geometry", "plate"}) {
+  for (const char* part : {"name", "geometry", "plate", "limb"}) {
     if (auto found = first_difference(expected.value(part, Json()), got.value(part, Json()), part)) return found;
   }
   return std::nullopt;

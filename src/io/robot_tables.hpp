@@ -6,6 +6,7 @@
 
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "paracal/mechanism/robot.hpp"
 #include "section.hpp"
@@ -19,6 +20,18 @@ Tolerances tolerances_of(Section section, const Geometry& geometry);
 /// A robot file's document.
 /// @throws InputFileError for missing, unknown or wrongly typed keys, and for geometry that Robot refuses.
 Robot robot_of(const std::string& file, const toml::table& document);
+
+/// What a [[limb]] table says under one key, in the units of files.
+struct LimbValues {
+  std::string key;
+  std::vector<double> values;  ///< three of e_mm, else one
+};
+
+/// All errors of one limb.
+std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator);
+
+/// What each limb is intended to differ by, without zeros; empty where all limbs are alike.
+std::vector<std::vector<LimbValues>> intended_values(const Robot& robot);
 
 /// "[1, 2.5]"
 std::string array(const auto& values) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -62,6 +63,31 @@ Workspace workspace_of(Section section) {
   return workspace;
 }
 
+/// One [[limb]] table a limb; errors that it does not state are zero.
+SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointSpace& joints) {
+  if (!limbs.is_array_of_tables()) root.fail(limbs, fmt::format("expected [[limb]] tables, got {}", type_name(limbs)));
+  const toml::array& tables = *limbs.as_array();
+  if (tables.size() != joints.count) {
+    root.fail(limbs,
+              fmt::format("expected {} [[limb]] tables as the robot has limbs, got {}", joints.count, tables.size()));
+  }
+  SourceErrors errors;
+  for (std::size_t i = 0; i < joints.count; ++i) {
+    Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
+    for (const Source source : all_sources()) {
+      if (is_e(source)) continue;
+      const double value = limb.number_or(file_key(source, joints.actuator), 0.0);
+      errors(i, source) = from_file_unit(unit(source, joints.actuator), value);
+    }
+    if (limb.find("e_mm")) {
+      const std::vector<double> e = limb.numbers("e_mm", 3);
+      for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(Source::e_x) + k)) = e[k];
+    }
+    limb.refuse_others();
+  }
+  return errors;
+}
+
 RobotDescription description_of(const std::string& file, const toml::table& document) {
   Section root(file, "", document);
   RobotDescription robot;
@@ -71,6 +97,13 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   robot.workspace = workspace_of(root.table("workspace"));
   if (const auto tolerances = root.optional_table("tolerances")) {
     robot.tolerances = tolerances_of(*tolerances, robot.geometry);
+  }
+  if (auto controller = root.optional_table("controller")) {
+    robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
+    controller->refuse_others();
+  }
+  if (const toml::node* limbs = root.find("limb")) {
+    robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
   }
   root.refuse_others();
   return robot;
@@ -82,6 +115,15 @@ int line_of_complaint(const toml::table& document, std::string_view complaint) {
   const std::string_view path = complaint.substr(0, complaint.find(':'));
   if (const auto node = document.at_path(path)) return static_cast<int>(node.node()->source().begin.line);
   return 0;
+}
+
+std::string limb_toml(const std::vector<LimbValues>& values) {
+  std::string text = "[[limb]]\n";
+  for (const auto& [key, numbers] : values) {
+    fmt::format_to(std::back_inserter(text), "{} = {}\n", key,
+                   numbers.size() == 1 ? fmt::format("{}", numbers.front()) : array(numbers));
+  }
+  return text;
 }
 
 std::string quoted(const std::string& text) {
@@ -121,23 +163,45 @@ std::string robot_toml(const Robot& robot) {
   fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
                  workspace.radius, workspace.height, workspace.top_z,
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
+  if (!robot.controller_origin().isZero(0.0)) {
+    fmt::format_to(out, "\n[controller]\norigin_mm = {}\n", array(robot.controller_origin()));
+  }
+  for (const auto& limb : intended_values(robot)) text.append("\n").append(limb_toml(limb));
   if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.actuator()));
   return text;
 }
 
+std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator) {
+  std::vector<LimbValues> all;
+  const auto value = [&](Source source) { return to_file_unit(unit(source, actuator), errors(limb, source)); };
+  for (const Source source : all_sources()) {
+    if (source == Source::e_x) {
+      all.push_back({"e_mm", {value(Source::e_x), value(Source::e_y), value(Source::e_z)}});
+    } else if (!is_e(source)) {
+      all.push_back({file_key(source, actuator), {value(source)}});
+    }
+  }
+  return all;
+}
+
+std::vector<std::vector<LimbValues>> intended_values(const Robot& robot) {
+  std::vector<std::vector<LimbValues>> limbs(robot.limb_count());
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (LimbValues& one : limb_values(robot.intended(), limb, robot.actuator())) {
+      if (std::ranges::all_of(one.values, [](double value) { return value == 0.0; })) continue;
+      std::ranges::transform(one.values, one.values.begin(), tidy);
+      limbs[limb].push_back(std::move(one));
+    }
+  }
+  if (std::ranges::all_of(limbs, &std::vector<LimbValues>::empty)) return {};
+  return limbs;
+}
+
 std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints) {
   std::string text;
-  const auto out = std::back_inserter(text);
   for (std::size_t limb = 0; limb < joints.count; ++limb) {
-    fmt::format_to(out, "{}[[limb]]\n", limb == 0 ? "" : "\n");
-    const auto value = [&](Source source) { return to_file_unit(unit(source, joints.actuator), errors(limb, source)); };
-    for (const Source source : all_sources()) {
-      if (source == Source::e_x) {
-        fmt::format_to(out, "e_mm = {}\n", array(std::array{value(source), value(Source::e_y), value(Source::e_z)}));
-      } else if (!is_e(source)) {
-        fmt::format_to(out, "{} = {}\n", file_key(source, joints.actuator), value(source));
-      }
-    }
+    if (limb > 0) text.append("\n");
+    text.append(limb_toml(limb_values(errors, limb, joints.actuator)));
   }
   return text;
 }
@@ -147,27 +211,7 @@ SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints) 
   Section root(file.name, "", document);
   const toml::node& limbs = root.require("limb", "one [[limb]] table a limb");
   root.refuse_others();
-  if (!limbs.is_array_of_tables()) root.fail(limbs, fmt::format("expected [[limb]] tables, got {}", type_name(limbs)));
-  const toml::array& tables = *limbs.as_array();
-  if (tables.size() != joints.count) {
-    root.fail(limbs,
-              fmt::format("expected {} [[limb]] tables as the robot has limbs, got {}", joints.count, tables.size()));
-  }
-  SourceErrors errors;
-  for (std::size_t i = 0; i < joints.count; ++i) {
-    Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
-    for (const Source source : all_sources()) {
-      if (is_e(source)) continue;
-      const double value = limb.number_or(file_key(source, joints.actuator), 0.0);
-      errors(i, source) = from_file_unit(unit(source, joints.actuator), value);
-    }
-    if (limb.find("e_mm")) {
-      const std::vector<double> e = limb.numbers("e_mm", 3);
-      for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(Source::e_x) + k)) = e[k];
-    }
-    limb.refuse_others();
-  }
-  return errors;
+  return limbs_of(root, limbs, joints);
 }
 
 }  // namespace paracal::io

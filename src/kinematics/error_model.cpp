@@ -29,7 +29,7 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
     const double mu = limb.slide_sign;
-    const auto u0 = limb.frame.col(0), v0 = limb.frame.col(1), w0 = limb.frame.col(2);
+    const auto v0 = limb.frame.col(1), w0 = limb.frame.col(2);
     const auto direction = arm_directions(limb, model.joints(i));
     const auto& [u1, v1] = direction;
     const Eigen::Vector3d lever = elbow_lever(limb, model.joints(i), direction);
@@ -42,12 +42,15 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
     if constexpr (N == 4) model.A_dd(i, 3) = mu * l.dot(shat);
     model.A_de.row(i) = a_s.cross(l);
     model.A_ee.row(i) = w0.cross(l);
-    model.B_d.row(i) << l.dot(v1), l.transpose(), l.dot(u1), turned(u0), turned(v0), 1.0;
+    const double arms = joint_ratio(limb) / joint_ratio(machine.limbs[0]);  // columns count by the first limb's
+    model.B_d.row(i) << arms * l.dot(v1), l.transpose(), l.dot(u1), turned(limb.radial), turned(v0), 1.0;
     if (limb.actuator == Actuator::linear) {
       model.B_d(i, static_cast<Eigen::Index>(index(Source::arm_length))) = -l.dot(u1);
       model.B_d(i, static_cast<Eigen::Index>(index(Source::beta0))) = turned(w0);
     }
-    model.B_e.row(i) << 1.0, l.dot(w0), -l.dot(v0), l.dot(u0), -l.dot(v1), l.dot(u1);
+    // The short side at the plate turns about the radial direction, then about its own frame's.
+    const auto u3 = limb.plate_frame.col(0), w3 = limb.plate_frame.col(2);
+    model.B_e.row(i) << 1.0, l.dot(w0), l.dot(limb.radial.cross(w3)), l.dot(u3), -l.dot(v1), l.dot(u1);
   }
 }
 

@@ -7,10 +7,16 @@
 namespace paracal {
 
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
-  errors(limb, Source::e_x) += shift.x();
-  errors(limb, Source::e_y) += shift.y();
-  const Source upward = robot.actuator() == Actuator::linear ? Source::theta_offset : Source::e_z;
-  errors(limb, upward) += shift.z();
+  Eigen::Vector3d e = shift;
+  if (robot.actuator() == Actuator::linear) {
+    const Eigen::Vector3d rail = robot.nominal().limbs[limb].frame.col(1);
+    const double along = shift.z() / rail.z();
+    errors(limb, Source::theta_offset) += along;
+    e -= along * rail;
+  }
+  errors(limb, Source::e_x) += e.x();
+  errors(limb, Source::e_y) += e.y();
+  if (robot.actuator() != Actuator::linear) errors(limb, Source::e_z) += e.z();
 }
 
 SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
@@ -18,7 +24,7 @@ SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     const double arm = std::exchange(errors(i, Source::arm_length), 0.0);
     const double up = std::exchange(errors(i, Source::e_z), 0.0);
-    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up) - arm * robot.nominal().limbs[i].radial, errors);
+    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up) - arm * robot.nominal().limbs[i].frame.col(0), errors);
   }
   return errors;
 }
@@ -36,11 +42,14 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
     const Limb& limb = machine.limbs[i];
     const Eigen::Vector3d along = limb.frame.transpose() * turn;
     Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
-    errors(i, Source::alpha0) = along.x();
     if (limb.actuator == Actuator::linear) {
+      const Eigen::Vector3d radial = limb.frame.transpose() * limb.radial;
+      const double alpha = along.x() / radial.x();
+      errors(i, Source::alpha0) = alpha;
       errors(i, Source::beta0) = along.z();
-      shift += limb.arm * along.y() * limb.frame.col(2);
+      shift += limb.arm * (along.y() - alpha * radial.y()) * limb.frame.col(2);
     } else {
+      errors(i, Source::alpha0) = along.x();
       errors(i, Source::beta0) = along.y();
       errors(i, Source::theta_offset) = along.z();
     }

@@ -131,6 +131,39 @@ void check_tolerances(const Tolerances& tolerances) {
   }
 }
 
+std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
+  struct Length {
+    const char* of;
+    double nominal, error;
+  };
+  for (const Length& one :
+       {Length{"the arm", geometry.arm, errors(limb, Source::arm_length)},
+        Length{"the rods", geometry.rod,
+               errors(limb, Source::rod_mean) - 0.5 * std::abs(errors(limb, Source::rod_difference))},
+        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, Source::width_difference)}}) {
+    if (one.nominal == 0.0 || one.nominal + one.error > 0.0) continue;  // a rail may do without an arm
+    return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
+                       one.nominal + one.error);
+  }
+  return std::nullopt;
+}
+
+void check_intended(const RobotDescription& robot) {
+  for (std::size_t limb = 0; limb < robot.geometry.limb_azimuth.size(); ++limb) {
+    for (const Source source : all_sources()) {
+      if (!std::isfinite(robot.intended(limb, source))) {
+        throw InvalidArgument(fmt::format("limb: expected a number for {} of limb {}", name(source), limb + 1));
+      }
+      if (!tilts_plate(source) || robot.intended(limb, source) == 0.0) continue;
+      throw InvalidArgument(
+          fmt::format("limb: expected no {} of limb {}: nobody intends a plate that tilts", name(source), limb + 1));
+    }
+    if (auto complaint = absurd_length(robot.geometry, robot.intended, limb)) {
+      throw InvalidArgument(fmt::format("limb: {}", *complaint));
+    }
+  }
+}
+
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
@@ -140,6 +173,8 @@ Machine checked_nominal(RobotDescription& description) {
   if (has_slide) check_slide(*description.slide, description.geometry.limb_azimuth.size());
   check_workspace(description.workspace, has_slide);
   if (description.tolerances) check_tolerances(*description.tolerances);
+  check_intended(description);
+  if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   Machine nominal = build(description, SourceErrors{});
   check_reach(nominal, description.workspace);
   return nominal;
@@ -158,23 +193,6 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
   return std::nullopt;
 }
 
-std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  struct Length {
-    const char* of;
-    double nominal, error;
-  };
-  for (const Length& one :
-       {Length{"the arm", geometry.arm, errors(limb, Source::arm_length)},
-        Length{"the rods", geometry.rod,
-               errors(limb, Source::rod_mean) - 0.5 * std::abs(errors(limb, Source::rod_difference))},
-        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, Source::width_difference)}}) {
-    if (one.nominal == 0.0 || one.nominal + one.error > 0.0) continue;  // a rail may do without an arm
-    return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
-                       one.nominal + one.error);
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 Robot::Robot(RobotDescription description)
@@ -183,7 +201,7 @@ Robot::Robot(RobotDescription description)
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     if (auto complaint = absurd_error(robot, errors, limb)) return complaint;
-    if (auto complaint = absurd_length(robot.geometry(), errors, limb)) return complaint;
+    if (auto complaint = absurd_length(robot.geometry(), robot.intended() + errors, limb)) return complaint;
   }
   return std::nullopt;
 }

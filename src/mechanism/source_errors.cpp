@@ -1,6 +1,7 @@
 #include "paracal/mechanism/source_errors.hpp"
 
 #include <algorithm>
+#include <functional>
 
 namespace paracal {
 namespace {
@@ -27,6 +28,13 @@ constexpr std::array<SourceEntry, kSourceCount> kSources{{
     {"beta2", Unit::rad},
 }};
 
+SourceErrors combined(SourceErrors one, const SourceErrors& other, auto by) {
+  for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
+    for (const Source source : all_sources()) one(limb, source) = by(one(limb, source), other(limb, source));
+  }
+  return one;
+}
+
 }  // namespace
 
 Unit unit(Source source, Actuator actuator) {
@@ -40,6 +48,10 @@ std::optional<Source> source_named(std::string_view name) {
   if (found == kSources.end()) return std::nullopt;
   return static_cast<Source>(found - kSources.begin());
 }
+
+SourceErrors operator+(SourceErrors one, const SourceErrors& other) { return combined(one, other, std::plus()); }
+
+SourceErrors operator-(SourceErrors one, const SourceErrors& other) { return combined(one, other, std::minus()); }
 
 SourceErrors without_tilt_group(SourceErrors errors) {
   for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {

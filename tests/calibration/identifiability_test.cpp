@@ -134,6 +134,7 @@ TEST_P(GaugeLaw, UnknownFrameHidesExactlyTheMotions) {
 }
 
 PARACAL_ON_EVERY_ROBOT(GaugeLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(GaugeLaw);
 
 TEST(Observability, IndicesOfKnownSingularValues) {
   const Observability o = observability(Eigen::Vector4d(8, 4, 2, 0), 3, 16);

@@ -120,6 +120,7 @@ TEST_P(SpreadLaw, APlateThatDoesNotTurnHasNoRotationInUse) {
 }
 
 PARACAL_ON_EVERY_ROBOT(SpreadLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(SpreadLaw);
 
 /// Ten degrees of freedom: k = 2.284 of the noise's part alone [gum, Table G.2, 95.45 %].
 TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {

@@ -375,6 +375,7 @@ TEST_P(CompensatorLaw, RandomBitsInAPathAreJudgedAsAlone) {
 }
 
 PARACAL_ON_EVERY_ROBOT(CompensatorLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(CompensatorLaw);
 
 }  // namespace
 }  // namespace paracal

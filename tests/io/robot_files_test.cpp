@@ -25,6 +25,7 @@ TEST_P(RobotFileLaw, WrittenRobotReadsBack) {
 }
 
 PARACAL_ON_EVERY_ROBOT(RobotFileLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(RobotFileLaw);
 
 TEST(RobotFile, NameMayHoldAnythingThatCanBeShown) {
   RobotDescription description = catalogue::huang2016().description();
@@ -47,6 +48,39 @@ TEST(RobotFile, RefusedGeometryNamesTheLine) {
         read_robot({"robot.toml", text});
       },
       testing::ThrowsMessage<InputFileError>(testing::StartsWith("robot.toml:6: geometry.arm_mm: expected")));
+}
+
+TEST(RobotFile, LimbsMayDifferOnPurpose) {
+  const std::string text = robot_toml(catalogue::rotary_delta());
+  const std::string own =
+      text + "\n[[limb]]\nrod_mean_mm = 3\ne_mm = [0, 0, 25]\n[[limb]]\n[[limb]]\narm_length_mm = -2\n";
+  const Robot robot = read_robot({"robot.toml", own});
+  const Machine& nominal = robot.nominal();
+  EXPECT_NEAR(nominal.limbs[0].mean_rod(), robot.geometry().rod + 3.0, 1e-12);
+  EXPECT_NEAR(nominal.limbs[0].base.z(), 25.0, 1e-12);
+  EXPECT_NEAR(nominal.limbs[2].arm, robot.geometry().arm - 2.0, 1e-12);
+  EXPECT_EQ(nominal.limbs[1].mean_rod(), robot.geometry().rod);
+  SourceErrors errors;
+  errors(0, Source::rod_mean) = 0.5;
+  EXPECT_NEAR(build(robot, errors).limbs[0].mean_rod(), robot.geometry().rod + 3.5, 1e-12);
+}
+
+TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
+  const std::string text = robot_toml(catalogue::rotary_delta());
+  const auto refused = [&](const std::string& more, const std::string& complaint) {
+    EXPECT_THAT(
+        [&] {
+          read_robot({"robot.toml", text + more});
+        },
+        testing::ThrowsMessage<InputFileError>(testing::HasSubstr(complaint)))
+        << more;
+  };
+  refused("\n[[limb]]\n[[limb]]\n", "expected 3 [[limb]] tables as the robot has limbs, got 2");
+  refused("\n[[limb]]\nalpha2_deg = 1\n[[limb]]\n[[limb]]\n", "limb: expected no alpha2 of limb 1");
+  refused("\n[[limb]]\nrod_mean_mm = -950\n[[limb]]\n[[limb]]\n", "limb: expected the rods of limb 1 longer than 0 mm");
+  refused("\n[[limb]]\nrod_mean_mm = nan\n[[limb]]\n[[limb]]\n", "rod_mean");
+  refused("\n[controller]\norigin_mm = [0, 1]\n", "origin_mm");
+  refused("\n[controller]\n", "origin_mm");
 }
 
 TEST(SourceErrorFile, KeysAreInDegAndMm) {

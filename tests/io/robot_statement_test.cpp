@@ -61,6 +61,7 @@ TEST_P(CalibratedRobot, ReadsBack) {
 }
 
 PARACAL_ON_EVERY_ROBOT(CalibratedRobot);
+PARACAL_ON_UNUSUAL_ROBOTS(CalibratedRobot);
 
 TEST(RobotOfACalibration, MustBeWhole) {
   const auto refused = [](const Json& robot, const std::string& why) {

@@ -155,6 +155,7 @@ TEST_P(TargetFilter, TablesKeepAllButThePose) {
 }
 
 PARACAL_ON_EVERY_ROBOT(TargetFilter);
+PARACAL_ON_UNUSUAL_ROBOTS(TargetFilter);
 
 // ---- G-code, word by word; on the robot with a slide, whose lines have all four axes
 

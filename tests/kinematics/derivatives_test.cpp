@@ -145,6 +145,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
 }
 
 PARACAL_ON_EVERY_ROBOT(DerivativeLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(DerivativeLaw);
 
 }  // namespace
 }  // namespace paracal

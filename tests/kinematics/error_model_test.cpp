@@ -105,6 +105,7 @@ TEST_P(ErrorModelLaw, CommonShiftOfAllBaseJointsShiftsThePlate) {
 }
 
 PARACAL_ON_EVERY_ROBOT(ErrorModelLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(ErrorModelLaw);
 
 /// Along x instead of y the slide cannot be told from a rotation-free shift: A_dd is singular on the axis of the
 /// workspace (docs/paper-slips.md), which is how the paper's unstated slide direction was found.

@@ -120,6 +120,11 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
     *length *= kScale;
   }
   if (description.slide) description.slide->pinion_radius *= kScale;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : all_sources()) {
+      if (unit(source, robot.actuator()) == Unit::mm) description.intended(limb, source) *= kScale;
+    }
+  }
   const Robot larger(description);
   Random random;
   for (int k = 0; k < 100; ++k) {
@@ -152,6 +157,7 @@ TEST_P(ForwardLaw, NanIsAStatusNotAPose) {
 }
 
 PARACAL_ON_EVERY_ROBOT(ForwardLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(ForwardLaw);
 
 /// Independent oracle for a Delta without tilt errors: the wrist is the lower intersection of three spheres about the
 /// elbows drawn in by the plate joints, found by trilateration in the plane of their centres.

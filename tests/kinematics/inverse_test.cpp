@@ -59,6 +59,7 @@ TEST_P(InverseLaw, NanIsUnreachable) {
 }
 
 PARACAL_ON_EVERY_ROBOT(InverseLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(InverseLaw);
 
 TEST(Inverse, RigidPlateDoesNotTurn) {
   const Robot robot = catalogue::rotary_delta();

@@ -31,7 +31,8 @@ TEST_P(LimbLaw, JointSolutionPutsTheElbowOneRodAway) {
 /// An arm's elbow is the one further out, a carriage the one further up.
 TEST_P(LimbLaw, WorkingModeIsTheElbowFurtherOutOrUp) {
   test::Random random;
-  const Limb& limb = robot.nominal().limbs[0];
+  Limb limb = robot.nominal().limbs[0];
+  limb.joint_offset = 0.0;
   const bool on_rail = limb.actuator == Actuator::linear;
   for (int k = 0; k < 1000; ++k) {
     const Eigen::Vector3d joint = random.pose(robot).position + limb.plate;
@@ -58,11 +59,12 @@ TEST_P(LimbLaw, JointOffsetIsSubtractedFromTheCommand) {
   Limb limb = robot.nominal().limbs[0];
   const Eigen::Vector3d joint = robot.workspace().centre() + limb.plate;
   const double without = solve_joint(limb, joint).joint;
-  limb.joint_offset = 0.01;
+  limb.joint_offset += 0.01;
   EXPECT_NEAR(solve_joint(limb, joint).joint, without - 0.01, 1e-12);
 }
 
 PARACAL_ON_EVERY_ROBOT(LimbLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(LimbLaw);
 
 }  // namespace
 }  // namespace paracal

@@ -4,8 +4,48 @@
 #include <numbers>
 
 #include "paracal/kinematics/error_model.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::test {
+
+namespace {
+
+RobotDescription unlike_limbs() {
+  RobotDescription robot = catalogue::rotary_delta().description();
+  robot.name = "unlike_limbs";
+  robot.workspace = {.radius = 400.0, .height = 250.0, .top_z = -800.0};
+  for (std::size_t limb = 0; limb < 3; ++limb) {
+    const double k = static_cast<double>(limb) - 1.0;
+    robot.intended(limb, Source::arm_length) = 20.0 * k;
+    robot.intended(limb, Source::rod_mean) = -35.0 * k + 5.0;
+    robot.intended(limb, Source::e_x) = 4.0 * k;
+    robot.intended(limb, Source::e_z) = 30.0 * k;
+    robot.intended(limb, Source::theta_offset) = to_radians(10.0 * k);
+    robot.intended(limb, Source::alpha0) = to_radians(6.0 * k);
+  }
+  robot.controller_origin = {3.0, -2.0, -1100.0};
+  return robot;
+}
+
+RobotDescription inclined_rails() {
+  RobotDescription robot = catalogue::linear_delta().description();
+  robot.name = "inclined_rails";
+  robot.geometry.base_radius = 280.0;
+  robot.geometry.rod = 380.0;
+  robot.workspace = {.radius = 100.0, .height = 150.0, .top_z = -300.0};
+  for (std::size_t limb = 0; limb < 3; ++limb) {
+    robot.intended(limb, Source::beta0) = -to_radians(20.0 + 5.0 * static_cast<double>(limb));
+  }
+  return robot;
+}
+
+}  // namespace
+
+Robot robot_named(std::string_view name) {
+  if (name == "unlike_limbs") return Robot(unlike_limbs());
+  if (name == "inclined_rails") return Robot(inclined_rails());
+  return catalogue::find(name);
+}
 
 Pose Random::pose(const Robot& robot) {
   const Workspace& workspace = robot.workspace();

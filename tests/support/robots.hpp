@@ -11,10 +11,16 @@
 
 namespace paracal::test {
 
+/// A robot of the catalogue, or one that no catalogue has:
+///
+///   unlike_limbs    the rotary Delta with arms, rods and shoulders of three sizes, and axes that are not level
+///   inclined_rails  a linear Delta with rails that lean outward by 20, 25 and 30 deg
+Robot robot_named(std::string_view name);
+
 /// Laws that hold for every robot are tested on every robot of the catalogue.
 class EveryRobot : public ::testing::TestWithParam<std::string_view> {
  protected:
-  Robot robot = catalogue::find(GetParam());
+  Robot robot = robot_named(GetParam());
 };
 
 inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& info) {
@@ -29,6 +35,11 @@ inline double joint_scale(const Robot& robot) {
 /// Instantiates a suite derived from EveryRobot.
 #define PARACAL_ON_EVERY_ROBOT(suite)                                                          \
   INSTANTIATE_TEST_SUITE_P(Catalogue, suite, ::testing::ValuesIn(paracal::catalogue::names()), \
+                           paracal::test::robot_name)
+
+/// The same for robots that no catalogue has.
+#define PARACAL_ON_UNUSUAL_ROBOTS(suite)                                                                          \
+  INSTANTIATE_TEST_SUITE_P(Unusual, suite, ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails"), \
                            paracal::test::robot_name)
 
 /// Reproducible random numbers: the same sequence in every run.

@@ -76,7 +76,8 @@ void add_export(Command& program, Session& session) {
   command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
   command
       ->add_option("--origin", options->filter.origin,
-                   "gcode: x,y,z in mm of the program's origin in the robot's frame")
+                   "gcode: x,y,z in mm of the program's origin in the robot's frame; default: the robot's "
+                   "controller.origin_mm, or 0")
       ->separated_by(',')
       ->expected(3);
   command

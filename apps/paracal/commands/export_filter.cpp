@@ -21,10 +21,10 @@ void require_finite(const char* option, const std::vector<double>& numbers) {
   }
 }
 
-io::GcodeFrame frame_of(const FilterOptions& options) {
+io::GcodeFrame frame_of(const FilterOptions& options, const Robot& robot) {
   require_finite("--origin", options.origin);
   require_finite("--start", options.start);
-  io::GcodeFrame frame;
+  io::GcodeFrame frame{.origin = robot.controller_origin()};
   if (const auto& r = options.origin; !r.empty()) frame.origin = {r[0], r[1], r[2]};
   if (const auto& r = options.start; !r.empty()) {
     frame.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
@@ -120,7 +120,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   if (!is_gcode && !(options.origin.empty() && options.start.empty())) {
     throw WrongUsage("--origin and --start: expected with --target gcode alone");
   }
-  const io::GcodeFrame frame = frame_of(options);
+  const io::GcodeFrame frame = frame_of(options, robot);
   const TargetCorrection correction(robot, errors);
   const std::vector<TargetTest> tests = target_tests(correction);
 

@@ -486,21 +486,32 @@ struct LinearLimb {
 };
 
 template <typename Scalar>
-LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorPose<Scalar>& pose,
-                               Scalar joint) noexcept {
+Vector<Scalar> unit(const Vector<Scalar>& v) noexcept {
+  return scaled(v, Scalar(1) / std::sqrt(dot(v, v)));
+}
+
+/// @param first  whose arm, of a rail whose rod, angles are scaled by to lengths.
+template <typename Scalar>
+LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorLimb<Scalar>& first,
+                               const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
   const bool on_rail = runs_on_rail(limb);
-  const Scalar c = on_rail ? Scalar(1) : std::cos(joint), s = on_rail ? joint : std::sin(joint);
+  const Scalar place = joint + limb.joint_offset;
+  const Scalar c = on_rail ? Scalar(1) : std::cos(place), s = on_rail ? place : std::sin(place);
   const auto [u1, v1, elbow] = elbow_of(limb, {c, s});
-  const Vector<Scalar> a = plate_joint(limb, pose.phi);
-  const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, a), elbow, Scalar(-1));
-  const Vector<Scalar> l = scaled(rod, Scalar(1) / std::sqrt(dot(rod, rod)));
+  const Vector<Scalar> a = plate_joint(limb, pose.phi), lever = sum(elbow, limb.base, Scalar(-1));
+  const Vector<Scalar> l = unit(sum(sum({pose.x, pose.y, pose.z}, a), elbow, Scalar(-1)));
   const Scalar lu = dot(l, u1), lv = dot(l, v1), lw = dot(l, limb.axis);
-  // Arm and actuator axis: of an arm its length and two turns, of a rail the carriage's arm and how it leans.
-  const Scalar arm_length = on_rail ? -lu : lu;
-  const Scalar alpha0 = on_rail ? joint * lw / limb.rod[0] : s * lw;
-  const Scalar beta0 = on_rail ? -(joint * lu + limb.arm * lv) / limb.rod[0] : -(c * lw);
-  return {{lv, l[0], l[1], l[2], arm_length, alpha0, beta0, Scalar(1)},
-          {Scalar(1), lw, -dot(l, limb.normal), dot(l, limb.radial), -lv, lu},
+  // How far the elbow goes along the rod when the frame turns about an axis: first the radial one, on which the plate
+  // joint stands, then the arm's normal or the actuator's axis.
+  const auto turned = [&](const Vector<Scalar>& axis) {
+    return dot(l, cross(axis, lever)) / (on_rail ? first.rod[0] : first.arm);
+  };
+  const Vector<Scalar> radial = unit(limb.plate);
+  // The short side at the plate turns about the radial direction, then about the normal of its own frame.
+  const Vector<Scalar> w3 = unit(limb.plate_half), u3 = cross(unit(cross(w3, radial)), w3);
+  return {{on_rail ? lv : lv * (limb.arm / first.arm), l[0], l[1], l[2], on_rail ? -lu : lu, turned(radial),
+           turned(on_rail ? limb.axis : limb.normal), Scalar(1)},
+          {Scalar(1), lw, dot(l, cross(radial, w3)), dot(l, u3), -lv, lu},
           cross(a, l),
           cross(limb.axis, l),
           on_rail ? lv : limb.arm * lv,
@@ -533,7 +544,8 @@ CompensationStatus linear(const CompensatorParameters<Scalar>& parameters, const
                           bool tilt_aware, CompensatorJoints<Scalar>& joints, Vector<Scalar>& tilt) noexcept {
   if (!level_inverse<N>(parameters.nominal, pose, joints)) return CompensationStatus::unreachable;
   std::array<LinearLimb<Scalar>, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = linear_limb(parameters.nominal[i], pose, joints[i]);
+  for (std::size_t i = 0; i < N; ++i)
+    limbs[i] = linear_limb(parameters.nominal[i], parameters.nominal[0], pose, joints[i]);
   if (parameters.tilts_plate != 0) {
     const std::array<Vector<Scalar>, N> columns = tilt_by_limb<N>(limbs);
     for (std::size_t i = 0; i < N; ++i) tilt = sum(tilt, columns[i], inner(limbs[i].B_e, parameters.tilt_errors[i]));

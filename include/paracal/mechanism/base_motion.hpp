@@ -8,7 +8,8 @@
 namespace paracal {
 
 /// Motions of the base, and with it of the plate joints' circle, written as source errors of the position group, to
-/// first order. Only errors that the actuators feel are used (is_felt): along its rail a limb moves by theta_offset.
+/// first order. Only errors that the actuators feel are used (is_felt): along its rail a limb moves by theta_offset,
+/// upward by that and, where the rail leans, by e along the floor.
 
 /// Adds a shift of one limb's base joint, mm: e = shift.
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors);
@@ -23,7 +24,9 @@ double felt_std(const Robot& robot, const Tolerances& tolerances, Source source)
 /// The base turned by a small rotation about the origin, rad:
 ///
 ///   arm    e = turn x (b - a),                     alpha0 = turn.u0,  beta0 = turn.v0,  theta_offset = turn.w0
-///   rail   e = turn x (b - a) + L (turn.v0) w0,    alpha0 = turn.u0,  beta0 = turn.w0
+///   rail   e = turn x (b - a) + L (turn.v0 - alpha0 r.v0) w0,   alpha0 = turn.u0 / r.u0,  beta0 = turn.w0
+///
+/// r: the limb's radial direction, which is u0 unless the rail leans.
 SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn);
 
 }  // namespace paracal

@@ -29,7 +29,8 @@ struct BasicMachine {
 };
 using Machine = BasicMachine<double>;
 
-/// The machine that a robot becomes with these source errors. The reduced errors enter Eq. (1) as
+/// The machine that a robot becomes with these source errors, which add to what its limbs are intended to differ by.
+/// The reduced errors enter Eq. (1) as
 ///   db = e, da = 0;  l_1,2 = l + rod_mean +- rod_difference / 2;  c_c = c + width_difference, c_a = c;
 ///   alpha3 = alpha0 - alpha03, beta3 = beta0 - beta03;
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),

@@ -58,7 +58,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     machine.pinion_radius = robot.slide->pinion_radius;
   }
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const auto error = [&](Source source) { return errors(i, source); };
+    const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
     const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);
     // Rot(x, pi/2 + alpha) = Rot(x, pi/2) Rot(x, alpha), which keeps the zero entries of the nominal frame exact.
     const auto tilted = [&](const Scalar& alpha, const Matrix3<Scalar>& by_beta) -> Matrix3<Scalar> {

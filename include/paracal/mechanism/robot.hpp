@@ -12,7 +12,7 @@
 
 namespace paracal {
 
-/// Nominal dimensions, alike for all limbs; mm and rad [huang2016, Table 1, in brackets].
+/// Nominal dimensions that all limbs share; mm and rad [huang2016, Table 1, in brackets].
 struct Geometry {
   double base_radius = 0.0;          ///< circle of the base joints [b]
   double plate_radius = 0.0;         ///< circle of the plate joints [a]
@@ -38,6 +38,11 @@ struct RobotDescription {
   std::optional<Slide> slide;
   Workspace workspace;
   std::optional<Tolerances> tolerances;
+  /// What single limbs differ by from that geometry on purpose: rods of other lengths, rails that lean, what a
+  /// controller holds of its own machine. Of the position group; source errors count from here.
+  SourceErrors intended = {};
+  /// Where the controller's coordinates, and so a program's, begin in the base frame, mm.
+  Eigen::Vector3d controller_origin = Eigen::Vector3d::Zero();
 };
 
 /// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
@@ -53,6 +58,8 @@ class Robot {
   const std::optional<Slide>& slide() const { return description_.slide; }
   const Workspace& workspace() const { return description_.workspace; }
   const std::optional<Tolerances>& tolerances() const { return description_.tolerances; }
+  const SourceErrors& intended() const { return description_.intended; }
+  const Eigen::Vector3d& controller_origin() const { return description_.controller_origin; }
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const { return {limb_count(), actuator()}; }

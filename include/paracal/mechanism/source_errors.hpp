@@ -99,6 +99,9 @@ class BasicSourceErrors {
 
 using SourceErrors = BasicSourceErrors<double>;
 
+SourceErrors operator+(SourceErrors one, const SourceErrors& other);
+SourceErrors operator-(SourceErrors one, const SourceErrors& other);
+
 /// The position group alone: the tilt group set to zero.
 SourceErrors without_tilt_group(SourceErrors errors);
 
