@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "columns.hpp"
+#include "marlin_configuration.hpp"
 #include "paracal/error.hpp"
 #include "paracal/printer/plausibility.hpp"
 #include "paracal/units.hpp"
@@ -84,23 +85,27 @@ class Code {
           fail(
               fmt::format("expected {} with words of {}, got \"{}\": is it of another firmware?", name, letters, word));
         }
-        text_[letter] = word.substr(1);
+        words_[letter] = {std::string(word.substr(1)), number};
       }
     }
   }
 
   [[noreturn]] void fail(const std::string& complaint) const { throw InputFileError(file_, line_, complaint); }
+  /// Of what stands after a letter.
+  [[noreturn]] void fail(char letter, const std::string& complaint) const {
+    throw InputFileError(file_, words_.at(letter).line, complaint);
+  }
 
   /// The numbers after a letter, between colons.
   std::vector<double> numbers(char letter, std::string_view what) const {
-    const auto found = text_.find(letter);
-    if (found == text_.end()) fail(fmt::format("expected {} with {} ({}), got none", name_, letter, what));
+    const auto found = words_.find(letter);
+    if (found == words_.end()) fail(fmt::format("expected {} with {} ({}), got none", name_, letter, what));
     std::vector<double> values;
-    std::string_view rest = found->second;
+    std::string_view rest = found->second.text;
     while (true) {
       const std::size_t end = std::min(rest.find(':'), rest.size());
       const std::optional<double> value = finite_number(rest.substr(0, end));
-      if (!value) fail(fmt::format("expected a number after {}, got \"{}\"", letter, rest.substr(0, end)));
+      if (!value) fail(letter, fmt::format("expected a number after {}, got \"{}\"", letter, rest.substr(0, end)));
       values.push_back(*value);
       if (end == rest.size()) return values;
       rest.remove_prefix(end + 1);
@@ -109,19 +114,20 @@ class Code {
 
   double number(char letter, std::string_view what) const {
     const std::vector<double> values = numbers(letter, what);
-    if (values.size() != 1) fail(fmt::format("expected one number after {}, got {}", letter, values.size()));
+    if (values.size() != 1) fail(letter, fmt::format("expected one number after {}, got {}", letter, values.size()));
     return values[0];
   }
 
   double number_or(char letter, double otherwise) const {
-    return text_.contains(letter) ? number(letter, {}) : otherwise;
+    return words_.contains(letter) ? number(letter, {}) : otherwise;
   }
 
   /// One number for all towers, or three.
   Three one_or_three(char letter, std::string_view what) const {
     const std::vector<double> values = numbers(letter, what);
     if (values.size() == 1) return {values[0], values[0], values[0]};
-    if (values.size() != 3) fail(fmt::format("expected one number or three after {}, got {}", letter, values.size()));
+    if (values.size() != 3)
+      fail(letter, fmt::format("expected one number or three after {}, got {}", letter, values.size()));
     return {values[0], values[1], values[2]};
   }
 
@@ -131,9 +137,14 @@ class Code {
   }
 
  private:
+  struct Word {
+    std::string text;
+    int line = 0;
+  };
+
   std::string file_;
   std::string_view name_;
-  std::map<char, std::string> text_;
+  std::map<char, Word> words_;
   int line_ = 0;
 };
 
@@ -143,7 +154,8 @@ void refuse_tilt(const Code& endstops, CodeDialect dialect) {
   for (const char letter : {'A', 'B'}) {
     const double tilt = endstops.number_or(letter, 0.0);
     if (tilt == 0.0) continue;
-    endstops.fail(fmt::format("expected M666 without bed tilt, got {}{}: level the bed or calibrate without it first",
+    endstops.fail(letter,
+                  fmt::format("expected M666 without bed tilt, got {}{}: level the bed or calibrate without it first",
                               letter, tilt));
   }
 }
@@ -267,14 +279,20 @@ DeltaGeometry plausible(const TextFile& file, const DeltaGeometry& geometry) {
 
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
   constexpr double kRotaryKinematics = 10.0;
-  if (dialect == CodeDialect::marlin) return plausible(file, linear_delta(file, dialect));
+  if (dialect == CodeDialect::marlin) {
+    const auto compiled = marlin_configuration(file);
+    return plausible(file, linear_delta(compiled ? compiled->codes : file, dialect));
+  }
   const Code kinematics(file, kRotary, letters_of(kRotary, dialect));
   const bool rotary = kinematics.number_or('K', 0.0) == kRotaryKinematics;
   return plausible(file, rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect));
 }
 
 double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {
-  if (dialect == CodeDialect::marlin) return 0.0;
+  if (dialect == CodeDialect::marlin) {
+    const auto compiled = marlin_configuration(file);
+    return compiled ? compiled->print_radius : 0.0;
+  }
   const Code linear(file, kLinear, letters_of(kLinear, dialect)), rotary(file, kRotary, letters_of(kRotary, dialect));
   return rotary.number_or('B', linear.number_or('B', 0.0));
 }

@@ -139,5 +139,51 @@ TEST(RotaryMachineCodes, AreRefusedWithTheirLine) {
   refused(CodeDialect::reprapfirmware, "M669 K3\n", "expected M665 with L");
 }
 
+/// As owners have them: comments, blocks of them, and much else.
+const std::string kConfiguration = R"(/**
+ * Marlin 3D Printer Firmware
+ * #define DELTA_RADIUS 1.0
+ */
+#define SERIAL_PORT 0
+#if ENABLED(DELTA)
+  #define PRINTABLE_RADIUS 95.5      // (mm)
+  #define DELTA_DIAGONAL_ROD 260.0        // (mm)
+  //#define DELTA_DIAGONAL_ROD 250.0
+  # define DELTA_HEIGHT 200.25 /* from G33 */
+  #define DELTA_ENDSTOP_ADJ { 0.0, -0.5, -1.25 } // Get these values from G33 auto calibrate
+  #define DELTA_RADIUS 100.5
+  #define DELTA_TOWER_ANGLE_TRIM { 0.3, -0.2, 0.0 }
+  #define DELTA_RADIUS_TRIM_TOWER { 0.0, 0.0, 0.0 }
+  #define DELTA_DIAGONAL_ROD_TRIM_TOWER { 0.5, 0.0, -0.25 }
+#endif
+)";
+
+TEST(MarlinConfiguration, SaysWhatTheCodesSay) {
+  const DeltaGeometry compiled = read_machine_codes({"Configuration.h", kConfiguration}, CodeDialect::marlin);
+  const DeltaGeometry told = read_machine_codes(
+      {"c", "M665 L260 R100.5 H200.25 X0.3 Y-0.2 Z0 A0.5 B0 C-0.25\nM666 X0 Y-0.5 Z-1.25\n"}, CodeDialect::marlin);
+  EXPECT_EQ(compiled.rod, told.rod);
+  EXPECT_EQ(compiled.radius, told.radius);
+  EXPECT_EQ(compiled.endstop, told.endstop);
+  EXPECT_EQ(compiled.tower_angle, told.tower_angle);
+  EXPECT_EQ(print_radius_of_codes({"Configuration.h", kConfiguration}, CodeDialect::marlin), 95.5);
+}
+
+TEST(MarlinConfiguration, IsRefusedWithItsLine) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = kConfiguration;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const auto is_refused = [](const std::string& text, const std::string& part) {
+    refused(CodeDialect::marlin, text, part);
+  };
+  is_refused(with("#define DELTA_RADIUS 100.5", "#define DELTA_RADIUS wide"), "config.g:12: expected a number after R");
+  is_refused(with("{ 0.3, -0.2, 0.0 }", "{ 0.3, -0.2 }"), "config.g:13: expected 3 numbers for DELTA_TOWER_ANGLE_TRIM");
+  is_refused(with("{ 0.0, 0.0, 0.0 }", "{ 0.0, 0.4, 0.0 }"), "config.g:14: expected no radii of single towers");
+  is_refused(with("  //#define DELTA_DIAGONAL_ROD 250.0", "  #define DELTA_DIAGONAL_ROD 250.0"),
+             "config.g:9: expected DELTA_DIAGONAL_ROD as in line 8 (260.0), got 250.0");
+  is_refused(with("  # define DELTA_HEIGHT 200.25 /* from G33 */", ""), "with H (homed height)");
+}
+
 }  // namespace
 }  // namespace paracal::io

@@ -24,6 +24,8 @@ enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 ///   M666  X Y Z  endstop adjustments, mm: added to the height of the endstops (RepRapFirmware) or taken off it
 ///         (Marlin); of a rotary delta deg, added to the highest angle
 ///
+/// Of Marlin also a Configuration.h: what it defines as DELTA_... says the same.
+///
 /// With s_i = sqrt(rod_i^2 - R^2) and z_0 the nozzle with all carriages at 0, the endstops of the library's
 /// DeltaGeometry are
 ///
@@ -36,7 +38,8 @@ enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 /// trims of 85 mm when a file is read as the wrong firmware's, is refused, too.
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect);
 
-/// Radius of the bed that RepRapFirmware's M665 B (of a rotary delta M669 B) states, mm; 0: none.
+/// Radius of the bed that RepRapFirmware's M665 B (of a rotary delta M669 B) or Marlin's PRINTABLE_RADIUS states, mm;
+/// 0: none.
 double print_radius_of_codes(const TextFile& file, CodeDialect dialect);
 
 /// The lines for a geometry. RepRapFirmware: adjustments sum to zero; a rotary delta's A, whose lowest angle no

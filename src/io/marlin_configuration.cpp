@@ -1,0 +1,141 @@
+#include "marlin_configuration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "columns.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+struct Key {
+  std::string_view name, code, letters;
+};
+
+constexpr std::string_view kRod = "DELTA_DIAGONAL_ROD", kRadii = "DELTA_RADIUS_TRIM_TOWER";
+constexpr std::array<Key, 6> kKeys{{{kRod, "M665", "L"},
+                                    {"DELTA_RADIUS", "M665", "R"},
+                                    {"DELTA_HEIGHT", "M665", "H"},
+                                    {"DELTA_TOWER_ANGLE_TRIM", "M665", "XYZ"},
+                                    {"DELTA_DIAGONAL_ROD_TRIM_TOWER", "M665", "ABC"},
+                                    {"DELTA_ENDSTOP_ADJ", "M666", "XYZ"}}};
+constexpr std::array<std::string_view, 2> kPrintRadii{"DELTA_PRINTABLE_RADIUS", "PRINTABLE_RADIUS"};
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
+/// A line without its comments; `inside` tells whether one goes on from line to line.
+std::string without_comments(std::string_view line, bool& inside) {
+  std::string left;
+  while (!line.empty()) {
+    const std::size_t end = inside ? line.find("*/") : std::min(line.find("/*"), line.find("//"));
+    if (!inside) left.append(line.substr(0, end));
+    if (end == std::string_view::npos || (!inside && line.substr(end, 2) == "//")) break;
+    inside = !inside;
+    line.remove_prefix(end + 2);
+  }
+  return left;
+}
+
+/// "NAME" and "value" of "#define NAME value"; empty names for other lines.
+std::pair<std::string_view, std::string_view> definition(std::string_view line) {
+  line = trimmed(line);
+  if (!line.starts_with('#')) return {};
+  line = trimmed(line.substr(1));
+  constexpr std::string_view kDefine = "define";
+  if (!line.starts_with(kDefine)) return {};
+  line = trimmed(line.substr(kDefine.size()));
+  const std::size_t end = std::min(line.find_first_of(kBlanks), line.size());
+  return {line.substr(0, end), trimmed(line.substr(end))};
+}
+
+/// Between commas, without braces.
+std::vector<std::string_view> parts_of(std::string_view value) {
+  if (value.starts_with('{') && value.ends_with('}')) value = value.substr(1, value.size() - 2);
+  std::vector<std::string_view> parts;
+  for (std::size_t end = 0; end != std::string_view::npos;) {
+    end = value.find(',');
+    parts.push_back(trimmed(value.substr(0, end)));
+    if (end != std::string_view::npos) value.remove_prefix(end + 1);
+  }
+  return parts;
+}
+
+/// One file, whose definitions come one after the other.
+class Reader {
+ public:
+  explicit Reader(const TextFile& file) : found_{.codes = {file.name, {}}} {}
+
+  void read(std::string_view name, std::string_view value) {
+    ++line_;
+    if (const auto* key = std::ranges::find(kKeys, name, &Key::name); key != kKeys.end()) {
+      check_again(name, value);
+      add(*key, parts_of(value));
+    } else if (name == kRadii) {
+      refuse_radii(parts_of(value));
+    } else if (std::ranges::find(kPrintRadii, name) != kPrintRadii.end()) {
+      found_.print_radius = finite_number(value).value_or(0.0);
+    }
+    found_.codes.text.push_back('\n');
+  }
+
+  bool is_delta() const { return defined_.contains(kRod); }
+  MarlinConfiguration&& found() && { return std::move(found_); }
+
+ private:
+  [[noreturn]] void fail(const std::string& complaint) const {
+    throw InputFileError(found_.codes.name, line_, complaint);
+  }
+
+  void check_again(std::string_view name, std::string_view value) {
+    const auto [before, is_new] = defined_.try_emplace(std::string(name), value, line_);
+    if (is_new || before->second.first == value) return;
+    fail(fmt::format("expected {} as in line {} ({}), got {}: leave the one that was compiled", name,
+                     before->second.second, before->second.first, value));
+  }
+
+  void add(const Key& key, const std::vector<std::string_view>& parts) {
+    if (parts.size() != key.letters.size()) {
+      fail(fmt::format("expected {} numbers for {}, got {}", key.letters.size(), key.name, parts.size()));
+    }
+    found_.codes.text.append(key.code);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      found_.codes.text.append(" ").append(1, key.letters[k]).append(parts[k]);
+    }
+  }
+
+  void refuse_radii(const std::vector<std::string_view>& parts) const {
+    const auto is_zero = [](std::string_view part) { return finite_number(part) == 0.0; };
+    if (std::ranges::all_of(parts, is_zero)) return;
+    fail(fmt::format("expected no radii of single towers, got {}: the towers' places here have one radius", kRadii));
+  }
+
+  MarlinConfiguration found_;
+  std::map<std::string, std::pair<std::string, int>, std::less<>> defined_;
+  int line_ = 0;
+};
+
+}  // namespace
+
+std::optional<MarlinConfiguration> marlin_configuration(const TextFile& file) {
+  Reader reader(file);
+  bool inside_comment = false;
+  for (const std::string_view line : lines_of(file.text)) {
+    const std::string left = without_comments(line, inside_comment);
+    const auto [name, value] = definition(left);
+    reader.read(name, value);
+  }
+  if (!reader.is_delta()) return std::nullopt;
+  return std::move(reader).found();
+}
+
+}  // namespace paracal::io
