@@ -184,7 +184,12 @@ std::string write_configuration(const PrinterOptions& options, const PrinterStat
                      changed_lines(printer.text.text, changed), options.printer.name, kept);
 }
 
-void check_configuration_options(const PrinterOptions& options) {
+void check_configuration_options(const PrinterOptions& options, const Session& session) {
+  if (options.apply && !session.out().empty()) {
+    throw WrongUsage(
+        "--apply: expected no --out with it: a calibration counts its errors from the values that the firmware has; "
+        "apply, then calibrate again");
+  }
   const char* name = options.apply ? "--apply" : "--config";
   if (!options.apply && options.config.empty()) return;
   if (options.printer.firmware != kKlipper) {
@@ -198,7 +203,7 @@ void check_configuration_options(const PrinterOptions& options) {
 }  // namespace
 
 void calibrate_printer_file(const PrinterOptions& options, const std::string& page, Session& session) {
-  check_configuration_options(options);
+  check_configuration_options(options, session);
   const PrinterState printer = with_readings(options);
   const std::string write = options.write.empty() ? options.printer.firmware : options.write;
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {

@@ -33,7 +33,7 @@ bool left_many_out(const Calibration& calibration) {
 
 bool is_far_from_nominal(const ParameterEstimate& parameter) {
   constexpr double kFarOutside = 4.0;  // standard deviations of the tolerance
-  return parameter.prior_std && std::abs(parameter.value) > kFarOutside * *parameter.prior_std;
+  return parameter.prior_std && std::abs(parameter.value - parameter.expected) > kFarOutside * *parameter.prior_std;
 }
 
 /// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
@@ -60,7 +60,7 @@ void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements,
 }  // namespace
 
 Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
-  if (!options.diagnose) return detail::calibrate_as_given(robot, measurements, options);
+  if (!options.diagnose || options.expected) return detail::calibrate_as_given(robot, measurements, options);
   try {
     Calibration calibration = detail::calibrate_as_given(robot, measurements, options);
     if (!is_doubtful(calibration, measurements)) return calibration;

@@ -38,7 +38,7 @@ std::string_view name(Verdict verdict) {
 }
 
 SourceErrors Calibration::errors() const {
-  SourceErrors errors;
+  SourceErrors errors = options.expected.value_or(SourceErrors{});
   for (const ParameterEstimate& parameter : parameters) errors(parameter.limb, parameter.source) = parameter.value;
   return errors;
 }

@@ -52,7 +52,7 @@ std::vector<SoughtSource> consider_held(const Measurements& measurements, const 
   std::vector<SoughtSource> all = observation.sought();
   all.insert(all.end(), held.begin(), held.end());
   for (SoughtSource& one : all) one.prior_std.reset();
-  Observation whole(calibration.robot, measurements, calibration.options, all, true);
+  Observation whole(observation.robot(), measurements, calibration.options, all, true);
   whole.groups() = observation.groups();
   whole.components() = observation.components();
   const auto start = whole.start(observation.errors(fit.fit().parameters));

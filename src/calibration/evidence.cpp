@@ -110,7 +110,9 @@ void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, 
   for (Eigen::Index k = 0; k < std::ssize(all); ++k) {
     const SoughtSource& one = all[static_cast<std::size_t>(k)];
     ParameterEstimate parameter{.limb = one.limb, .source = one.source, .held = k >= observation.source_count()};
-    if (!parameter.held) parameter.value = fit.fit().parameters(observation.nuisance_count() + k);
+    if (calibration.options.expected) parameter.expected = (*calibration.options.expected)(one.limb, one.source);
+    parameter.value = parameter.expected;
+    if (!parameter.held) parameter.value += fit.fit().parameters(observation.nuisance_count() + k);
     parameter.prior_std = one.prior_std;
     if (k < covariance.rows()) {
       parameter.std = std::sqrt(covariance(k, k));

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "as_given.hpp"
 #include "components.hpp"
@@ -94,6 +95,14 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   return finished(used, other, std::move(calibration));
 }
 
+/// The machine that the fit expects, by which priors and held errors are counted.
+Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
+  if (!options.expected) return robot;
+  RobotDescription description = robot.description();
+  description.intended = description.intended + *options.expected;
+  return Robot(std::move(description));
+}
+
 }  // namespace
 
 Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
@@ -105,7 +114,8 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
                               ? "measurements: expected at least one reading, got none"
                               : "method paper: expected points or distances, got heights alone");
   }
-  const bool fine = goes_fine(robot, measurements, options);
+  const Robot centre = expected_robot(robot, options);
+  const bool fine = goes_fine(centre, measurements, options);
   const std::vector<SoughtSource> sought =
       paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options);
   if (fine && sought.empty()) {
@@ -121,7 +131,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   // Not from heights: to them offsets alone are hardly more than the height and the tilt of the plane.
   SourceErrors offsets;
   if (!fine || used.planes.empty()) {
-    detail::StageFit rough(robot, used, options, detail::encoder_offsets(robot, options), {});
+    detail::StageFit rough(centre, used, options, detail::encoder_offsets(robot, options), {});
     rough.solve();
     detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
     if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
@@ -130,7 +140,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
     }
     offsets = rough.observation().errors(rough.fit().parameters);
   }
-  detail::StageFit stage(robot, used, options, sought, offsets, !paper);
+  detail::StageFit stage(centre, used, options, sought, offsets, !paper);
   if (paper) {
     stage.solve_by_pseudo_inverse();
     return finished(used, stage, std::move(calibration));

@@ -55,6 +55,7 @@ class Observation {
   Observation(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
               std::vector<SoughtSource> sought, bool seeks_scale = false);
 
+  const Robot& robot() const { return robot_; }
   Eigen::Index nuisance_count() const { return nuisance_count_; }
   Eigen::Index unknown_count() const { return nuisance_count_ + source_count(); }
   Eigen::Index source_count() const { return static_cast<Eigen::Index>(sought_.size()); }

@@ -48,21 +48,25 @@ Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::
           {"dof", std::isfinite(parameter.dof) ? Json(parameter.dof) : Json(nullptr)},
           {"status", status},
           {"prior_std", in_file_unit(parameter.prior_std)},
+          {"expected", to_file_unit(unit_inside, parameter.expected)},
           {"data_share", parameter.data_share}};
 }
 
-/// Sought parameters first, then the sources that the fit held at zero.
+/// Sought parameters first, then the sources that the fit held where they were expected.
 Json parameters_json(const Calibration& calibration) {
   Json json = Json::array();
   for (const ParameterEstimate& parameter : calibration.parameters) {
     json.push_back(
         parameter_json(parameter, calibration.robot.actuator(), parameter.identified() ? "identified" : "prior"));
   }
+  const SourceErrors errors = calibration.errors();
   for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
       const auto same = [&](const ParameterEstimate& p) { return p.limb == limb && p.source == source; };
       if (std::ranges::any_of(calibration.parameters, same)) continue;
-      const ParameterEstimate fixed{.limb = limb, .source = source, .data_share = 0.0};
+      const double value = errors(limb, source);
+      const ParameterEstimate fixed{
+          .limb = limb, .source = source, .value = value, .expected = value, .data_share = 0.0};
       json.push_back(parameter_json(fixed, calibration.robot.actuator(), "fixed"));
     }
   }

@@ -105,6 +105,13 @@ std::vector<std::string> all_implausible(const DeltaGeometry& saved, const Delta
   return wrong;
 }
 
+/// What rests on a wrong file or on wrong readings corrects no program.
+void reject(const std::vector<std::string>& wrong, Calibration& calibration) {
+  if (calibration.accepted()) calibration.verdict = Verdict::rejected;
+  calibration.reasons.insert(calibration.reasons.begin(), wrong.begin(), wrong.end());
+  calibration.use.reset();
+}
+
 /// Where no machine closes: with what is likely to be wrong.
 [[noreturn]] void refuse(const DeltaGeometry& saved, const DeltaReadings& readings) {
   const std::vector<std::string> wrong = all_implausible(saved, readings, fit_as_firmware(saved, readings));
@@ -144,7 +151,7 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .saved = judge_as_firmware(saved, readings),
       .firmware = fit->firmware,
       .measurements = std::move(fit->measurements),
-      .calibration = std::move(fit->calibration),
+      .calibration = above_bed(std::move(fit->calibration), known, unseen_motion(known, saved)),
       .known = known,
       .projection = projection,
       .written = candidate(projection.geometry, saved, known, held_out, &HeldOutReading::written),
@@ -157,7 +164,9 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .size = size,
       .uncheckable = options.tries_gross ? unnoticed(saved, readings, trial.is_there) : std::vector<std::string>{},
       .findings = {}};
-  detail::advise(readings, all_implausible(saved, good, checked), result);
+  const std::vector<std::string> wrong = all_implausible(saved, good, checked);
+  detail::advise(readings, wrong, result);
+  if (!wrong.empty()) reject(wrong, result.calibration);
   return result;
 }
 

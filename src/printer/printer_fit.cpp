@@ -18,9 +18,10 @@ std::optional<PrinterFit> fit_printer(const DeltaGeometry& start, const DeltaRea
   DeltaFit firmware = fit_as_firmware(start, readings);
   const bool usable = firmware.ok() && implausible(firmware.geometry).empty();
   const DeltaGeometry& nominal = usable ? firmware.geometry : start;
-  PrinterMachine printer = printer_machine(nominal, options.print_radius);
+  const DeltaGeometry& held = implausible(start).empty() ? start : nominal;
+  PrinterMachine printer = printer_machine(held, nominal, options.print_radius);
   Measurements measurements = printer_measurements(printer, nominal, readings);
-  CalibrationOptions how = printer_options(printer.robot, readings, options.seeks_bias);
+  CalibrationOptions how = printer_options(printer, readings, options.seeks_bias);
   how.states_use = options.states_use;
   Calibration calibration = calibrate(printer.robot, measurements, how);
   if (calibration.planes.empty()) return std::nullopt;

@@ -11,7 +11,7 @@ namespace paracal::detail {
 struct PrinterFit {
   DeltaFit firmware;
   DeltaGeometry nominal;   ///< the firmware's optimum, where it can be a printer; else where it started
-  PrinterMachine printer;  ///< of that
+  PrinterMachine printer;  ///< drawn like that; its controller holds what it started from, where that can be
   Measurements measurements;
   Calibration calibration;
 

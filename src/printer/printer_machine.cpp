@@ -51,16 +51,26 @@ Geometry design_of(const DeltaGeometry& geometry) {
   return design;
 }
 
-/// Errors of one limb that make the design the firmware's machine.
-void assume(const DeltaGeometry& geometry, std::size_t i, const Geometry& design, SourceErrors& errors) {
-  const double angle = geometry.tower_angle[i], intended = design.limb_azimuth[i];
-  errors(i, Source::e_x) = geometry.radius * (std::cos(angle) - std::cos(intended));
-  errors(i, Source::e_y) = geometry.radius * (std::sin(angle) - std::sin(intended));
-  errors(i, Source::rod_mean) = geometry.rod[i] - design.rod;
-  if (geometry.actuator == Actuator::linear) return;
-  errors(i, Source::beta0) = angle - intended;  // the arm swings in the tower's plane
-  errors(i, Source::e_z) = geometry.shoulder[i] - mean_of(geometry.shoulder);
-  errors(i, Source::arm_length) = geometry.arm[i] - design.arm;
+/// What makes limbs that are alike the firmware's: the design of mean lengths, its shoulders at the height `origin`.
+SourceErrors differences(const DeltaGeometry& geometry, const Geometry& design, double origin, const Joints& homed) {
+  const std::array<double, 3> joints = homed_joints(geometry);
+  SourceErrors errors;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double angle = geometry.tower_angle[i], intended = design.limb_azimuth[i];
+    const double radius = design.base_radius - design.plate_radius;
+    errors(i, Source::e_x) = geometry.radius * std::cos(angle) - radius * std::cos(intended);
+    errors(i, Source::e_y) = geometry.radius * std::sin(angle) - radius * std::sin(intended);
+    errors(i, Source::rod_mean) = geometry.rod[i] - design.rod;
+    errors(i, Source::theta_offset) = joints[i] - homed[static_cast<Eigen::Index>(i)];
+    if (geometry.actuator == Actuator::linear) {
+      errors(i, Source::theta_offset) -= origin;
+      continue;
+    }
+    errors(i, Source::beta0) = angle - intended;  // the arm swings in the tower's plane
+    errors(i, Source::e_z) = geometry.shoulder[i] - origin;
+    errors(i, Source::arm_length) = geometry.arm[i] - design.arm;
+  }
+  return errors;
 }
 
 }  // namespace
@@ -71,27 +81,24 @@ Joints PrinterMachine::joints_at(const JointDrops& drops) const {
   return joints;
 }
 
-PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius) {
-  const bool linear = geometry.actuator == Actuator::linear;
-  const std::array<double, 3> homed = homed_joints(geometry);
-  const double origin = linear ? mean_of(homed) : mean_of(geometry.shoulder);
+PrinterMachine printer_machine(const DeltaGeometry& firmware, const DeltaGeometry& like, double print_radius) {
+  const bool linear = like.actuator == Actuator::linear;
+  const std::array<double, 3> at_endstops = homed_joints(like);
+  const double origin = linear ? mean_of(at_endstops) : mean_of(like.shoulder);
+  Joints homed = Joints::Zero(3);
+  if (!linear) std::ranges::copy(at_endstops, homed.begin());
   RobotDescription robot;
   robot.name = "printer";
-  robot.geometry = design_of(geometry);
-  robot.workspace = workspace_of(geometry, linear ? origin : mean_of(geometry.endstop), print_radius);
+  robot.geometry = design_of(like);
+  const double height = linear ? origin : mean_of(like.endstop);
+  robot.workspace = workspace_of(like, height, print_radius);
+  robot.workspace.radius = std::min(robot.workspace.radius, workspace_of(firmware, height, print_radius).radius);
   robot.workspace.top_z = robot.workspace.height - origin;
   robot.tolerances = printer_tolerances(robot.geometry);
-  SourceErrors assumed;
-  Joints joints = Joints::Zero(3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    assume(geometry, i, robot.geometry, assumed);
-    if (linear) {
-      assumed(i, Source::theta_offset) = homed[i] - origin;
-    } else {
-      joints[static_cast<Eigen::Index>(i)] = homed[i];
-    }
-  }
-  return {.robot = Robot(std::move(robot)), .assumed = assumed, .bed = -origin, .homed = joints};
+  robot.intended = differences(firmware, robot.geometry, origin, homed);
+  robot.controller_origin = {0.0, 0.0, -origin};
+  const SourceErrors design = SourceErrors{} - robot.intended;
+  return {.robot = Robot(std::move(robot)), .design = design, .bed = -origin, .homed = homed};
 }
 
 Tolerances printer_tolerances(const Geometry& geometry) {
@@ -154,7 +161,7 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
   return measurements;
 }
 
-CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings, bool seeks_bias) {
+CalibrationOptions printer_options(const PrinterMachine& printer, const DeltaReadings& readings, bool seeks_bias) {
   CalibrationOptions options;
   options.diagnose = false;  // the firmware's own fit stands beside it
   options.stage = Stage::fine;
@@ -162,7 +169,8 @@ CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& read
   options.noise.distance = 0.05;
   options.noise.distance_bias = seeks_bias ? kDistanceBias : 0.0;
   options.plane_slope = 0.5e-3;
-  options.common = printer_common_errors(robot, !readings.distances.empty());
+  options.common = printer_common_errors(printer.robot, !readings.distances.empty());
+  options.expected = printer.design;
   return options;
 }
 

@@ -162,15 +162,11 @@ DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry&
 
 }  // namespace
 
-KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration) {
-  KnownPrinter known{printer, calibration.errors(), calibration.planes.front()};
-  for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
-  const Eigen::Index n = std::ssize(known.parameters);
-  if (known.bed.covariance.size() == 0) return known;
-  known.covariance.resize(3 + n, 3 + n);
-  known.covariance << known.bed.covariance, known.bed.covariance.rightCols(n).transpose(),
-      known_errors(calibration).expanded_covariance();
-  return known;
+MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geometry) {
+  const Grid grid = grid_of(known, geometry, geometry);
+  if (grid.machine.size() == 0) return {};
+  const Eigen::Vector3d motion = grid.motions.colPivHouseholderQr().solve(grid.geometry - grid.machine);
+  return {motion.x(), motion.y(), motion.z()};
 }
 
 double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than) {

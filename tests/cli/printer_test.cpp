@@ -94,6 +94,16 @@ TEST_F(PrinterCommand, AppliesWithABackupAndADiff) {
   EXPECT_THAT(folder.run("calibrate --printer printer.cfg").out, HasSubstr("nothing to change"));
 }
 
+/// Its errors would count from values that the firmware no longer has: programs would be corrected twice.
+TEST_F(PrinterCommand, WritesNoCalibrationOfValuesThatItReplaces) {
+  folder.write("printer.cfg", outdated());
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg --apply --out calibration.json");
+  EXPECT_EQ(result.exit_code, kWrongUsage);
+  EXPECT_THAT(result.err, HasSubstr("--apply: expected no --out with it"));
+  EXPECT_EQ(folder.names(), std::set<std::string>{"printer.cfg"});
+  EXPECT_EQ(folder.read("printer.cfg"), outdated());
+}
+
 TEST_F(PrinterCommand, SaysWhichLineIsInForce) {
   std::string text = outdated();
   text.insert(text.find("max_velocity"), "delta_radius: 161.0\n");
@@ -134,6 +144,24 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
   EXPECT_EQ(printer["uncheckable"].size(), 13);
   EXPECT_EQ(printer["firmware"]["parameters"], 9);
   EXPECT_LT(printer["accuracy_new"]["shape_rms_mm"], printer["accuracy_saved"]["shape_rms_mm"]);
+}
+
+/// What the firmware has no number for, or has not been told, a filter of its programs puts right.
+TEST_F(PrinterCommand, ItsCalibrationFiltersProgramsInTheFirmwaresCoordinates) {
+  folder.write("printer.cfg", outdated());
+  ASSERT_EQ(folder.run("calibrate --printer printer.cfg --out calibration.json").exit_code, kDone);
+  folder.write("part.gcode", "G90\nG1 X50.000 Y0.000 Z0.200 F1800\nG1 X-30.000 Y40.000 Z10.000 E0.5\n");
+  const std::string filter = "export --calibration calibration.json --target gcode --input part.gcode";
+  const ProgramResult result = folder.run(words(filter + " --out filtered.gcode --json"));
+  ASSERT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_LT(json::parse(result.out)["origin_mm"][2].get<double>(), -100.0);
+  double x = 0.0, y = 0.0, z = 0.0;
+  const std::string text = folder.read("filtered.gcode");
+  ASSERT_EQ(std::sscanf(text.c_str(), "G90\nG1 X%lf Y%lf Z%lf F1800\nG1 X", &x, &y, &z), 3) << text;
+  const double moved = std::hypot(x - 50.0, y, z - 0.2);
+  EXPECT_GT(moved, 0.1);  // a radius that is 1.5 mm off is felt at 50 mm
+  EXPECT_LT(moved, 1.5);
+  EXPECT_NE(folder.run(words(filter + " --origin 0,0,0")).out, text);
 }
 
 TEST_F(PrinterCommand, WarnsWhereNothingIsGained) {

@@ -19,7 +19,7 @@ using test::KlipperSet;
 TEST(DeltaGeometry, NozzleIsWhereTheMachineIs) {
   for (const KlipperSet& set : klipper_sets()) {
     const PrinterMachine printer = printer_machine(set.geometry);
-    const Machine machine = build(printer.robot, printer.assumed);
+    const Machine machine = printer.robot.nominal();
     const Measurements measurements = printer_measurements(printer, set.geometry, set.readings);
     for (const Station& station : measurements.stations) {
       const ForwardResult place = forward(machine, *station.believed);
@@ -32,7 +32,7 @@ TEST(DeltaGeometry, NozzleIsWhereTheMachineIs) {
 /// Likewise with arms, whose towers stand where they are and not where they should.
 TEST(DeltaGeometry, NozzleOfARotaryDeltaIsWhereTheMachineIs) {
   const test::RotaryPrinter printer = test::rotary_printer();
-  const Machine machine = build(printer.machine.robot, printer.machine.assumed);
+  const Machine machine = printer.machine.robot.nominal();
   for (const BedReading& reading : printer.readings.heights) {
     const ForwardResult place = forward(machine, printer.machine.joints_at(reading.drops));
     ASSERT_TRUE(place.ok());

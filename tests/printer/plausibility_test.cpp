@@ -58,6 +58,8 @@ TEST_P(ImplausiblePrinter, IsNotAdvised) {
     EXPECT_THAT(found.findings.front(), HasSubstr(GetParam().said));
     EXPECT_THAT(found.findings.back(), HasSubstr("your file or your readings are wrong"));
     EXPECT_EQ(numbers_of(found.advised()), numbers_of(set.geometry));
+    EXPECT_FALSE(found.calibration.accepted());  // no program is corrected by it
+    EXPECT_FALSE(found.calibration.reasons.empty());
   } catch (const Unreachable& refused) {
     EXPECT_THAT(refused.what(), HasSubstr(GetParam().said));
   }

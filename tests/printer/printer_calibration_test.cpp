@@ -74,7 +74,7 @@ TEST(PrinterCalibration, KeepsTheSavedValuesWhereReadingsAreTooFew) {
 TEST(Projection, OfAMachineThatTheControllerCanDescribeLosesNothing) {
   const KlipperSet set = set_named("K18");
   const PrinterMachine printer = printer_machine(set.geometry);
-  const KnownPrinter known{printer, printer.assumed, {.name = "bed", .height = printer.bed}};
+  const KnownPrinter known{printer, SourceErrors{}, {.name = "bed", .height = printer.bed}};
   DeltaGeometry start = set.geometry;
   start.radius += 0.7;
   start.rod[1] -= 0.5;
@@ -101,7 +101,7 @@ TEST(Projection, CountsFromABedThatIsNotSquare) {
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(60, 0, 0), {0, 60, 0}, {-40, 30, 0}, {30, -20, 100}}) {
     const auto drops = drops_to(geometry, p);
     ASSERT_TRUE(drops);
-    const auto moved = deviation({printer, printer.assumed, bed}, geometry, *drops);
+    const auto moved = deviation({printer, SourceErrors{}, bed}, geometry, *drops);
     ASSERT_TRUE(moved);
     // Second order of the slopes: 1e-5 of 100 mm.
     EXPECT_LT((*moved - (onto_bed * p - p)).norm(), 2e-3) << p.transpose();
@@ -113,7 +113,7 @@ TEST(Projection, HeightsAreNotFitted) {
   const DeltaGeometry geometry = set_named("K18").geometry;
   const PrinterMachine printer = printer_machine(geometry);
   const DeltaAccuracy lower =
-      accuracy_of({printer, printer.assumed, {.name = "bed", .height = printer.bed - 0.3}}, geometry);
+      accuracy_of({printer, SourceErrors{}, {.name = "bed", .height = printer.bed - 0.3}}, geometry);
   EXPECT_NEAR(lower.shape_rms, 0.3, 1e-9);
   EXPECT_NEAR(lower.shape_max, 0.3, 1e-9);
   EXPECT_NEAR(lower.absolute_rms, 0.3, 1e-9);

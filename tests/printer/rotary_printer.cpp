@@ -110,7 +110,6 @@ RotaryPrinter rotary_printer(unsigned seed) {
   }
   RotaryPrinter printer{
       .saved = saved, .actual = actual, .machine = printer_machine(actual), .errors = {}, .readings = {}, .config = {}};
-  printer.errors = printer.machine.assumed;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {
     for (const Source source : all_sources()) {

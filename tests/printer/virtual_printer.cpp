@@ -116,7 +116,6 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
   VirtualPrinter printer{
       .saved = saved, .machine = printer_machine(actual, radius), .errors = {}, .bed = {.name = "bed"}, .readings = {}};
   printer.radius = radius;
-  printer.errors = printer.machine.assumed;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {
     for (const Source source : all_sources()) {

@@ -41,6 +41,7 @@ export interface Parameter {
   k: number | null;
   status: string;
   prior_std: number | null;
+  expected: number;
   data_share: number;
 }
 

@@ -92,6 +92,9 @@ struct CalibrationOptions {
   ReflectorMount reflectors = ReflectorMount::plate;
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
   std::vector<CommonError> common = {};       ///< priors that the limbs have together
+  /// What the source errors are before any reading: the centre of their tolerances. Not zero where the controller holds
+  /// other numbers than the drawing. Mistakes are not diagnosed (`diagnose`) then.
+  std::optional<SourceErrors> expected = {};
   /// Standard deviation of the slopes of planes that heights are read above, against the robot's own level, rad; empty:
   /// any.
   std::optional<double> plane_slope = {};
@@ -141,6 +144,7 @@ struct ParameterEstimate {
   double value = 0.0;                    ///< actual - nominal, mm or rad
   std::optional<double> std = {};        ///< standard deviation, mm or rad; empty where the readings cannot tell
   std::optional<double> prior_std = {};  ///< before the readings, from the tolerances; empty: no prior
+  double expected = 0.0;                 ///< before the readings, mm or rad
   double data_share = 1.0;               ///< share of the information that the readings gave: 1 - std^2 / prior_std^2
   /// Degrees of freedom of std^2 (Welch and Satterthwaite, [gum, G.4]): those that estimate the noise over the square
   /// of the noise's share in std^2.

@@ -12,19 +12,27 @@ namespace paracal {
 ///
 ///   z of the robot = z of the firmware + bed        q_i = homed_i - drop_i
 struct PrinterMachine {
-  Robot robot;           ///< towers at their design angles, the firmware's radius, rods and arms of its mean lengths
-  SourceErrors assumed;  ///< what the firmware's geometry differs by from that
-  double bed = 0.0;      ///< height of the firmware's z = 0, mm
-  Joints homed;          ///< at the endstops: 0 of carriages, the angles of arms, rad
+  /// Without errors what the firmware has. Its geometry: towers at their design angles, one radius, rods and arms of
+  /// mean lengths; its limbs are intended to differ by what the firmware has otherwise. The controller's origin is on
+  /// the bed.
+  Robot robot;
+  SourceErrors design;  ///< the errors that would make it that geometry with limbs alike: where parts are drawn
+  double bed = 0.0;     ///< height of the firmware's z = 0, mm
+  Joints homed;         ///< at the endstops: 0 of carriages, the angles of arms, rad
 
   Joints joints_at(const JointDrops& drops) const;
 };
 
+/// @param firmware  what the firmware has.
+/// @param like      whose means the drawing has: a geometry that is nearer to the machine.
 /// @param print_radius  of the bed, mm; 0: most of what the printer reaches. Readings say where a printer is known.
 /// What a firmware does not know (radius of the effector, width of its rods' pairs) is taken as in linear_delta; it
 /// matters only for tilt. Tolerances are those of printers: see printer_tolerances().
 /// @throws InvalidArgument for a geometry that makes no sense.
-PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius = 0.0);
+PrinterMachine printer_machine(const DeltaGeometry& firmware, const DeltaGeometry& like, double print_radius = 0.0);
+inline PrinterMachine printer_machine(const DeltaGeometry& geometry, double print_radius = 0.0) {
+  return printer_machine(geometry, geometry, print_radius);
+}
 
 /// Half-widths (3 sigma) of a printer's parts against each other. Linear: rails within 1.5 mm of where they belong
 /// (towers of 14 published printers are 0.15 deg off in the median, 0.4 mm on their radius) and upright to 0.08 deg,
@@ -50,6 +58,6 @@ inline constexpr double kDistanceBias = 0.2;
 /// How printers are measured: probes repeat to 0.02 mm, callipers on printed pillars to 0.05 mm; beds are square to the
 /// rails within 0.5 mrad. These, the tolerances and the common errors are alike for all printers.
 /// @param seeks_bias  a bias of all distances is one of the unknowns.
-CalibrationOptions printer_options(const Robot& robot, const DeltaReadings& readings, bool seeks_bias);
+CalibrationOptions printer_options(const PrinterMachine& printer, const DeltaReadings& readings, bool seeks_bias);
 
 }  // namespace paracal

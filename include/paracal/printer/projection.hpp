@@ -1,9 +1,10 @@
 #pragma once
 
-#include <vector>
+#include <cstdint>
+#include <optional>
 
-#include "paracal/calibration/calibration.hpp"
-#include "paracal/printer/printer_machine.hpp"
+#include "paracal/calibration/least_squares.hpp"
+#include "paracal/printer/known_printer.hpp"
 
 namespace paracal {
 
@@ -15,19 +16,6 @@ struct DeltaAccuracy {
   /// sees these three, so in them the absolute error is as good as the towers' places are.
   double shape_rms = 0.0, shape_max = 0.0;
 };
-
-/// A real printer, as far as it is known: its machine, and the bed that z is counted from.
-struct KnownPrinter {
-  PrinterMachine printer;
-  SourceErrors errors;
-  FoundPlane bed;
-  std::vector<SoughtSource> parameters = {};
-  /// Of height and slopes of the bed, then of the parameters, mm and rad, U = 2 std; empty: known exactly.
-  Eigen::MatrixXd covariance = {};
-};
-
-/// As a calibration found it, its bed first among the planes.
-KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration);
 
 /// Which lengths of rods (and arms) a controller is told.
 enum class ControllerRods : std::uint8_t {
@@ -52,6 +40,10 @@ std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaG
 
 /// Of a firmware with this geometry, on a grid of the workspace. Places that it does not reach are passed over.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
+
+/// The motion along the bed that brings the machine closest to where a firmware with this geometry believes it, over
+/// the workspace: no reading sees it, so it is the firmware's own business.
+MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geometry);
 
 /// Probability that with one geometry the nozzle is less off in shape (root mean square over the workspace) than with
 /// another. t: where the machine stands on the grid, above the bed; a, b: where either believes it; Q: takes a shift

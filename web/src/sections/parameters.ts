@@ -32,7 +32,8 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
     from: clamp(one.value - (one.U ?? 0)),
     to: clamp(one.value + (one.U ?? 0)),
     identified: one.status === "identified",
-    prior: one.prior_std === null ? null : clamp(2 * one.prior_std),
+    priorFrom: one.prior_std === null ? null : clamp(one.expected - 2 * one.prior_std),
+    priorTo: one.prior_std === null ? null : clamp(one.expected + 2 * one.prior_std),
   }));
   return figure({
     id: `parameters-${unit}`,
@@ -51,7 +52,7 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
         x: { label: text.axis(unit), domain: [-edge, edge], grid: true, ticks: Math.floor(width / 110) },
         y: { label: null, domain: rows.map((row) => row.name), tickSize: 0 },
         marks: [
-          ruleY(rows.filter((row) => row.prior !== null), { y: "name", x1: (row: { prior: number }) => -row.prior, x2: "prior", stroke: "var(--prior)", strokeWidth: 11 }),
+          ruleY(rows.filter((row) => row.priorFrom !== null), { y: "name", x1: "priorFrom", x2: "priorTo", stroke: "var(--prior)", strokeWidth: 11 }),
           ruleX([0], { stroke: "var(--muted)" }),
           ruleY(rows, { y: "name", x1: "from", x2: "to", stroke: "var(--after)", strokeWidth: 2 }),
           dot(rows, { y: "name", x: "value", r: 3.5, fill: (row: { identified: boolean }) => (row.identified ? "var(--after)" : "var(--bg)"), stroke: "var(--after)" }),

@@ -1,0 +1,85 @@
+#include "paracal/printer/known_printer.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/mechanism/base_motion.hpp"
+
+namespace paracal {
+namespace {
+
+/// Errors by which the whole machine moves so that a plane comes to lie at z = bed: turned about the plane's middle.
+SourceErrors moved_onto_bed(const PrinterMachine& printer, const FoundPlane& plane) {
+  const Eigen::Vector3d turn(-plane.slope_y, plane.slope_x, 0.0), middle(0.0, 0.0, printer.bed);
+  const Eigen::Vector3d shift = Eigen::Vector3d(0.0, 0.0, printer.bed - plane.height) - turn.cross(middle);
+  SourceErrors errors = turned_base(printer.robot, turn);
+  for (std::size_t i = 0; i < 3; ++i) shift_limb(printer.robot, i, shift, errors);
+  return errors;
+}
+
+SourceErrors moved_along(const Robot& robot, const MotionOnBed& motion) {
+  SourceErrors errors = turned_base(robot, {0.0, 0.0, motion.turn});
+  for (std::size_t i = 0; i < 3; ++i) shift_limb(robot, i, {motion.x, motion.y, 0.0}, errors);
+  return errors;
+}
+
+/// d errors / d (height and slopes of the bed, errors).
+Eigen::MatrixXd by_plane_and_errors(const KnownPrinter& known) {
+  const Eigen::Index n = std::ssize(known.parameters);
+  Eigen::MatrixXd by(n, 3 + n);
+  by.rightCols(n).setIdentity();
+  const FoundPlane level{.name = {}, .height = known.printer.bed};
+  std::array<FoundPlane, 3> planes{level, level, level};
+  planes[0].height += 1.0;
+  planes[1].slope_x = planes[2].slope_y = 1.0;
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const SourceErrors moved = moved_onto_bed(known.printer, planes[k]);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const SoughtSource& one = known.parameters[static_cast<std::size_t>(i)];
+      by(i, static_cast<Eigen::Index>(k)) = moved(one.limb, one.source);
+    }
+  }
+  return by;
+}
+
+}  // namespace
+
+KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration) {
+  KnownPrinter known{printer, calibration.errors(), calibration.planes.front()};
+  for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
+  const Eigen::Index n = std::ssize(known.parameters);
+  if (known.bed.covariance.size() == 0) return known;
+  known.covariance.resize(3 + n, 3 + n);
+  known.covariance << known.bed.covariance, known.bed.covariance.rightCols(n).transpose(),
+      known_errors(calibration).expanded_covariance();
+  return known;
+}
+
+Calibration above_bed(Calibration calibration, const KnownPrinter& known, const MotionOnBed& along) {
+  const SourceErrors errors =
+      calibration.errors() + moved_onto_bed(known.printer, known.bed) + moved_along(known.printer.robot, along);
+  const bool stated = known.covariance.size() > 0;
+  if (stated) {
+    const Eigen::MatrixXd by = by_plane_and_errors(known);
+    calibration.covariance = by * known.covariance * by.transpose();
+    calibration.noise_covariance = calibration.covariance;  // U = 2 std already, so all of it may count as known
+    calibration.noise_dof = std::numeric_limits<double>::infinity();
+  }
+  for (std::size_t k = 0; k < calibration.parameters.size(); ++k) {
+    ParameterEstimate& one = calibration.parameters[k];
+    one.value = errors(one.limb, one.source);
+    if (!stated) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    one.std = std::sqrt(calibration.covariance(at, at));
+    one.dof = calibration.noise_dof;
+    if (one.prior_std) one.data_share = 1.0 - std::min(1.0, std::pow(*one.std / *one.prior_std, 2));
+  }
+  calibration.planes.front() = {.name = known.bed.name, .height = known.printer.bed};
+  return calibration;
+}
+
+}  // namespace paracal
