@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
@@ -116,6 +118,31 @@ NoiseModel MeasuringOptions::noise() const {
   return noise;
 }
 
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Measurand>, 4> kMeasurands{
+    {{"coordinates", Measurand::coordinates},
+     {"distance", Measurand::distances},
+     {"home-distance", Measurand::home_distances},
+     {"height", Measurand::heights}}};
+
+}  // namespace
+
+Option* add_measurand_option(Command& command, Measurand& measurand) {
+  std::vector<std::string> names;
+  names.reserve(kMeasurands.size());
+  for (const auto& [name, one] : kMeasurands) names.emplace_back(name);
+  const auto choose = [&measurand](const std::string& wanted) {
+    measurand = std::ranges::find(kMeasurands, wanted, &std::pair<std::string_view, Measurand>::first)->second;
+  };
+  return command
+      .add_choice("--measure", choose,
+                  "what is measured: coordinates; distances between all poses, or from the first to each; heights "
+                  "above one plane")
+      ->check(one_of(names))
+      ->shows_default(names.front());
+}
+
 void add_mount_option(Command& command, ReflectorMount& mount) {
   std::vector<std::string> names;
   names.reserve(kReflectorMounts.size());
@@ -132,6 +159,10 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--sigma-mm", options.sigma_mm,
                   "standard deviation of a coordinate (0.017) or distance (0.05) that states none")
+      ->check(positive_finite());
+  command
+      .add_option("--height-sigma-mm", options.height_sigma_mm,
+                  "standard deviation of a height above a plane that states none (0.05)")
       ->check(positive_finite());
   command.add_option("--sigma-deg", options.sigma_deg, "standard deviation of rotations")
       ->check(positive_finite())
@@ -156,10 +187,6 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
   add_noise_options(command, options);
-  command
-      .add_option("--height-sigma-mm", options.height_sigma_mm,
-                  "standard deviation of a height above a plane that states none (0.05)")
-      ->check(positive_finite());
   command
       .add_option("--distance-bias-mm", options.distance_bias_mm,
                   "standard deviation of an error that all distances share, as a calliper's zero or a wall's width")
@@ -208,10 +235,11 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
 
 void add_instrument_options(Command& command, InstrumentOptions& options) {
   const Rule believable = between(0.0, kLargest, "up to 1e6");
-  Option* noise = command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate read")
-                      ->check(non_negative_finite())
-                      ->check(believable)
-                      ->shows_default();
+  Option* noise =
+      command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate, distance or height read")
+          ->check(non_negative_finite())
+          ->check(believable)
+          ->shows_default();
   command
       .add_option("--tracker-um", options.tracker_um,
                   "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")

@@ -9,6 +9,7 @@
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/io/file.hpp"
@@ -42,6 +43,9 @@ struct MeasuringOptions {
 
 /// @returns --measurements, which is required unless its taker says otherwise.
 Option* add_measuring_options(Command& command, MeasuringOptions& options);
+
+/// --measure: what is measured at the poses of a plan.
+Option* add_measurand_option(Command& command, Measurand& measurand);
 
 /// --reflectors: what the second reflector is mounted on.
 void add_mount_option(Command& command, ReflectorMount& mount);

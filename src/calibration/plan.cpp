@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
@@ -29,6 +30,13 @@ void add_circle(std::vector<Station>& stations, double radius, double z, double 
 
 std::vector<Station> stations_of(const Robot& robot, Stage stage, int n, double start) {
   return stage == Stage::rough ? rough_stations(robot, n, start) : fine_stations(robot, n, start);
+}
+
+Measurements planned_heights(const Robot& robot, const std::vector<Station>& stations) {
+  Measurements plan{.stations = stations, .planes = {{"plane", {}}}};
+  for (std::size_t k = 0; k < stations.size(); ++k) plan.planes.front().readings.push_back({.station = k});
+  RandomStream unused(0);
+  return simulate(robot, {}, std::move(plan), {}, unused);
 }
 
 }  // namespace
@@ -70,23 +78,36 @@ std::vector<Station> workspace_stations(const Robot& robot) {
   return stations;
 }
 
-Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second) {
+Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings) {
+  const bool coordinates = readings.measurand == Measurand::coordinates;
+  const bool heights = readings.measurand == Measurand::heights;
+  if (readings.second && !coordinates) throw InvalidArgument("plan: a second reflector needs coordinates");
+  if (readings.rotation && heights) throw InvalidArgument("plan: expected heights without rotations");
+  if (heights) return planned_heights(robot, stations);
   RandomStream unused(0);
-  VirtualInstrument instrument{.reads_rotation = rotation};
-  if (second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);
-  return simulate(robot, {}, stations, instrument, unused);
-}
-
-Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation) {
-  Measurements plan = planned_points(robot, stations, rotation, false);
+  VirtualInstrument instrument{.reads_rotation = readings.rotation};
+  if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);
+  Measurements plan = simulate(robot, {}, stations, instrument, unused);
+  if (coordinates) return plan;
   plan.distances = all_distances(plan.series.front());
-  if (rotation) {
+  plan.series.clear();
+  if (readings.measurand == Measurand::home_distances) {
+    std::erase_if(plan.distances, [](const DistanceReading& one) { return one.from != 0; });
+  }
+  if (readings.rotation) {
     for (DistanceReading& reading : plan.distances) {
       reading.rotation = stations[reading.to].commanded.rotation - stations[reading.from].commanded.rotation;
     }
   }
-  plan.series.clear();
   return plan;
+}
+
+Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second) {
+  return planned(robot, stations, {.rotation = rotation, .second = second});
+}
+
+Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation) {
+  return planned(robot, stations, {.measurand = Measurand::distances, .rotation = rotation});
 }
 
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth, double threshold, int show_up_to) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <utility>
+#include <vector>
 
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -23,31 +25,81 @@ Eigen::Vector3d read_point(const VirtualInstrument& instrument, const Eigen::Vec
   return point + whitening(*instrument.tracker, point).inverse() * draw;
 }
 
+/// A machine that is sent to stations and read there.
+class Visits {
+ public:
+  Visits(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations,
+         const VirtualInstrument& instrument, RandomStream& random)
+      : machine_(build(robot, errors)), instrument_(instrument), random_(random) {
+    for (const Station& station : stations) {
+      const ForwardResult pose = forward(machine_, believed_joints(robot, station));
+      if (!pose.ok()) throw Unreachable(fmt::format("station \"{}\": the machine does not close there", station.name));
+      plates_.push_back(pose.plate);
+    }
+  }
+
+  void read(PointReading& reading) {
+    const PlateState& plate = plates_[reading.station];
+    const Eigen::Vector3d centre = visit(reading.station);
+    reading.point = read_point(instrument_, centre, random_);
+    if (reading.second) {
+      const Eigen::Vector3d lever =
+          detail::mount_rotation(plate, rotation(reading.station), instrument_.mount) * *instrument_.second;
+      reading.second = read_point(instrument_, centre + lever, random_);
+    }
+    if (reading.rotation) reading.rotation = rotation(reading.station) + rotation_noise();
+  }
+
+  void read(DistanceReading& reading) {
+    const Eigen::Vector3d from = visit(reading.from), to = visit(reading.to);
+    reading.distance = (to - from).norm() + instrument_.noise * random_.normal();
+    if (reading.rotation) reading.rotation = rotation(reading.to) - rotation(reading.from) + rotation_noise();
+  }
+
+  void read(HeightReading& reading) {
+    const Eigen::Vector3d place = visit(reading.station);
+    const double level = instrument_.plane.dot(Eigen::Vector3d(1.0, place.x(), place.y()));
+    reading.height = place.z() - level + instrument_.noise * random_.normal();
+  }
+
+ private:
+  /// Where it stands this time.
+  Eigen::Vector3d visit(std::size_t station) {
+    return plates_[station].position + instrument_.repeatability * normal_vector(random_);
+  }
+  double rotation(std::size_t station) const { return machine_.rotation_of(plates_[station].slide); }
+  double rotation_noise() { return instrument_.rotation_noise * random_.normal(); }
+
+  Machine machine_;
+  std::vector<PlateState> plates_;
+  const VirtualInstrument& instrument_;
+  RandomStream& random_;
+};
+
 }  // namespace
+
+Measurements simulate(const Robot& robot, const SourceErrors& errors, Measurements plan,
+                      const VirtualInstrument& instrument, RandomStream& random) {
+  Visits visits(robot, errors, plan.stations, instrument, random);
+  for (PointSeries& series : plan.series) {
+    for (PointReading& reading : series.readings) visits.read(reading);
+  }
+  for (DistanceReading& reading : plan.distances) visits.read(reading);
+  for (HeightSeries& plane : plan.planes) {
+    for (HeightReading& reading : plane.readings) visits.read(reading);
+  }
+  return plan;
+}
 
 Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vector<Station> stations,
                       const VirtualInstrument& instrument, RandomStream& random) {
-  const Machine machine = build(robot, errors);
-  Measurements measurements{.stations = std::move(stations), .series = {{"simulation", {}}}};
-  for (std::size_t k = 0; k < measurements.stations.size(); ++k) {
-    const Station& station = measurements.stations[k];
-    const ForwardResult pose = forward(machine, believed_joints(robot, station));
-    if (!pose.ok()) throw Unreachable(fmt::format("station \"{}\": the machine does not close there", station.name));
-    for (int repeat = 0; repeat < instrument.repeats; ++repeat) {
-      const Eigen::Vector3d centre = pose.plate.position + instrument.repeatability * normal_vector(random);
-      PointReading reading{.station = k, .point = read_point(instrument, centre, random)};
-      if (instrument.second) {
-        const double phi = machine.rotation_of(pose.plate.slide);
-        const Eigen::Vector3d lever = detail::mount_rotation(pose.plate, phi, instrument.mount) * *instrument.second;
-        reading.second = read_point(instrument, centre + lever, random);
-      }
-      if (instrument.reads_rotation) {
-        reading.rotation = machine.rotation_of(pose.plate.slide) + instrument.rotation_noise * random.normal();
-      }
-      measurements.series.front().readings.push_back(std::move(reading));
-    }
+  Measurements plan{.stations = std::move(stations), .series = {{"simulation", {}}}};
+  for (std::size_t k = 0; k < plan.stations.size(); ++k) {
+    PointReading reading{.station = k, .point = Eigen::Vector3d::Zero(), .second = instrument.second};
+    if (instrument.reads_rotation) reading.rotation = 0.0;
+    for (int repeat = 0; repeat < instrument.repeats; ++repeat) plan.series.front().readings.push_back(reading);
   }
-  return measurements;
+  return simulate(robot, errors, std::move(plan), instrument, random);
 }
 
 }  // namespace paracal

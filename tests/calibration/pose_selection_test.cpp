@@ -15,8 +15,9 @@ namespace paracal {
 namespace {
 
 /// Uncertainty of a set of poses by another way: the posterior of the whole plan at once.
-WorkspaceUncertainty afresh(const Robot& robot, const std::vector<Station>& stations) {
-  const KnownErrors after = promised(robot, planned_points(robot, stations, false, false));
+WorkspaceUncertainty afresh(const Robot& robot, const std::vector<Station>& stations,
+                            Measurand measurand = Measurand::coordinates) {
+  const KnownErrors after = promised(robot, planned(robot, stations, {.measurand = measurand}));
   return PoseSpread(robot, {}, after.parameters, workspace_stations(robot)).uncertainty(after.covariance);
 }
 
@@ -30,6 +31,21 @@ TEST_P(PoseSelectionLaw, UpdatedCovarianceIsThatOfThePlan) {
   const WorkspaceUncertainty again = afresh(robot, selection.stations);
   EXPECT_NEAR(selection.uncertainty.max_distance / again.max_distance, 1.0, 1e-3);
   EXPECT_NEAR(selection.uncertainty.rms_aligned / again.rms_aligned, 1.0, 1e-3);
+}
+
+/// The same of other readings, whose set-up has other unknowns or none.
+TEST_P(PoseSelectionLaw, IsOfWhatIsMeasured) {
+  std::vector<Station> chosen;
+  for (const Measurand measurand : {Measurand::heights, Measurand::home_distances}) {
+    const Selection selection = select_stations(robot, candidates, {.poses = 15, .readings = {.measurand = measurand}});
+    const WorkspaceUncertainty again = afresh(robot, selection.stations, measurand);
+    EXPECT_NEAR(selection.uncertainty.max_distance / again.max_distance, 1.0, 1e-3);
+    EXPECT_NEAR(selection.uncertainty.rms_aligned / again.rms_aligned, 1.0, 1e-3);
+    const std::vector<Station> first(candidates.begin(), candidates.begin() + 15);
+    EXPECT_LT(again.rms_aligned, afresh(robot, first, measurand).rms_aligned);
+  }
+  EXPECT_THROW((void)select_stations(robot, candidates, {.readings = {.measurand = Measurand::distances}}),
+               InvalidArgument);
 }
 
 /// No single exchange with any candidate may be better, judged afresh.
@@ -82,7 +98,8 @@ TEST_P(PoseSelectionLaw, MorePosesAreNeverWorse) {
 
 TEST_P(PoseSelectionLaw, RotationAndSecondReflectorHelp) {
   const Selection plain = select_stations(robot, candidates, {.poses = 12});
-  const Selection second = select_stations(robot, candidates, {.poses = 12, .rotation = true, .second = true});
+  const Selection second =
+      select_stations(robot, candidates, {.poses = 12, .readings = {.rotation = true, .second = true}});
   EXPECT_LE(second.uncertainty.rms_aligned, plain.uncertainty.rms_aligned);
 }
 

@@ -187,6 +187,45 @@ TEST(OptimalPoses, ATrackerThatSeesNothingIsRefused) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("visible"), HasSubstr("12 are wanted")));
 }
 
+/// Planned, seen beforehand, measured and calibrated from with a probe and a scale: no coordinate at all.
+TEST_F(CalibrationCommands, NeedsNoTracker) {
+  EXPECT_EQ(folder.run("poses --optimal 25 --candidates 400 --measure height --out poses.csv").exit_code, kDone);
+  const json heights = json_of(folder.run("identifiability --poses poses.csv --measure height --json"));
+  EXPECT_EQ(heights["rows"], 25);
+  const json distances = json_of(folder.run("identifiability --poses poses.csv --measure home-distance --json"));
+  EXPECT_EQ(distances["rows"], 24);
+  const std::string simulate = "simulate --poses poses.csv --noise-mm 0.01 --seed 4 --frame random";
+  EXPECT_EQ(folder.run(simulate + " --measure height --repeats 2 --out heights.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run(simulate + " --measure distance --out distances.csv").exit_code, kDone);
+  const json found = json_of(folder.run(
+      "calibrate --measurements heights.csv distances.csv --poses poses.csv --height-sigma-mm 0.01 --sigma-mm 0.01 "
+      "--stage fine --json"));
+  EXPECT_EQ(found["planes"].size(), 1);
+  EXPECT_LT(found["after"]["rms_distance_mm"].get<double>(), 0.1 * found["before"]["rms_distance_mm"].get<double>());
+  const json read = json_of(folder.run(simulate + " --measure height --json"));
+  EXPECT_EQ(read["heights"].size(), 25);
+  EXPECT_TRUE(read["heights"][0]["height_mm"].is_number());
+  EXPECT_EQ(json_of(folder.run(simulate + " --measure home-distance --json"))["distances"].size(), 24);
+}
+
+TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {
+  folder.write("poses.csv", folder.run("poses").out);
+  const auto refused = [&](const std::string& command, const std::string& option) {
+    const ProgramResult result = folder.run(command);
+    EXPECT_EQ(result.exit_code, kWrongUsage) << command;
+    EXPECT_THAT(result.err, HasSubstr(option)) << command;
+  };
+  refused("simulate --poses poses.csv --measure height --read-rotation", "--read-rotation");
+  refused("simulate --poses poses.csv --measure height --tracker-um 15,6,10,0.3", "--tracker-um");
+  refused("simulate --poses poses.csv --measure distance --repeats 2", "--repeats");
+  refused("simulate --poses poses.csv --measure distance --second 0,0,-150", "--second");
+  refused("identifiability --poses poses.csv --measure height --rotation relative", "--rotation");
+  refused("identifiability --poses poses.csv --measure height --second", "--second");
+  refused("poses --optimal 20 --measure distance", "--measure");
+  refused("poses --optimal 20 --measure height --read-rotation", "--read-rotation");
+  refused("poses --optimal 20 --measure home-distance --second", "--second");
+}
+
 // ---- identifiability
 
 /// The table of docs/paper-slips.md, 2.3.

@@ -17,22 +17,27 @@ namespace {
 
 struct Options {
   MeasuringOptions measuring;
-  std::string measure = "coordinates", rotation = "none";
+  Measurand measurand = Measurand::coordinates;
+  std::string rotation = "none";
   bool second = false;
 };
 
 Measurements plan_of(const Robot& robot, const Options& options) {
   const std::vector<Station> stations = io::read_poses(input_file(options.measuring.poses), robot.joint_space());
   const bool rotation = options.rotation != "none";
-  if (options.measure == "coordinates") return planned_points(robot, stations, rotation, options.second);
-  if (options.second) throw WrongUsage("--second: expected --measure coordinates with it");
-  return planned_distances(robot, stations, rotation);
+  if (options.second && options.measurand != Measurand::coordinates) {
+    throw WrongUsage("--second: expected --measure coordinates with it");
+  }
+  if (rotation && options.measurand == Measurand::heights) {
+    throw WrongUsage("--rotation: expected another --measure than height with it");
+  }
+  return planned(robot, stations, {.measurand = options.measurand, .rotation = rotation, .second = options.second});
 }
 
 /// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
 /// comes with it says nothing, in a frame that need not be found.
 Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOptions calibration) {
-  if (!plan.series.empty() || calibration.rotation_zero == RotationZero::unknown) {
+  if (plan.distances.empty() || calibration.rotation_zero == RotationZero::unknown) {
     return identifiability(robot, plan, calibration);
   }
   constexpr double kNothing = 1e20;  // mm
@@ -47,7 +52,7 @@ Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOption
 CalibrationOptions calibration_options(const Options& options) {
   CalibrationOptions calibration;
   calibration.noise = options.measuring.noise();
-  calibration.frame = options.measure == "coordinates" ? options.measuring.frame_kind() : Frame::unknown;
+  calibration.frame = options.measurand == Measurand::coordinates ? options.measuring.frame_kind() : Frame::unknown;
   calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   return calibration;
 }
@@ -137,9 +142,7 @@ void add_identifiability(Command& program, Session& session) {
                                          "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
-  command->add_option("--measure", options->measure, "what is measured")
-      ->check(one_of({"distance", "coordinates"}))
-      ->shows_default();
+  add_measurand_option(*command, options->measurand);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))
       ->shows_default();

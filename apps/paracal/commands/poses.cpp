@@ -26,7 +26,8 @@ struct Options {
   std::string stage = "fine", criterion = "pose";
   double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
   int optimal = 0, candidates = 10000;
-  bool rotation = false, second = false, fixed_to_plate = false;
+  PlannedReadings readings;
+  bool fixed_to_plate = false;
   std::vector<double> tracker, facing;
 };
 
@@ -93,11 +94,24 @@ std::optional<Visibility> visibility_of(const Options& options) {
                     options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
 }
 
+void check_readings(const PlannedReadings& readings) {
+  if (readings.measurand == Measurand::distances) {
+    throw WrongUsage("--measure: expected coordinates, home-distance or height with --optimal: each pose counts alone");
+  }
+  if (readings.second && readings.measurand != Measurand::coordinates) {
+    throw WrongUsage("--second: expected --measure coordinates with it");
+  }
+  if (readings.rotation && readings.measurand == Measurand::heights) {
+    throw WrongUsage("--read-rotation: expected another --measure than height with it");
+  }
+}
+
 void run_selection(const Options& options, Session& session) {
   if (options.candidates < options.optimal) {
     throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
                                  options.candidates));
   }
+  check_readings(options.readings);
   const Robot robot = session.robot();
   const std::vector<Station> candidates =
       candidate_stations(robot, options.candidates, session.seed(), visibility_of(options));
@@ -109,12 +123,10 @@ void run_selection(const Options& options, Session& session) {
                                               {.poses = options.optimal,
                                                .criterion = kCriteria.at(options.criterion),
                                                .noise = options.measuring.noise(),
-                                               .rotation = options.rotation,
-                                               .second = options.second});
+                                               .readings = options.readings});
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
-    const Identifiability seen =
-        identifiability(robot, planned_points(robot, selection.stations, options.rotation, options.second));
+    const Identifiability seen = identifiability(robot, planned(robot, selection.stations, options.readings));
     const Unit unit = joint_unit(robot.actuator());
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},
@@ -178,8 +190,10 @@ void add_poses(Command& program, Session& session) {
       ->check(one_of(criteria))
       ->needs(optimal)
       ->shows_default();
-  command->add_flag("--read-rotation", options->rotation, "phi is read at every pose, too")->needs(optimal);
-  command->add_flag("--second", options->second, "a second reflector is read at every pose, too")->needs(optimal);
+  add_measurand_option(*command, options->readings.measurand)->needs(optimal);
+  command->add_flag("--read-rotation", options->readings.rotation, "phi is read at every pose, too")->needs(optimal);
+  command->add_flag("--second", options->readings.second, "a second reflector is read at every pose, too")
+      ->needs(optimal);
   command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
       ->separated_by(',')
       ->expected(3)

@@ -22,6 +22,7 @@ namespace {
 struct Options {
   std::string errors, poses, truth, frame = "robot";
   InstrumentOptions instrument;
+  Measurand measurand = Measurand::coordinates;
   std::uint64_t machine = 0;
   ReflectorMount reflectors = ReflectorMount::plate;
   bool rotation = false;
@@ -41,23 +42,44 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
   return read_errors(robot, options.errors);
 }
 
-void run(const Options& options, Session& session) {
-  const Robot robot = session.robot(sources_of(options.errors, options.poses));
-  RandomStream random(session.seed(), options.machine);
-  const SourceErrors errors = errors_of(options, robot, random);
+/// What only coordinates have.
+void check_instrument(const Options& options) {
+  if (options.measurand == Measurand::coordinates) return;
+  const InstrumentOptions& instrument = options.instrument;
+  if (!instrument.tracker_um.empty()) throw WrongUsage("--tracker-um: expected --measure coordinates with it");
+  if (!instrument.second.empty()) throw WrongUsage("--second: expected --measure coordinates with it");
+  const bool heights = options.measurand == Measurand::heights;
+  if (options.rotation && heights) throw WrongUsage("--read-rotation: expected another --measure than height with it");
+  if (instrument.repeats > 1 && !heights) throw WrongUsage("--repeats: expected another --measure than distances");
+}
+
+Measurements plan_of(const Robot& robot, const Options& options) {
   const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
-  VirtualInstrument instrument = options.instrument.instrument(options.rotation);
-  instrument.mount = options.reflectors;
-  if (options.frame == "random") instrument.frame = random_frame(random);
-  const Measurements measurements = simulate(robot, errors, stations, instrument, random);
-  const std::vector<std::string> assumed =
-      options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
-  const std::string table =
-      io::robot_line(robot) + assumed_lines(assumed, "#") + io::point_table(measurements, robot.actuator());
-  if (!options.truth.empty()) {
-    session.outputs.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
-  }
-  if (!session.json()) return session.print(table);
+  Measurements plan = planned(
+      robot, stations,
+      {.measurand = options.measurand, .rotation = options.rotation, .second = !options.instrument.second.empty()});
+  const auto repeat = [&](auto& readings) {
+    const auto once = readings;
+    readings.clear();
+    for (const auto& reading : once) readings.insert(readings.end(), options.instrument.repeats, reading);
+  };
+  for (PointSeries& series : plan.series) repeat(series.readings);
+  for (HeightSeries& plane : plan.planes) repeat(plane.readings);
+  return plan;
+}
+
+/// A plane about as level as beds and surface plates are, somewhere under the robot.
+Eigen::Vector3d random_plane(RandomStream& random) {
+  constexpr double kFar = 300.0, kSlope = 2e-3;
+  return {kFar * random.normal(), kSlope * random.normal(), kSlope * random.normal()};
+}
+
+std::string table_of(const Measurements& measurements, Actuator actuator) {
+  if (!measurements.planes.empty()) return io::height_table(measurements);
+  return measurements.distances.empty() ? io::point_table(measurements, actuator) : io::distance_table(measurements);
+}
+
+io::Json points_json(const Measurements& measurements) {
   io::Json points = io::Json::array();
   for (const PointReading& reading : measurements.series.front().readings) {
     points.push_back({{"pose", measurements.stations[reading.station].name},
@@ -70,7 +92,58 @@ void run(const Options& options, Session& session) {
     points.back()["y2_mm"] = reading.second->y();
     points.back()["z2_mm"] = reading.second->z();
   }
-  session.print_json(io::Json{{"points", std::move(points)}, {"assumed", assumed}});
+  return points;
+}
+
+io::Json distances_json(const Measurements& measurements) {
+  io::Json distances = io::Json::array();
+  for (const DistanceReading& reading : measurements.distances) {
+    distances.push_back({{"from", measurements.stations[reading.from].name},
+                         {"to", measurements.stations[reading.to].name},
+                         {"distance_mm", reading.distance}});
+    if (reading.rotation) distances.back()["rotation_deg"] = to_degrees(*reading.rotation);
+  }
+  return distances;
+}
+
+io::Json heights_json(const Measurements& measurements) {
+  io::Json heights = io::Json::array();
+  for (const HeightReading& reading : measurements.planes.front().readings) {
+    heights.push_back({{"pose", measurements.stations[reading.station].name}, {"height_mm", reading.height}});
+  }
+  return heights;
+}
+
+io::Json json_of(const Measurements& measurements) {
+  if (!measurements.planes.empty()) return {{"heights", heights_json(measurements)}};
+  if (!measurements.distances.empty()) return {{"distances", distances_json(measurements)}};
+  return {{"points", points_json(measurements)}};
+}
+
+void run(const Options& options, Session& session) {
+  check_instrument(options);
+  const Robot robot = session.robot(sources_of(options.errors, options.poses));
+  RandomStream random(session.seed(), options.machine);
+  const SourceErrors errors = errors_of(options, robot, random);
+  VirtualInstrument instrument = options.instrument.instrument(options.rotation);
+  instrument.mount = options.reflectors;
+  if (options.frame == "random") {
+    instrument.frame = random_frame(random);
+    if (options.measurand == Measurand::heights) instrument.plane = random_plane(random);
+  }
+  const Measurements measurements = simulate(robot, errors, plan_of(robot, options), instrument, random);
+  const std::vector<std::string> assumed =
+      options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
+  if (!options.truth.empty()) {
+    session.outputs.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
+  }
+  if (!session.json()) {
+    return session.print(io::robot_line(robot) + assumed_lines(assumed, "#") +
+                         table_of(measurements, robot.actuator()));
+  }
+  io::Json json = json_of(measurements);
+  json["assumed"] = assumed;
+  session.print_json(json);
 }
 
 }  // namespace
@@ -87,10 +160,12 @@ void add_simulate(Command& program, Session& session) {
       ->shows_default();
   session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
+  add_measurand_option(*command, options->measurand);
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);
   command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
-  command->add_option("--frame", options->frame, "frame of the instrument")
+  command
+      ->add_option("--frame", options->frame, "frame of the instrument; random: also where the plane of heights lies")
       ->check(one_of({"robot", "random"}))
       ->shows_default();
   command->callback([&session, options] { run(*options, session); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "paracal/calibration/identifiability.hpp"
@@ -47,7 +48,24 @@ struct [[nodiscard]] PaperPlan {
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth = kStartAzimuth, double threshold = 0.01,
                      int show_up_to = 12);
 
-/// Readings that a plan would give, taken from the nominal machine: for identifiability().
+/// What is measured at the poses of a plan.
+enum class Measurand : std::uint8_t {
+  coordinates,     ///< of the plate centre, in a frame that nobody knows
+  distances,       ///< of the plate centre between all pairs of poses
+  home_distances,  ///< from the first pose to each other
+  heights,         ///< of the plate centre above one plane whose height and slopes nobody knows
+};
+
+struct PlannedReadings {
+  Measurand measurand = Measurand::coordinates;
+  bool rotation = false;  ///< phi is read, too: not with heights
+  bool second = false;    ///< a second reflector is read, too: with coordinates alone
+};
+
+/// Readings that a plan would give, taken from the nominal machine: for identifiability(), select_stations() and
+/// simulate().
+/// @throws InvalidArgument for a rotation or a second reflector with what has none.
+Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings = {});
 Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second);
 Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/robot.hpp"
 
@@ -33,8 +34,7 @@ struct SelectionOptions {
   int poses = 20;  ///< home included
   Criterion criterion = Criterion::pose_uncertainty;
   NoiseModel noise = {};
-  bool rotation = false;                      ///< phi is read, too
-  bool second = false;                        ///< a second reflector is read, too
+  PlannedReadings readings = {};              ///< at every pose; not distances of all pairs
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
   int largest_sweeps = 20;
 };
@@ -64,7 +64,8 @@ std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint
 /// so an exchange is judged by matrices of a pose's few rows; A_k C A_k^T of all candidates is kept up to date instead
 /// of being formed afresh.
 /// @param candidates  home first; it is always chosen.
-/// @throws InvalidArgument when there are fewer candidates than poses.
+/// @throws InvalidArgument when there are fewer candidates than poses, and for distances of all pairs, which no pose
+/// has alone.
 Selection select_stations(const Robot& robot, const std::vector<Station>& candidates,
                           const SelectionOptions& options = {});
 

@@ -1,0 +1,179 @@
+#pragma once
+
+// Private to calibration: Fedorov's exchange of poses.
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "paracal/calibration/pose_selection.hpp"
+
+namespace paracal::detail {
+
+/// Candidates as weighted rows over x = (frame and the like | source errors), each in units of its prior, so that the
+/// covariance before measuring is I.
+struct Problem {
+  int rows = 0;                                ///< a candidate
+  Eigen::MatrixXd weighted;                    ///< unknowns x (rows x candidates): A_k^T side by side
+  Eigen::MatrixXd goal;                        ///< B of the criterion tr(B C)
+  Eigen::VectorXd scale;                       ///< of the source errors in x: their prior std
+  std::vector<Eigen::Index> known_setup = {};  ///< places in x of what is known of the set-up: the instrument's scale
+  Eigen::MatrixXd visible;  ///< orthonormal directions of x, in the group of interest, that the candidates see
+  Eigen::Index candidates() const { return weighted.cols() / rows; }
+};
+
+inline constexpr int kMostRows = 7;  // two points and a rotation
+
+/// Exchange of poses where a candidate has Rows rows (Dynamic: as many as the problem says). The quadratic forms of
+/// every candidate k, near_k = A_k C A_k^T and far_k = A_k C B C A_k^T, are kept with C.
+template <int Rows>
+class Exchange {
+ public:
+  static constexpr int kMost = Rows == Eigen::Dynamic ? kMostRows : Rows;
+  using Small = Eigen::Matrix<double, Rows, Rows, Eigen::ColMajor, kMost, kMost>;
+  using Tall = Eigen::Matrix<double, Eigen::Dynamic, Rows, Eigen::ColMajor, Eigen::Dynamic, kMost>;
+
+  Exchange(const Problem& problem, Criterion criterion) : problem_(&problem), criterion_(criterion) {
+    covariance_ = Eigen::MatrixXd::Identity(problem.weighted.rows(), problem.weighted.rows());
+    goal_ = problem.goal;
+    refresh();
+  }
+
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  const std::vector<Eigen::Index>& chosen() const { return chosen_; }
+
+  double value() const {
+    if (criterion_ == Criterion::volume) return std::log(covariance_.determinant());
+    if (criterion_ == Criterion::worst_direction) return worst();
+    return goal_.cwiseProduct(covariance_).sum();
+  }
+
+  void add(Eigen::Index k) {
+    move(k, 1.0);
+    chosen_.push_back(k);
+  }
+
+  /// The candidate that helps most now.
+  Eigen::Index best_addition() const {
+    Eigen::Index best = -1;
+    double most = -std::numeric_limits<double>::infinity();
+    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
+      const double gain = gain_of(near_[index(k)], far_[index(k)]);
+      if (gain > most && !is_chosen(k)) {
+        most = gain;
+        best = k;
+      }
+    }
+    return best;
+  }
+
+  /// Replaces the chosen pose at `place` by the best candidate, if that is better by more than rounding.
+  bool exchange(std::size_t place) {
+    constexpr double kWorthwhile = 1e-6;
+    const Exchange before = *this;
+    const double old_value = value();
+    const Eigen::Index left = chosen_[place];
+    move(left, -1.0);
+    chosen_[place] = -1;
+    const Eigen::Index best = best_addition();
+    const double own = gain_of(near_[index(left)], far_[index(left)]);
+    if (best != left && gain_of(near_[index(best)], far_[index(best)]) > own) {
+      move(best, 1.0);
+      chosen_[place] = best;
+      const double scale = criterion_ == Criterion::volume ? 1.0 : std::abs(old_value);
+      if (value() < old_value - kWorthwhile * scale) return true;
+    }
+    *this = before;
+    return false;
+  }
+
+  /// Recomputes everything from the chosen poses: the rounding of many updates goes, and the worst direction moves the
+  /// goal.
+  void refresh() {
+    Eigen::MatrixXd information = Eigen::MatrixXd::Identity(covariance_.rows(), covariance_.rows());
+    for (const Eigen::Index k : chosen_) information += of(k) * of(k).transpose();
+    covariance_ = information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+    if (criterion_ == Criterion::worst_direction) goal_ = towards_worst();
+    const Eigen::MatrixXd far = covariance_ * goal_ * covariance_;
+    const auto count = static_cast<std::size_t>(problem_->candidates());
+    near_.resize(count);
+    far_.resize(count);
+    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
+      const auto rows = of(k);
+      near_[index(k)] = rows.transpose() * (covariance_ * rows);
+      far_[index(k)] = rows.transpose() * (far * rows);
+    }
+  }
+
+ private:
+  static std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+  Eigen::Index rows() const { return problem_->rows; }
+  Small identity() const { return Small::Identity(rows(), rows()); }
+  auto of(Eigen::Index k) const { return problem_->weighted.template middleCols<Rows>(rows() * k, rows()); }
+  bool is_chosen(Eigen::Index k) const { return std::ranges::find(chosen_, k) != chosen_.end(); }
+
+  Eigen::MatrixXd visible_covariance() const { return problem_->visible.transpose() * covariance_ * problem_->visible; }
+
+  double worst() const {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(visible_covariance(), Eigen::EigenvaluesOnly)
+        .eigenvalues()
+        .maxCoeff();
+  }
+
+  /// Gradient of tr(C^4), which the largest eigenvalues dominate, scaled to 1: a linear stand-in for the largest.
+  Eigen::MatrixXd towards_worst() const {
+    const Eigen::MatrixXd c = visible_covariance() / worst();
+    return problem_->visible * (c * c * c) * problem_->visible.transpose();
+  }
+
+  /// How much the criterion shrinks when a pose with these forms is added.
+  double gain_of(const Small& near, const Small& far) const {
+    const Eigen::LLT<Small> one_more(identity() + near);
+    if (criterion_ == Criterion::volume) return 2.0 * one_more.matrixLLT().diagonal().array().log().sum();
+    return one_more.solve(far).trace();
+  }
+
+  /// Takes pose s in (sign = 1) or out (-1): C -> C - sign U N U^T,  U = C A_s^T,  N = (I + sign A_s C A_s^T)^-1.
+  void move(Eigen::Index s, double sign) {
+    const Small inner = sign * (identity() + sign * near_[index(s)]).inverse();  // sign N
+    const Tall u = covariance_ * of(s);
+    const bool linear = criterion_ != Criterion::volume;
+    // far_k = A_k C B C A_k^T needs A_k C B U besides A_k U.
+    Tall v;
+    Small between = Small::Zero(rows(), rows());
+    if (linear) {
+      v = covariance_ * (goal_ * u);
+      between = u.transpose() * goal_ * u;
+    }
+    const Tall x = problem_->weighted.transpose() * u;
+    Tall y;
+    if (linear) y = problem_->weighted.transpose() * v;
+    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
+      const Small xk = x.template middleRows<Rows>(rows() * k, rows());
+      const Small step = xk * inner;
+      near_[index(k)].noalias() -= step * xk.transpose();
+      if (!linear) continue;
+      const Small yk = y.template middleRows<Rows>(rows() * k, rows());
+      const Small mixed = step * yk.transpose();
+      const Small changed = step * between;
+      far_[index(k)].noalias() += changed * step.transpose();
+      far_[index(k)] -= mixed + mixed.transpose();
+    }
+    covariance_ -= u * inner * u.transpose();
+    covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+  }
+
+  const Problem* problem_;
+  Criterion criterion_;
+  Eigen::MatrixXd covariance_, goal_;
+  std::vector<Small> near_, far_;
+  std::vector<Eigen::Index> chosen_;
+};
+
+}  // namespace paracal::detail
