@@ -91,5 +91,29 @@ TEST(Structure, OneHeaderShowsTheLibraryForJson) {
   EXPECT_THAT(showing, testing::ElementsAre("json.hpp"));
 }
 
+/// What a header of ours brings with it, itself too, by paths below include/.
+void add_brought(const std::string& header, std::set<std::string>& brought) {
+  if (!brought.insert(header).second) return;
+  const std::regex include("#include \"(paracal/.*)\".*");
+  for (const std::string& line : lines_of(kRoot / "include" / header)) {
+    std::smatch other;
+    if (std::regex_match(line, other, include)) add_brought(other[1], brought);
+  }
+}
+
+TEST(Structure, OneHeaderHoldsTheWholeLibrary) {
+  std::set<std::string> whole;
+  add_brought("paracal/paracal.hpp", whole);
+  EXPECT_FALSE(whole.contains("paracal/io/json.hpp"));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / "include")) {
+    if (!entry.is_regular_file()) continue;
+    const std::string header = entry.path().lexically_relative(kRoot / "include");
+    std::set<std::string> brought;
+    add_brought(header, brought);
+    const bool is_apart = brought.contains("paracal/io/json.hpp") || header.ends_with("_impl.hpp");
+    EXPECT_EQ(whole.contains(header), !is_apart) << header;
+  }
+}
+
 }  // namespace
 }  // namespace paracal

@@ -1,6 +1,7 @@
 #pragma once
 
-// The whole library but for JSON (paracal/io/json.hpp), which needs nlohmann-json.
+// The whole library but for JSON (paracal/io/json.hpp and the headers of paracal/report/ that include it), which needs
+// nlohmann-json, and paracal/mechanism/machine_impl.hpp, which is for scalars of one's own.
 
 #include "paracal/batch/batch.hpp"
 #include "paracal/batch/production.hpp"
@@ -20,18 +21,26 @@
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/calibration/validation.hpp"
 #include "paracal/compensation/compensator.hpp"
+#include "paracal/compensation/export.hpp"
 #include "paracal/compensation/parameter_buffer.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/compensation/path.hpp"
+#include "paracal/compensation/self_test.hpp"
+#include "paracal/compensation/target_correction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/chunks.hpp"
+#include "paracal/io/file_units.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/printer_tables.hpp"
+#include "paracal/io/published.hpp"
 #include "paracal/io/robot_statement.hpp"
+#include "paracal/io/signals_wait.hpp"
+#include "paracal/io/spool.hpp"
 #include "paracal/io/tables.hpp"
+#include "paracal/io/target_filter.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/drive.hpp"
 #include "paracal/kinematics/error_model.hpp"
@@ -43,7 +52,10 @@
 #include "paracal/mechanism/random.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/tolerances.hpp"
+#include "paracal/printer/plausibility.hpp"
 #include "paracal/printer/printer_calibration.hpp"
+#include "paracal/report/reproduction.hpp"
+#include "paracal/report/reproduction_rule.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "paracal/tolerance/analysis.hpp"
 #include "paracal/tolerance/monte_carlo.hpp"
