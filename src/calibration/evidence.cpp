@@ -7,9 +7,8 @@
 
 #include "considered.hpp"
 #include "null_space.hpp"
-#include "pair_covariance.hpp"
 #include "paracal/calibration/identifiability.hpp"
-#include "sought.hpp"
+#include "spread.hpp"
 #include "tails.hpp"
 #include "verdict.hpp"
 
@@ -123,119 +122,6 @@ void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, 
     }
     calibration.parameters.push_back(parameter);
   }
-}
-
-/// Errors without a prior beside others that have one may together do what no reading sees, as e_x of all limbs does:
-/// then neither readings nor priors hold it.
-bool leaves_open(const StageFit& fit) {
-  constexpr double kNothing = 1e-11;  // far below what exact readings leave to a prior
-  const auto& sought = fit.observation().sought();
-  const bool all = std::ranges::all_of(sought, [](const SoughtSource& one) { return one.prior_std.has_value(); });
-  return !all && analyse(fit.fit().at_answer.root(), kNothing).rank < fit.observation().unknown_count();
-}
-
-/// Everything was determined that readings of this kind can determine: with priors, unless errors without any are open;
-/// offsets alone (a rail's are also the robot's height) and the paper's pseudo-inverse may leave motions of the whole
-/// robot open; otherwise nothing may be open.
-bool is_determined(const StageFit& fit, const Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  if (has_priors(observation)) return !leaves_open(fit);
-  if (calibration.rank == observation.source_count()) return true;
-  const bool may_leave_motions = calibration.options.method == Method::paper || calibration.stages.size() == 1;
-  return may_leave_motions && std::ranges::all_of(calibration.null_space, &NullDirection::gauge);
-}
-
-/// R_p with P = R_p^T R_p, the information of the priors.
-Eigen::MatrixXd prior_root(const StageFit& fit) {
-  InformationRoot priors(fit.observation().unknown_count());
-  fit.observation().add_priors(fit.fit().parameters, priors);
-  return priors.root();
-}
-
-/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C.
-Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covariance) {
-  const Eigen::MatrixXd known = prior_root(fit) * covariance;
-  return covariance - known.transpose() * known;
-}
-
-/// What estimates the noise: the joints' effects where these are sought, for they are fewer than the readings; else the
-/// redundancy of the readings, unless all noise is stated and believed.
-double noise_freedom(const StageFit& fit, const Scatter& scatter) {
-  if (fit.components().joint) return std::max(fit.joint_freedom(), 1.0);
-  const bool known = all_stated(fit.observation()) && !fit.components().stated_noise;
-  return known ? std::numeric_limits<double>::infinity() : std::max(scatter.redundancy, 1.0);
-}
-
-/// What is known of all unknowns; empty where no uncertainty could be stated.
-struct Spread {
-  Eigen::MatrixXd covariance = {}, noise = {};
-
-  /// Student's k multiplies what comes of the noise, so that U = 2 std.
-  Eigen::MatrixXd expanded(double noise_dof) const {
-    if (covariance.size() == 0) return {};
-    return covariance + (std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0) * noise;
-  }
-};
-
-/// Without priors: scaled by the scatter, always where no sigma is stated, upwards only where all are.
-Spread state_bare_covariance(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                             Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  const bool stated = all_stated(observation);
-  if (!calibration.unit_weight_std && !stated) return {};
-  const double scatter = calibration.unit_weight_std.value_or(1.0);
-  const Spectrum all = analyse(fit.fit().at_answer.root(), kRankTolerance);
-  const Eigen::Index n = observation.source_count();
-  Eigen::MatrixXd of_all;
-  if (calibration.options.method == Method::paper) {
-    calibration.noise_covariance =
-        covariance_of_pairs(measurements, observation, fit.fit().parameters, all.covariance, scatter_of_fit.sum);
-  } else if (is_determined(fit, calibration)) {
-    const double factor = stated ? std::max(1.0, scatter) : scatter;
-    of_all = all.covariance * factor * factor;
-    calibration.noise_covariance = of_all.bottomRightCorner(n, n);
-  }
-  const bool known = stated && scatter <= 1.0 && calibration.options.method != Method::paper;
-  if (!known) calibration.noise_dof = std::max(scatter_of_fit.redundancy, 1.0);
-  calibration.covariance = calibration.noise_covariance;
-  return {of_all, of_all};
-}
-
-/// How many parameters' worth of readings the fit used up: with priors no whole number.
-double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& scatter) {
-  const Observation& observation = fit.observation();
-  if (!has_priors(observation)) {
-    return static_cast<double>(rows - observation.nuisance_count()) - scatter.redundancy;
-  }
-  const Eigen::Index n = observation.source_count();
-  const Eigen::MatrixXd priors = prior_root(fit);
-  return static_cast<double>(n) - (priors * fit.covariance() * priors.transpose()).bottomRightCorner(n, n).trace();
-}
-
-/// Scatter and covariance. With priors the covariance is the posterior's.
-Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                         Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  // Of the sigmas as they were stated, whatever the fit then made of them.
-  const double stated = all_stated(observation) ? std::pow(observation.components().stated_noise, 2) : 1.0;
-  const double sum = scatter_of_fit.sum * stated, freedom = scatter_of_fit.redundancy;
-  if (freedom >= 0.5) calibration.unit_weight_std = std::sqrt(sum / freedom);
-  if (freedom >= 0.5 && all_stated(observation)) calibration.fit_probability = chi_square_tail(sum, freedom);
-  calibration.joint_std = observation.components().joint;
-  if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
-  if (leaves_open(fit)) return {};
-  const Eigen::Index n = observation.source_count();
-  Spread all{fit.covariance()};
-  all.noise = noise_part(fit, all.covariance);
-  calibration.covariance = all.covariance.bottomRightCorner(n, n);
-  calibration.noise_covariance = all.noise.bottomRightCorner(n, n);
-  calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
-  if (const auto few = fit.prior_freedom()) {  // tolerances that a few errors told are no better known than noise
-    all.noise = all.covariance;
-    calibration.noise_covariance = calibration.covariance;
-    calibration.noise_dof = std::min(calibration.noise_dof, std::max(*few, 1.0));
-  }
-  return all;
 }
 
 /// Rank and null space: of the fit itself, or with priors, whose fit always has full rank, of the readings at the

@@ -1,0 +1,36 @@
+#pragma once
+
+// Private to calibration: how well a fit knows its unknowns.
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "scatter.hpp"
+#include "stage_fit.hpp"
+
+namespace paracal::detail {
+
+/// What is known of all unknowns; empty where no uncertainty could be stated.
+struct Spread {
+  Eigen::MatrixXd covariance = {}, noise = {};
+
+  /// Student's k multiplies what comes of the noise, so that U = 2 std.
+  Eigen::MatrixXd expanded(double noise_dof) const {
+    if (covariance.size() == 0) return {};
+    return covariance + (std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0) * noise;
+  }
+};
+
+/// Everything was determined that readings of this kind can determine: with priors, unless errors without any are open;
+/// offsets alone (a rail's are also the robot's height) and the paper's pseudo-inverse may leave motions of the whole
+/// robot open; otherwise nothing may be open.
+bool is_determined(const StageFit& fit, const Calibration& calibration);
+
+/// How many parameters' worth of readings the fit used up: with priors no whole number.
+double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& scatter);
+
+/// Scatter and covariance. With priors the covariance is the posterior's.
+Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
+                         Calibration& calibration);
+
+}  // namespace paracal::detail
