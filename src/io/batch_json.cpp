@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "json_parts.hpp"
 #include "names.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/io/json.hpp"
@@ -9,19 +10,13 @@
 namespace paracal::io {
 namespace {
 
-Json numbers(const auto& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(value);
-  return json;
-}
-
 /// To the last bit; to_json(Tolerances) is for reading and rounds.
 Json exact(const Tolerances& tolerances) {
-  Json json{{"half_width", numbers(tolerances.half_width)},
+  Json json{{"half_width", json_array(tolerances.half_width)},
             {"distribution", distribution_name(tolerances.distribution)}};
   for (const Source source : all_sources()) {
     const std::vector<double>& measured = tolerances.measured[index(source)];
-    if (!measured.empty()) json["measured"][std::string(name(source))] = numbers(measured);
+    if (!measured.empty()) json["measured"][std::string(name(source))] = json_array(measured);
   }
   return json;
 }
@@ -32,9 +27,9 @@ Json exact(const std::optional<Tolerances>& tolerances) { return tolerances ? ex
 Json digest(const std::vector<Station>& stations) {
   Json all = Json::array();
   for (const Station& station : stations) {
-    Json row = numbers(station.commanded.position);
+    Json row = json_array(station.commanded.position);
     row.push_back(station.commanded.rotation);
-    if (station.believed) row.push_back(numbers(*station.believed));
+    if (station.believed) row.push_back(json_array(*station.believed));
     all.push_back(std::move(row));
   }
   return {{"count", stations.size()}, {"sha256", sha256(all.dump())}};
@@ -47,9 +42,9 @@ Json instrument_json(const VirtualInstrument& instrument) {
             {"reads_rotation", instrument.reads_rotation},
             {"rotation_noise_rad", instrument.rotation_noise},
             {"rotation", rows_json(instrument.frame.rotation)},
-            {"translation_mm", numbers(instrument.frame.translation)}};
+            {"translation_mm", json_array(instrument.frame.translation)}};
   if (instrument.tracker) json["tracker"] = to_json(*instrument.tracker);
-  if (instrument.second) json["second_reflector_mm"] = numbers(*instrument.second);
+  if (instrument.second) json["second_reflector_mm"] = json_array(*instrument.second);
   return json;
 }
 
@@ -117,7 +112,7 @@ Json to_json(const Batch& batch) {
           {"build", build()},
           {"seed", seed},
           {"robot", to_json(robot)},
-          {"limb_azimuth_rad", numbers(robot.geometry().limb_azimuth)},
+          {"limb_azimuth_rad", json_array(robot.geometry().limb_azimuth)},
           {"rotation_rad", {robot.workspace().min_rotation, robot.workspace().max_rotation}},
           {"robot_tolerances", exact(robot.tolerances())},
           {"tolerances", exact(plan.tolerances)},

@@ -1,37 +1,17 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "json_parts.hpp"
 #include "names.hpp"
-#include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
-#include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {
-
-constexpr const char* kFormat = "paracal calibration 1";
-
-Json array(const auto& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(value);
-  return json;
-}
-
-Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
-Json optional_degrees(const std::optional<double>& value) { return value ? Json(to_degrees(*value)) : Json(nullptr); }
-
-/// Factor from mm or rad to the unit of a parameter in files.
-double file_factor(const ParameterEstimate& parameter, Actuator actuator) {
-  return to_file_unit(unit(parameter.source, actuator), 1.0);
-}
 
 Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::string_view status) {
   const Unit unit_inside = unit(parameter.source, actuator);
@@ -78,7 +58,7 @@ Json covariance_json(const Calibration& calibration, const Eigen::MatrixXd& cova
   if (covariance.size() == 0) return nullptr;
   Eigen::VectorXd factor(static_cast<Eigen::Index>(calibration.parameters.size()));
   std::ranges::transform(calibration.parameters, factor.begin(), [&](const ParameterEstimate& parameter) {
-    return file_factor(parameter, calibration.robot.actuator());
+    return file_factor(parameter.source, calibration.robot.actuator());
   });
   return rows_json(factor.asDiagonal() * covariance * factor.asDiagonal());
 }
@@ -119,7 +99,7 @@ Json components_json(const Calibration& calibration) {
 Json null_space_json(const Calibration& calibration) {
   Json json = Json::array();
   for (const NullDirection& direction : calibration.null_space) {
-    json.push_back({{"text", direction.text}, {"direction", array(direction.direction)}});
+    json.push_back({{"text", direction.text}, {"direction", json_array(direction.direction)}});
   }
   return json;
 }
@@ -162,8 +142,8 @@ Json residuals_json(const Calibration& calibration) {
   for (const PointResidual& residual : calibration.points) {
     json.push_back({{"series", residual.series},
                     {"pose", residual.station},
-                    {"before_mm", array(residual.before)},
-                    {"after_mm", array(residual.after)},
+                    {"before_mm", json_array(residual.before)},
+                    {"after_mm", json_array(residual.after)},
                     {"excluded", residual.excluded}});
     if (!residual.rotation_after) continue;
     json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
@@ -186,9 +166,9 @@ Json frames_json(const Calibration& calibration) {
   for (const SeriesFrame& one : calibration.frames) {
     Json frame{{"series", one.name},
                {"rotation", rows_json(one.frame.rotation)},
-               {"translation_mm", array(one.frame.translation)},
+               {"translation_mm", json_array(one.frame.translation)},
                {"rotation_zero_deg", optional_degrees(one.rotation_zero)}};
-    frame["second_reflector_mm"] = one.second ? array(*one.second) : Json(nullptr);
+    frame["second_reflector_mm"] = one.second ? json_array(*one.second) : Json(nullptr);
     json.push_back(std::move(frame));
   }
   return json;
@@ -200,88 +180,6 @@ Json planes_json(const Calibration& calibration) {
     json.push_back({{"series", one.name}, {"z_mm", one.height}, {"slope_x", one.slope_x}, {"slope_y", one.slope_y}});
   }
   return json;
-}
-
-Json common_json(const std::vector<CommonError>& errors) {
-  Json json = Json::array();
-  for (const CommonError& error : errors) json.push_back({{"text", error.text}, {"std_mm", error.std}});
-  return json;
-}
-
-Json selectors_json(const std::vector<SourceSelector>& selectors) {
-  Json json = Json::array();
-  for (const SourceSelector& one : selectors) {
-    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
-  }
-  return json;
-}
-
-/// One entry of a calibration's "parameters"; calls refuse(complaint) for anything else.
-ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, const auto& refuse) {
-  const auto source = source_named(parameter.at("name").get<std::string>());
-  const Json &limb = parameter.at("limb"), &value = parameter.at("value"), &unit = parameter.at("unit");
-  const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
-  if (!source || !known_limb) {
-    refuse(fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.dump()));
-  }
-  const std::string_view expected_unit = file_unit(*source, robot.actuator());
-  if (unit != expected_unit || !value.is_number() || !std::isfinite(value.get<double>())) {
-    refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source), value.dump(),
-                       unit.dump()));
-  }
-  return {.limb = limb.get<std::size_t>() - 1,
-          .source = *source,
-          .value = from_file_unit(paracal::unit(*source, robot.actuator()), value.get<double>())};
-}
-
-Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEstimate>& parameters, Actuator actuator,
-                                const auto& refuse) {
-  if (rows.is_null()) return {};
-  const auto n = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd covariance(n, n);
-  if (rows.size() != parameters.size()) refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].size() != rows.size()) refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          rows[i][k].get<double>() / file_factor(parameters[i], actuator) / file_factor(parameters[k], actuator);
-    }
-  }
-  return covariance;
-}
-
-/// A file that somebody wrote by hand need not say what it is.
-void require_format(const Json& json, const auto& refuse) {
-  const Json format = json.value("format", Json(kFormat));
-  if (format == kFormat) return;
-  refuse(fmt::format("expected the format \"{}\", got {}", kFormat, format.dump()));
-}
-
-/// Of sought errors none is known exactly, and no combination of them better than that.
-void require_covariance(const Eigen::MatrixXd& covariance, const char* key, const auto& refuse) {
-  constexpr double kRounding = 1e-6;  // of correlations
-  if (covariance.size() == 0) return;
-  const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = (std.array() > 0.0).select(std.cwiseInverse(), 0.0);
-  const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance * inverse.asDiagonal();
-  const bool is_finite = covariance.allFinite();
-  if (!is_finite || covariance.diagonal().minCoeff() < 0.0 || covariance.diagonal().maxCoeff() <= 0.0) {
-    refuse(fmt::format("expected variances above 0 in {}, got others", key));
-  }
-  if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kRounding) {
-    refuse(fmt::format("expected a symmetric {}, got one that is not", key));
-  }
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues().minCoeff();
-  const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
-  if (least < -kRounding || hidden > 0.0) {
-    refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));
-  }
-}
-
-/// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
-void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
-  const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated);
-  if (found) refuse(fmt::format("expected a calibration of the robot with {}", *found));
 }
 
 }  // namespace
@@ -300,43 +198,6 @@ Json to_json(const PoseErrorSummary& summary) {
           {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
 }
 
-Json to_json(const TrackerModel& tracker) {
-  return {{"transverse_mm", tracker.transverse},
-          {"transverse_mm_per_m", tracker.transverse_per_m},
-          {"radial_mm", tracker.radial},
-          {"radial_mm_per_m", tracker.radial_per_m}};
-}
-
-Json to_json(const CalibrationOptions& options, Actuator actuator) {
-  Json json{{"method", options.method == Method::paper ? "paper" : "best"},
-            {"stage", options.stage == Stage::rough  ? "rough"
-                      : options.stage == Stage::fine ? "fine"
-                                                     : "auto"},
-            {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
-            {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
-            {"reflectors", name(options.reflectors)},
-            {"distance_sigma_mm", options.noise.distance},
-            {"point_sigma_mm", options.noise.point},
-            {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
-            {"height_sigma_mm", options.noise.height},
-            {"distance_bias_sigma_mm", options.noise.distance_bias},
-            {"plane_slope_sigma_rad", optional(options.plane_slope)},
-            {"common", common_json(options.common)},
-            {"noise_is_known", options.noise_is_known},
-            {"fixed", selectors_json(options.fixed)},
-            {"free", selectors_json(options.free)},
-            {"exclude_outliers", options.exclude_outliers},
-            {"scale_sigma_ppm", 1e6 * options.scale_std},
-            {"limit_distance_mm", optional(options.limits.distance)},
-            {"limit_aligned_mm", optional(options.limits.volumetric)},
-            {"limit_rotation_deg", optional_degrees(options.limits.rotation)},
-            {"outlier_chance", options.outlier_chance},
-            {"largest_chance", options.largest_chance}};
-  if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
-  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, actuator);
-  return json;
-}
-
 Json to_json(const std::vector<InputFile>& files) {
   Json json = Json::array();
   for (const InputFile& file : files) json.push_back({{"file", file.name}, {"sha256", file.sha256}});
@@ -344,7 +205,7 @@ Json to_json(const std::vector<InputFile>& files) {
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {
-  return {{"format", kFormat},
+  return {{"format", kCalibrationFormat},
           {"program", fmt::format("paracal {}", version())},
           {"build", build()},
           {"date", utc(time)},
@@ -384,58 +245,6 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
           {"distance_bias_std_mm", optional(calibration.distance_bias_std)},
           {"options", to_json(calibration.options, calibration.robot.actuator())},
           {"inputs", to_json(calibration.files)}};
-}
-
-KnownErrors CalibratedMachine::known() const {
-  KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std};
-  if (covariance.size() == 0) return known;
-  known.parameters.reserve(parameters.size());
-  for (const ParameterEstimate& one : parameters) known.parameters.push_back({one.limb, one.source});
-  return known;
-}
-
-CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
-  const auto refuse = [&](const std::string& complaint) { throw InputFileError(file.name, 0, complaint); };
-  CalibratedMachine machine;
-  try {
-    const Json json = parse_json(file);
-    require_format(json, refuse);
-    require_same_robot(json.at("robot"), robot, [&](const std::string& complaint) {
-      throw InputFileError(file.name, line_of_key(file.text, "robot"), complaint);
-    });
-    if (!json.at("accepted").get<bool>()) {
-      refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
-                         json.at("verdict").get<std::string>()));
-    }
-    for (const Json& input : json.value("inputs", Json::array())) {
-      machine.inputs.push_back({input.at("file"), input.at("sha256")});
-    }
-    std::set<std::pair<std::size_t, Source>> seen;
-    for (const Json& entry : json.at("parameters")) {
-      const ParameterEstimate parameter = read_parameter(entry, robot, refuse);
-      if (!seen.insert({parameter.limb, parameter.source}).second) {
-        refuse(fmt::format("expected every source error once, got {} of limb {} again", name(parameter.source),
-                           parameter.limb + 1));
-      }
-      machine.errors(parameter.limb, parameter.source) = parameter.value;
-      if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
-    }
-    if (const auto complaint = implausible(robot, machine.errors)) refuse(*complaint);
-    const auto covariance_named = [&](const char* key) {
-      Eigen::MatrixXd covariance =
-          read_covariance(json.value(key, Json()), machine.parameters, robot.actuator(), refuse);
-      require_covariance(covariance, key, refuse);
-      return covariance;
-    };
-    machine.covariance = covariance_named("covariance");
-    machine.noise_covariance = covariance_named("covariance_of_noise");
-    if (const Json dof = json.value("noise_dof", Json()); dof.is_number()) machine.noise_dof = dof.get<double>();
-    const char* joint = robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg";
-    machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
-  } catch (const Json::exception&) {
-    refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
-  }
-  return machine;
 }
 
 }  // namespace paracal::io

@@ -1,18 +1,10 @@
 #include "paracal/io/json.hpp"
 
+#include "json_parts.hpp"
 #include "names.hpp"
 #include "robot_tables.hpp"
 
 namespace paracal::io {
-namespace {
-
-Json json_array(const auto& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(value);
-  return json;
-}
-
-}  // namespace
 
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   Json rows = Json::array();

@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
-#include <optional>
 
-#include "columns.hpp"
+#include "code_words.hpp"
 #include "marlin_configuration.hpp"
 #include "paracal/error.hpp"
 #include "paracal/printer/plausibility.hpp"
@@ -31,125 +28,13 @@ std::string_view letters_of(std::string_view code, CodeDialect dialect) {
 
 using Three = std::array<double, 3>;
 
-char upper(char one) { return static_cast<char>(std::toupper(static_cast<unsigned char>(one))); }
-
-bool is_alphanumeric(char one) { return std::isalnum(static_cast<unsigned char>(one)) != 0; }
-
-/// What stands behind a code in a line, before comment and checksum; empty where the code does not.
-std::optional<std::string_view> behind(std::string_view line, std::string_view code) {
-  line = line.substr(0, line.find_first_of(";*\r"));
-  const auto same = [](char one, char other) { return upper(one) == other; };
-  for (auto from = line.begin();;) {
-    const auto found = std::search(from, line.end(), code.begin(), code.end(), same);
-    if (found == line.end()) return std::nullopt;
-    const auto first = static_cast<std::size_t>(found - line.begin()), end = first + code.size();
-    const bool begins = first == 0 || !is_alphanumeric(line[first - 1]);
-    const bool ends = end == line.size() || std::isdigit(static_cast<unsigned char>(line[end])) == 0;
-    if (begins && ends) return line.substr(end);
-    from = found + 1;
-  }
+/// Of the towers X, Y and Z; 0 where there is none.
+Three towers_of(const CodeWords& code) {
+  return {code.number_or(kTowers[0], 0.0), code.number_or(kTowers[1], 0.0), code.number_or(kTowers[2], 0.0)};
 }
-
-/// Between blanks; where there are none after the code, from letter to letter.
-std::vector<std::string_view> words_of(std::string_view text) {
-  const bool glued = !text.empty() && text.front() != ' ' && text.front() != '\t';
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t begin = text.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return words;
-    text.remove_prefix(begin);
-    std::size_t end = 1;
-    const auto goes_on = [&](char one) {
-      return one != ' ' && one != '\t' && !(glued && std::isalpha(static_cast<unsigned char>(one)) != 0);
-    };
-    while (end < text.size() && goes_on(text[end])) ++end;
-    words.push_back(text.substr(0, end));
-    text.remove_prefix(end);
-  }
-}
-
-/// The words of one code by their letters, each the last of its letter in the file.
-class Code {
- public:
-  /// @param letters  that the code has; others are refused.
-  Code(const TextFile& file, std::string_view name, std::string_view letters) : file_(file.name), name_(name) {
-    int number = 0;
-    for (const std::string_view line : lines_of(file.text)) {
-      ++number;
-      const auto rest = behind(line, name);
-      if (!rest) continue;
-      line_ = number;
-      for (const std::string_view word : words_of(*rest)) {
-        const char letter = upper(word.front());
-        if (letters.find(letter) == std::string_view::npos) {
-          fail(
-              fmt::format("expected {} with words of {}, got \"{}\": is it of another firmware?", name, letters, word));
-        }
-        words_[letter] = {std::string(word.substr(1)), number};
-      }
-    }
-  }
-
-  [[noreturn]] void fail(const std::string& complaint) const { throw InputFileError(file_, line_, complaint); }
-  /// Of what stands after a letter.
-  [[noreturn]] void fail(char letter, const std::string& complaint) const {
-    throw InputFileError(file_, words_.at(letter).line, complaint);
-  }
-
-  /// The numbers after a letter, between colons.
-  std::vector<double> numbers(char letter, std::string_view what) const {
-    const auto found = words_.find(letter);
-    if (found == words_.end()) fail(fmt::format("expected {} with {} ({}), got none", name_, letter, what));
-    std::vector<double> values;
-    std::string_view rest = found->second.text;
-    while (true) {
-      const std::size_t end = std::min(rest.find(':'), rest.size());
-      const std::optional<double> value = finite_number(rest.substr(0, end));
-      if (!value) fail(letter, fmt::format("expected a number after {}, got \"{}\"", letter, rest.substr(0, end)));
-      values.push_back(*value);
-      if (end == rest.size()) return values;
-      rest.remove_prefix(end + 1);
-    }
-  }
-
-  double number(char letter, std::string_view what) const {
-    const std::vector<double> values = numbers(letter, what);
-    if (values.size() != 1) fail(letter, fmt::format("expected one number after {}, got {}", letter, values.size()));
-    return values[0];
-  }
-
-  double number_or(char letter, double otherwise) const {
-    return words_.contains(letter) ? number(letter, {}) : otherwise;
-  }
-
-  /// One number for all towers, or three.
-  Three one_or_three(char letter, std::string_view what) const {
-    const std::vector<double> values = numbers(letter, what);
-    if (values.size() == 1) return {values[0], values[0], values[0]};
-    if (values.size() != 3)
-      fail(letter, fmt::format("expected one number or three after {}, got {}", letter, values.size()));
-    return {values[0], values[1], values[2]};
-  }
-
-  /// Of the towers X, Y and Z; 0 where there is none.
-  Three of_towers() const {
-    return {number_or(kTowers[0], 0.0), number_or(kTowers[1], 0.0), number_or(kTowers[2], 0.0)};
-  }
-
- private:
-  struct Word {
-    std::string text;
-    int line = 0;
-  };
-
-  std::string file_;
-  std::string_view name_;
-  std::map<char, Word> words_;
-  int line_ = 0;
-};
 
 /// RepRapFirmware's bed that slopes in its coordinates, in percent.
-void refuse_tilt(const Code& endstops, CodeDialect dialect) {
+void refuse_tilt(const CodeWords& endstops, CodeDialect dialect) {
   if (dialect == CodeDialect::marlin) return;
   for (const char letter : {'A', 'B'}) {
     const double tilt = endstops.number_or(letter, 0.0);
@@ -160,9 +45,9 @@ void refuse_tilt(const Code& endstops, CodeDialect dialect) {
   }
 }
 
-void turn_towers(const Code& code, DeltaGeometry& geometry) {
+void turn_towers(const CodeWords& code, DeltaGeometry& geometry) {
   constexpr double kWholeTurn = 360.0;
-  const Three turned = code.of_towers();
+  const Three turned = towers_of(code);
   for (const double angle : turned) {
     if (std::abs(angle) > kWholeTurn) code.fail(fmt::format("expected towers turned by up to 360 deg, got {}", angle));
   }
@@ -177,8 +62,8 @@ double nozzle_below(DeltaGeometry geometry) {
 }
 
 DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
-  const Code code(file, kLinear, letters_of(kLinear, dialect));
-  const Code endstops(file, kEndstops, letters_of(kEndstops, dialect));
+  const CodeWords code(file, kLinear, letters_of(kLinear, dialect));
+  const CodeWords endstops(file, kEndstops, letters_of(kEndstops, dialect));
   refuse_tilt(endstops, dialect);
   DeltaGeometry geometry{.actuator = Actuator::linear};
   geometry.rod = code.one_or_three('L', "length of the rods");
@@ -196,7 +81,7 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
   if (!std::isfinite(below)) {
     code.fail("expected towers that stand apart and rods that meet between them, got a delta that does not close");
   }
-  const Three adjustments = endstops.of_towers();
+  const Three adjustments = towers_of(endstops);
   for (std::size_t i = 0; i < 3; ++i) {
     geometry.endstop[i] = dialect == CodeDialect::marlin ? homed - adjustments[i]
                                                          : endstop_of(geometry, i, homed - below + adjustments[i]);
@@ -204,8 +89,8 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
   return geometry;
 }
 
-DeltaGeometry rotary_delta(const TextFile& file, const Code& code) {
-  const Code endstops(file, kEndstops, letters_of(kEndstops, CodeDialect::reprapfirmware));
+DeltaGeometry rotary_delta(const TextFile& file, const CodeWords& code) {
+  const CodeWords endstops(file, kEndstops, letters_of(kEndstops, CodeDialect::reprapfirmware));
   refuse_tilt(endstops, CodeDialect::reprapfirmware);
   DeltaGeometry geometry{.actuator = Actuator::revolute};
   geometry.radius = code.number('R', "shoulder radius");
@@ -215,7 +100,7 @@ DeltaGeometry rotary_delta(const TextFile& file, const Code& code) {
   const std::vector<double> angles = code.numbers('A', "lowest and highest angle of the arms");
   if (angles.size() != 2) code.fail(fmt::format("expected two angles after A, got {}", angles.size()));
   turn_towers(code, geometry);
-  const Three adjustments = endstops.of_towers();
+  const Three adjustments = towers_of(endstops);
   for (std::size_t i = 0; i < 3; ++i) {
     if (!(geometry.radius > 0.0 && geometry.arm[i] > 0.0 && geometry.rod[i] > 0.0)) {
       code.fail(fmt::format("expected R, U and L above 0, got {}, {} and {}", geometry.radius, geometry.arm[i],
@@ -283,7 +168,7 @@ DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
     const auto compiled = marlin_configuration(file);
     return plausible(file, linear_delta(compiled ? compiled->codes : file, dialect));
   }
-  const Code kinematics(file, kRotary, letters_of(kRotary, dialect));
+  const CodeWords kinematics(file, kRotary, letters_of(kRotary, dialect));
   const bool rotary = kinematics.number_or('K', 0.0) == kRotaryKinematics;
   return plausible(file, rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect));
 }
@@ -293,7 +178,8 @@ double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {
     const auto compiled = marlin_configuration(file);
     return compiled ? compiled->print_radius : 0.0;
   }
-  const Code linear(file, kLinear, letters_of(kLinear, dialect)), rotary(file, kRotary, letters_of(kRotary, dialect));
+  const CodeWords linear(file, kLinear, letters_of(kLinear, dialect)),
+      rotary(file, kRotary, letters_of(kRotary, dialect));
   return rotary.number_or('B', linear.number_or('B', 0.0));
 }
 

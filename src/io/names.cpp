@@ -19,6 +19,8 @@ std::string_view actuator_name(Actuator actuator) { return actuator == Actuator:
 
 std::string_view file_unit(Source source, Actuator actuator) { return file_unit(unit(source, actuator)); }
 
+double file_factor(Source source, Actuator actuator) { return to_file_unit(unit(source, actuator), 1.0); }
+
 std::string file_key(Source source, Actuator actuator) {
   return fmt::format("{}_{}", name(source), file_unit(source, actuator));
 }

@@ -22,6 +22,12 @@ constexpr bool is_e(Source source) { return source == Source::e_x || source == S
 /// "deg" or "mm".
 std::string_view file_unit(Source source, Actuator actuator);
 
+/// Factor from mm or rad to that unit.
+double file_factor(Source source, Actuator actuator);
+
+/// What `format` says in the JSON of a calibration.
+inline constexpr const char* kCalibrationFormat = "paracal calibration 1";
+
 /// Name with unit, e.g. "theta_offset_deg".
 std::string file_key(Source source, Actuator actuator);
 

@@ -1,0 +1,62 @@
+#include "json_parts.hpp"
+#include "names.hpp"
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+namespace {
+
+Json common_json(const std::vector<CommonError>& errors) {
+  Json json = Json::array();
+  for (const CommonError& error : errors) json.push_back({{"text", error.text}, {"std_mm", error.std}});
+  return json;
+}
+
+Json selectors_json(const std::vector<SourceSelector>& selectors) {
+  Json json = Json::array();
+  for (const SourceSelector& one : selectors) {
+    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
+  }
+  return json;
+}
+
+}  // namespace
+
+Json to_json(const TrackerModel& tracker) {
+  return {{"transverse_mm", tracker.transverse},
+          {"transverse_mm_per_m", tracker.transverse_per_m},
+          {"radial_mm", tracker.radial},
+          {"radial_mm_per_m", tracker.radial_per_m}};
+}
+
+Json to_json(const CalibrationOptions& options, Actuator actuator) {
+  Json json{{"method", options.method == Method::paper ? "paper" : "best"},
+            {"stage", options.stage == Stage::rough  ? "rough"
+                      : options.stage == Stage::fine ? "fine"
+                                                     : "auto"},
+            {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
+            {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
+            {"reflectors", name(options.reflectors)},
+            {"distance_sigma_mm", options.noise.distance},
+            {"point_sigma_mm", options.noise.point},
+            {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
+            {"height_sigma_mm", options.noise.height},
+            {"distance_bias_sigma_mm", options.noise.distance_bias},
+            {"plane_slope_sigma_rad", optional(options.plane_slope)},
+            {"common", common_json(options.common)},
+            {"noise_is_known", options.noise_is_known},
+            {"fixed", selectors_json(options.fixed)},
+            {"free", selectors_json(options.free)},
+            {"exclude_outliers", options.exclude_outliers},
+            {"scale_sigma_ppm", 1e6 * options.scale_std},
+            {"limit_distance_mm", optional(options.limits.distance)},
+            {"limit_aligned_mm", optional(options.limits.volumetric)},
+            {"limit_rotation_deg", optional_degrees(options.limits.rotation)},
+            {"outlier_chance", options.outlier_chance},
+            {"largest_chance", options.largest_chance}};
+  if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
+  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, actuator);
+  return json;
+}
+
+}  // namespace paracal::io

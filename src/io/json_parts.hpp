@@ -1,0 +1,25 @@
+#pragma once
+
+// Private to io: small pieces of JSON.
+
+#include <optional>
+
+#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::io {
+
+inline Json json_array(const auto& values) {
+  Json json = Json::array();
+  for (const auto& value : values) json.push_back(value);
+  return json;
+}
+
+inline Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+/// Of an angle in rad.
+inline Json optional_degrees(const std::optional<double>& value) {
+  return value ? Json(to_degrees(*value)) : Json(nullptr);
+}
+
+}  // namespace paracal::io
