@@ -143,6 +143,15 @@ Option* add_measurand_option(Command& command, Measurand& measurand) {
       ->shows_default(names.front());
 }
 
+void check_readings(const PlannedReadings& readings, std::string_view rotation) {
+  if (readings.second && readings.measurand != Measurand::coordinates) {
+    throw WrongUsage("--second: expected --measure coordinates with it");
+  }
+  if (readings.rotation && readings.measurand == Measurand::heights) {
+    throw WrongUsage(fmt::format("{}: expected another --measure than height with it", rotation));
+  }
+}
+
 void add_mount_option(Command& command, ReflectorMount& mount) {
   std::vector<std::string> names;
   names.reserve(kReflectorMounts.size());

@@ -47,6 +47,10 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options);
 /// --measure: what is measured at the poses of a plan.
 Option* add_measurand_option(Command& command, Measurand& measurand);
 
+/// @param rotation  the option that asks for phi.
+/// @throws WrongUsage for a second reflector or a rotation of what has none.
+void check_readings(const PlannedReadings& readings, std::string_view rotation);
+
 /// --reflectors: what the second reflector is mounted on.
 void add_mount_option(Command& command, ReflectorMount& mount);
 

@@ -102,14 +102,6 @@ Measurements planned(const Robot& robot, const std::vector<Station>& stations, c
   return plan;
 }
 
-Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second) {
-  return planned(robot, stations, {.rotation = rotation, .second = second});
-}
-
-Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation) {
-  return planned(robot, stations, {.measurand = Measurand::distances, .rotation = rotation});
-}
-
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth, double threshold, int show_up_to) {
   if (stage == Stage::automatic) throw InvalidArgument("plan: expected the rough or the fine stage");
   const CalibrationOptions options;
@@ -121,7 +113,8 @@ PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth, doub
   PaperPlan plan;
   for (; n <= PaperPlan::kLargest && (plan.n == 0 || n <= show_up_to); ++n) {
     const std::vector<Station> stations = stations_of(robot, stage, n, start_azimuth);
-    const Identifiability seen = identifiability(robot, planned_distances(robot, stations, false), options, sought);
+    const Identifiability seen =
+        identifiability(robot, planned(robot, stations, {.measurand = Measurand::distances}), options, sought);
     CurvePoint point{n, seen.indices, 1.0};
     if (!plan.curve.empty()) {
       point.change = std::abs(point.indices.O2 - plan.curve.back().indices.O2) / point.indices.O2;

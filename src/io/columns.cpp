@@ -94,6 +94,11 @@ std::string_view without_end(std::string_view line) {
   return line;
 }
 
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
 std::vector<std::string_view> lines_of(std::string_view text) {
   text = without_byte_order_mark(text);
   std::vector<std::string_view> lines;

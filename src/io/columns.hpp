@@ -52,6 +52,9 @@ std::string_view without_byte_order_mark(std::string_view text);
 /// A line without the characters that end it.
 std::string_view without_end(std::string_view line);
 
+/// Without what stands before and behind.
+std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
+
 /// The text cut into lines, without line ends and a leading byte-order mark.
 std::vector<std::string_view> lines_of(std::string_view text);
 

@@ -16,12 +16,6 @@ namespace {
 constexpr std::size_t kMostFiles = 1000;
 constexpr std::string_view kSavedMark = "#*#", kInclude = "include ";
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
 /// Without a comment: # or ; at the beginning or after a blank.
 std::string_view without_comment(std::string_view line) {
   for (std::size_t k = 0; k < line.size(); ++k) {

@@ -28,11 +28,6 @@ constexpr std::array<std::string_view, 2> kPrintRadii{"DELTA_PRINTABLE_RADIUS", 
 
 constexpr std::string_view kBlanks = " \t\r";
 
-std::string_view trimmed(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
-}
-
 /// A line without its comments; `inside` tells whether one goes on from line to line.
 std::string without_comments(std::string_view line, bool& inside) {
   std::string left;

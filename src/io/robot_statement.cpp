@@ -53,17 +53,11 @@ std::optional<std::string> first_difference(const Json& expected, const Json& go
   return fmt::format("{} {}, got {}", path, shown(expected), shown(got));
 }
 
-std::string_view trimmed(std::string_view text, std::string_view blanks) {
-  const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
-  text.remove_prefix(begin);
-  return text.substr(0, text.find_last_not_of(blanks) + 1);
-}
-
 /// The name in "# robot: NAME"; spreadsheets put commas behind it.
 std::optional<std::string> name_in(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t\r", kKey = "robot:";
+  constexpr std::string_view kKey = "robot:";
   if (!line.starts_with('#')) return std::nullopt;
-  line = trimmed(line.substr(1), kBlanks);
+  line = trimmed(line.substr(1));
   if (!line.starts_with(kKey)) return std::nullopt;
   return std::string(trimmed(line.substr(kKey.size()), " \t\r,"));
 }

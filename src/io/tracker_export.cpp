@@ -31,12 +31,6 @@ double mm_per(std::string_view unit) {
   return found->mm;
 }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t start = std::min(text.find_first_not_of(' '), text.size());
-  text.remove_prefix(start);
-  return text.substr(0, text.find_last_not_of(' ') + 1);
-}
-
 /// The text between separators; never empty.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
@@ -57,7 +51,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 FieldColumns field_columns(std::string_view columns) {
   FieldColumns places{};
   for (const std::string_view part : split(columns, ',')) {
-    const std::string_view entry = trimmed(part);
+    const std::string_view entry = trimmed(part, " ");
     const std::vector<std::string_view> sides = split(entry, '=');
     const auto* field = std::ranges::find(kFields, sides.front());
     if (sides.size() != 2 || field == kFields.end()) refuse_columns(columns, fmt::format("what is \"{}\"?", entry));
@@ -134,14 +128,14 @@ std::string take_field(std::string_view& rest, char separator) {
       is_quoted = !is_quoted;
     }
   }
-  return std::string(trimmed(field));
+  return std::string(trimmed(field, " "));
 }
 
 std::vector<std::string> fields_of(std::string_view line) {
   const char separator = separator_of(line);
   std::vector<std::string> fields;
-  for (std::string_view rest = trimmed(line);; rest.remove_prefix(1)) {
-    if (separator == ' ') rest = trimmed(rest);  // any number of blanks separate
+  for (std::string_view rest = trimmed(line, " ");; rest.remove_prefix(1)) {
+    if (separator == ' ') rest = trimmed(rest, " ");  // any number of blanks separate
     fields.push_back(take_field(rest, separator));
     if (rest.empty()) return fields;
   }

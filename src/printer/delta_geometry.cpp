@@ -8,6 +8,7 @@
 
 #include "paracal/error.hpp"
 #include "paracal/mechanism/limb.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal {
 namespace {
@@ -93,6 +94,11 @@ DeltaBasis basis_of(std::initializer_list<Columns> columns) {
 }
 
 }  // namespace
+
+double design_angle(double angle) {
+  constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
+  return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
+}
 
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry) {
   std::array<double, 3> homed{};

@@ -12,11 +12,6 @@
 namespace paracal {
 namespace {
 
-double design_angle(double angle) {
-  constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
-  return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
-}
-
 double spread(const std::array<double, 3>& values) {
   const auto [least, most] = std::ranges::minmax(values);
   return most - least;

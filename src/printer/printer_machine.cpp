@@ -13,12 +13,6 @@
 namespace paracal {
 namespace {
 
-/// Towers are meant to stand at 30 deg and every 60 deg from there.
-double design_angle(double angle) {
-  constexpr double kFirst = to_radians(30.0), kPitch = to_radians(60.0);
-  return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
-}
-
 bool reaches_all_around(const DeltaGeometry& geometry, double radius, double z) {
   constexpr int kAround = 12;
   for (int k = 0; k < kAround; ++k) {

@@ -38,8 +38,9 @@ TEST_P(PaperRanks, AreThoseOfTheTable) {
   if (!one.turned) {
     for (Station& station : stations) station.commanded.rotation = 0.0;
   }
-  const Measurements plan = one.distances ? planned_distances(robot, stations, one.rotation)
-                                          : planned_points(robot, stations, one.rotation, false);
+  const Measurements plan =
+      planned(robot, stations,
+              {.measurand = one.distances ? Measurand::distances : Measurand::coordinates, .rotation = one.rotation});
   const Identifiability seen = identifiability(robot, plan, {.frame = one.frame, .rotation_zero = one.zero});
   EXPECT_EQ(seen.rank, one.rank);
   EXPECT_EQ(seen.null_space.size(), 32u - static_cast<std::size_t>(one.rank));
@@ -64,7 +65,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Identifiability, NamesWhatDistancesDoNotSee) {
   const Robot robot = catalogue::huang2016();
-  const Identifiability seen = identifiability(robot, planned_distances(robot, fine_stations(robot, 9), false));
+  const Identifiability seen =
+      identifiability(robot, planned(robot, fine_stations(robot, 9), {.measurand = Measurand::distances}));
   EXPECT_THAT(texts(seen), testing::ElementsAre(HasSubstr("translation along x"), HasSubstr("translation along y"),
                                                 HasSubstr("translation along z"),
                                                 HasSubstr("slide zero: e_y of limbs 1 and 2 together"),
@@ -85,7 +87,7 @@ TEST(Identifiability, NamesWhatEquation15LeavesOpen) {
   }
   ASSERT_EQ(columns.size(), 26u);
   const Identifiability seen =
-      identifiability(robot, planned_distances(robot, fine_stations(robot, 9), false), {}, columns);
+      identifiability(robot, planned(robot, fine_stations(robot, 9), {.measurand = Measurand::distances}), {}, columns);
   EXPECT_EQ(seen.rank, 25);
   ASSERT_EQ(seen.null_space.size(), 1u);
   EXPECT_THAT(seen.null_space[0].text,
@@ -95,7 +97,8 @@ TEST(Identifiability, NamesWhatEquation15LeavesOpen) {
 
 TEST(Identifiability, FewPosesLeaveMoreThanMotionsOpen) {
   const Robot robot = catalogue::huang2016();
-  const Identifiability seen = identifiability(robot, planned_distances(robot, rough_stations(robot, 3), false));
+  const Identifiability seen =
+      identifiability(robot, planned(robot, rough_stations(robot, 3), {.measurand = Measurand::distances}));
   EXPECT_LE(seen.rank, 6);
   EXPECT_THAT(seen.null_space, Contains(testing::Field(&NullDirection::gauge, false)));
 }
@@ -128,7 +131,7 @@ TEST_P(GaugeLaw, MotionsKeepDistances) {
 
 /// A rigid plate's robot may turn any way.
 TEST_P(GaugeLaw, UnknownFrameHidesExactlyTheMotions) {
-  const Identifiability seen = identifiability(robot, planned_points(robot, fine_stations(robot, 9), false, false));
+  const Identifiability seen = identifiability(robot, planned(robot, fine_stations(robot, 9)));
   for (const NullDirection& direction : seen.null_space) EXPECT_TRUE(direction.gauge) << direction.text;
   EXPECT_EQ(seen.rank, static_cast<int>(seen.parameters.size()) - (robot.slide() ? 5 : 6));
 }

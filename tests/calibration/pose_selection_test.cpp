@@ -54,7 +54,7 @@ TEST_P(PoseSelectionLaw, NoExchangeHelpsAnyMore) {
   const Selection selection = select_stations(robot, few, {.poses = 14});
   const double lever = robot.slide() ? robot.slide()->pinion_radius : 0.0;
   const auto cost = [&](const std::vector<Station>& stations) {
-    const KnownErrors after = promised(robot, planned_points(robot, stations, false, false));
+    const KnownErrors after = promised(robot, planned(robot, stations));
     const PoseSpread spread(robot, {}, after.parameters, workspace_stations(robot));
     return spread.mean_square(lever).cwiseProduct(after.covariance).sum();
   };

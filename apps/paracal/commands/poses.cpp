@@ -94,24 +94,15 @@ std::optional<Visibility> visibility_of(const Options& options) {
                     options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
 }
 
-void check_readings(const PlannedReadings& readings) {
-  if (readings.measurand == Measurand::distances) {
-    throw WrongUsage("--measure: expected coordinates, home-distance or height with --optimal: each pose counts alone");
-  }
-  if (readings.second && readings.measurand != Measurand::coordinates) {
-    throw WrongUsage("--second: expected --measure coordinates with it");
-  }
-  if (readings.rotation && readings.measurand == Measurand::heights) {
-    throw WrongUsage("--read-rotation: expected another --measure than height with it");
-  }
-}
-
 void run_selection(const Options& options, Session& session) {
   if (options.candidates < options.optimal) {
     throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
                                  options.candidates));
   }
-  check_readings(options.readings);
+  if (options.readings.measurand == Measurand::distances) {
+    throw WrongUsage("--measure: expected coordinates, home-distance or height with --optimal: each pose counts alone");
+  }
+  check_readings(options.readings, "--read-rotation");
   const Robot robot = session.robot();
   const std::vector<Station> candidates =
       candidate_stations(robot, options.candidates, session.seed(), visibility_of(options));

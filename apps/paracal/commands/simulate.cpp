@@ -42,22 +42,17 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
   return read_errors(robot, options.errors);
 }
 
-/// What only coordinates have.
-void check_instrument(const Options& options) {
-  if (options.measurand == Measurand::coordinates) return;
-  const InstrumentOptions& instrument = options.instrument;
-  if (!instrument.tracker_um.empty()) throw WrongUsage("--tracker-um: expected --measure coordinates with it");
-  if (!instrument.second.empty()) throw WrongUsage("--second: expected --measure coordinates with it");
-  const bool heights = options.measurand == Measurand::heights;
-  if (options.rotation && heights) throw WrongUsage("--read-rotation: expected another --measure than height with it");
-  if (instrument.repeats > 1 && !heights) throw WrongUsage("--repeats: expected another --measure than distances");
+void check_instrument(const InstrumentOptions& instrument, const PlannedReadings& readings) {
+  check_readings(readings, "--read-rotation");
+  if (!instrument.tracker_um.empty() && readings.measurand != Measurand::coordinates) {
+    throw WrongUsage("--tracker-um: expected --measure coordinates with it");
+  }
+  const bool distances = readings.measurand == Measurand::distances || readings.measurand == Measurand::home_distances;
+  if (instrument.repeats > 1 && distances) throw WrongUsage("--repeats: expected another --measure than distances");
 }
 
-Measurements plan_of(const Robot& robot, const Options& options) {
-  const std::vector<Station> stations = io::read_poses(input_file(options.poses), robot.joint_space());
-  Measurements plan = planned(
-      robot, stations,
-      {.measurand = options.measurand, .rotation = options.rotation, .second = !options.instrument.second.empty()});
+Measurements plan_of(const Robot& robot, const Options& options, const PlannedReadings& what) {
+  Measurements plan = planned(robot, io::read_poses(input_file(options.poses), robot.joint_space()), what);
   const auto repeat = [&](auto& readings) {
     const auto once = readings;
     readings.clear();
@@ -121,7 +116,9 @@ io::Json json_of(const Measurements& measurements) {
 }
 
 void run(const Options& options, Session& session) {
-  check_instrument(options);
+  const PlannedReadings what{
+      .measurand = options.measurand, .rotation = options.rotation, .second = !options.instrument.second.empty()};
+  check_instrument(options.instrument, what);
   const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
@@ -131,7 +128,7 @@ void run(const Options& options, Session& session) {
     instrument.frame = random_frame(random);
     if (options.measurand == Measurand::heights) instrument.plane = random_plane(random);
   }
-  const Measurements measurements = simulate(robot, errors, plan_of(robot, options), instrument, random);
+  const Measurements measurements = simulate(robot, errors, plan_of(robot, options, what), instrument, random);
   const std::vector<std::string> assumed =
       options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
   if (!options.truth.empty()) {

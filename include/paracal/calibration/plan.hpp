@@ -66,7 +66,5 @@ struct PlannedReadings {
 /// simulate().
 /// @throws InvalidArgument for a rotation or a second reflector with what has none.
 Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings = {});
-Measurements planned_points(const Robot& robot, const std::vector<Station>& stations, bool rotation, bool second);
-Measurements planned_distances(const Robot& robot, const std::vector<Station>& stations, bool rotation);
 
 }  // namespace paracal

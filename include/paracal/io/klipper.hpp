@@ -21,8 +21,7 @@ struct KlipperDelta {
 };
 
 /// Sections, `key: value` or `key = value`, comments after # or ;, and at the end the block of lines that begin with
-/// #*#, whose values count where none is typed [klipper]: what is typed
-/// anywhere takes the same key off the block. Read are
+/// #*#, whose values count where none is typed: a key that is typed anywhere is taken off the block [klipper]. Read are
 ///
 ///   [printer]                 kinematics (delta, rotary_delta), print_radius
 ///                             delta_radius; of rotary deltas shoulder_radius, shoulder_height

@@ -31,6 +31,9 @@ struct DeltaGeometry {
 /// How far each joint stands below its endstop, mm or rad: the steps that the controller counted, times their size.
 using JointDrops = std::array<double, 3>;
 
+/// Where a tower is meant to stand that stands near: at 30 deg and every 60 deg from there, rad.
+double design_angle(double angle);
+
 /// Mean over the three towers.
 inline double mean_of(const std::array<double, 3>& towers) { return (towers[0] + towers[1] + towers[2]) / 3.0; }
 
