@@ -140,6 +140,7 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
   EXPECT_GT(printer["judged_new"]["chance_better"], 0.95);
   EXPECT_GT(printer["judged_new"]["gain"]["value"], 0.5);
   EXPECT_LT(printer["judged_new"]["expected_shape_mm"], printer["expected_shape_saved_mm"]);
+  EXPECT_LE(printer["judged_new"]["gain"]["high"], 1.0);  // no mean square falls by more than all of it
   EXPECT_EQ(printer["size"]["bias_can_be_told"], false);
   EXPECT_EQ(printer["uncheckable"].size(), 13);
   EXPECT_EQ(printer["firmware"]["parameters"], 9);
