@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Records what the commands of tests/corpus/commands.txt print and leave: tools/record_commands.sh PROGRAM FOLDER
+# FOLDER/NN.out, NN.err, NN.rc: line NN of the list; FOLDER/files: what they left. Two programs are compared by
+# node tools/compare_records.mjs ONE OTHER.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+[[ $# -eq 2 ]] || { echo "expected: $0 PROGRAM FOLDER" >&2; exit 2; }
+program=$(realpath "$1")
+mkdir -p "$2"
+out=$(realpath "$2")
+[[ -z $(ls -A "$out") ]] || { echo "$out: expected an empty folder" >&2; exit 2; }
+mkdir "$out/files"
+cp "$root"/data/huang2016/*.{csv,toml} "$root/tests/corpus/printer.cfg" "$out/files"
+cd "$out/files"
+number=0
+while IFS= read -r line; do
+  number=$((number + 1))
+  [[ -z $line || $line == \#* ]] && continue
+  read -ra words <<< "$line"
+  name=$(printf '%02d' "$number")
+  code=0
+  "$program" "${words[@]}" > "$out/$name.out" 2> "$out/$name.err" < /dev/null || code=$?
+  echo "$code" > "$out/$name.rc"
+done < "$root/tests/corpus/commands.txt"
