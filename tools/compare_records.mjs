@@ -19,6 +19,7 @@ const timeless = (text) =>
   text
     .replace(/\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ/g, "DATE")
     .replace(/"build": *"[^"]*"/g, '"build": "BUILD"')
+    .replace(/\([0-9a-f]{12}(-dirty)?,/, "(COMMIT,")
     .replace(/\b[0-9a-f]{40,64}\b/g, "HASH");
 
 const words = (text) => text.replace(kNumber, "#");

@@ -8,8 +8,8 @@
 namespace paracal::app {
 namespace {
 
-/// Heights above a plane that is sought with the rest do not see how high the machine stands: what is drawn is what
-/// they do see.
+/// Lengths from a set-up that is sought with the rest do not see how high the machine stands, as heights above a plane:
+/// what is drawn is what they do see.
 void level(std::vector<report::ErrorArrow>& arrows) {
   double mean = 0.0;
   for (const report::ErrorArrow& arrow : arrows) mean += arrow.before.z() / static_cast<double>(arrows.size());
@@ -22,7 +22,7 @@ CalibrationPage page_of(const Calibration& calibration, const Measurements& meas
   CalibrationPage page{.arrows = report::measured_arrows(calibration, measurements), .map = calibration.accepted()};
   if (!page.arrows.empty() || !calibration.accepted()) return page;
   page.arrows = report::predicted_arrows(calibration.robot, known_errors(calibration).errors, measurements.stations);
-  if (!measurements.planes.empty()) level(page.arrows);
+  if (!measurements.lengths.empty()) level(page.arrows);
   return page;
 }
 

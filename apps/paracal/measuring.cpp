@@ -74,8 +74,7 @@ Measurements read_file(const MeasuringOptions& options, const std::optional<io::
     return input_file(options.poses);
   };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
-  const bool heights = header_of(file.text).find("height_mm") != std::string_view::npos;
-  if (heights) return io::read_heights(file, poses(), joints);
+  if (io::length_kind_in(header_of(file.text))) return io::read_lengths(file, poses(), joints);
   const bool points = holds_points(header_of(file.text), !options.poses.empty());
   return points ? io::read_points(file, joints) : io::read_distances(file, poses(), joints);
 }
@@ -120,20 +119,31 @@ NoiseModel MeasuringOptions::noise() const {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Measurand>, 4> kMeasurands{
-    {{"coordinates", Measurand::coordinates},
-     {"distance", Measurand::distances},
-     {"home-distance", Measurand::home_distances},
-     {"height", Measurand::heights}}};
+struct Measured {
+  std::string_view name;
+  Measurand measurand;
+  LengthKind length = LengthKind::height;
+};
+
+/// Every choice of --measure.
+std::vector<Measured> measurands() {
+  std::vector<Measured> all{{"coordinates", Measurand::coordinates},
+                            {"distance", Measurand::distances},
+                            {"home-distance", Measurand::home_distances}};
+  for (const LengthWords& kind : length_kinds()) all.push_back({kind.name, Measurand::lengths, kind.kind});
+  return all;
+}
 
 }  // namespace
 
-Option* add_measurand_option(Command& command, Measurand& measurand) {
+Option* add_measurand_option(Command& command, PlannedReadings& readings) {
   std::vector<std::string> names;
-  names.reserve(kMeasurands.size());
-  for (const auto& [name, one] : kMeasurands) names.emplace_back(name);
-  const auto choose = [&measurand](const std::string& wanted) {
-    measurand = std::ranges::find(kMeasurands, wanted, &std::pair<std::string_view, Measurand>::first)->second;
+  for (const Measured& one : measurands()) names.emplace_back(one.name);
+  const auto choose = [&readings](const std::string& wanted) {
+    const std::vector<Measured> all = measurands();
+    const Measured& chosen = *std::ranges::find(all, wanted, &Measured::name);
+    readings.measurand = chosen.measurand;
+    readings.length = chosen.length;
   };
   return command
       .add_choice("--measure", choose,
@@ -147,8 +157,9 @@ void check_readings(const PlannedReadings& readings, std::string_view rotation) 
   if (readings.second && readings.measurand != Measurand::coordinates) {
     throw WrongUsage("--second: expected --measure coordinates with it");
   }
-  if (readings.rotation && readings.measurand == Measurand::heights) {
-    throw WrongUsage(fmt::format("{}: expected another --measure than height with it", rotation));
+  if (readings.rotation && readings.measurand == Measurand::lengths) {
+    throw WrongUsage(
+        fmt::format("{}: expected another --measure than {} with it", rotation, words(readings.length).name));
   }
 }
 

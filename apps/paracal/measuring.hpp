@@ -45,7 +45,7 @@ struct MeasuringOptions {
 Option* add_measuring_options(Command& command, MeasuringOptions& options);
 
 /// --measure: what is measured at the poses of a plan.
-Option* add_measurand_option(Command& command, Measurand& measurand);
+Option* add_measurand_option(Command& command, PlannedReadings& readings);
 
 /// @param rotation  the option that asks for phi.
 /// @throws WrongUsage for a second reflector or a rotation of what has none.

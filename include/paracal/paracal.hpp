@@ -11,6 +11,7 @@
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/information_root.hpp"
+#include "paracal/calibration/length_kind.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/plan.hpp"

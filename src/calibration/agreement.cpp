@@ -41,7 +41,7 @@ struct Placement {
 
   Placed placed() const { return {*stations, setup}; }
   Residual residual(const Group& group) const { return observation.residual(group, placed()).reversed(); }
-  /// Errors of distances and heights.
+  /// Errors of distances and lengths.
   PoseErrorSummary summary() const {
     ErrorTally tally;
     for (std::size_t s = 0; s < observation.series().size(); ++s) {
@@ -100,7 +100,7 @@ double chance_of(const Agreement& agreement) {
   return fisher_tail(std::max(agreement.chi_square, 0.0) / agreement.freedom, agreement.freedom, agreement.noise_dof);
 }
 
-/// Distances and heights, one by one. @param covariance  of the sought errors.
+/// Distances and lengths, one by one. @param covariance  of the sought errors.
 std::vector<CheckedReading> checked_readings(const Placement& nominal, const Placement& calibrated,
                                              const Observation& observation, const Placed& at,
                                              const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
@@ -115,7 +115,7 @@ std::vector<CheckedReading> checked_readings(const Placement& nominal, const Pla
                         .after = calibrated.residual(group).length(0),
                         .sigma = sigma,
                         .U = kCoverageFactor * sigma * std::sqrt(observation.variances(group, at, covariance)(0)),
-                        .is_distance = series.quantity() == Quantity::distance});
+                        .length = series.length_kind()});
   }
   return readings;
 }

@@ -96,9 +96,10 @@ std::string residual_lines(const Calibration& calibration) {
     fmt::format_to(out, "  residuals of distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
                    before.rms_distance, after.rms_distance, calibration.readings, calibration.degrees_of_freedom);
   }
-  if (after.rms_height) {
-    fmt::format_to(out, "  residuals of heights, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
-                   before.rms_height.value_or(0.0), *after.rms_height, calibration.readings,
+  for (const auto& [kind, rms] : after.rms_lengths) {
+    const auto was = before.rms_lengths.find(kind);
+    fmt::format_to(out, "  residuals of {}, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
+                   words(kind).plural, was == before.rms_lengths.end() ? 0.0 : was->second, rms, calibration.readings,
                    calibration.degrees_of_freedom);
   }
   if (calibration.distance_bias) {

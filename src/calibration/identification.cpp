@@ -109,10 +109,11 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
                                        const CalibrationOptions& options) {
   check(measurements, robot.limb_count());
   const bool paper = options.method == Method::paper;
-  if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.planes.empty())) {
-    throw InvalidArgument(measurements.planes.empty()
-                              ? "measurements: expected at least one reading, got none"
-                              : "method paper: expected points or distances, got heights alone");
+  if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.lengths.empty())) {
+    throw InvalidArgument(measurements.lengths.empty()
+                              ? std::string("measurements: expected at least one reading, got none")
+                              : fmt::format("method paper: expected points or distances, got {} alone",
+                                            words(measurements.lengths.front().kind).plural));
   }
   const Robot centre = expected_robot(robot, options);
   const bool fine = goes_fine(centre, measurements, options);
@@ -128,9 +129,9 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
                                      : detail::as_points(measurements).value_or(measurements);
   Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
 
-  // Not from heights: to them offsets alone are hardly more than the height and the tilt of the plane.
+  // Not from lengths: to them offsets alone are hardly more than the set-up, as a plane's height and tilt.
   SourceErrors offsets;
-  if (!fine || used.planes.empty()) {
+  if (!fine || used.lengths.empty()) {
     detail::StageFit rough(centre, used, options, detail::encoder_offsets(robot, options), {});
     rough.solve();
     detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "paracal/error.hpp"
@@ -53,12 +54,12 @@ void check_point(const PointSeries& series, const PointReading& reading, std::si
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
 }
 
-void check_height(const HeightSeries& series, const HeightReading& reading, std::size_t number, std::size_t stations) {
-  const auto refuse = [&](const char* expected) {
+void check_length(const LengthSeries& series, const LengthReading& reading, std::size_t number, std::size_t stations) {
+  const auto refuse = [&](std::string_view expected) {
     throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
   };
   if (reading.station >= stations) refuse("a station of the list");
-  if (!std::isfinite(reading.height)) refuse("a finite height");
+  if (!std::isfinite(reading.length)) refuse(fmt::format("a finite {}", words(series.kind).noun));
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
 }
 
@@ -86,9 +87,9 @@ void check(const Measurements& measurements, std::size_t limb_count) {
       check_point(series, series.readings[k], k + 1, measurements.stations.size());
     }
   }
-  for (const HeightSeries& plane : measurements.planes) {
-    for (std::size_t k = 0; k < plane.readings.size(); ++k) {
-      check_height(plane, plane.readings[k], k + 1, measurements.stations.size());
+  for (const LengthSeries& series : measurements.lengths) {
+    for (std::size_t k = 0; k < series.readings.size(); ++k) {
+      check_length(series, series.readings[k], k + 1, measurements.stations.size());
     }
   }
 }
@@ -102,8 +103,8 @@ Measurements at_reference_temperature(Measurements measurements, double expansio
       if (reading.second) *reading.second *= factor;
     }
   }
-  for (HeightSeries& plane : measurements.planes) {
-    for (HeightReading& reading : plane.readings) reading.height *= factor;
+  for (LengthSeries& series : measurements.lengths) {
+    for (LengthReading& reading : series.readings) reading.length *= factor;
   }
   return measurements;
 }

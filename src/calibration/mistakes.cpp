@@ -171,8 +171,9 @@ std::string axis_of(const Eigen::RowVector3d& row) {
 
 /// Of an unknown frame all mirrors are alike; of the robot's own all 47 exchanges and signs of axes count.
 void MistakeList::add_frames() {
-  if (!measurements().planes.empty()) {
-    add("frame", "the heights count downwards", [](Measurements& m) { negate_heights(m); });
+  for (const LengthWords& kind : length_kinds()) {
+    if (kind.reversed.empty() || !reads_lengths(measurements(), kind.kind)) continue;
+    add("frame", std::string(kind.reversed), [is = kind.kind](Measurements& m) { negate_lengths(m, is); });
   }
   if (measurements().series.empty()) return;
   if (given_.options.frame == Frame::unknown) {

@@ -190,7 +190,7 @@ StationState Observation::state_of(const Machine& machine, const PlateState& pla
 double reading_noise(const Observation& observation) {
   const auto& groups = observation.groups();
   const auto quantity_of = [&](const Group& group) { return observation.series_of(group).quantity(); };
-  Quantity quantity = Quantity::height;
+  Quantity quantity = Quantity::length;
   for (const Group& group : groups) quantity = std::min(quantity, quantity_of(group));
   double sum = 0.0;
   int count = 0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "paracal/calibration/simulation.hpp"
@@ -32,9 +33,9 @@ std::vector<Station> stations_of(const Robot& robot, Stage stage, int n, double 
   return stage == Stage::rough ? rough_stations(robot, n, start) : fine_stations(robot, n, start);
 }
 
-Measurements planned_heights(const Robot& robot, const std::vector<Station>& stations) {
-  Measurements plan{.stations = stations, .planes = {{"plane", {}}}};
-  for (std::size_t k = 0; k < stations.size(); ++k) plan.planes.front().readings.push_back({.station = k});
+Measurements planned_lengths(const Robot& robot, const std::vector<Station>& stations, LengthKind kind) {
+  Measurements plan{.stations = stations, .lengths = {{std::string(words(kind).name), kind}}};
+  for (std::size_t k = 0; k < stations.size(); ++k) plan.lengths.front().readings.push_back({.station = k});
   RandomStream unused(0);
   return simulate(robot, {}, std::move(plan), {}, unused);
 }
@@ -80,10 +81,12 @@ std::vector<Station> workspace_stations(const Robot& robot) {
 
 Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings) {
   const bool coordinates = readings.measurand == Measurand::coordinates;
-  const bool heights = readings.measurand == Measurand::heights;
+  const bool lengths = readings.measurand == Measurand::lengths;
   if (readings.second && !coordinates) throw InvalidArgument("plan: a second reflector needs coordinates");
-  if (readings.rotation && heights) throw InvalidArgument("plan: expected heights without rotations");
-  if (heights) return planned_heights(robot, stations);
+  if (readings.rotation && lengths) {
+    throw InvalidArgument(fmt::format("plan: expected {} without rotations", words(readings.length).plural));
+  }
+  if (lengths) return planned_lengths(robot, stations, readings.length);
   RandomStream unused(0);
   VirtualInstrument instrument{.reads_rotation = readings.rotation};
   if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);

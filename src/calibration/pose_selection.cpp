@@ -41,17 +41,6 @@ Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<Sou
   return visible;
 }
 
-/// Frame, encoder zero, second reflector and plane have no priors; these say little beside readings of hundredths of a
-/// mm, and keep the updates of C well-conditioned.
-Eigen::VectorXd setup_units(Measurand measurand, Eigen::Index count) {
-  constexpr double kTurn = 0.005, kOther = 1.0, kHeight = 100.0, kSlope = 0.1;
-  Eigen::VectorXd unit = Eigen::VectorXd::Constant(count, kOther);
-  if (measurand == Measurand::coordinates) unit.head<3>().setConstant(kTurn);  // of the frame
-  // A plane tells the robot's own height and level apart from its errors less than a frame's many points do.
-  if (measurand == Measurand::heights) unit.head<3>() << kHeight, kSlope, kSlope;
-  return unit;
-}
-
 Problem make_problem(const Robot& robot, const std::vector<Station>& candidates, const SelectionOptions& options) {
   CalibrationOptions calibration;
   calibration.noise = options.noise;
@@ -64,8 +53,10 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
 
   const Eigen::Index n = observation.unknown_count();
   Problem problem;
-  Eigen::VectorXd unit(n);
-  unit.head(observation.nuisance_count()) = setup_units(options.readings.measurand, observation.nuisance_count());
+  // The set-up has no priors as a rule: units that say little beside readings of hundredths of a mm keep the updates of
+  // C well-conditioned.
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(n);
+  for (const auto& series : observation.series()) series->set_units(unit);
   for (std::size_t k = 0; k < observation.sought().size(); ++k) {
     unit(observation.nuisance_count() + static_cast<Eigen::Index>(k)) = observation.sought()[k].prior_std.value_or(1.0);
   }

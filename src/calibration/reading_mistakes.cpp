@@ -17,13 +17,6 @@ void change_points(Measurements& measurements, Change&& change) {
   }
 }
 
-template <typename Change>
-void change_heights(Measurements& measurements, Change&& change) {
-  for (HeightSeries& plane : measurements.planes) {
-    for (HeightReading& reading : plane.readings) reading.height = change(reading.height);
-  }
-}
-
 template <typename Holds>
 bool some_point(const Measurements& measurements, Holds&& holds) {
   return std::ranges::any_of(measurements.series,
@@ -59,14 +52,20 @@ bool reads_second(const Measurements& measurements) {
   return some_point(measurements, [](const PointReading& reading) { return reading.second.has_value(); });
 }
 
+bool reads_lengths(const Measurements& measurements, LengthKind kind) {
+  return std::ranges::any_of(measurements.lengths, [&](const LengthSeries& series) { return series.kind == kind; });
+}
+
 bool has_repeats(const Measurements& measurements) {
   return std::ranges::any_of(measurements.series, [](const auto& one) { return repeats_in(one.readings); }) ||
-         std::ranges::any_of(measurements.planes, [](const auto& one) { return repeats_in(one.readings); });
+         std::ranges::any_of(measurements.lengths, [](const auto& one) { return repeats_in(one.readings); });
 }
 
 void scale_readings(Measurements& measurements, double factor) {
   change_points(measurements, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(factor * point); });
-  change_heights(measurements, [&](double height) { return factor * height; });
+  for (LengthSeries& series : measurements.lengths) {
+    for (LengthReading& reading : series.readings) reading.length *= factor;
+  }
   for (DistanceReading& reading : measurements.distances) reading.distance *= factor;
 }
 
@@ -81,8 +80,11 @@ void scale_rotations(Measurements& measurements, double factor) {
   }
 }
 
-void negate_heights(Measurements& measurements) {
-  change_heights(measurements, [](double height) { return -height; });
+void negate_lengths(Measurements& measurements, LengthKind kind) {
+  for (LengthSeries& series : measurements.lengths) {
+    if (series.kind != kind) continue;
+    for (LengthReading& reading : series.readings) reading.length = -reading.length;
+  }
 }
 
 void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn) {
@@ -106,7 +108,7 @@ std::vector<Eigen::Matrix3d> exchanges_of_axes() {
 
 void shift_rows(Measurements& measurements, int by) {
   for (PointSeries& series : measurements.series) shift_rows_of(series.readings, by);
-  for (HeightSeries& plane : measurements.planes) shift_rows_of(plane.readings, by);
+  for (LengthSeries& series : measurements.lengths) shift_rows_of(series.readings, by);
   const std::vector<DistanceReading> was = measurements.distances;
   for (std::size_t k = 0; k < was.size(); ++k) {
     const DistanceReading& other = was[ring(k, by, was.size())];
@@ -120,8 +122,8 @@ void shift_stations(Measurements& measurements, int by) {
   for (PointSeries& series : measurements.series) {
     for (PointReading& reading : series.readings) reading.station = ring(reading.station, by, count);
   }
-  for (HeightSeries& plane : measurements.planes) {
-    for (HeightReading& reading : plane.readings) reading.station = ring(reading.station, by, count);
+  for (LengthSeries& series : measurements.lengths) {
+    for (LengthReading& reading : series.readings) reading.station = ring(reading.station, by, count);
   }
 }
 

@@ -11,15 +11,16 @@ namespace paracal::detail {
 
 bool reads_rotation(const Measurements& measurements);
 bool reads_second(const Measurements& measurements);
+bool reads_lengths(const Measurements& measurements, LengthKind kind);
 /// Some station was read more than once in a series.
 bool has_repeats(const Measurements& measurements);
 
-/// Points, distances and heights times a factor. Stated sigmas stay: nobody knows what unit they are in, and a fit
+/// Points, distances and lengths times a factor. Stated sigmas stay: nobody knows what unit they are in, and a fit
 /// that seeks the scale of the noise does not ask.
 void scale_readings(Measurements& measurements, double factor);
 /// Readings of phi times a factor.
 void scale_rotations(Measurements& measurements, double factor);
-void negate_heights(Measurements& measurements);
+void negate_lengths(Measurements& measurements, LengthKind kind);
 /// Points, both reflectors, times a matrix.
 void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn);
 /// The 47 ways to exchange axes and their signs.

@@ -8,6 +8,7 @@
 
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "readings/length_model.hpp"
 #include "readings/points.hpp"
 
 namespace paracal {
@@ -56,10 +57,12 @@ class Visits {
     if (reading.rotation) reading.rotation = rotation(reading.to) - rotation(reading.from) + rotation_noise();
   }
 
-  void read(HeightReading& reading) {
-    const Eigen::Vector3d place = visit(reading.station);
-    const double level = instrument_.plane.dot(Eigen::Vector3d(1.0, place.x(), place.y()));
-    reading.height = place.z() - level + instrument_.noise * random_.normal();
+  void read(LengthSeries& series, const detail::SetUp& set_up) {
+    const detail::LengthModel& model = detail::length_model(series.kind);
+    for (LengthReading& reading : series.readings) {
+      const double length = model.shown(visit(reading.station), set_up, series).length;
+      reading.length = length + instrument_.noise * random_.normal();
+    }
   }
 
  private:
@@ -76,6 +79,14 @@ class Visits {
   RandomStream& random_;
 };
 
+detail::SetUp set_up_of(const Robot& robot, const LengthSeries& series, const VirtualInstrument& instrument) {
+  const detail::SetUp typical = detail::length_model(series.kind).typical(robot, series);
+  if (instrument.set_up.size() == 0) return typical;
+  if (instrument.set_up.size() == typical.size()) return instrument.set_up;
+  throw InvalidArgument(fmt::format("{}: expected a set-up of {} numbers, got {}", series.name, typical.size(),
+                                    instrument.set_up.size()));
+}
+
 }  // namespace
 
 Measurements simulate(const Robot& robot, const SourceErrors& errors, Measurements plan,
@@ -85,9 +96,7 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, Measuremen
     for (PointReading& reading : series.readings) visits.read(reading);
   }
   for (DistanceReading& reading : plan.distances) visits.read(reading);
-  for (HeightSeries& plane : plan.planes) {
-    for (HeightReading& reading : plane.readings) visits.read(reading);
-  }
+  for (LengthSeries& series : plan.lengths) visits.read(series, set_up_of(robot, series, instrument));
   return plan;
 }
 
@@ -100,6 +109,10 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vecto
     for (int repeat = 0; repeat < instrument.repeats; ++repeat) plan.series.front().readings.push_back(reading);
   }
   return simulate(robot, errors, std::move(plan), instrument, random);
+}
+
+Eigen::VectorXd random_set_up(const Robot& robot, const LengthSeries& series, RandomStream& random) {
+  return detail::length_model(series.kind).random(robot, series, random);
 }
 
 }  // namespace paracal

@@ -33,8 +33,8 @@ void for_each_station(Measurements& measurements, Visit&& visit) {
   for (PointSeries& series : measurements.series) {
     for (PointReading& reading : series.readings) visit(reading.station);
   }
-  for (HeightSeries& plane : measurements.planes) {
-    for (HeightReading& reading : plane.readings) visit(reading.station);
+  for (LengthSeries& series : measurements.lengths) {
+    for (LengthReading& reading : series.readings) visit(reading.station);
   }
   for (DistanceReading& reading : measurements.distances) {
     visit(reading.from);
@@ -58,10 +58,10 @@ void drop_unread_stations(Measurements& measurements) {
 Measurements a_few_of(Measurements measurements) {
   std::size_t all = measurements.distances.size();
   for (const PointSeries& series : measurements.series) all += series.readings.size();
-  for (const HeightSeries& plane : measurements.planes) all += plane.readings.size();
+  for (const LengthSeries& series : measurements.lengths) all += series.readings.size();
   thin(measurements.distances, all);
   for (PointSeries& series : measurements.series) thin(series.readings, all);
-  for (HeightSeries& plane : measurements.planes) thin(plane.readings, all);
+  for (LengthSeries& series : measurements.lengths) thin(series.readings, all);
   drop_unread_stations(measurements);
   return measurements;
 }

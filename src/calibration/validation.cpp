@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "agreement.hpp"
@@ -106,19 +107,19 @@ MeanSigma mean_sigma(const Measurements& measurements, const ValidationOptions& 
 }
 
 /// U of the least certain reading, mm (k = 2).
-double uncertainty_of_readings(const Validation& validation, bool distances) {
+double uncertainty_of_readings(const Validation& validation, std::optional<LengthKind> of) {
   double largest = 0.0;
   for (const CheckedReading& one : validation.readings) {
-    if (one.is_distance == distances) largest = std::max(largest, kCoverageFactor * one.sigma);
+    if (one.length == of) largest = std::max(largest, kCoverageFactor * one.sigma);
   }
   return largest;
 }
 
-/// Largest |residual| of distances or heights, before and after.
-std::pair<double, double> largest_of_readings(const Validation& validation, bool distances) {
+/// Largest |residual| of distances or lengths of a kind, before and after.
+std::pair<double, double> largest_of_readings(const Validation& validation, std::optional<LengthKind> of) {
   double before = 0.0, after = 0.0;
   for (const CheckedReading& one : validation.readings) {
-    if (one.is_distance != distances) continue;
+    if (one.length != of) continue;
     before = std::max(before, std::abs(one.before));
     after = std::max(after, std::abs(one.after));
   }
@@ -126,10 +127,10 @@ std::pair<double, double> largest_of_readings(const Validation& validation, bool
 }
 
 /// Without limits a calibration must have made the machine better by more than can be measured: by points where there
-/// are any, else by distances, else by heights. Where nothing tells the noise, what is left says how large it may be:
+/// are any, else by distances, else by lengths. Where nothing tells the noise, what is left says how large it may be:
 /// of lengths read in metres half a metre is.
 void require_gain(double two_points, Validation& validation) {
-  const auto require = [&](const char* what, double before, double after, double uncertainty, double left) {
+  const auto require = [&](std::string_view what, double before, double after, double uncertainty, double left) {
     if (!validation.agreement) uncertainty = std::max(uncertainty, kCoverageFactor * left);
     if (before - after > uncertainty) return;
     validation.reasons.push_back(
@@ -141,18 +142,22 @@ void require_gain(double two_points, Validation& validation) {
     return require("aligned error", validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned,
                    two_points, validation.after.rms_distance);
   }
-  const bool distances = validation.after.reads_distances;
-  const auto [before, after] = largest_of_readings(validation, distances);
-  require(distances ? "error of a distance" : "error of a height", before, after,
-          uncertainty_of_readings(validation, distances),
-          distances ? validation.after.rms_distance : *validation.after.rms_height);
+  if (validation.after.reads_distances) {
+    const auto [before, after] = largest_of_readings(validation, std::nullopt);
+    return require("error of a distance", before, after, uncertainty_of_readings(validation, std::nullopt),
+                   validation.after.rms_distance);
+  }
+  const auto& [kind, rms] = *validation.after.rms_lengths.begin();
+  const auto [before, after] = largest_of_readings(validation, kind);
+  require(fmt::format("error of a {}", words(kind).noun), before, after, uncertainty_of_readings(validation, kind),
+          rms);
 }
 
-/// Adds the errors of distances and heights to those of points.
+/// Adds the errors of distances and lengths to those of points.
 void add_readings(const PoseErrorSummary& readings, bool has_points, PoseErrorSummary& all) {
   widen(all, readings);
   all.reads_distances = has_points || readings.reads_distances;
-  all.rms_height = readings.rms_height;
+  all.rms_lengths = readings.rms_lengths;
 }
 
 /// Standard deviation of a rotation that was read with a distance, rad; 0 where none was.
@@ -177,10 +182,11 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
                                              uncertainty, *limit, name(conformity)));
   };
   if (options.limits.distance && !validation.after.reads_distances) {
-    validation.reasons.emplace_back("a limit on distances was set, and heights alone were read");
+    validation.reasons.push_back(fmt::format("a limit on distances was set, and {} alone were read",
+                                             words(validation.after.rms_lengths.begin()->first).plural));
   } else {
     check("distance error, mm", options.limits.distance, validation.after.max_abs_distance,
-          std::max(two_points, uncertainty_of_readings(validation, true)));
+          std::max(two_points, uncertainty_of_readings(validation, std::nullopt)));
   }
   if (options.limits.volumetric && validation.poses.empty()) {
     validation.reasons.emplace_back("a limit on aligned positions was set, and no points were read");
@@ -259,7 +265,7 @@ std::string_view name(Conformity conformity) {
 Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                     const ValidationOptions& options) {
   check(measurements, robot.limb_count());
-  if (measurements.series.empty() && measurements.distances.empty() && measurements.planes.empty()) {
+  if (measurements.series.empty() && measurements.distances.empty() && measurements.lengths.empty()) {
     throw InvalidArgument("validation: expected at least one reading, got none");
   }
   Validation validation;

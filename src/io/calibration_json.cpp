@@ -131,10 +131,10 @@ Json residuals_json(const Calibration& calibration) {
     json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
     json.back()["rotation_after_deg"] = optional_degrees(residual.rotation_after);
   }
-  for (const HeightResidual& residual : calibration.heights) {
+  for (const LengthResidual& residual : calibration.lengths) {
     json.push_back({{"series", residual.series},
                     {"pose", residual.station},
-                    {"height_mm", residual.height},
+                    {std::string(words(residual.kind).column), residual.length},
                     {"before_mm", residual.before},
                     {"after_mm", residual.after},
                     {"excluded", residual.excluded}});
@@ -174,12 +174,16 @@ Json frames_json(const Calibration& calibration) {
   return json;
 }
 
-Json planes_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const FoundPlane& one : calibration.planes) {
-    json.push_back({{"series", one.name}, {"z_mm", one.height}, {"slope_x", one.slope_x}, {"slope_y", one.slope_y}});
+/// What was found of the set-ups of lengths, a list a kind.
+void add_set_ups(const Calibration& calibration, Json& json) {
+  for (const LengthWords& kind : length_kinds()) {
+    Json& list = json[std::string(kind.set_ups)] = Json::array();
+    for (const FoundSetUp& one : calibration.set_ups) {
+      if (one.kind != kind.kind) continue;
+      list.push_back({{"series", one.name}});
+      for (const auto& [name, value] : one.told) list.back()[std::string(name)] = value;
+    }
   }
-  return json;
 }
 
 }  // namespace
@@ -190,12 +194,16 @@ std::string utc(std::int64_t time) {
 
 Json to_json(const PoseErrorSummary& summary) {
   const auto read = [&](double value) { return summary.reads_distances ? Json(value) : Json(nullptr); };
-  return {{"max_abs_distance_mm", read(summary.max_abs_distance)},
-          {"rms_distance_mm", read(summary.rms_distance)},
-          {"max_volumetric_mm", read(summary.max_volumetric)},
-          {"max_volumetric_aligned_mm", read(summary.max_volumetric_aligned)},
-          {"rms_height_mm", optional(summary.rms_height)},
-          {"max_abs_rotation_deg", optional_degrees(summary.max_abs_rotation)}};
+  Json json{{"max_abs_distance_mm", read(summary.max_abs_distance)},
+            {"rms_distance_mm", read(summary.rms_distance)},
+            {"max_volumetric_mm", read(summary.max_volumetric)},
+            {"max_volumetric_aligned_mm", read(summary.max_volumetric_aligned)}};
+  for (const LengthWords& kind : length_kinds()) {
+    const auto rms = summary.rms_lengths.find(kind.kind);
+    json[fmt::format("rms_{}", kind.column)] = rms == summary.rms_lengths.end() ? Json(nullptr) : Json(rms->second);
+  }
+  json["max_abs_rotation_deg"] = optional_degrees(summary.max_abs_rotation);
+  return json;
 }
 
 Json to_json(const std::vector<InputFile>& files) {
@@ -205,46 +213,48 @@ Json to_json(const std::vector<InputFile>& files) {
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {
-  return {{"format", kCalibrationFormat},
-          {"program", fmt::format("paracal {}", version())},
-          {"build", build()},
-          {"date", utc(time)},
-          {"accepted", calibration.accepted()},
-          {"verdict", name(calibration.verdict)},
-          {"reasons", calibration.reasons},
-          {"use", calibration.use ? use_json(*calibration.use) : Json(nullptr)},
-          {"notes", calibration.notes},
-          {"assumed", calibration.assumed},
-          {"components", components_json(calibration)},
-          {"robot", to_json(calibration.robot)},
-          {"parameters", parameters_json(calibration)},
-          {"covariance", covariance_json(calibration, calibration.covariance)},
-          {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},
-          {"noise_dof", std::isfinite(calibration.noise_dof) ? Json(calibration.noise_dof) : Json(nullptr)},
-          {calibration.robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg",
-           to_file_unit(joint_unit(calibration.robot.actuator()), calibration.joint_std)},
-          {"correlations", correlations_json(calibration)},
-          {"coverage_factor", kCoverageFactor},
-          {"rank", calibration.rank},
-          {"null_space", null_space_json(calibration)},
-          {"stages", stages_json(calibration)},
-          {"residual_rms_mm", calibration.after.reads_distances ? Json(calibration.after.rms_distance) : Json(nullptr)},
-          {"readings", calibration.readings},
-          {"noise_mm", calibration.noise},
-          {"degrees_of_freedom", calibration.degrees_of_freedom},
-          {"unit_weight_std", optional(calibration.unit_weight_std)},
-          {"fit_probability", optional(calibration.fit_probability)},
-          {"chance", optional(calibration.chance)},
-          {"before", to_json(calibration.before)},
-          {"after", to_json(calibration.after)},
-          {"residuals", residuals_json(calibration)},
-          {"suspects", suspects_json(calibration)},
-          {"frames", frames_json(calibration)},
-          {"planes", planes_json(calibration)},
-          {"distance_bias_mm", optional(calibration.distance_bias)},
-          {"distance_bias_std_mm", optional(calibration.distance_bias_std)},
-          {"options", to_json(calibration.options, calibration.robot.actuator())},
-          {"inputs", to_json(calibration.files)}};
+  Json json{
+      {"format", kCalibrationFormat},
+      {"program", fmt::format("paracal {}", version())},
+      {"build", build()},
+      {"date", utc(time)},
+      {"accepted", calibration.accepted()},
+      {"verdict", name(calibration.verdict)},
+      {"reasons", calibration.reasons},
+      {"use", calibration.use ? use_json(*calibration.use) : Json(nullptr)},
+      {"notes", calibration.notes},
+      {"assumed", calibration.assumed},
+      {"components", components_json(calibration)},
+      {"robot", to_json(calibration.robot)},
+      {"parameters", parameters_json(calibration)},
+      {"covariance", covariance_json(calibration, calibration.covariance)},
+      {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},
+      {"noise_dof", std::isfinite(calibration.noise_dof) ? Json(calibration.noise_dof) : Json(nullptr)},
+      {calibration.robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg",
+       to_file_unit(joint_unit(calibration.robot.actuator()), calibration.joint_std)},
+      {"correlations", correlations_json(calibration)},
+      {"coverage_factor", kCoverageFactor},
+      {"rank", calibration.rank},
+      {"null_space", null_space_json(calibration)},
+      {"stages", stages_json(calibration)},
+      {"residual_rms_mm", calibration.after.reads_distances ? Json(calibration.after.rms_distance) : Json(nullptr)},
+      {"readings", calibration.readings},
+      {"noise_mm", calibration.noise},
+      {"degrees_of_freedom", calibration.degrees_of_freedom},
+      {"unit_weight_std", optional(calibration.unit_weight_std)},
+      {"fit_probability", optional(calibration.fit_probability)},
+      {"chance", optional(calibration.chance)},
+      {"before", to_json(calibration.before)},
+      {"after", to_json(calibration.after)},
+      {"residuals", residuals_json(calibration)},
+      {"suspects", suspects_json(calibration)},
+      {"frames", frames_json(calibration)}};
+  add_set_ups(calibration, json);
+  json["distance_bias_mm"] = optional(calibration.distance_bias);
+  json["distance_bias_std_mm"] = optional(calibration.distance_bias_std);
+  json["options"] = to_json(calibration.options, calibration.robot.actuator());
+  json["inputs"] = to_json(calibration.files);
+  return json;
 }
 
 }  // namespace paracal::io

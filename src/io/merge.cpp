@@ -42,7 +42,7 @@ class Merger {
     for (const Station& station : part.stations) places.push_back(append_station(station, title));
     append_distances(part.distances, title, places);
     for (const PointSeries& series : part.series) append_points(series, places);
-    for (const HeightSeries& plane : part.planes) append_heights(plane, places);
+    for (const LengthSeries& series : part.lengths) append_lengths(series, places);
     for (const InputFile& file : part.files) append_file(file);
   }
 
@@ -102,16 +102,17 @@ class Merger {
     if (!kept.readings.empty() || series.readings.empty()) merged_.series.push_back(std::move(kept));
   }
 
-  /// A dial shows few digits, so that single heights agree by chance: copies are series that agree as a whole.
-  void append_heights(const HeightSeries& plane, const std::vector<std::size_t>& places) {
-    HeightSeries kept{unused_name(plane.name, titles_), plane.readings};
+  /// A dial shows few digits, so that single lengths agree by chance: copies are series that agree as a whole.
+  void append_lengths(const LengthSeries& series, const std::vector<std::size_t>& places) {
+    LengthSeries kept = series;
+    kept.name = unused_name(series.name, titles_);
     std::multiset<ReadingKey> keys;
-    for (HeightReading& reading : kept.readings) {
+    for (LengthReading& reading : kept.readings) {
       reading.station = place_of(places, reading.station);
       keys.insert(key_of(reading));
     }
     titles_.insert(kept.name);
-    if (heights_.insert(std::move(keys)).second) return merged_.planes.push_back(std::move(kept));
+    if (lengths_.emplace(kept.kind, std::move(keys)).second) return merged_.lengths.push_back(std::move(kept));
     note_copies(kept.name, kept.readings.size(), kept.readings.size());
   }
 
@@ -125,8 +126,8 @@ class Merger {
   Measurements merged_;
   std::map<std::string, std::vector<std::size_t>> stations_;  ///< places of those that have or had a name
   std::set<std::string> titles_;
-  std::set<ReadingKey> points_, distances_;      ///< readings so far
-  std::set<std::multiset<ReadingKey>> heights_;  ///< series so far
+  std::set<ReadingKey> points_, distances_;                             ///< readings so far
+  std::set<std::pair<LengthKind, std::multiset<ReadingKey>>> lengths_;  ///< series so far
 };
 
 }  // namespace

@@ -178,18 +178,18 @@ std::string distance_table(const Measurements& measurements) {
   return text;
 }
 
-std::string height_table(const Measurements& measurements) {
-  if (measurements.planes.size() != 1) {
-    throw InvalidArgument(fmt::format("expected heights above one plane to write, got {}", measurements.planes.size()));
+std::string length_table(const Measurements& measurements) {
+  if (measurements.lengths.size() != 1) {
+    throw InvalidArgument(fmt::format("expected lengths of one set-up to write, got {}", measurements.lengths.size()));
   }
   check_names(measurements.stations);
-  const std::vector<HeightReading>& readings = measurements.planes.front().readings;
-  const bool sigma = std::ranges::any_of(readings, [](const auto& one) { return one.sigma.has_value(); });
-  std::string text = fmt::format("pose,height_mm{}\n", sigma ? ",sigma_mm" : "");
-  for (const HeightReading& reading : readings) {
+  const LengthSeries& series = measurements.lengths.front();
+  const bool sigma = std::ranges::any_of(series.readings, [](const auto& one) { return one.sigma.has_value(); });
+  std::string text = fmt::format("pose,{}{}\n", words(series.kind).column, sigma ? ",sigma_mm" : "");
+  for (const LengthReading& reading : series.readings) {
     text += quoted(measurements.stations[reading.station].name);
     RowWriter row(text);
-    row.add(reading.height);
+    row.add(reading.length);
     if (sigma) row.add_or_blank(reading.sigma);
     text += '\n';
   }

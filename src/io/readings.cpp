@@ -37,7 +37,7 @@ ReadingKey key_of(const PointReading& reading) {
   return {reading.station, coordinates(reading.point), second, reading.rotation};
 }
 
-ReadingKey key_of(const HeightReading& reading) { return {reading.station, {0.0, 0.0, reading.height}, {}, {}}; }
+ReadingKey key_of(const LengthReading& reading) { return {reading.station, {0.0, 0.0, reading.length}, {}, {}}; }
 
 ReadingKey key_of(const DistanceReading& reading) {
   const auto [first, second] = std::minmax(reading.from, reading.to);

@@ -22,7 +22,7 @@ using Coordinates = std::array<double, 3>;
 using ReadingKey = std::tuple<std::size_t, Coordinates, std::optional<Coordinates>, std::optional<double>>;
 
 ReadingKey key_of(const PointReading& reading);
-ReadingKey key_of(const HeightReading& reading);
+ReadingKey key_of(const LengthReading& reading);
 /// The same whichever of its two stations is named first.
 ReadingKey key_of(const DistanceReading& reading);
 

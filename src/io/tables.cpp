@@ -76,6 +76,14 @@ class PoseRows {
   std::unordered_map<std::string, int> lines_;
 };
 
+/// Of the first kind where there is none, whose column is then told to be missing.
+const LengthWords& kind_of(const CsvTable& table) {
+  const auto& kinds = length_kinds();
+  const auto has = [&](const LengthWords& kind) { return table.has(kind.column); };
+  const auto found = std::ranges::find_if(kinds, has);
+  return found == kinds.end() ? kinds.front() : *found;
+}
+
 void allow_joints(const CsvTable& table, const JointSpace& joints) {
   table.allow_only(with_joint_columns({"pose"}, joints));
 }
@@ -145,20 +153,28 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
   return measurements;
 }
 
-Measurements read_heights(const TextFile& heights, const TextFile& poses, const JointSpace& joints) {
+std::optional<LengthKind> length_kind_in(std::string_view header) {
+  for (const LengthWords& kind : length_kinds()) {
+    if (header.find(kind.column) != std::string_view::npos) return kind.kind;
+  }
+  return std::nullopt;
+}
+
+Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const JointSpace& joints) {
   Measurements measurements;
   measurements.stations = read_poses(poses, joints);
   const StationIndex stations(measurements.stations);
-  const CsvTable table(heights);
-  table.allow_only({"pose", "height_mm", "sigma_mm"});
-  HeightSeries plane{title_of(heights.name), {}};
+  const CsvTable table(lengths);
+  const LengthWords& kind = kind_of(table);
+  table.allow_only({"pose", kind.column, "sigma_mm"});
+  LengthSeries series{title_of(lengths.name), kind.kind};
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    plane.readings.push_back({.station = stations.at(table, row, "pose", poses.name),
-                              .height = table.number(row, "height_mm"),
-                              .sigma = positive_number(table, row, "sigma_mm")});
+    series.readings.push_back({.station = stations.at(table, row, "pose", poses.name),
+                               .length = table.number(row, kind.column),
+                               .sigma = positive_number(table, row, "sigma_mm")});
   }
-  measurements.planes.push_back(std::move(plane));
-  measurements.files = {{heights.name, sha256(heights.text)}, {poses.name, sha256(poses.text)}};
+  measurements.lengths.push_back(std::move(series));
+  measurements.files = {{lengths.name, sha256(lengths.text)}, {poses.name, sha256(poses.text)}};
   return measurements;
 }
 

@@ -200,7 +200,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
   const bool same = !differs(result.written.geometry);
   findings.saved_values(same);
   findings.what_can_be_told();
-  const std::size_t gross = std::ranges::count(result.calibration.heights, true, &HeightResidual::excluded);
+  const std::size_t gross = std::ranges::count(result.calibration.lengths, true, &LengthResidual::excluded);
   const bool few = readings.distances.empty() && readings.heights.size() - gross < kFewestHeights;
   findings.judged();
   result.advice = same ? PrinterAdvice::keep_saved : advice_of(few, result);

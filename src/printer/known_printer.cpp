@@ -32,7 +32,7 @@ Eigen::MatrixXd by_plane_and_errors(const KnownPrinter& known) {
   const Eigen::Index n = std::ssize(known.parameters);
   Eigen::MatrixXd by(n, 3 + n);
   by.rightCols(n).setIdentity();
-  const FoundPlane level{.name = {}, .height = known.printer.bed};
+  const FoundPlane level{.height = known.printer.bed};
   std::array<FoundPlane, 3> planes{level, level, level};
   planes[0].height += 1.0;
   planes[1].slope_x = planes[2].slope_y = 1.0;
@@ -48,14 +48,19 @@ Eigen::MatrixXd by_plane_and_errors(const KnownPrinter& known) {
 
 }  // namespace
 
+FoundPlane found_bed(const Calibration& calibration) {
+  const Eigen::VectorXd& plane = calibration.set_ups.front().unknowns;
+  return {plane(0), plane(1), plane(2)};
+}
+
 KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration) {
-  KnownPrinter known{printer, calibration.errors(), calibration.planes.front()};
+  KnownPrinter known{printer, calibration.errors(), found_bed(calibration)};
   for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
   const Eigen::Index n = std::ssize(known.parameters);
-  if (known.bed.covariance.size() == 0) return known;
+  const Eigen::MatrixXd& bed = calibration.set_ups.front().covariance;
+  if (bed.size() == 0) return known;
   known.covariance.resize(3 + n, 3 + n);
-  known.covariance << known.bed.covariance, known.bed.covariance.rightCols(n).transpose(),
-      known_errors(calibration).expanded_covariance();
+  known.covariance << bed, bed.rightCols(n).transpose(), known_errors(calibration).expanded_covariance();
   return known;
 }
 
@@ -78,7 +83,10 @@ Calibration above_bed(Calibration calibration, const KnownPrinter& known, const 
     one.dof = calibration.noise_dof;
     if (one.prior_std) one.data_share = 1.0 - std::min(1.0, std::pow(*one.std / *one.prior_std, 2));
   }
-  calibration.planes.front() = {.name = known.bed.name, .height = known.printer.bed};
+  FoundSetUp& bed = calibration.set_ups.front();
+  bed.unknowns = Eigen::Vector3d(known.printer.bed, 0.0, 0.0);
+  bed.covariance.resize(0, 0);
+  for (std::size_t k = 0; k < bed.told.size(); ++k) bed.told[k].second = bed.unknowns(static_cast<Eigen::Index>(k));
   return calibration;
 }
 

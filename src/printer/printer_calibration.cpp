@@ -30,8 +30,8 @@ double covered_radius(const DeltaGeometry& geometry, const DeltaReadings& readin
 /// The readings that the calibration did not leave out.
 DeltaReadings without_gross(const DeltaReadings& all, const Calibration& calibration) {
   DeltaReadings good;
-  for (std::size_t k = 0; k < calibration.heights.size(); ++k) {
-    if (!calibration.heights[k].excluded) good.heights.push_back(all.heights[k]);
+  for (std::size_t k = 0; k < calibration.lengths.size(); ++k) {
+    if (!calibration.lengths[k].excluded) good.heights.push_back(all.heights[k]);
   }
   for (std::size_t k = 0; k < calibration.distances.size(); ++k) {
     if (!calibration.distances[k].excluded) good.distances.push_back(all.distances[k]);
@@ -88,7 +88,7 @@ std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadin
   };
   for (std::size_t k = 0; k < readings.heights.size(); ++k) {
     try_both([&](DeltaReadings& all, double sign) { all.heights[k].height += sign * kHeight; },
-             [&](const Calibration& found) { return found.heights[k].excluded; }, fmt::format("height{}", k));
+             [&](const Calibration& found) { return found.lengths[k].excluded; }, fmt::format("height{}", k));
   }
   for (std::size_t k = 0; k < readings.distances.size(); ++k) {
     try_both([&](DeltaReadings& all, double sign) { all.distances[k].distance += sign * kDistance; },

@@ -8,7 +8,7 @@
 namespace paracal::detail {
 
 DeltaProjection PrinterFit::written() const {
-  const KnownPrinter known{printer, calibration.errors(), calibration.planes.front()};
+  const KnownPrinter known{printer, calibration.errors(), found_bed(calibration)};
   const bool told_rods = !measurements.distances.empty();
   return project(known, nominal, told_rods ? ControllerRods::each : ControllerRods::kept);
 }
@@ -24,7 +24,7 @@ std::optional<PrinterFit> fit_printer(const DeltaGeometry& start, const DeltaRea
   CalibrationOptions how = printer_options(printer, readings, options.seeks_bias);
   how.states_use = options.states_use;
   Calibration calibration = calibrate(printer.robot, measurements, how);
-  if (calibration.planes.empty()) return std::nullopt;
+  if (calibration.set_ups.empty()) return std::nullopt;
   return PrinterFit{firmware, nominal, std::move(printer), std::move(measurements), std::move(calibration)};
 }
 
@@ -50,7 +50,7 @@ KnownPrinter known_printer(const PrinterFit& fit, const DeltaReadings& readings,
   options.states_use = false;
   const Calibration moved =
       calibrate(fit.printer.robot, printer_measurements(fit.printer, fit.nominal, shorter), options);
-  if (moved.planes.empty()) return known;
+  if (moved.set_ups.empty()) return known;
   const KnownPrinter other = known_printer(fit.printer, moved);
   Eigen::VectorXd change(known.covariance.rows());
   change.head<3>() << other.bed.height - known.bed.height, other.bed.slope_x - known.bed.slope_x,

@@ -140,11 +140,11 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
     measurements.stations.push_back({std::move(name), {position, 0.0}, printer.joints_at(drops)});
     return measurements.stations.size() - 1;
   };
-  if (!readings.heights.empty()) measurements.planes.push_back({"bed", {}});
+  if (!readings.heights.empty()) measurements.lengths.push_back({"bed", LengthKind::height});
   for (std::size_t k = 0; k < readings.heights.size(); ++k) {
     const BedReading& reading = readings.heights[k];
     const std::size_t station = add_station(fmt::format("height{}", k), reading.drops);
-    measurements.planes.back().readings.push_back({.station = station, .height = reading.height});
+    measurements.lengths.back().readings.push_back({.station = station, .length = reading.height});
   }
   for (std::size_t k = 0; k < readings.distances.size(); ++k) {
     const PrintedDistance& reading = readings.distances[k];

@@ -37,10 +37,10 @@ class AgreementLaw : public test::EveryRobot {
 
   /// Distances from home and heights above a tilted plane at other poses, as they are.
   Measurements distances_and_heights() const {
-    Measurements read{.stations = fine_stations(robot, 5), .planes = {{"bed", {}}}};
+    Measurements read{.stations = fine_stations(robot, 5), .lengths = {{"bed"}}};
     const std::vector<Eigen::Vector3d> places = places_of(measured.errors, read.stations);
     for (std::size_t k = 0; k < places.size(); ++k) {
-      read.planes[0].readings.push_back({.station = k, .height = above_plane(places[k])});
+      read.lengths[0].readings.push_back({.station = k, .length = above_plane(places[k])});
       if (k > 0) read.distances.push_back({.from = 0, .to = k, .distance = (places[k] - places[0]).norm()});
     }
     return read;
@@ -164,11 +164,11 @@ TEST_P(AgreementLaw, DistancesAndHeightsAreTrueAgainstPredicted) {
   const Measurements read = distances_and_heights();
   const Validation validation = validate(robot, known, read);
   const auto nominal = places_of({}, read.stations), predicted = places_of(known.errors, read.stations);
-  ASSERT_EQ(validation.readings.size(), read.distances.size() + read.planes[0].readings.size());
+  ASSERT_EQ(validation.readings.size(), read.distances.size() + read.lengths[0].readings.size());
   for (std::size_t k = 0; k < read.distances.size(); ++k) {
     const CheckedReading& one = validation.readings[k];
     const std::size_t to = read.distances[k].to;
-    EXPECT_TRUE(one.is_distance);
+    EXPECT_FALSE(one.length);
     EXPECT_NEAR(one.before, read.distances[k].distance - (nominal[to] - nominal[0]).norm(), 1e-6);
     EXPECT_NEAR(one.after, read.distances[k].distance - (predicted[to] - predicted[0]).norm(), 1e-6);
     EXPECT_LT(std::abs(one.after), one.U);
@@ -179,15 +179,16 @@ TEST_P(AgreementLaw, DistancesAndHeightsAreTrueAgainstPredicted) {
   // Heights scatter about the plane that fits them best as those of the predicted places do.
   double squares = 0.0, count = 0.0;
   for (const CheckedReading& one : validation.readings) {
-    if (one.is_distance) continue;
+    if (!one.length) continue;
     squares += one.after * one.after;
     ++count;
     EXPECT_LT(std::abs(one.after), one.U);
   }
-  ASSERT_TRUE(validation.after.rms_height);
-  EXPECT_NEAR(*validation.after.rms_height, std::sqrt(squares / count), 1e-12);
-  EXPECT_LT(*validation.after.rms_height, 0.05);
-  EXPECT_GT(*validation.before.rms_height, 3.0 * *validation.after.rms_height);
+  ASSERT_TRUE(validation.after.rms_lengths.contains(LengthKind::height));
+  EXPECT_NEAR(validation.after.rms_lengths.at(LengthKind::height), std::sqrt(squares / count), 1e-12);
+  EXPECT_LT(validation.after.rms_lengths.at(LengthKind::height), 0.05);
+  EXPECT_GT(validation.before.rms_lengths.at(LengthKind::height),
+            3.0 * validation.after.rms_lengths.at(LengthKind::height));
   EXPECT_TRUE(validation.after.reads_distances);
 }
 
@@ -195,7 +196,7 @@ TEST_P(AgreementLaw, DistancesAndHeightsAreTrueAgainstPredicted) {
 TEST_P(AgreementLaw, UncertaintyOfADistanceByHand) {
   calibrate_machine(7);
   Measurements read = distances_and_heights();
-  read.planes.clear();
+  read.lengths.clear();
   for (DistanceReading& one : read.distances) one.distance_sigma = 0.01;
   known.covariance *= 100.0;
   known.noise_covariance *= 100.0;
@@ -223,7 +224,7 @@ TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
   calibrate_machine(8);
   Measurements heights = distances_and_heights(), distances = heights;
   heights.distances.clear();
-  distances.planes.clear();
+  distances.lengths.clear();
   const ValidationOptions limits{.limits = {.distance = 0.5, .volumetric = 0.5}};
   EXPECT_THAT(validate(robot, known, heights, limits).reasons,
               ElementsAre(HasSubstr("heights alone were read"), HasSubstr("no points were read")));
@@ -263,13 +264,13 @@ TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {
   EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a distance went from")));
   Measurements metres = read;
   for (DistanceReading& one : metres.distances) one.distance *= 1e-3;
-  metres.planes.clear();
+  metres.lengths.clear();
   metres.distances.resize(2);
   EXPECT_THAT(validate(robot, known, metres).reasons, ElementsAre(HasSubstr("not more than the uncertainty")));
   read.distances.clear();
   EXPECT_THAT(validate(robot, known, read).reasons, IsEmpty());
   EXPECT_THAT(validate(robot, {}, read).reasons, ElementsAre(HasSubstr("the largest error of a height went from")));
-  read.planes[0].readings.resize(3);
+  read.lengths[0].readings.resize(3);
   EXPECT_THAT([&] { (void)validate(robot, known, read); },
               testing::ThrowsMessage<InvalidArgument>(HasSubstr("more readings than their set-up has unknowns")));
 }

@@ -380,14 +380,14 @@ TEST(Diagnosis, SeesWhatHeightsAreReadIn) {
         for (const Station& one : world.measurements.stations) points.push_back(one.commanded.position);
         return points;
       }());
-  Measurements heights{.stations = world.measurements.stations, .planes = {{"bed", {}}}};
+  Measurements heights{.stations = world.measurements.stations, .lengths = {{"bed"}}};
   for (const PointReading& one : world.measurements.series[0].readings) {
-    heights.planes[0].readings.push_back({one.station, 700.0 + frame(one.point).z()});
+    heights.lengths[0].readings.push_back({one.station, 700.0 + frame(one.point).z()});
   }
   EXPECT_FALSE(diagnose(robot, heights));
   Measurements metres = heights, downwards = heights;
-  for (HeightReading& one : metres.planes[0].readings) one.height *= 1e-3;
-  for (HeightReading& one : downwards.planes[0].readings) one.height *= -1.0;
+  for (LengthReading& one : metres.lengths[0].readings) one.length *= 1e-3;
+  for (LengthReading& one : downwards.lengths[0].readings) one.length *= -1.0;
   const auto unit = diagnose(robot, metres), sign = diagnose(robot, downwards);
   ASSERT_TRUE(unit && sign);
   EXPECT_THAT(unit->causes, Contains(std::string("the readings are in metres")));

@@ -115,14 +115,14 @@ TEST(Residuals, AreMeasuredLessPredicted) {
   }
   EXPECT_NEAR(distances.after.rms_distance, std::sqrt(squares / static_cast<double>(distances.distances.size())), 1e-9);
 
-  Measurements heights{.stations = read.stations, .planes = {{"bed", {}}}};
+  Measurements heights{.stations = read.stations, .lengths = {{"bed"}}};
   for (std::size_t k = 0; k < read.stations.size(); ++k) {
-    heights.planes[0].readings.push_back(
-        {.station = k, .height = read.stations[k].commanded.position.z() + (k == 5 ? off : 0.0)});
+    heights.lengths[0].readings.push_back(
+        {.station = k, .length = read.stations[k].commanded.position.z() + (k == 5 ? off : 0.0)});
   }
   const Calibration above = calibrate(robot, heights, options);
-  EXPECT_GT(above.heights[5].before, 0.5 * off);
-  EXPECT_GT(above.heights[5].after, 0.05 * off);
+  EXPECT_GT(above.lengths[5].before, 0.5 * off);
+  EXPECT_GT(above.lengths[5].after, 0.05 * off);
 }
 
 /// The rms of distances to home is that of all of them, home not counted.

@@ -32,11 +32,11 @@ class HeightsLaw : public test::EveryRobot {
     for (const Station& station : measurements.stations) {
       places.push_back(forward(machine, believed_joints(robot, station)).plate.position);
     }
-    measurements.planes.push_back({"bed", {}});
+    measurements.lengths.push_back({"bed"});
     for (std::size_t k = 0; k < places.size(); ++k) {
       const Eigen::Vector3d& p = places[k];
       const double plane = robot.workspace().top_z + kPlane + kSlopeX * p.x() + kSlopeY * p.y();
-      measurements.planes[0].readings.push_back({.station = k, .height = p.z() - plane + random.normal(noise)});
+      measurements.lengths[0].readings.push_back({.station = k, .length = p.z() - plane + random.normal(noise)});
     }
     for (std::size_t from = 0; from < places.size(); ++from) {
       for (std::size_t to = from + 1; to < places.size(); ++to) {
@@ -92,9 +92,9 @@ TEST_P(HeightsLaw, FindPlaneBiasAndMachine) {
   const Calibration calibration = calibrate(robot, measured(errors, 1e-4), options);
   ASSERT_NE(calibration.verdict, Verdict::not_converged) << calibration.brief();
   EXPECT_NEAR(*calibration.distance_bias, kBias, 5e-3);
-  ASSERT_EQ(calibration.planes.size(), 1u);
-  EXPECT_LT(*calibration.after.rms_height, 2e-3);
-  EXPECT_EQ(calibration.heights.size(), calibration.planes.size() * fine_stations(robot, 9).size());
+  ASSERT_EQ(calibration.set_ups.size(), 1u);
+  EXPECT_LT(calibration.after.rms_lengths.at(LengthKind::height), 2e-3);
+  EXPECT_EQ(calibration.lengths.size(), calibration.set_ups.size() * fine_stations(robot, 9).size());
   EXPECT_LT(
       test::held_out_errors(robot, errors, calibration.errors(), validation_stations(robot)).max_volumetric_aligned,
       0.1);
@@ -134,9 +134,9 @@ TEST_P(HeightsLaw, CommonErrorsMoveLimbsTogether) {
 TEST(Heights, NonsenseIsRefused) {
   const Robot robot = catalogue::linear_delta();
   Measurements measurements{.stations = fine_stations(robot, 3)};
-  measurements.planes = {{"bed", {{.station = 99, .height = 1.0}}}};
+  measurements.lengths = {{"bed", LengthKind::height, {{.station = 99, .length = 1.0}}}};
   EXPECT_THROW((void)calibrate(robot, measurements), InvalidArgument);
-  measurements.planes = {{"bed", {{.station = 0, .height = 1.0, .sigma = -1.0}}}};
+  measurements.lengths = {{"bed", LengthKind::height, {{.station = 0, .length = 1.0, .sigma = -1.0}}}};
   EXPECT_THROW((void)calibrate(robot, measurements), InvalidArgument);
 }
 

@@ -27,9 +27,9 @@ Measurements all_kinds(const Robot& robot) {
           .measurements;
   read.distances = all_distances(read.series[0]);
   for (DistanceReading& one : read.distances) one.rotation = 0.1 * static_cast<double>(one.from + 1);
-  read.planes.push_back({"bed", {}});
+  read.lengths.push_back({"bed"});
   for (std::size_t k = 0; k < stations.size(); ++k) {
-    read.planes[0].readings.push_back({.station = k, .height = 1.0 + static_cast<double>(k)});
+    read.lengths[0].readings.push_back({.station = k, .length = 1.0 + static_cast<double>(k)});
   }
   return read;
 }
@@ -57,10 +57,10 @@ void expect_alike(const Measurements& one, const Measurements& other) {
     EXPECT_NEAR(a.distance, b.distance, 1e-9) << k;
     EXPECT_NEAR(*a.rotation, *b.rotation, 1e-12) << k;
   }
-  for (std::size_t k = 0; k < one.planes[0].readings.size(); ++k) {
-    const HeightReading &a = one.planes[0].readings[k], &b = other.planes[0].readings[k];
+  for (std::size_t k = 0; k < one.lengths[0].readings.size(); ++k) {
+    const LengthReading &a = one.lengths[0].readings[k], &b = other.lengths[0].readings[k];
     EXPECT_EQ(a.station, b.station) << k;
-    EXPECT_NEAR(a.height, b.height, 1e-9) << k;
+    EXPECT_NEAR(a.length, b.length, 1e-9) << k;
   }
 }
 
@@ -96,7 +96,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 void scale_lengths(Measurements& read, double factor) {
   for (PointReading& one : read.series[0].readings) one.point *= factor, *one.second *= factor;
   for (DistanceReading& one : read.distances) one.distance *= factor;
-  for (HeightReading& one : read.planes[0].readings) one.height *= factor;
+  for (LengthReading& one : read.lengths[0].readings) one.length *= factor;
 }
 void scale_turns(Measurements& read, double factor) {
   for (PointReading& one : read.series[0].readings) *one.rotation *= factor;
@@ -157,7 +157,7 @@ TEST_F(Mistakes, OfSigns) {
     scale_commanded_turns(m, -1.0);
   });
   expect_undone(sound, "the heights count downwards", [](Measurements& m) {
-    for (HeightReading& one : m.planes[0].readings) one.height = -one.height;
+    for (LengthReading& one : m.lengths[0].readings) one.length = -one.length;
   });
   expect_undone(sound, "the commanded x has the other sign", [](Measurements& m) { scale_commands(m, {-1, 1, 1}); });
   expect_undone(sound, "the commanded y has the other sign", [](Measurements& m) { scale_commands(m, {1, -1, 1}); });
@@ -177,7 +177,7 @@ void move_rows(Measurements& read) {
       rows[k].*member = was[(k + count + static_cast<std::size_t>(kBy)) % count].*member;
   };
   move(read.series[0].readings, &PointReading::station);
-  move(read.planes[0].readings, &HeightReading::station);
+  move(read.lengths[0].readings, &LengthReading::station);
   move(read.distances, &DistanceReading::from);
   move(read.distances, &DistanceReading::to);
 }
@@ -195,14 +195,14 @@ void move_poses(Measurements& read) {
     for (auto& one : rows) one.station = (one.station + count + static_cast<std::size_t>(kBy)) % count;
   };
   move(read.series[0].readings);
-  move(read.planes[0].readings);
+  move(read.lengths[0].readings);
 }
 
 /// With repeats a row is not a pose, of whatever kind they are.
 TEST_F(Mistakes, OfPoses) {
   Measurements sound = all_kinds(robot);
   EXPECT_EQ(count(sound, "row"), 2);
-  sound.planes[0].readings.push_back(sound.planes[0].readings[2]);
+  sound.lengths[0].readings.push_back(sound.lengths[0].readings[2]);
   EXPECT_EQ(count(sound, "row"), 4);
   expect_undone(sound, "the readings of each pose belong to the next pose of the list", move_poses<-1>);
   expect_undone(sound, "the readings of each pose belong to the pose before it in the list", move_poses<1>);

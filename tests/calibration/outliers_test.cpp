@@ -141,9 +141,9 @@ TEST(AutomaticStage, CountsWhatReadingsAreWorth) {
 /// To heights offsets alone are hardly more than the height and the tilt of their plane.
 TEST(AutomaticStage, HeightsSkipTheRoughOne) {
   const Robot robot = catalogue::rotary_delta();
-  Measurements heights{.stations = fine_stations(robot, 9), .planes = {{"bed", {}}}};
+  Measurements heights{.stations = fine_stations(robot, 9), .lengths = {{"bed"}}};
   for (std::size_t k = 0; k < heights.stations.size(); ++k) {
-    heights.planes[0].readings.push_back({.station = k, .height = heights.stations[k].commanded.position.z()});
+    heights.lengths[0].readings.push_back({.station = k, .length = heights.stations[k].commanded.position.z()});
   }
   const Calibration found = calibrate(robot, heights, {.stage = Stage::fine, .states_use = false, .diagnose = false});
   ASSERT_EQ(found.stages.size(), 1u);

@@ -36,7 +36,7 @@ TEST_P(PoseSelectionLaw, UpdatedCovarianceIsThatOfThePlan) {
 /// The same of other readings, whose set-up has other unknowns or none.
 TEST_P(PoseSelectionLaw, IsOfWhatIsMeasured) {
   std::vector<Station> chosen;
-  for (const Measurand measurand : {Measurand::heights, Measurand::home_distances}) {
+  for (const Measurand measurand : {Measurand::lengths, Measurand::home_distances}) {
     const Selection selection = select_stations(robot, candidates, {.poses = 15, .readings = {.measurand = measurand}});
     const WorkspaceUncertainty again = afresh(robot, selection.stations, measurand);
     EXPECT_NEAR(selection.uncertainty.max_distance / again.max_distance, 1.0, 1e-3);

@@ -31,7 +31,7 @@ class SimulationLaw : public test::EveryRobot {
 
 TEST_P(SimulationLaw, PerfectReadingsAreThoseOfTheMachine) {
   RandomStream stream(1);
-  const VirtualInstrument instrument{.plane = {-900.0, 2e-3, -1e-3}};
+  const VirtualInstrument instrument{.set_up = Eigen::Vector3d(-900.0, 2e-3, -1e-3)};
   const auto read = [&](Measurand measurand) {
     return simulate(robot, errors, planned(robot, stations, {.measurand = measurand}), instrument, stream);
   };
@@ -46,11 +46,11 @@ TEST_P(SimulationLaw, PerfectReadingsAreThoseOfTheMachine) {
     EXPECT_NEAR(one.distance, (plate(one.to).position - plate(0).position).norm(), 1e-9);
     EXPECT_FALSE(one.rotation);
   }
-  const Measurements heights = read(Measurand::heights);
-  ASSERT_EQ(heights.planes.front().readings.size(), stations.size());
-  for (const HeightReading& one : heights.planes.front().readings) {
+  const Measurements heights = read(Measurand::lengths);
+  ASSERT_EQ(heights.lengths.front().readings.size(), stations.size());
+  for (const LengthReading& one : heights.lengths.front().readings) {
     const Eigen::Vector3d p = plate(one.station).position;
-    EXPECT_NEAR(one.height, p.z() + 900.0 - 2e-3 * p.x() + 1e-3 * p.y(), 1e-9);
+    EXPECT_NEAR(one.length, p.z() + 900.0 - 2e-3 * p.x() + 1e-3 * p.y(), 1e-9);
   }
 }
 
@@ -66,9 +66,9 @@ TEST_P(SimulationLaw, RotationsComeWithDistances) {
 TEST_P(SimulationLaw, ScattersAsTheInstrumentAndTheMachineDo) {
   constexpr int kMany = 3000;
   RandomStream stream(2);
-  Measurements plan{.stations = stations, .planes = {{"plane", {}}}};
+  Measurements plan{.stations = stations, .lengths = {{"plane"}}};
   for (int k = 0; k < kMany; ++k) {
-    plan.planes.front().readings.push_back({.station = 2});
+    plan.lengths.front().readings.push_back({.station = 2});
     plan.distances.push_back({.from = 0, .to = 2});
   }
   const Measurements read = simulate(robot, errors, plan, {.noise = 0.03, .repeatability = 0.04}, stream);
@@ -76,7 +76,7 @@ TEST_P(SimulationLaw, ScattersAsTheInstrumentAndTheMachineDo) {
   const double z = plate(2).position.z(), length = (plate(2).position - plate(0).position).norm();
   for (int k = 0; k < kMany; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    heights += std::pow(read.planes.front().readings[at].height - z, 2) / kMany;
+    heights += std::pow(read.lengths.front().readings[at].length - z, 2) / kMany;
     distances += std::pow(read.distances[at].distance - length, 2) / kMany;
   }
   EXPECT_NEAR(std::sqrt(heights), std::hypot(0.03, 0.04), 0.05 * 0.05);  // 5 %: four standard deviations
@@ -87,20 +87,20 @@ TEST_P(SimulationLaw, ScattersAsTheInstrumentAndTheMachineDo) {
 TEST_P(SimulationLaw, HeightsAndDistancesCalibrate) {
   RandomStream stream(3);
   const std::vector<Station> many = fine_stations(robot, 12);
-  Measurements plan = planned(robot, many, {.measurand = Measurand::heights});
+  Measurements plan = planned(robot, many, {.measurand = Measurand::lengths});
   plan.distances = planned(robot, many, {.measurand = Measurand::home_distances}).distances;
-  const Measurements read =
-      simulate(robot, errors, plan, {.noise = 0.01, .plane = {robot.workspace().top_z, 1e-3, 0.0}}, stream);
+  const Measurements read = simulate(
+      robot, errors, plan, {.noise = 0.01, .set_up = Eigen::Vector3d(robot.workspace().top_z, 1e-3, 0.0)}, stream);
   CalibrationOptions options;
   options.noise.height = options.noise.distance = 0.01;
   options.stage = Stage::fine;
   const Calibration found = calibrate(robot, read, options);
   EXPECT_LT(found.after.rms_distance, 0.3 * found.before.rms_distance);
-  EXPECT_LT(*found.after.rms_height, 0.02);
+  EXPECT_LT(found.after.rms_lengths.at(LengthKind::height), 0.02);
 }
 
 TEST_P(SimulationLaw, PlansNameWhatHasNone) {
-  EXPECT_THROW((void)planned(robot, stations, {.measurand = Measurand::heights, .rotation = true}), InvalidArgument);
+  EXPECT_THROW((void)planned(robot, stations, {.measurand = Measurand::lengths, .rotation = true}), InvalidArgument);
   EXPECT_THROW((void)planned(robot, stations, {.measurand = Measurand::distances, .second = true}), InvalidArgument);
 }
 

@@ -431,16 +431,16 @@ TEST(Merge, ARotationReadBackwardsIsTheSameReading) {
 TEST(Merge, CopiedHeightsCountOnceAsAWhole) {
   const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\nC,50,0,-888\n"};
   const auto read = [&](const std::string& name, const std::string& rows) {
-    return read_heights({name, "pose,height_mm\n" + rows}, poses);
+    return read_lengths({name, "pose,height_mm\n" + rows}, poses);
   };
   const Measurements first = read("monday.csv", "A,0.01\nB,0.02\nC,0.02\n");
   const Measurements copy = read("copy.csv", "C,0.02\nA,0.01\nB,0.02\n");
   const Measurements other = read("tuesday.csv", "A,0.01\nB,0.02\nC,0.03\n");
   const Measurements m = merge({first, copy, other});
-  ASSERT_EQ(m.planes.size(), 2u);
-  EXPECT_EQ(m.planes[0].name, "monday.csv");
-  EXPECT_EQ(m.planes[1].name, "tuesday.csv");
-  EXPECT_EQ(m.planes[1].readings.size(), 3u);
+  ASSERT_EQ(m.lengths.size(), 2u);
+  EXPECT_EQ(m.lengths[0].name, "monday.csv");
+  EXPECT_EQ(m.lengths[1].name, "tuesday.csv");
+  EXPECT_EQ(m.lengths[1].readings.size(), 3u);
   EXPECT_THAT(m.notes, ElementsAre("copy.csv, 3 of 3 readings stand in an earlier series too: counted once"));
 }
 

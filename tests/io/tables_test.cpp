@@ -62,18 +62,18 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
                        "pose,x_mm,y_mm,z_mm,q1_mm,q2_mm,q3_mm\nhome,0,0,-500,-1,-2,-3\nfar,90,0,-500,-4,-5,-6\n"};
   const JointSpace rails{3, Actuator::linear};
   const Measurements m =
-      read_heights({"d/bed.csv", "pose,height_mm,sigma_mm\nhome,0.1,\nfar,-0.2,0.01\nhome,0.12,\n"}, poses, rails);
-  ASSERT_EQ(m.planes.size(), 1u);
-  EXPECT_EQ(m.planes[0].name, "bed.csv");
-  ASSERT_EQ(m.planes[0].readings.size(), 3u);
-  EXPECT_EQ(m.planes[0].readings[1].height, -0.2);
-  EXPECT_EQ(m.planes[0].readings[1].sigma, 0.01);
-  EXPECT_EQ(m.planes[0].readings[2].station, 0u);
+      read_lengths({"d/bed.csv", "pose,height_mm,sigma_mm\nhome,0.1,\nfar,-0.2,0.01\nhome,0.12,\n"}, poses, rails);
+  ASSERT_EQ(m.lengths.size(), 1u);
+  EXPECT_EQ(m.lengths[0].name, "bed.csv");
+  ASSERT_EQ(m.lengths[0].readings.size(), 3u);
+  EXPECT_EQ(m.lengths[0].readings[1].length, -0.2);
+  EXPECT_EQ(m.lengths[0].readings[1].sigma, 0.01);
+  EXPECT_EQ(m.lengths[0].readings[2].station, 0u);
   EXPECT_EQ(m.stations[1].believed->z(), -6.0);
   const auto refused = [&](const std::string& text, const std::string& part) {
     EXPECT_THAT(
         [&] {
-          (void)read_heights({"bed.csv", text}, poses, rails);
+          (void)read_lengths({"bed.csv", text}, poses, rails);
         },
         testing::ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
   };
@@ -81,7 +81,7 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
   refused("pose,height_mm\nhome,high\n", "bed.csv:2: ");
   refused("pose,height_mm\n", "expected at least one row");
   // Joints of arms are no joints of rails.
-  EXPECT_THROW((void)read_heights({"bed.csv", "pose,height_mm\nhome,1\n"}, poses, {3}), InputFileError);
+  EXPECT_THROW((void)read_lengths({"bed.csv", "pose,height_mm\nhome,1\n"}, poses, {3}), InputFileError);
 }
 
 TEST(Csv, LinesCountCommentsAndBlanks) {

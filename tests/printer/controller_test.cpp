@@ -114,7 +114,7 @@ TEST(PrinterController, IsWhatResidualsBeforeAreOf) {
   test::KlipperSet set = *std::ranges::find(sets, "K18", &test::KlipperSet::id);
   const auto before = [](const PrinterCalibration& found) {
     double sum = 0.0;
-    for (const HeightResidual& one : found.calibration.heights) sum += one.before * one.before;
+    for (const LengthResidual& one : found.calibration.lengths) sum += one.before * one.before;
     return std::sqrt(sum);
   };
   const double saved = before(calibrate_printer(set.geometry, set.readings, {.tries_gross = false}));

@@ -174,7 +174,7 @@ TEST(PrinterAdvice, GrossReadingsAreFoundOrDeclaredUncheckable) {
       const PrinterCalibration found =
           calibrate_printer(printer.saved, printer.readings, {.print_radius = printer.radius});
       const bool left_out =
-          spoil_distance ? found.calibration.distances[seed].excluded : found.calibration.heights[height].excluded;
+          spoil_distance ? found.calibration.distances[seed].excluded : found.calibration.lengths[height].excluded;
       const std::string name = spoil_distance ? fmt::format("distance{}", seed) : fmt::format("height{}", height);
       EXPECT_TRUE(left_out || std::ranges::count(found.uncheckable, name) == 1) << name << " of printer " << seed;
       found_count += left_out;

@@ -74,7 +74,7 @@ TEST(PrinterCalibration, KeepsTheSavedValuesWhereReadingsAreTooFew) {
 TEST(Projection, OfAMachineThatTheControllerCanDescribeLosesNothing) {
   const KlipperSet set = set_named("K18");
   const PrinterMachine printer = printer_machine(set.geometry);
-  const KnownPrinter known{printer, SourceErrors{}, {.name = "bed", .height = printer.bed}};
+  const KnownPrinter known{printer, SourceErrors{}, {.height = printer.bed}};
   DeltaGeometry start = set.geometry;
   start.radius += 0.7;
   start.rod[1] -= 0.5;
@@ -95,7 +95,7 @@ TEST(Projection, OfAMachineThatTheControllerCanDescribeLosesNothing) {
 TEST(Projection, CountsFromABedThatIsNotSquare) {
   const DeltaGeometry geometry = set_named("K18").geometry;
   const PrinterMachine printer = printer_machine(geometry);
-  const FoundPlane bed{.name = "bed", .height = printer.bed, .slope_x = 2e-3, .slope_y = -3e-3};
+  const FoundPlane bed{.height = printer.bed, .slope_x = 2e-3, .slope_y = -3e-3};
   const Eigen::Vector3d normal = Eigen::Vector3d(-bed.slope_x, -bed.slope_y, 1.0).normalized();
   const Eigen::Quaterniond onto_bed = Eigen::Quaterniond::FromTwoVectors(normal, Eigen::Vector3d::UnitZ());
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(60, 0, 0), {0, 60, 0}, {-40, 30, 0}, {30, -20, 100}}) {
@@ -112,8 +112,7 @@ TEST(Projection, CountsFromABedThatIsNotSquare) {
 TEST(Projection, HeightsAreNotFitted) {
   const DeltaGeometry geometry = set_named("K18").geometry;
   const PrinterMachine printer = printer_machine(geometry);
-  const DeltaAccuracy lower =
-      accuracy_of({printer, SourceErrors{}, {.name = "bed", .height = printer.bed - 0.3}}, geometry);
+  const DeltaAccuracy lower = accuracy_of({printer, SourceErrors{}, {.height = printer.bed - 0.3}}, geometry);
   EXPECT_NEAR(lower.shape_rms, 0.3, 1e-9);
   EXPECT_NEAR(lower.shape_max, 0.3, 1e-9);
   EXPECT_NEAR(lower.absolute_rms, 0.3, 1e-9);
@@ -289,7 +288,7 @@ TEST(PrinterCalibration, OfRotaryDeltasPredictsBetterThanTheFirmwaresFit) {
     EXPECT_EQ(found.firmware.parameters, 7);
     heights.push_back(found.written.held_out.height / found.by_firmware.held_out.height);
     distances.push_back(found.written.held_out.distance / found.by_firmware.held_out.distance);
-    const KnownPrinter truth{made.machine, made.errors, {.name = "bed", .height = made.machine.bed}};
+    const KnownPrinter truth{made.machine, made.errors, {.height = made.machine.bed}};
     shapes.push_back(accuracy_of(truth, found.projection.geometry).shape_rms /
                      accuracy_of(truth, made.saved).shape_rms);
   }

@@ -114,7 +114,7 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
   }
   const double radius = 85.0 * scale;
   VirtualPrinter printer{
-      .saved = saved, .machine = printer_machine(actual, radius), .errors = {}, .bed = {.name = "bed"}, .readings = {}};
+      .saved = saved, .machine = printer_machine(actual, radius), .errors = {}, .bed = {}, .readings = {}};
   printer.radius = radius;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {

@@ -133,13 +133,13 @@ std::vector<Station> height_stations(const Robot& robot) {
 }
 
 Measurements heights(const Robot& robot, Truth& truth, Noise& noise, bool distances) {
-  Measurements measured{.stations = height_stations(robot), .planes = {{"bed", {}}}};
+  Measurements measured{.stations = height_stations(robot), .lengths = {{"bed"}}};
   std::vector<Eigen::Vector3d> places;
   for (std::size_t k = 0; k < measured.stations.size(); ++k) {
     places.push_back(truth.at(measured.stations[k]).position);
     const Eigen::Vector3d& r = places.back();
-    measured.planes.front().readings.push_back(
-        {.station = k, .height = r.z() - (places.front().z() + 1e-3 * r.x() - 2e-3 * r.y()) + noise()});
+    measured.lengths.front().readings.push_back(
+        {.station = k, .length = r.z() - (places.front().z() + 1e-3 * r.x() - 2e-3 * r.y()) + noise()});
   }
   for (std::size_t k = 7; distances && k < 13; k += 2) {
     measured.distances.push_back({.from = 0, .to = k, .distance = (places[k] - places[0]).norm() + noise()});

@@ -81,10 +81,13 @@ std::string residual_table(const Calibration& calibration) {
                      residual.distance, residual.distance_before, residual.distance_after);
     }
   }
-  if (!calibration.heights.empty() && calibration.heights.size() <= kLongestTable) {
-    fmt::format_to(out, "  measured minus predicted, mm         height     before      after\n");
-    for (const HeightResidual& residual : calibration.heights) {
-      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}{}\n", residual.station, residual.height, residual.before,
+  for (const LengthWords& kind : length_kinds()) {
+    const auto count = std::ranges::count(calibration.lengths, kind.kind, &LengthResidual::kind);
+    if (count == 0 || static_cast<std::size_t>(count) > kLongestTable) continue;
+    fmt::format_to(out, "  measured minus predicted, mm{:>15}     before      after\n", kind.name);
+    for (const LengthResidual& residual : calibration.lengths) {
+      if (residual.kind != kind.kind) continue;
+      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}{}\n", residual.station, residual.length, residual.before,
                      residual.after, residual.excluded ? "  left out" : "");
     }
   }

@@ -137,7 +137,7 @@ void add_identifiability(Command& program, Session& session) {
                                          "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
-  add_measurand_option(*command, options->readings.measurand);
+  add_measurand_option(*command, options->readings);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))
       ->shows_default();

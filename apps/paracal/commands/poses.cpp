@@ -100,7 +100,7 @@ void run_selection(const Options& options, Session& session) {
                                  options.candidates));
   }
   if (options.readings.measurand == Measurand::distances) {
-    throw WrongUsage("--measure: expected coordinates, home-distance or height with --optimal: each pose counts alone");
+    throw WrongUsage("--measure: expected another than distance with --optimal: each pose counts alone");
   }
   check_readings(options.readings, "--read-rotation");
   const Robot robot = session.robot();
@@ -181,7 +181,7 @@ void add_poses(Command& program, Session& session) {
       ->check(one_of(criteria))
       ->needs(optimal)
       ->shows_default();
-  add_measurand_option(*command, options->readings.measurand)->needs(optimal);
+  add_measurand_option(*command, options->readings)->needs(optimal);
   command->add_flag("--read-rotation", options->readings.rotation, "phi is read at every pose, too")->needs(optimal);
   command->add_flag("--second", options->readings.second, "a second reflector is read at every pose, too")
       ->needs(optimal);

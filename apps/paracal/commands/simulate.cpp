@@ -22,10 +22,9 @@ namespace {
 struct Options {
   std::string errors, poses, truth, frame = "robot";
   InstrumentOptions instrument;
-  Measurand measurand = Measurand::coordinates;
+  PlannedReadings readings;
   std::uint64_t machine = 0;
   ReflectorMount reflectors = ReflectorMount::plate;
-  bool rotation = false;
 };
 
 /// Anywhere within some metres, turned anyhow: what "unknown frame" means.
@@ -59,18 +58,12 @@ Measurements plan_of(const Robot& robot, const Options& options, const PlannedRe
     for (const auto& reading : once) readings.insert(readings.end(), options.instrument.repeats, reading);
   };
   for (PointSeries& series : plan.series) repeat(series.readings);
-  for (HeightSeries& plane : plan.planes) repeat(plane.readings);
+  for (LengthSeries& series : plan.lengths) repeat(series.readings);
   return plan;
 }
 
-/// A plane about as level as beds and surface plates are, somewhere under the robot.
-Eigen::Vector3d random_plane(RandomStream& random) {
-  constexpr double kFar = 300.0, kSlope = 2e-3;
-  return {kFar * random.normal(), kSlope * random.normal(), kSlope * random.normal()};
-}
-
 std::string table_of(const Measurements& measurements, Actuator actuator) {
-  if (!measurements.planes.empty()) return io::height_table(measurements);
+  if (!measurements.lengths.empty()) return io::length_table(measurements);
   return measurements.distances.empty() ? io::point_table(measurements, actuator) : io::distance_table(measurements);
 }
 
@@ -101,34 +94,39 @@ io::Json distances_json(const Measurements& measurements) {
   return distances;
 }
 
-io::Json heights_json(const Measurements& measurements) {
-  io::Json heights = io::Json::array();
-  for (const HeightReading& reading : measurements.planes.front().readings) {
-    heights.push_back({{"pose", measurements.stations[reading.station].name}, {"height_mm", reading.height}});
+io::Json lengths_json(const Measurements& measurements) {
+  const LengthSeries& series = measurements.lengths.front();
+  io::Json lengths = io::Json::array();
+  for (const LengthReading& reading : series.readings) {
+    lengths.push_back({{"pose", measurements.stations[reading.station].name},
+                       {std::string(words(series.kind).column), reading.length}});
   }
-  return heights;
+  return lengths;
 }
 
 io::Json json_of(const Measurements& measurements) {
-  if (!measurements.planes.empty()) return {{"heights", heights_json(measurements)}};
+  if (!measurements.lengths.empty()) {
+    return {{std::string(words(measurements.lengths.front().kind).list), lengths_json(measurements)}};
+  }
   if (!measurements.distances.empty()) return {{"distances", distances_json(measurements)}};
   return {{"points", points_json(measurements)}};
 }
 
 void run(const Options& options, Session& session) {
-  const PlannedReadings what{
-      .measurand = options.measurand, .rotation = options.rotation, .second = !options.instrument.second.empty()};
+  PlannedReadings what = options.readings;
+  what.second = !options.instrument.second.empty();
   check_instrument(options.instrument, what);
   const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
   const SourceErrors errors = errors_of(options, robot, random);
-  VirtualInstrument instrument = options.instrument.instrument(options.rotation);
+  const Measurements plan = plan_of(robot, options, what);
+  VirtualInstrument instrument = options.instrument.instrument(what.rotation);
   instrument.mount = options.reflectors;
   if (options.frame == "random") {
     instrument.frame = random_frame(random);
-    if (options.measurand == Measurand::heights) instrument.plane = random_plane(random);
+    if (!plan.lengths.empty()) instrument.set_up = random_set_up(robot, plan.lengths.front(), random);
   }
-  const Measurements measurements = simulate(robot, errors, plan_of(robot, options, what), instrument, random);
+  const Measurements measurements = simulate(robot, errors, plan, instrument, random);
   const std::vector<std::string> assumed =
       options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
   if (!options.truth.empty()) {
@@ -157,12 +155,11 @@ void add_simulate(Command& program, Session& session) {
       ->shows_default();
   session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
-  add_measurand_option(*command, options->measurand);
+  add_measurand_option(*command, options->readings);
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);
-  command->add_flag("--read-rotation", options->rotation, "a rotary encoder reads phi");
-  command
-      ->add_option("--frame", options->frame, "frame of the instrument; random: also where the plane of heights lies")
+  command->add_flag("--read-rotation", options->readings.rotation, "a rotary encoder reads phi");
+  command->add_option("--frame", options->frame, "frame of the instrument; random: also its set-up")
       ->check(one_of({"robot", "random"}))
       ->shows_default();
   command->callback([&session, options] { run(*options, session); });

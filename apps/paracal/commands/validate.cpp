@@ -30,7 +30,7 @@ std::string text_of(const Validation& validation) {
   const std::string heading = points ? fmt::format("largest errors over {} poses", validation.poses.size())
                                      : fmt::format("largest errors over {} readings", validation.readings.size());
   fmt::format_to(out, "  {:<38}{:>8}{:>11}\n", heading, "before", "after");
-  const auto line = [&](const char* what, double before, double after) {
+  const auto line = [&](std::string_view what, double before, double after) {
     fmt::format_to(out, "  {:<38}{:>8.3f}{:>11.3f}\n", what, before, after);
   };
   const PoseErrorSummary &before = validation.before, &after = validation.after;
@@ -41,7 +41,9 @@ std::string text_of(const Validation& validation) {
   } else if (after.reads_distances) {
     line("distance, mm", before.max_abs_distance, after.max_abs_distance);
   }
-  if (before.rms_height) line("height, root mean square, mm", *before.rms_height, *after.rms_height);
+  for (const auto& [kind, rms] : before.rms_lengths) {
+    line(fmt::format("{}, root mean square, mm", words(kind).noun), rms, after.rms_lengths.at(kind));
+  }
   if (before.max_abs_rotation) {
     line("rotation relative to home, deg", to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
   }

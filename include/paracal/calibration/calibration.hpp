@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
@@ -205,10 +207,11 @@ struct PointResidual {
   bool excluded = false;
 };
 
-/// A height likewise, above the plane as either machine fits it best.
-struct HeightResidual {
+/// A length likewise, its set-up as either machine fits it best.
+struct LengthResidual {
   std::string series, station;
-  double height = 0.0;               ///< measured, mm
+  LengthKind kind = LengthKind::height;
+  double length = 0.0;               ///< measured, mm
   double before = 0.0, after = 0.0;  ///< mm
   bool excluded = false;
 };
@@ -222,14 +225,16 @@ struct Suspect {
   bool excluded = false;
 };
 
-/// Where a plane lies that heights were read above, in the robot's frame: z = height + slope_x x + slope_y y.
-struct FoundPlane {
+/// What was found of the set-up of a series of lengths, in the robot's frame: of heights the plane below them,
+/// z = height + slope_x x + slope_y y.
+struct FoundSetUp {
   std::string name;
-  double height = 0.0;  ///< mm
-  double slope_x = 0.0, slope_y = 0.0;
-  /// Of height and slopes (mm, rad): with themselves, then with the parameters that were sought; U = 2 std, as by
+  LengthKind kind = LengthKind::height;
+  Eigen::VectorXd unknowns = {};  ///< mm and rad: height, slope_x, slope_y
+  /// Of these: with themselves, then with the parameters that were sought; U = 2 std, as by
   /// KnownErrors::expanded_covariance(). Empty where none could be stated.
-  Eigen::Matrix<double, 3, Eigen::Dynamic> covariance = {};
+  Eigen::MatrixXd covariance = {};
+  std::vector<std::pair<std::string_view, double>> told = {};  ///< by the names and in the units of files
 };
 
 /// What one stage of the fit did.
@@ -274,10 +279,10 @@ struct [[nodiscard]] Calibration {
   std::size_t readings = 0;  ///< how many there were; more than 20,000 are not listed one by one below
   std::vector<DistanceResidual> distances = {};
   std::vector<PointResidual> points = {};
-  std::vector<HeightResidual> heights = {};
+  std::vector<LengthResidual> lengths = {};
   std::vector<Suspect> suspects = {};  ///< worst first
   std::vector<SeriesFrame> frames = {};
-  std::vector<FoundPlane> planes = {};
+  std::vector<FoundSetUp> set_ups = {};          ///< of lengths
   std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm
   std::optional<double> distance_bias_std = {};  ///< mm; U = 2 std, Student's k included
   int degrees_of_freedom = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "paracal/calibration/length_kind.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/mechanism/robot.hpp"
 
@@ -44,17 +45,18 @@ struct PointSeries {
   std::vector<PointReading> readings;
 };
 
-/// The plate centre above a plane: a probe that triggered, a nozzle on a sheet of paper, a dial gauge.
-struct HeightReading {
+/// A length that one pose shows by itself.
+struct LengthReading {
   std::size_t station = 0;           ///< index into the stations
-  double height = 0.0;               ///< along the robot's z, mm
+  double length = 0.0;               ///< mm
   std::optional<double> sigma = {};  ///< standard deviation, mm, where stated
 };
 
-/// Heights above one plane whose own height and tilt are not known, as a printer's bed.
-struct HeightSeries {
+/// Lengths of one kind from one set-up, which is found with the rest: heights above a printer's bed.
+struct LengthSeries {
   std::string name;
-  std::vector<HeightReading> readings;
+  LengthKind kind = LengthKind::height;
+  std::vector<LengthReading> readings = {};
 };
 
 /// A file that the measurements came from, so that a calibration can name its inputs.
@@ -67,7 +69,7 @@ struct Measurements {
   std::vector<Station> stations = {};  ///< the first is home
   std::vector<DistanceReading> distances = {};
   std::vector<PointSeries> series = {};
-  std::vector<HeightSeries> planes = {};
+  std::vector<LengthSeries> lengths = {};
   std::vector<InputFile> files = {};
   std::vector<std::string> notes = {};  ///< what the import had to pass over: missing or doubled readings
 };

@@ -53,13 +53,14 @@ enum class Measurand : std::uint8_t {
   coordinates,     ///< of the plate centre, in a frame that nobody knows
   distances,       ///< of the plate centre between all pairs of poses
   home_distances,  ///< from the first pose to each other
-  heights,         ///< of the plate centre above one plane whose height and slopes nobody knows
+  lengths,         ///< that each pose shows by itself, of one kind and set-up
 };
 
 struct PlannedReadings {
   Measurand measurand = Measurand::coordinates;
-  bool rotation = false;  ///< phi is read, too: not with heights
-  bool second = false;    ///< a second reflector is read, too: with coordinates alone
+  bool rotation = false;                   ///< phi is read, too: not with lengths
+  bool second = false;                     ///< a second reflector is read, too: with coordinates alone
+  LengthKind length = LengthKind::height;  ///< where lengths are read
 };
 
 /// Readings that a plan would give, taken from the nominal machine: for identifiability(), select_stations() and

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
+#include "paracal/calibration/length_kind.hpp"
 #include "paracal/mechanism/pose.hpp"
 
 namespace paracal {
@@ -25,13 +27,13 @@ PoseError error_relative_to(const PosePair& home, const PosePair& pose);
 
 /// Largest errors over many poses.
 struct PoseErrorSummary {
-  double max_abs_distance = 0.0;          ///< of d_rho, mm
-  double rms_distance = 0.0;              ///< of d_rho, mm
-  double max_volumetric = 0.0;            ///< of d_v, mm: depends on how the frames are aligned
-  double max_volumetric_aligned = 0.0;    ///< mm: largest |dr| after the rigid motion that fits best has been removed
-  bool reads_distances = true;            ///< the four above stand for readings; false: heights alone were read
-  std::optional<double> rms_height = {};  ///< of heights above a plane, mm; empty where none were read
-  std::optional<double> max_abs_rotation = {};  ///< of d_phi, rad; empty where no rotation was read
+  double max_abs_distance = 0.0;        ///< of d_rho, mm
+  double rms_distance = 0.0;            ///< of d_rho, mm
+  double max_volumetric = 0.0;          ///< of d_v, mm: depends on how the frames are aligned
+  double max_volumetric_aligned = 0.0;  ///< mm: largest |dr| after the rigid motion that fits best has been removed
+  bool reads_distances = true;          ///< the four above stand for readings; false: lengths alone were read
+  std::map<LengthKind, double> rms_lengths = {};  ///< of the kinds that were read, mm
+  std::optional<double> max_abs_rotation = {};    ///< of d_phi, rad; empty where no rotation was read
 };
 
 /// @param pairs  home first. @param rotations  whether the actual rotations mean anything.

@@ -22,19 +22,24 @@ struct VirtualInstrument {
   std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, from the first, in the frame of its mount
   RigidMotion frame = {};                      ///< instrument = frame(robot)
   ReflectorMount mount = ReflectorMount::plate;
-  /// That heights are read above, in the robot's frame: z = plane . (1, x, y), mm.
-  Eigen::Vector3d plane = Eigen::Vector3d::Zero();
+  /// Unknowns of the set-up of lengths (FoundSetUp); empty: one to plan for, of heights the plane z = 0.
+  Eigen::VectorXd set_up = {};
 };
 
 /// The readings of a plan as a machine with these errors gives them to an instrument when its controller, which
 /// believes the nominal robot, sends it to the stations. Of the instrument count noise, tracker, repeatability, frame,
-/// mount, plane and the second reflector's place; what is read, and how often, is the plan's.
-/// @throws Unreachable when the nominal robot, or the machine itself, does not reach a station.
+/// mount, set-up and the second reflector's place; what is read, and how often, is the plan's.
+/// @throws Unreachable when the nominal robot, or the machine itself, does not reach a station; InvalidArgument for a
+/// set-up of another number of unknowns.
 Measurements simulate(const Robot& robot, const SourceErrors& errors, Measurements plan,
                       const VirtualInstrument& instrument, RandomStream& random);
 
 /// The same for points alone, read at every station as often as the instrument repeats.
 Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vector<Station> stations,
                       const VirtualInstrument& instrument, RandomStream& random);
+
+/// A set-up that a series of lengths may have: of heights a plane about as level as beds and surface plates are,
+/// somewhere under the robot.
+Eigen::VectorXd random_set_up(const Robot& robot, const LengthSeries& series, RandomStream& random);
 
 }  // namespace paracal

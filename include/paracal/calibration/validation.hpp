@@ -60,14 +60,14 @@ struct ValidatedPose {
   std::optional<Eigen::Matrix4d> covariance;  ///< of the prediction: x, y, z (mm), phi (rad)
 };
 
-/// A reading of one number (a distance, a height) against the nominal and the calibrated machine: measured minus
+/// A reading of one number (a distance, a length) against the nominal and the calibrated machine: measured minus
 /// predicted, once the set-up has been fitted.
 struct CheckedReading {
   std::string text;                  ///< "distance P1 - P3"
   double before = 0.0, after = 0.0;  ///< mm
   double sigma = 0.0;                ///< standard deviation of the reading, mm
   double U = 0.0;  ///< of `after`, from the reading, the calibration and where joints stand, mm (k = 2)
-  bool is_distance = true;
+  std::optional<LengthKind> length = {};  ///< of which kind; empty: a distance
 };
 
 /// Whether readings lie where the calibration says that they must, given its own uncertainty and their noise: with
@@ -90,13 +90,13 @@ struct Agreement {
 struct [[nodiscard]] Validation {
   PoseErrorSummary before, after;
   std::vector<ValidatedPose> poses;
-  std::vector<CheckedReading> readings;  ///< distances and heights
+  std::vector<CheckedReading> readings;  ///< distances and lengths
   /// Empty where nobody can tell: the calibration has no covariance, or the noise is neither stated nor seen in
   /// repeats.
   std::optional<Agreement> agreement;
   Iso9283 iso9283;
   std::vector<LimitCheck> checks;  ///< of the errors after calibration
-  /// All limits kept for certain; without limits: the largest aligned error (of distances or heights where no points
+  /// All limits kept for certain; without limits: the largest aligned error (of distances or lengths where no points
   /// were read) shrank by more than its uncertainty, and the readings do not contradict the calibration's.
   bool accepted = false;
   std::vector<std::string> reasons;  ///< why not

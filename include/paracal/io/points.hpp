@@ -61,10 +61,10 @@ Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns,
 /// stated in part, or for numbers and names that would not be read back.
 std::string point_table(const Measurements& measurements, Actuator actuator = Actuator::revolute);
 
-/// The distances as the CSV that read_distances() takes, the heights of one plane as that of read_heights().
-/// @throws InvalidArgument for names that would not be read back, and for heights above more or fewer planes than one.
+/// The distances as the CSV that read_distances() takes, the lengths of one set-up as that of read_lengths().
+/// @throws InvalidArgument for names that would not be read back, and for more or fewer set-ups of lengths than one.
 std::string distance_table(const Measurements& measurements);
-std::string height_table(const Measurements& measurements);
+std::string length_table(const Measurements& measurements);
 
 /// The commanded poses as the CSV that read_poses() takes.
 /// @throws InvalidArgument for names that would not be read back.

@@ -41,9 +41,12 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
 Measurements read_distances(const std::filesystem::path& distances, const std::filesystem::path& poses,
                             const JointSpace& joints = {});
 
-/// Height table (CSV): pose,height_mm and optional sigma_mm; names are those of the pose table, repeats are further
-/// rows. One file is one plane, named after the file.
-Measurements read_heights(const TextFile& heights, const TextFile& poses, const JointSpace& joints = {});
+/// Table of lengths of one kind (CSV): pose, the kind's column (height_mm) and optional sigma_mm; names are those of
+/// the pose table, repeats are further rows. One file is one set-up (plane), named after the file.
+Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const JointSpace& joints = {});
+
+/// The kind of length whose column a header has; empty where it has none.
+std::optional<LengthKind> length_kind_in(std::string_view header);
 
 /// A pose with the name of its row.
 struct NamedPose {

@@ -8,6 +8,15 @@
 
 namespace paracal {
 
+/// Where a bed lies, in the robot's frame: z = height + slope_x x + slope_y y.
+struct FoundPlane {
+  double height = 0.0;  ///< mm
+  double slope_x = 0.0, slope_y = 0.0;
+};
+
+/// Of the first series of heights of a calibration.
+FoundPlane found_bed(const Calibration& calibration);
+
 /// A real printer, as far as it is known: its machine, and the bed that z is counted from.
 struct KnownPrinter {
   PrinterMachine printer;
@@ -18,7 +27,7 @@ struct KnownPrinter {
   Eigen::MatrixXd covariance = {};
 };
 
-/// As a calibration found it, its bed first among the planes.
+/// As a calibration of heights found it.
 KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration);
 
 /// Motion along the bed: shift, then turn about z; mm, rad.

@@ -80,8 +80,7 @@ void Distances::add_to(ErrorTally& tally, std::span<const Group> of_series, cons
     const double off = residual.length(0);
     tally.summary.max_abs_distance = std::max(tally.summary.max_abs_distance, std::abs(off));
     tally.widen_rotation(residual.rotation);
-    tally.distances += off * off;
-    ++tally.distance_count;
+    tally.distances.add(off);
   }
 }
 

@@ -1,89 +1,73 @@
 #include "heights.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "median.hpp"
 
 namespace paracal::detail {
+namespace {
 
-Heights::Heights(const HeightSeries& plane, const CalibrationOptions& options)
-    : ReadingSeries(plane.name), readings_(plane.readings), options_(options) {}
-
-Group Heights::group(std::size_t index) const {
-  const HeightReading& reading = readings_[index];
-  return {.station = static_cast<std::uint32_t>(reading.station), .stated = reading.sigma.has_value()};
-}
-
-double Heights::sigma(std::size_t index) const { return readings_[index].sigma.value_or(options_.noise.height); }
-
-void Heights::take_columns(Eigen::Index& next, bool /*seeks_scale: heights are too short to show any*/) {
-  plane_ = take(next, 3);
-}
-
-void Heights::start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) {
-  std::vector<Eigen::Vector3d> levels;
-  for (const HeightReading& reading : readings_) {
-    levels.emplace_back(0.0, 0.0, stations[reading.station].plate.position.z() - reading.height);
+class Heights final : public LengthModel {
+ public:
+  LengthWords words() const override {
+    return {.kind = LengthKind::height,
+            .name = "height",
+            .noun = "height",
+            .plural = "heights",
+            .column = "height_mm",
+            .list = "heights",
+            .set_ups = "planes",
+            .reversed = "the heights count downwards"};
   }
-  if (!levels.empty()) unknowns(plane_) = median(levels).z();
-}
+  double sigma(const NoiseModel& noise) const override { return noise.height; }
+  bool shows_scale() const override { return false; }
 
-void Heights::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
-  if (!options_.plane_slope) return;
-  root.add_prior(plane_ + 1, unknowns(plane_ + 1), 0.0, *options_.plane_slope);
-  root.add_prior(plane_ + 2, unknowns(plane_ + 2), 0.0, *options_.plane_slope);
-}
+  /// A plane tells the robot's own height and level apart from its errors less than a frame's many points do.
+  SetUp units(const CalibrationOptions& /*options*/) const override { return Eigen::Vector3d(100.0, 0.1, 0.1); }
 
-ByPlate Heights::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const {
-  const Eigen::Vector3d& r = at.stations[readings_[index].station].plate.position;
-  const double sigma = this->sigma(index);
-  block.setZero(1, at.unknowns.size() + 1);
-  block.block<1, 3>(0, plane_) << -1.0, -r.x(), -r.y();
-  block(0, at.unknowns.size()) = residual(index, at).length(0);
-  block /= sigma;
-  ByPlate by_plate = ByPlate::Zero(1, 7);
-  by_plate.leftCols<3>() = Eigen::RowVector3d(-at.unknowns(plane_ + 1), -at.unknowns(plane_ + 2), 1.0) / sigma;
-  return by_plate;
-}
-
-Residual Heights::residual(std::size_t index, const Placed& at) const {
-  const HeightReading& reading = readings_[index];
-  const Eigen::Vector3d& r = at.stations[reading.station].plate.position;
-  const double level = at.unknowns.segment<3>(plane_).dot(Eigen::Vector3d(1.0, r.x(), r.y()));
-  return {Eigen::Matrix<double, 1, 1>(r.z() - level - reading.height)};
-}
-
-std::string Heights::label(std::size_t index, const std::vector<Station>& stations) const {
-  return fmt::format("height {} of {}", stations[readings_[index].station].name, name());
-}
-
-void Heights::add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const {
-  for (const Group& group : of_series) {
-    if (!group.active) continue;
-    tally.heights += std::pow(residual(group.index, at).length(0), 2);
-    ++tally.height_count;
+  LengthShown shown(const Eigen::Vector3d& place, const SetUp& plane, const LengthSeries& /*series*/) const override {
+    const Eigen::RowVector3d above(1.0, place.x(), place.y());
+    return {place.z() - above.dot(plane), Eigen::RowVector3d(-plane(1), -plane(2), 1.0), -above};
   }
-}
 
-void Heights::list(const Group& group, const std::vector<Station>& stations, const Residual& before,
-                   const Residual& after, Calibration& calibration) const {
-  calibration.heights.push_back({name(), stations[group.station].name, readings_[group.index].height, before.length(0),
-                                 after.length(0), !group.active});
-}
-
-void Heights::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                          Calibration& calibration) const {
-  FoundPlane plane{name(), unknowns(plane_), unknowns(plane_ + 1), unknowns(plane_ + 2)};
-  if (covariance.size() > 0) {
-    const auto rows = covariance.middleRows<3>(plane_);
-    const auto errors = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
-    plane.covariance.resize(3, 3 + errors);
-    plane.covariance << rows.middleCols<3>(plane_), rows.rightCols(errors);
+  /// As level as the robot.
+  SetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
+              const CalibrationOptions& /*options*/) const override {
+    std::vector<Eigen::Vector3d> levels;
+    for (std::size_t k = 0; k < read.places.size(); ++k) {
+      levels.emplace_back(0.0, 0.0, read.places[k].z() - read.lengths[k]);
+    }
+    return Eigen::Vector3d(levels.empty() ? 0.0 : median(levels).z(), 0.0, 0.0);
   }
-  calibration.planes.push_back(std::move(plane));
+
+  void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,
+                  InformationRoot& root) const override {
+    if (!options.plane_slope) return;
+    root.add_prior(first + 1, unknowns(first + 1), 0.0, *options.plane_slope);
+    root.add_prior(first + 2, unknowns(first + 2), 0.0, *options.plane_slope);
+  }
+
+  std::vector<std::pair<std::string_view, double>> told(const SetUp& plane,
+                                                        const LengthSeries& /*series*/) const override {
+    return {{"z_mm", plane(0)}, {"slope_x", plane(1)}, {"slope_y", plane(2)}};
+  }
+
+  SetUp typical(const Robot& /*robot*/, const LengthSeries& /*series*/) const override {
+    return Eigen::Vector3d::Zero();
+  }
+
+  /// About as level as beds and surface plates are, somewhere under the robot.
+  SetUp random(const Robot& /*robot*/, const LengthSeries& /*series*/, RandomStream& random) const override {
+    constexpr double kFar = 300.0, kSlope = 2e-3;
+    const double height = kFar * random.normal(), slope_x = kSlope * random.normal(),
+                 slope_y = kSlope * random.normal();
+    return Eigen::Vector3d(height, slope_x, slope_y);
+  }
+};
+
+}  // namespace
+
+const LengthModel& heights() {
+  static const Heights kModel;
+  return kModel;
 }
 
 }  // namespace paracal::detail

@@ -82,6 +82,11 @@ void Points::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) 
   if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);
 }
 
+void Points::set_units(Eigen::VectorXd& unit) const {
+  constexpr double kTurn = 0.005;  // of the frame
+  if (frame_ >= 0) unit.segment<3>(frame_).setConstant(kTurn);
+}
+
 Eigen::Matrix3d Points::reflector_rows(Eigen::Index row, const Eigen::Vector3d& x, const Eigen::Vector3d& read,
                                        const PointReading& reading, const Eigen::VectorXd& unknowns,
                                        Eigen::MatrixXd& block) const {
@@ -235,8 +240,8 @@ void Points::add_to(ErrorTally& tally, std::span<const Group> of_series, const P
   all.max_volumetric = std::max(all.max_volumetric, one.max_volumetric);
   all.max_volumetric_aligned = std::max(all.max_volumetric_aligned, one.max_volumetric_aligned);
   tally.widen_rotation(one.max_abs_rotation);
-  tally.distances += one.rms_distance * one.rms_distance * static_cast<double>(pairs.size() - 1);
-  tally.distance_count += pairs.size() - 1;
+  tally.distances.squares += one.rms_distance * one.rms_distance * static_cast<double>(pairs.size() - 1);
+  tally.distances.count += pairs.size() - 1;
 }
 
 void Points::list(const Group& group, const std::vector<Station>& stations, const Residual& before,

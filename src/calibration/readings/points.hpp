@@ -28,6 +28,7 @@ class Points final : public ReadingSeries {
   void take_columns(Eigen::Index& next, bool seeks_scale) override;
   void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) override;
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const override;
+  void set_units(Eigen::VectorXd& unit) const override;
   ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const override;
   /// In the robot's frame.
   Residual residual(std::size_t index, const Placed& at) const override;

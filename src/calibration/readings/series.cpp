@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "distances.hpp"
-#include "heights.hpp"
+#include "lengths.hpp"
 #include "points.hpp"
 
 namespace paracal::detail {
@@ -16,13 +16,12 @@ void ErrorTally::widen_rotation(const std::optional<double>& residual) {
 }
 
 PoseErrorSummary ErrorTally::finished() const {
-  const auto root_mean_square = [](double sum, std::size_t count) {
-    return std::sqrt(sum / static_cast<double>(count));
-  };
   PoseErrorSummary all = summary;
-  all.reads_distances = distance_count > 0 || height_count == 0;
-  if (distance_count > 0) all.rms_distance = root_mean_square(distances, distance_count);
-  if (height_count > 0) all.rms_height = root_mean_square(heights, height_count);
+  for (const auto& [kind, sum] : lengths) {
+    if (sum.count > 0) all.rms_lengths[kind] = sum.root_mean_square();
+  }
+  all.reads_distances = distances.count > 0 || all.rms_lengths.empty();
+  if (distances.count > 0) all.rms_distance = distances.root_mean_square();
   return all;
 }
 
@@ -31,7 +30,7 @@ std::vector<std::unique_ptr<ReadingSeries>> all_series(const Measurements& measu
   std::vector<std::unique_ptr<ReadingSeries>> all;
   for (const PointSeries& series : measurements.series) all.push_back(std::make_unique<Points>(series, options));
   if (!measurements.distances.empty()) all.push_back(std::make_unique<Distances>(measurements.distances, options));
-  for (const HeightSeries& plane : measurements.planes) all.push_back(std::make_unique<Heights>(plane, options));
+  for (const LengthSeries& series : measurements.lengths) all.push_back(std::make_unique<Lengths>(series, options));
   return all;
 }
 

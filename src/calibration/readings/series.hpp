@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -59,7 +60,7 @@ struct Group {
 };
 
 /// What a standard deviation is of.
-enum class Quantity : std::uint8_t { coordinate, distance, height };
+enum class Quantity : std::uint8_t { coordinate, distance, length };
 
 /// Predicted minus measured, unless said otherwise.
 struct Residual {
@@ -74,9 +75,21 @@ struct Residual {
 
 /// Errors of the readings in use, as they come together over all series.
 struct ErrorTally {
-  PoseErrorSummary summary = {};          ///< largest ones so far
-  double distances = 0.0, heights = 0.0;  ///< sums of squares, mm^2
-  std::size_t distance_count = 0, height_count = 0;
+  /// Of squares, mm^2.
+  struct Sum {
+    double squares = 0.0;
+    std::size_t count = 0;
+
+    void add(double off) {
+      squares += std::pow(off, 2);
+      ++count;
+    }
+    double root_mean_square() const { return std::sqrt(squares / static_cast<double>(count)); }
+  };
+
+  PoseErrorSummary summary = {};  ///< largest ones so far
+  Sum distances;
+  std::map<LengthKind, Sum> lengths;
 
   void widen_rotation(const std::optional<double>& residual);
   /// With the root mean squares of all.
@@ -98,6 +111,8 @@ class ReadingSeries {
   /// Standard deviation before any factor, mm; of a coordinate, as a mean over the three.
   virtual double sigma(std::size_t index) const = 0;
   virtual Quantity quantity() const = 0;
+  /// Where its readings are lengths: of which kind.
+  virtual std::optional<LengthKind> length_kind() const { return std::nullopt; }
 
   /// Takes columns of the unknowns for its set-up, from `next` on.
   virtual void take_columns(Eigen::Index& next, bool seeks_scale) = 0;
@@ -105,6 +120,8 @@ class ReadingSeries {
   virtual void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) = 0;
   /// What is known of them beforehand, as rows.
   virtual void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const = 0;
+  /// Sets how large their unknowns may be where they have a size of their own.
+  virtual void set_units(Eigen::VectorXd& /*unit*/) const {}
   /// Column of the instrument's scale; -1 where it is not sought.
   Eigen::Index scale_column() const { return scale_; }
 
@@ -145,7 +162,7 @@ class ReadingSeries {
   std::string name_;
 };
 
-/// All series of the measurements: points, distances, heights. They refer to both arguments.
+/// All series of the measurements: points, distances, lengths. They refer to both arguments.
 std::vector<std::unique_ptr<ReadingSeries>> all_series(const Measurements& measurements,
                                                        const CalibrationOptions& options);
 

@@ -1,0 +1,97 @@
+#include "lengths.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace paracal::detail {
+
+Lengths::Lengths(const LengthSeries& series, const CalibrationOptions& options)
+    : ReadingSeries(series.name), series_(series), model_(length_model(series.kind)), options_(options) {}
+
+Group Lengths::group(std::size_t index) const {
+  const LengthReading& reading = series_.readings[index];
+  return {.station = static_cast<std::uint32_t>(reading.station), .stated = reading.sigma.has_value()};
+}
+
+double Lengths::sigma(std::size_t index) const {
+  return series_.readings[index].sigma.value_or(model_.sigma(options_.noise));
+}
+
+void Lengths::take_columns(Eigen::Index& next, bool seeks_scale) {
+  count_ = model_.units(options_).size();
+  first_ = take(next, count_);
+  if (seeks_scale && model_.shows_scale()) scale_ = take(next, 1);
+}
+
+void Lengths::start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) {
+  LengthsRead read;
+  for (const LengthReading& reading : series_.readings) {
+    read.places.push_back(stations[reading.station].plate.position);
+    read.lengths.push_back(reading.length);
+  }
+  unknowns.segment(first_, count_) = model_.start(read, series_, options_);
+}
+
+void Lengths::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
+  model_.add_priors(unknowns, first_, options_, root);
+  if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);
+}
+
+void Lengths::set_units(Eigen::VectorXd& unit) const { unit.segment(first_, count_) = model_.units(options_); }
+
+LengthShown Lengths::shown(std::size_t index, const Placed& at) const {
+  const Eigen::Vector3d& place = at.stations[series_.readings[index].station].plate.position;
+  return model_.shown(place, set_up(at.unknowns), series_);
+}
+
+ByPlate Lengths::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const {
+  const LengthShown shown = this->shown(index, at);
+  const double sigma = this->sigma(index), longer = scale(at.unknowns);
+  block.setZero(1, at.unknowns.size() + 1);
+  block.middleCols(first_, count_) = longer * shown.by_set_up;
+  if (scale_ >= 0) block(0, scale_) = shown.length;
+  block(0, at.unknowns.size()) = longer * shown.length - series_.readings[index].length;
+  block /= sigma;
+  ByPlate by_plate = ByPlate::Zero(1, 7);
+  by_plate.leftCols<3>() = longer * shown.by_place / sigma;
+  return by_plate;
+}
+
+Residual Lengths::residual(std::size_t index, const Placed& at) const {
+  const double read = scale(at.unknowns) * shown(index, at).length;
+  return {Eigen::Matrix<double, 1, 1>(read - series_.readings[index].length)};
+}
+
+std::string Lengths::label(std::size_t index, const std::vector<Station>& stations) const {
+  return fmt::format("{} {} of {}", words(series_.kind).noun, stations[series_.readings[index].station].name, name());
+}
+
+void Lengths::add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const {
+  ErrorTally::Sum& sum = tally.lengths[series_.kind];
+  for (const Group& group : of_series) {
+    if (group.active) sum.add(residual(group.index, at).length(0));
+  }
+}
+
+void Lengths::list(const Group& group, const std::vector<Station>& stations, const Residual& before,
+                   const Residual& after, Calibration& calibration) const {
+  calibration.lengths.push_back({name(), stations[group.station].name, series_.kind,
+                                 series_.readings[group.index].length, before.length(0), after.length(0),
+                                 !group.active});
+}
+
+void Lengths::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
+                          Calibration& calibration) const {
+  FoundSetUp found{name(), series_.kind, set_up(unknowns), {}, model_.told(set_up(unknowns), series_)};
+  if (covariance.size() > 0) {
+    const auto rows = covariance.middleRows(first_, count_);
+    const auto errors = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
+    found.covariance.resize(count_, count_ + errors);
+    found.covariance << rows.middleCols(first_, count_), rows.rightCols(errors);
+  }
+  calibration.set_ups.push_back(std::move(found));
+}
+
+}  // namespace paracal::detail
