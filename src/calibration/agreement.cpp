@@ -56,6 +56,16 @@ struct Placement {
   std::shared_ptr<const std::vector<StationState>> stations;
 };
 
+/// The set-up that was fitted without scales, among the unknowns of the same readings with scales: a dial that is askew
+/// by a degree is too far from straight for one linear step.
+void take_set_up(const Placement& fitted, const Observation& observation, Eigen::VectorXd& unknowns) {
+  const std::vector<Eigen::Index> scales = observation.scale_columns();
+  Eigen::Index next = 0;
+  for (Eigen::Index k = 0; k < observation.nuisance_count(); ++k) {
+    if (std::ranges::find(scales, k) == scales.end()) unknowns(k) = fitted.setup(next++);
+  }
+}
+
 /// Sets the factor of the noise to what repeated visits show where nobody stated it, or where they contradict what was
 /// stated.
 /// @returns degrees of freedom of the noise; empty where nothing tells it.
@@ -95,26 +105,87 @@ Scatter disagreement(const Observation& observation, const Eigen::VectorXd& unkn
   return {beyond + all.squared_residuals() - all.reachable().squaredNorm(), freedom};
 }
 
+/// How readings move when source errors, or the scale of the instruments, are other than stated and the set-up follows.
+/// With rows [J_a | J_e], a the set-up and e the rest, whose information a fit of the set-up has the root R,
+///
+///   d v / d e = J_e - J_a S,   S = R_aa^-1 R_ae,    noise left: 1 - |R_aa^-T J_a^T|^2
+///
+/// so that what a set-up takes up, as a plane does the height of the whole robot, is no uncertainty of what is left.
+class FollowingSetUp {
+ public:
+  /// @param observation  while its joints are where the model has them.
+  FollowingSetUp(const Observation& observation, const Eigen::VectorXd& unknowns) {
+    const std::vector<Eigen::Index> scales = observation.scale_columns();
+    for (Eigen::Index k = 0; k < observation.nuisance_count(); ++k) {
+      (std::ranges::find(scales, k) == scales.end() ? set_up_ : rest_).push_back(k);
+    }
+    for (Eigen::Index k = observation.nuisance_count(); k < observation.unknown_count(); ++k) rest_.push_back(k);
+    InformationRoot all(observation.unknown_count());
+    (void)with_priors(observation)(unknowns, all);
+    const Eigen::MatrixXd root = all.root();
+    const auto n = static_cast<Eigen::Index>(set_up_.size());
+    Eigen::MatrixXd ordered(root.rows(), root.cols());
+    ordered << root(Eigen::all, set_up_), root(Eigen::all, rest_);
+    const Eigen::MatrixXd upper = ordered.householderQr().matrixQR().triangularView<Eigen::Upper>();
+    inverse_.resize(n, n);  // Eigen decomposes nothing that is empty
+    if (n > 0) inverse_ = upper.topLeftCorner(n, n).completeOrthogonalDecomposition().pseudoInverse();
+    follows_ = inverse_ * upper.topRightCorner(n, root.cols() - n);
+  }
+
+  /// Of one number, over its noise: what is left of the noise, and of the rest.
+  /// @param row  [J_a | J_e | v] in the order of the unknowns.  @param covariance  of the rest.
+  struct Left {
+    double noise = 1.0, rest = 0.0;
+  };
+  Left left(const Eigen::RowVectorXd& row, const Eigen::MatrixXd& covariance) const {
+    const Eigen::RowVectorXd by_set_up = row(set_up_), by_rest = row(rest_) - by_set_up * follows_;
+    return {std::max(1.0 - (by_set_up * inverse_).squaredNorm(), 0.0), by_rest * covariance * by_rest.transpose()};
+  }
+
+ private:
+  std::vector<Eigen::Index> set_up_, rest_;  ///< columns; the scales of instruments are of the rest, and stand first
+  Eigen::MatrixXd inverse_, follows_;        ///< R_aa^-1 and S
+};
+
+/// Of the scales of the instruments and the source errors.
+Eigen::MatrixXd with_scales(const Observation& observation, double scale_std, const Eigen::MatrixXd& covariance) {
+  const auto scales = static_cast<Eigen::Index>(observation.scale_columns().size());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(scales + covariance.rows(), scales + covariance.rows());
+  all.topLeftCorner(scales, scales).diagonal().setConstant(scale_std * scale_std);
+  all.bottomRightCorner(covariance.rows(), covariance.cols()) = covariance;
+  return all;
+}
+
 double chance_of(const Agreement& agreement) {
   if (std::isinf(agreement.noise_dof)) return chi_square_tail(agreement.chi_square, agreement.freedom);
   return fisher_tail(std::max(agreement.chi_square, 0.0) / agreement.freedom, agreement.freedom, agreement.noise_dof);
 }
 
-/// Distances and lengths, one by one. @param covariance  of the sought errors.
+/// Distances and lengths, one by one. @param covariance  of the scales and the sought errors.
 std::vector<CheckedReading> checked_readings(const Placement& nominal, const Placement& calibrated,
-                                             const Observation& observation, const Placed& at,
+                                             Observation& observation, const Placed& at, double joint_std,
                                              const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
   std::vector<CheckedReading> readings;
-  const VarianceComponents& factors = observation.components();
+  const auto is_listed = [](const auto& series) { return series->quantity() != Quantity::coordinate; };
+  if (std::ranges::none_of(observation.series(), is_listed)) return readings;
+  VarianceComponents& factors = observation.components();
+  factors.joint = 0.0;  // as the set-up was fitted
+  const FollowingSetUp set_up(observation, at.unknowns);
+  Eigen::MatrixXd block;
   for (const Group& group : observation.groups()) {
     const ReadingSeries& series = observation.series_of(group);
     if (series.quantity() == Quantity::coordinate) continue;
     const double sigma = observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise);
+    factors.joint = 0.0;
+    observation.rows(group, at.stations, at.unknowns, block);
+    const FollowingSetUp::Left left = set_up.left(block.row(0), covariance);
+    factors.joint = joint_std;
+    const double variance = left.noise * observation.widening(group, at)(0) + left.rest;
     readings.push_back({.text = series.label(group.index, stations),
                         .before = nominal.residual(group).length(0),
                         .after = calibrated.residual(group).length(0),
                         .sigma = sigma,
-                        .U = kCoverageFactor * sigma * std::sqrt(observation.variances(group, at, covariance)(0)),
+                        .U = kCoverageFactor * sigma * std::sqrt(variance),
                         .length = series.length_kind()});
   }
   return readings;
@@ -149,7 +220,8 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   const CalibrationOptions fit = as_for_a_fit(options);
   const Placement nominal(robot, measurements, fit, {}), calibrated(robot, measurements, fit, known.errors);
   Observation observation(robot, measurements, fit, known.parameters, true);
-  const Eigen::VectorXd unknowns = *observation.start(known.errors);
+  Eigen::VectorXd unknowns = *observation.start(known.errors);
+  take_set_up(calibrated, observation, unknowns);
   const std::optional<double> noise_dof = find_noise(observation, unknowns, validation);
   observation.components().joint = known.expanded_joint_std();
   const bool is_known = known.covariance.size() > 0;
@@ -162,7 +234,8 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   }
   const auto stations = observation.stations(unknowns);
   validation.readings =
-      checked_readings(nominal, calibrated, observation, {*stations, unknowns}, covariance, measurements.stations);
+      checked_readings(nominal, calibrated, observation, {*stations, unknowns}, known.expanded_joint_std(),
+                       with_scales(observation, fit.scale_std, covariance), measurements.stations);
   state_agreement(left, noise_dof, is_known, validation);
   return {nominal.summary(), calibrated.summary()};
 }

@@ -94,9 +94,8 @@ class Observation {
   /// I + H P H^T when it is not in use. Without joint effects: [J | r] and I.
   void check_each(const Eigen::VectorXd& unknowns,
                   const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  /// Variances of a reading's rows when joints, sought errors and its scale are off, in units of its own noise.
-  /// @param covariance  of the sought errors.
-  Eigen::VectorXd variances(const Group& group, const Placed& at, const Eigen::MatrixXd& covariance) const;
+  /// Variances of a reading's rows when the joints may be off, in units of its own noise.
+  Eigen::VectorXd widening(const Group& group, const Placed& at) const;
   /// log det V of all active readings, in units of the standard deviations before any factor.
   double log_determinant(const Eigen::VectorXd& unknowns) const;
 

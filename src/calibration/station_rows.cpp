@@ -55,18 +55,10 @@ Eigen::VectorXd Observation::widening(const Group& group, const std::vector<Stat
   return Eigen::VectorXd::Ones(by_plate.rows()) + components_.joint * components_.joint * squares;
 }
 
-Eigen::VectorXd Observation::variances(const Group& group, const Placed& at, const Eigen::MatrixXd& covariance) const {
+Eigen::VectorXd Observation::widening(const Group& group, const Placed& at) const {
   Eigen::MatrixXd block;
   const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
-  const ByPlate by_plate = series_of(group).rows(group.index, at, block) / factor;
-  Eigen::MatrixXd by_error = by_plate * at.stations[group.station].jacobian;
-  if (group.is_relative()) by_error -= by_plate * at.stations[group.from].jacobian;
-  Eigen::VectorXd variances =
-      widening(group, at.stations, by_plate) + (by_error * covariance).cwiseProduct(by_error).rowwise().sum();
-  if (const Eigen::Index scale = series_of(group).scale_column(); scale >= 0) {
-    variances += (options_.scale_std / factor * block.col(scale)).cwiseAbs2();
-  }
-  return variances;
+  return widening(group, at.stations, series_of(group).rows(group.index, at, block) / factor);
 }
 
 StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,

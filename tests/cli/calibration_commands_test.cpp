@@ -821,7 +821,7 @@ TEST_F(ValidateCommand, DistancesAndHeightsValidateToo) {
   EXPECT_THAT(both.at("poses"), IsEmpty());
   for (const json& one : both["readings"]) {
     EXPECT_LT(std::abs(one.at("after_mm").get<double>()), 2.0 * one.at("U_mm").get<double>()) << one;
-    EXPECT_GT(one.at("U_mm"), 0.04);
+    EXPECT_GT(one.at("U_mm"), 0.03);  // of what setting up the plane leaves
     EXPECT_EQ(one.at("sigma_mm"), 0.02);
   }
   EXPECT_EQ(both.at("agreement").at("contradicts"), false);
