@@ -194,6 +194,13 @@ double StageFit::minus_twice_log_likelihood_of_all() const {
 
 void StageFit::exclude_outliers(double outlier_chance) {
   if (converged() && is_suspicious()) mark_by_robust_loss(outlier_chance);
+  exclude_one_by_one(outlier_chance);
+  if (!converged() || !readmit(outlier_chance)) return;  // a reading that a worse one had made look bad
+  settle();
+  exclude_one_by_one(outlier_chance);
+}
+
+void StageFit::exclude_one_by_one(double outlier_chance) {
   while (converged() && may_exclude()) {
     const auto worst = most_contradicting();
     if (!worst || worst->chance > outlier_chance) return;
@@ -244,20 +251,24 @@ void StageFit::mark_by_robust_loss(double outlier_chance) {
   std::vector<std::size_t> order(sizes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, std::greater{}, [&](std::size_t g) { return sizes[g]; });
-  std::vector<std::size_t> ignored;
   for (Group& group : observation_.groups()) group.weight = 1.0;
   for (const std::size_t g : order) {
     if (sizes[g] < kIgnored || !may_exclude()) break;
     observation_.groups()[g].active = false;
-    ignored.push_back(g);
   }
   settle();
-  if (!converged()) return;
+  for (bool some = true; some && converged(); settle()) some = readmit(outlier_chance);
+}
+
+/// What comes back tells the noise better, by which more may come back.
+bool StageFit::readmit(double outlier_chance) {
+  bool some = false;
   for (const Contradiction& one : suspects()) {
-    if (std::ranges::find(ignored, one.group) == ignored.end() || one.chance <= outlier_chance) continue;
-    observation_.groups()[one.group].active = true;
+    bool& active = observation_.groups()[one.group].active;
+    if (active || one.chance <= outlier_chance) continue;
+    some = active = true;
   }
-  settle();
+  return some;
 }
 
 }  // namespace paracal::detail

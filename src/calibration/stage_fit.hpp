@@ -91,6 +91,10 @@ class StageFit {
   std::optional<Contradiction> most_contradicting() const;
   bool is_suspicious() const;
   void mark_by_robust_loss(double outlier_chance);
+  void exclude_one_by_one(double outlier_chance);
+  /// Takes back readings that were left out and do not contradict the rest.
+  /// @returns whether there was one.
+  bool readmit(double outlier_chance);
   /// Each returns the factor by which it changed a standard deviation.
   double update_noise(double& factor, bool stated);
   double update_joint();
