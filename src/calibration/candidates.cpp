@@ -6,9 +6,11 @@
 #include <numbers>
 
 #include "paracal/calibration/pose_selection.hpp"
+#include "paracal/error.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/units.hpp"
+#include "readings/length_model.hpp"
 
 namespace paracal {
 namespace {
@@ -30,6 +32,15 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
   const double z = between_or_end(workspace.top_z - workspace.height, workspace.top_z);
   const double rotation = between_or_end(workspace.min_rotation, workspace.max_rotation);
   return {towards_axis(Workspace::on_circle(radius, azimuth, z)), to_radians(std::trunc(to_degrees(rotation)))};
+}
+
+/// So that it can be typed.
+Eigen::Vector3d to_micrometres(const Eigen::Vector3d& position) { return (position * 1e3).array().round() / 1e3 + 0.0; }
+
+bool is_inside(const Workspace& workspace, const Eigen::Vector3d& place) {
+  constexpr double kRounded = 1e-3;  // mm
+  return place.head<2>().norm() <= workspace.radius + kRounded && place.z() <= workspace.top_z + kRounded &&
+         place.z() >= workspace.top_z - workspace.height - kRounded;
 }
 
 double largest_motion(const Joints& from, const Joints& to) { return (to - from).cwiseAbs().maxCoeff(); }
@@ -91,6 +102,32 @@ std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint
     stations.push_back({fmt::format("C{}", stations.size()), pose});
   }
   return stations;
+}
+
+std::vector<Station> within_range(const Robot& robot, const std::vector<Station>& candidates,
+                                  const PlannedReadings& readings, const LengthRange& range) {
+  if (readings.measurand != Measurand::lengths || !(range.shortest < range.longest)) {
+    throw InvalidArgument(
+        fmt::format("pose selection: expected a range of lengths, got {} to {} mm", range.shortest, range.longest));
+  }
+  const LengthSeries series{.name = {}, .kind = readings.length, .at = readings.at};
+  const detail::LengthModel& model = detail::length_model(readings.length);
+  const detail::SetUp set_up = model.typical(robot, series);
+  std::vector<double> lengths;
+  lengths.reserve(candidates.size());
+  for (const Station& one : candidates) lengths.push_back(model.shown(one.commanded.position, set_up, series).length);
+  const auto [least, most] = std::ranges::minmax(lengths);
+  std::vector<Station> kept;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    Station moved = candidates[k];
+    Eigen::Vector3d& place = moved.commanded.position;
+    const double share = most > least ? (lengths[k] - least) / (most - least) : 0.5;
+    const double wanted = range.shortest + share * (range.longest - range.shortest);
+    place += (wanted - lengths[k]) * model.shown(place, set_up, series).by_place.transpose();  // a unit vector
+    place = to_micrometres(place);
+    if (is_inside(robot.workspace(), place) && error_model(robot, moved.commanded).ok()) kept.push_back(moved);
+  }
+  return kept;
 }
 
 double shorten_way(const Robot& robot, std::vector<Station>& stations) {

@@ -59,8 +59,16 @@ void check_length(const LengthSeries& series, const LengthReading& reading, std:
     throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
   };
   if (reading.station >= stations) refuse("a station of the list");
+  if (words(series.kind).positive && !(reading.length > 0.0)) refuse("a length above 0 mm");
   if (!std::isfinite(reading.length)) refuse(fmt::format("a finite {}", words(series.kind).noun));
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
+}
+
+void check_at(const LengthSeries& series) {
+  const LengthWords& kind = words(series.kind);
+  const bool says = series.at && series.at->allFinite() && (!kind.needs_at || series.at->norm() > 0.0);
+  if (says || (!series.at && !kind.needs_at)) return;
+  throw InvalidArgument(fmt::format("{}: expected {}, as three finite numbers", series.name, kind.at));
 }
 
 /// Readings of one station as their mean.
@@ -88,6 +96,7 @@ void check(const Measurements& measurements, std::size_t limb_count) {
     }
   }
   for (const LengthSeries& series : measurements.lengths) {
+    check_at(series);
     for (std::size_t k = 0; k < series.readings.size(); ++k) {
       check_length(series, series.readings[k], k + 1, measurements.stations.size());
     }

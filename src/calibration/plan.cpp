@@ -33,8 +33,13 @@ std::vector<Station> stations_of(const Robot& robot, Stage stage, int n, double 
   return stage == Stage::rough ? rough_stations(robot, n, start) : fine_stations(robot, n, start);
 }
 
-Measurements planned_lengths(const Robot& robot, const std::vector<Station>& stations, LengthKind kind) {
-  Measurements plan{.stations = stations, .lengths = {{std::string(words(kind).name), kind}}};
+Measurements planned_lengths(const Robot& robot, const std::vector<Station>& stations,
+                             const PlannedReadings& readings) {
+  const LengthWords& kind = words(readings.length);
+  if (kind.needs_at && !(readings.at && readings.at->norm() > 0.0)) {
+    throw InvalidArgument(fmt::format("plan: expected {} with {}", kind.at, kind.plural));
+  }
+  Measurements plan{.stations = stations, .lengths = {{std::string(kind.name), kind.kind, {}, readings.at}}};
   for (std::size_t k = 0; k < stations.size(); ++k) plan.lengths.front().readings.push_back({.station = k});
   RandomStream unused(0);
   return simulate(robot, {}, std::move(plan), {}, unused);
@@ -86,7 +91,7 @@ Measurements planned(const Robot& robot, const std::vector<Station>& stations, c
   if (readings.rotation && lengths) {
     throw InvalidArgument(fmt::format("plan: expected {} without rotations", words(readings.length).plural));
   }
-  if (lengths) return planned_lengths(robot, stations, readings.length);
+  if (lengths) return planned_lengths(robot, stations, readings);
   RandomStream unused(0);
   VirtualInstrument instrument{.reads_rotation = readings.rotation};
   if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);

@@ -42,6 +42,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
             {"height_sigma_mm", options.noise.height},
             {"distance_bias_sigma_mm", options.noise.distance_bias},
+            {"dial_angle_sigma_deg", optional_degrees(options.noise.dial_angle)},
             {"plane_slope_sigma_rad", optional(options.plane_slope)},
             {"common", common_json(options.common)},
             {"noise_is_known", options.noise_is_known},

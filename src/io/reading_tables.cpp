@@ -185,12 +185,17 @@ std::string length_table(const Measurements& measurements) {
   check_names(measurements.stations);
   const LengthSeries& series = measurements.lengths.front();
   const bool sigma = std::ranges::any_of(series.readings, [](const auto& one) { return one.sigma.has_value(); });
-  std::string text = fmt::format("pose,{}{}\n", words(series.kind).column, sigma ? ",sigma_mm" : "");
+  const LengthWords& kind = words(series.kind);
+  const auto& [x, y, z] = kind.at_columns;
+  const bool at = series.at && !x.empty();
+  std::string text =
+      fmt::format("pose,{}{}{}\n", kind.column, sigma ? ",sigma_mm" : "", at ? fmt::format(",{},{},{}", x, y, z) : "");
   for (const LengthReading& reading : series.readings) {
     text += quoted(measurements.stations[reading.station].name);
     RowWriter row(text);
     row.add(reading.length);
     if (sigma) row.add_or_blank(reading.sigma);
+    if (at) row.add(*series.at);
     text += '\n';
   }
   return text;

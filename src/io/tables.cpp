@@ -84,6 +84,60 @@ const LengthWords& kind_of(const CsvTable& table) {
   return found == kinds.end() ? kinds.front() : *found;
 }
 
+/// Rows of a table of lengths, whose header it has checked: a series for every set-up that they name.
+class LengthRows {
+ public:
+  LengthRows(const CsvTable& table, std::string title)
+      : table_(table), kind_(kind_of(table)), title_(std::move(title)), has_at_(says_at()) {
+    std::vector<std::string_view> columns{"pose", kind_.column, "sigma_mm"};
+    if (has_columns()) columns.insert(columns.end(), kind_.at_columns.begin(), kind_.at_columns.end());
+    table.allow_only(columns);
+  }
+
+  void add(std::size_t row, std::size_t station) {
+    const double length = table_.number(row, kind_.column);
+    if (kind_.positive && !(length > 0.0)) {
+      table_.fail(row, fmt::format("expected {} above 0, got {}", kind_.column, length));
+    }
+    series_at(row).readings.push_back(
+        {.station = station, .length = length, .sigma = positive_number(table_, row, "sigma_mm")});
+  }
+
+  std::vector<LengthSeries> take() && { return std::move(series_); }
+
+ private:
+  bool has_columns() const { return !kind_.at_columns.front().empty(); }
+  bool says_at() const {
+    return kind_.needs_at || (has_columns() && std::ranges::any_of(kind_.at_columns, [&](std::string_view column) {
+                                return table_.has(column);
+                              }));
+  }
+
+  std::optional<Eigen::Vector3d> at(std::size_t row) const {
+    if (!has_at_) return std::nullopt;
+    Eigen::Vector3d at;
+    for (Eigen::Index k = 0; k < 3; ++k) at(k) = table_.number(row, kind_.at_columns[static_cast<std::size_t>(k)]);
+    if (kind_.needs_at && at.isZero(0.0)) table_.fail(row, fmt::format("expected {}, got 0, 0, 0", kind_.at));
+    return at;
+  }
+
+  LengthSeries& series_at(std::size_t row) {
+    const std::optional<Eigen::Vector3d> at = this->at(row);
+    const auto same = [&](const LengthSeries& one) { return one.at == at; };
+    const auto found = std::ranges::find_if(series_, same);
+    if (found != series_.end()) return *found;
+    std::string name = title_;
+    if (!series_.empty()) name += fmt::format(" ({:g}, {:g}, {:g})", at->x(), at->y(), at->z());
+    return series_.emplace_back(LengthSeries{std::move(name), kind_.kind, {}, at});
+  }
+
+  const CsvTable& table_;
+  const LengthWords& kind_;
+  std::string title_;
+  bool has_at_;
+  std::vector<LengthSeries> series_;
+};
+
 void allow_joints(const CsvTable& table, const JointSpace& joints) {
   table.allow_only(with_joint_columns({"pose"}, joints));
 }
@@ -165,15 +219,11 @@ Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const 
   measurements.stations = read_poses(poses, joints);
   const StationIndex stations(measurements.stations);
   const CsvTable table(lengths);
-  const LengthWords& kind = kind_of(table);
-  table.allow_only({"pose", kind.column, "sigma_mm"});
-  LengthSeries series{title_of(lengths.name), kind.kind};
+  LengthRows rows(table, title_of(lengths.name));
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    series.readings.push_back({.station = stations.at(table, row, "pose", poses.name),
-                               .length = table.number(row, kind.column),
-                               .sigma = positive_number(table, row, "sigma_mm")});
+    rows.add(row, stations.at(table, row, "pose", poses.name));
   }
-  measurements.lengths.push_back(std::move(series));
+  measurements.lengths = std::move(rows).take();
   measurements.files = {{lengths.name, sha256(lengths.text)}, {poses.name, sha256(poses.text)}};
   return measurements;
 }

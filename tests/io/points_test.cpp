@@ -444,6 +444,17 @@ TEST(Merge, CopiedHeightsCountOnceAsAWhole) {
   EXPECT_THAT(m.notes, ElementsAre("copy.csv, 3 of 3 readings stand in an earlier series too: counted once"));
 }
 
+/// The same numbers on another instrument are no copy.
+TEST(Merge, LengthsOfAnotherKindAreNoCopy) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\n"};
+  const Measurements heights = read_lengths({"h.csv", "pose,height_mm\nA,1\nB,2\n"}, poses);
+  const Measurements bar = read_lengths({"b.csv", "pose,ball_bar_mm\nA,1\nB,2\n"}, poses);
+  const Measurements m = merge({heights, bar, bar});
+  ASSERT_EQ(m.lengths.size(), 2u);
+  EXPECT_EQ(m.lengths[1].kind, LengthKind::ball_bar);
+  EXPECT_THAT(m.notes, ElementsAre("b.csv (2), 2 of 2 readings stand in an earlier series too: counted once"));
+}
+
 TEST(Merge, OnePartStaysAsItIs) {
   const Measurements m = read_points(points("A,0,0,-888,0,1,2,3\nB,9,0,-888,0,,,\n"));
   const Measurements merged = merge({m});

@@ -5,6 +5,7 @@
 
 #include "paracal/error.hpp"
 #include "paracal/io/csv.hpp"
+#include "paracal/io/points.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
@@ -82,6 +83,59 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
   refused("pose,height_mm\n", "expected at least one row");
   // Joints of arms are no joints of rails.
   EXPECT_THROW((void)read_lengths({"bed.csv", "pose,height_mm\nhome,1\n"}, poses, {3}), InputFileError);
+}
+
+/// Each table is known by its column; what it says of its set-up makes a series.
+TEST(LengthTable, IsKnownByItsColumn) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nhome,0,0,-500\nfar,90,0,-500\n"};
+  EXPECT_EQ(length_kind_in("pose,height_mm"), LengthKind::height);
+  EXPECT_EQ(length_kind_in("pose,ball_bar_mm,sigma_mm"), LengthKind::ball_bar);
+  EXPECT_EQ(length_kind_in("pose,dial_mm,direction_x,direction_y,direction_z"), LengthKind::dial);
+  EXPECT_FALSE(length_kind_in("from,to,distance_mm"));
+  const Measurements bar = read_lengths({"bar.csv", "pose,ball_bar_mm\nhome,300.5\nfar,310\n"}, poses);
+  ASSERT_EQ(bar.lengths.size(), 1u);
+  EXPECT_EQ(bar.lengths[0].kind, LengthKind::ball_bar);
+  EXPECT_FALSE(bar.lengths[0].at);
+  EXPECT_EQ(bar.lengths[0].readings[0].length, 300.5);
+  const Measurements dials = read_lengths(
+      {"d.csv", "pose,dial_mm,direction_x,direction_y,direction_z\nhome,0,0,0,1\nfar,-1.5,0,0,1\nfar,2,1,0,0\n"},
+      poses);
+  ASSERT_EQ(dials.lengths.size(), 2u);
+  EXPECT_EQ(dials.lengths[0].name, "d.csv");
+  EXPECT_EQ(dials.lengths[0].readings.size(), 2u);
+  EXPECT_EQ(dials.lengths[1].name, "d.csv (1, 0, 0)");
+  EXPECT_EQ(*dials.lengths[1].at, Eigen::Vector3d(1.0, 0.0, 0.0));
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    EXPECT_THAT(
+        [&] {
+          (void)read_lengths({"l.csv", text}, poses);
+        },
+        ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
+  };
+  refused("pose,ball_bar_mm\nhome,0\n", "l.csv:2: expected ball_bar_mm above 0, got 0");
+  refused("pose,ball_bar_mm,centre_x_mm\nhome,1,2\n", "centre_y_mm");
+  refused("pose,dial_mm\nhome,1\n", "direction_x");
+  refused("pose,dial_mm,direction_x,direction_y,direction_z\nhome,1,0,0,0\n",
+          "l.csv:2: expected the direction in which it reads, got 0, 0, 0");
+  refused("pose,height_mm,direction_x\nhome,1,0\n", "direction_x");
+  refused("pose,length_mm\nhome,1\n", "height_mm");
+}
+
+/// What is written is read again, whatever the kind.
+TEST(LengthTable, IsReadBack) {
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nhome,0,0,-500\nfar,90,0,-500\n"};
+  for (const LengthWords& kind : length_kinds()) {
+    Measurements written{.stations = read_poses(poses), .lengths = {{"l.csv", kind.kind, {{0, 1.25}, {1, 0.1, 0.02}}}}};
+    if (!kind.at_columns.front().empty()) written.lengths[0].at = Eigen::Vector3d(0.1, -2.5, 3.0);
+    const LengthSeries read = read_lengths({"l.csv", length_table(written)}, poses).lengths.at(0);
+    EXPECT_EQ(read.kind, kind.kind);
+    EXPECT_EQ(read.at, written.lengths[0].at) << kind.name;
+    ASSERT_EQ(read.readings.size(), 2u);
+    EXPECT_EQ(read.readings[0].length, 1.25);
+    EXPECT_EQ(read.readings[1].length, 0.1);
+    EXPECT_FALSE(read.readings[0].sigma);
+    EXPECT_EQ(read.readings[1].sigma, 0.02);
+  }
 }
 
 TEST(Csv, LinesCountCommentsAndBlanks) {

@@ -1,14 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
+
+#include "paracal/calibration/noise.hpp"
 
 namespace paracal {
 
 /// What a length is that a pose shows by itself, on an instrument whose set-up is found with the rest.
 enum class LengthKind : std::uint8_t {
-  height,  ///< of the plate centre above a plane, along the robot's z: a probe, a nozzle on a sheet of paper
+  height,    ///< of the plate centre above a plane, along the robot's z: a probe, a nozzle on a sheet of paper
+  ball_bar,  ///< from the plate centre to a fixed point: a ball bar, a draw wire
+  dial,      ///< displacement of the plate centre along a known direction, from wherever the dial was zeroed
 };
 
 /// What a kind is called in tables, options, JSON and messages.
@@ -21,6 +26,12 @@ struct LengthWords {
   std::string_view list;      ///< of such readings, in JSON: "heights"
   std::string_view set_ups;   ///< what was found of its set-ups, in JSON: "planes"
   std::string_view reversed;  ///< said where the opposite sign explains the readings; empty: there is none
+  /// What is known of the set-up (LengthSeries::at); its columns are empty where only a plan wants to know it.
+  std::array<std::string_view, 3> at_columns = {};
+  std::string_view at = {};
+  bool needs_at = false;                            ///< and has to be said
+  bool positive = false;                            ///< no such length is zero or less
+  double NoiseModel::*sigma = &NoiseModel::height;  ///< of readings that state none
 };
 
 /// Every kind once.

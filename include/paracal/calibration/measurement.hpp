@@ -57,6 +57,9 @@ struct LengthSeries {
   std::string name;
   LengthKind kind = LengthKind::height;
   std::vector<LengthReading> readings = {};
+  /// What is known of the set-up, in the robot's frame: of a ball bar where its fixed point is about, mm; of a dial the
+  /// direction in which it reads, of any length.
+  std::optional<Eigen::Vector3d> at = {};
 };
 
 /// A file that the measurements came from, so that a calibration can name its inputs.

@@ -21,14 +21,17 @@ struct TrackerModel {
 /// Standard deviations of readings that state none of their own. Where neither the reading nor the instrument states
 /// one, the scatter of the residuals decides, and these values only set the proportion of lengths to angles.
 struct NoiseModel {
-  double distance = 0.05;             ///< mm: positioning repeatability in [huang2016, section 5.2]
-  double height = 0.05;               ///< mm: a probe that triggers within some hundredths
+  double distance = 0.05;             ///< mm, of a ball bar, too: positioning repeatability in [huang2016, section 5.2]
+  double height = 0.05;               ///< mm, of a dial, too: a probe that triggers within some hundredths
   double point = 0.017;               ///< mm a coordinate: one third of it, read as 3 sigma
   double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section
   std::optional<TrackerModel> tracker = {};
-  /// Standard deviation of an error that all distances share (a calliper's zero, a printed wall too thick), mm; 0:
-  /// none.
+  /// Standard deviation of an error that all distances share (a calliper's zero, a printed wall too thick), and of one
+  /// that all lengths of a ball bar do (its own length), mm; 0: none.
   double distance_bias = 0.0;
+  /// Standard deviation of the angles by which a dial is set up askew, about either axis across it, rad; empty: half a
+  /// degree, which is then assumed.
+  std::optional<double> dial_angle = {};
 };
 
 /// W with W^T W = inverse covariance of a point read by the tracker: (1/radial) u u^T + (1/transverse) (I - u u^T).

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "paracal/calibration/identifiability.hpp"
@@ -61,6 +63,7 @@ struct PlannedReadings {
   bool rotation = false;                   ///< phi is read, too: not with lengths
   bool second = false;                     ///< a second reflector is read, too: with coordinates alone
   LengthKind length = LengthKind::height;  ///< where lengths are read
+  std::optional<Eigen::Vector3d> at = {};  ///< and what is known of their set-up (LengthSeries)
 };
 
 /// Readings that a plan would give, taken from the nominal machine: for identifiability(), select_stations() and

@@ -55,6 +55,18 @@ struct [[nodiscard]] Selection {
 std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint64_t seed,
                                         const std::optional<Visibility>& visibility = {});
 
+/// What an instrument can show, mm.
+struct LengthRange {
+  double shortest = 0.0, longest = 0.0;
+};
+
+/// Candidates moved along what is measured to where an instrument of this range shows them, spread over it as they were
+/// over the workspace; those that leave workspace or reach are left out. The plate then goes where a dial's plunger, or
+/// a bar that gives by a millimetre, can follow.
+/// @throws InvalidArgument unless lengths are read and the range is one.
+std::vector<Station> within_range(const Robot& robot, const std::vector<Station>& candidates,
+                                  const PlannedReadings& readings, const LengthRange& range);
+
 /// Chooses poses by exchange (Fedorov 1972): from a set grown one by one, every chosen pose is compared with every
 /// candidate, and the best exchange made, until none helps. With A_s, A_k the weighted rows of a chosen pose and a
 /// candidate, C the covariance of all unknowns,

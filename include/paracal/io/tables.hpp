@@ -42,7 +42,8 @@ Measurements read_distances(const std::filesystem::path& distances, const std::f
                             const JointSpace& joints = {});
 
 /// Table of lengths of one kind (CSV): pose, the kind's column (height_mm) and optional sigma_mm; names are those of
-/// the pose table, repeats are further rows. One file is one set-up (plane), named after the file.
+/// the pose table, repeats are further rows. One file is one set-up, named after the file; where its rows state several
+/// (in LengthWords::at_columns: optional for a ball bar, required for a dial), one a statement.
 Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const JointSpace& joints = {});
 
 /// The kind of length whose column a header has; empty where it has none.

@@ -1,4 +1,10 @@
-#include "heights.hpp"
+// Heights above a plane:
+//
+//   height     z - (z_0 + s_x x + s_y y)
+//
+// with z_0 and the slopes sought.
+
+#include "length_model.hpp"
 
 #include "median.hpp"
 
@@ -15,9 +21,9 @@ class Heights final : public LengthModel {
             .column = "height_mm",
             .list = "heights",
             .set_ups = "planes",
-            .reversed = "the heights count downwards"};
+            .reversed = "the heights count downwards",
+            .at = "a point of the plane, mm"};
   }
-  double sigma(const NoiseModel& noise) const override { return noise.height; }
   bool shows_scale() const override { return false; }
 
   /// A plane tells the robot's own height and level apart from its errors less than a frame's many points do.
@@ -29,13 +35,13 @@ class Heights final : public LengthModel {
   }
 
   /// As level as the robot.
-  SetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
-              const CalibrationOptions& /*options*/) const override {
+  StartedSetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
+                     const CalibrationOptions& /*options*/) const override {
     std::vector<Eigen::Vector3d> levels;
     for (std::size_t k = 0; k < read.places.size(); ++k) {
       levels.emplace_back(0.0, 0.0, read.places[k].z() - read.lengths[k]);
     }
-    return Eigen::Vector3d(levels.empty() ? 0.0 : median(levels).z(), 0.0, 0.0);
+    return {Eigen::Vector3d(levels.empty() ? 0.0 : median(levels).z(), 0.0, 0.0)};
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,
@@ -50,8 +56,9 @@ class Heights final : public LengthModel {
     return {{"z_mm", plane(0)}, {"slope_x", plane(1)}, {"slope_y", plane(2)}};
   }
 
-  SetUp typical(const Robot& /*robot*/, const LengthSeries& /*series*/) const override {
-    return Eigen::Vector3d::Zero();
+  /// Level.
+  SetUp typical(const Robot& /*robot*/, const LengthSeries& series) const override {
+    return Eigen::Vector3d(series.at ? series.at->z() : 0.0, 0.0, 0.0);
   }
 
   /// About as level as beds and surface plates are, somewhere under the robot.

@@ -2,13 +2,14 @@
 
 #include <array>
 
-#include "heights.hpp"
+#include "length_model.hpp"
 
 namespace paracal {
 namespace {
 
-const std::array<const detail::LengthModel*, 1>& models() {
-  static const std::array<const detail::LengthModel*, 1> kModels{&detail::heights()};
+const std::array<const detail::LengthModel*, 3>& models() {
+  static const std::array<const detail::LengthModel*, 3> kModels{&detail::heights(), &detail::ball_bar(),
+                                                                 &detail::dial()};
   return kModels;
 }
 

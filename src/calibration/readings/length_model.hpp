@@ -4,6 +4,7 @@
 // LengthKind and a line in length_kinds.cpp.
 
 #include <Eigen/Core>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -31,6 +32,12 @@ struct LengthsRead {
   std::vector<double> lengths;          ///< mm
 };
 
+/// A set-up to begin from, and what had to be assumed for it; empty: nothing.
+struct StartedSetUp {
+  SetUp unknowns;
+  std::string assumed = {};
+};
+
 /// A kind of length: what it shows of a place, and what of its set-up has to be found.
 class LengthModel {
  public:
@@ -40,8 +47,6 @@ class LengthModel {
   virtual ~LengthModel() = default;
 
   virtual LengthWords words() const = 0;
-  /// Standard deviation where the reading states none, mm.
-  virtual double sigma(const NoiseModel& noise) const = 0;
   /// Long enough to show the scale of the instrument.
   virtual bool shows_scale() const = 0;
 
@@ -50,7 +55,8 @@ class LengthModel {
   /// As many as units() has.
   virtual LengthShown shown(const Eigen::Vector3d& place, const SetUp& set_up, const LengthSeries& series) const = 0;
   /// The set-up that fits best, in spite of some gross readings.
-  virtual SetUp start(const LengthsRead& read, const LengthSeries& series, const CalibrationOptions& options) const = 0;
+  virtual StartedSetUp start(const LengthsRead& read, const LengthSeries& series,
+                             const CalibrationOptions& options) const = 0;
   /// What is known beforehand of the unknowns, which stand from `first` on, as rows.
   virtual void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,
                           InformationRoot& root) const = 0;
@@ -64,5 +70,10 @@ class LengthModel {
 };
 
 const LengthModel& length_model(LengthKind kind);
+
+// The kinds, each in the file of its name.
+const LengthModel& heights();
+const LengthModel& ball_bar();
+const LengthModel& dial();
 
 }  // namespace paracal::detail

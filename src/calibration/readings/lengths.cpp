@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace paracal::detail {
 
@@ -16,7 +17,7 @@ Group Lengths::group(std::size_t index) const {
 }
 
 double Lengths::sigma(std::size_t index) const {
-  return series_.readings[index].sigma.value_or(model_.sigma(options_.noise));
+  return series_.readings[index].sigma.value_or(options_.noise.*words(series_.kind).sigma);
 }
 
 void Lengths::take_columns(Eigen::Index& next, bool seeks_scale) {
@@ -31,7 +32,9 @@ void Lengths::start(const std::vector<StationState>& stations, Eigen::VectorXd& 
     read.places.push_back(stations[reading.station].plate.position);
     read.lengths.push_back(reading.length);
   }
-  unknowns.segment(first_, count_) = model_.start(read, series_, options_);
+  StartedSetUp started = model_.start(read, series_, options_);
+  unknowns.segment(first_, count_) = started.unknowns;
+  assumed_ = std::move(started.assumed);
 }
 
 void Lengths::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
@@ -92,6 +95,7 @@ void Lengths::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd
     found.covariance << rows.middleCols(first_, count_), rows.rightCols(errors);
   }
   calibration.set_ups.push_back(std::move(found));
+  if (!assumed_.empty()) calibration.assumed.push_back(assumed_);
 }
 
 }  // namespace paracal::detail

@@ -41,6 +41,7 @@ class Lengths final : public ReadingSeries {
   const LengthModel& model_;
   const CalibrationOptions& options_;
   Eigen::Index first_ = -1, count_ = 0;  ///< columns of the set-up
+  std::string assumed_ = {};             ///< what its start took for granted
 };
 
 }  // namespace paracal::detail
