@@ -111,10 +111,19 @@ NoiseModel MeasuringOptions::noise() const {
     noise.height = *height_sigma_mm;
   }
   noise.distance_bias = distance_bias_mm;
+  if (dial_angle_deg) noise.dial_angle = to_radians(*dial_angle_deg);
   check_noise("--sigma-deg", sigma_deg, "deg");
   noise.rotation = to_radians(sigma_deg);
   if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
   return noise;
+}
+
+bool MeasuringOptions::states_noise_of(const Measurements& measurements) const {
+  const auto states = [&](const LengthSeries& series) {
+    return words(series.kind).sigma == &NoiseModel::height ? height_sigma_mm.has_value() : sigma_mm.has_value();
+  };
+  return (measurements.series.empty() || sigma_mm || !tracker_um.empty()) &&
+         (measurements.distances.empty() || sigma_mm) && std::ranges::all_of(measurements.lengths, states);
 }
 
 namespace {
@@ -124,6 +133,23 @@ struct Measured {
   Measurand measurand;
   LengthKind length = LengthKind::height;
 };
+
+/// What --at says, kind by kind.
+std::string at_help() {
+  std::string text;
+  for (const LengthWords& kind : length_kinds()) {
+    if (!kind.at.empty()) text += fmt::format("{}of {}: {}", text.empty() ? "" : "; ", kind.name, kind.at);
+  }
+  return text + " (x,y,z in the robot's frame)";
+}
+
+std::string kinds_with_at() {
+  std::string text;
+  for (const LengthWords& kind : length_kinds()) {
+    if (!kind.at.empty()) text.append(text.empty() ? "" : " or ").append(kind.name);
+  }
+  return text;
+}
 
 /// Every choice of --measure.
 std::vector<Measured> measurands() {
@@ -136,31 +162,46 @@ std::vector<Measured> measurands() {
 
 }  // namespace
 
-Option* add_measurand_option(Command& command, PlannedReadings& readings) {
+PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
+  const LengthWords& kind = words(readings.length);
+  const bool lengths = readings.measurand == Measurand::lengths;
+  if (readings.second && readings.measurand != Measurand::coordinates) {
+    throw WrongUsage("--second: expected --measure coordinates with it");
+  }
+  if (readings.rotation && lengths) {
+    throw WrongUsage(fmt::format("{}: expected another --measure than {} with it", rotation, kind.name));
+  }
+  if (!at.empty() && (!lengths || kind.at.empty())) {
+    throw WrongUsage(fmt::format("--at: expected --measure {} with it", kinds_with_at()));
+  }
+  if (lengths && kind.needs_at && std::ranges::all_of(at, [](double one) { return one == 0.0; })) {
+    throw WrongUsage(fmt::format("--measure {}: expected --at with it, {}", kind.name, kind.at));
+  }
+  PlannedReadings planned = readings;
+  if (!at.empty()) planned.at = Eigen::Vector3d(at[0], at[1], at[2]);
+  return planned;
+}
+
+std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& options) {
   std::vector<std::string> names;
   for (const Measured& one : measurands()) names.emplace_back(one.name);
-  const auto choose = [&readings](const std::string& wanted) {
+  const auto choose = [&readings = options.readings](const std::string& wanted) {
     const std::vector<Measured> all = measurands();
     const Measured& chosen = *std::ranges::find(all, wanted, &Measured::name);
     readings.measurand = chosen.measurand;
     readings.length = chosen.length;
   };
-  return command
-      .add_choice("--measure", choose,
-                  "what is measured: coordinates; distances between all poses, or from the first to each; heights "
-                  "above one plane")
-      ->check(one_of(names))
-      ->shows_default(names.front());
-}
-
-void check_readings(const PlannedReadings& readings, std::string_view rotation) {
-  if (readings.second && readings.measurand != Measurand::coordinates) {
-    throw WrongUsage("--second: expected --measure coordinates with it");
-  }
-  if (readings.rotation && readings.measurand == Measurand::lengths) {
-    throw WrongUsage(
-        fmt::format("{}: expected another --measure than {} with it", rotation, words(readings.length).name));
-  }
+  Option* measure = command
+                        .add_choice("--measure", choose,
+                                    "what is measured: coordinates; distances between all poses, or from the first to "
+                                    "each; heights above one plane; lengths from a fixed point; a dial gauge")
+                        ->check(one_of(names))
+                        ->shows_default(names.front());
+  Option* at = command.add_option("--at", options.at, at_help())
+                   ->separated_by(',')
+                   ->expected(3)
+                   ->check(between(-kLargest, kLargest, "up to 1e6"));
+  return {measure, at};
 }
 
 void add_mount_option(Command& command, ReflectorMount& mount) {
@@ -178,12 +219,16 @@ void add_mount_option(Command& command, ReflectorMount& mount) {
 void add_noise_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--sigma-mm", options.sigma_mm,
-                  "standard deviation of a coordinate (0.017) or distance (0.05) that states none")
+                  "standard deviation of a coordinate (0.017), distance or ball bar (0.05) that states none")
       ->check(positive_finite());
   command
       .add_option("--height-sigma-mm", options.height_sigma_mm,
-                  "standard deviation of a height above a plane that states none (0.05)")
+                  "standard deviation of a height above a plane or of a dial that states none (0.05)")
       ->check(positive_finite());
+  command
+      .add_option("--dial-angle-deg", options.dial_angle_deg,
+                  "standard deviation of the angles by which a dial is set up askew (0.5)")
+      ->check(between(0.0, 10.0));
   command.add_option("--sigma-deg", options.sigma_deg, "standard deviation of rotations")
       ->check(positive_finite())
       ->shows_default();
@@ -198,18 +243,21 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
 Option* add_measuring_options(Command& command, MeasuringOptions& options) {
   Option* measurements =
       command
-          .add_option("--measurements", options.files,
-                      "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]), distances (CSV: "
-                      "from,to,distance_mm[,...]) or heights above a plane (CSV: pose,height_mm[,sigma_mm]); several "
-                      "files, each in its own frame")
+          .add_option(
+              "--measurements", options.files,
+              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]), distances (CSV: "
+              "from,to,distance_mm[,...]), heights above a plane (CSV: pose,height_mm[,sigma_mm]), lengths from "
+              "a fixed point (pose,ball_bar_mm[,...]) or a dial's (pose,dial_mm,direction_x,...); several "
+              "files, each in its own frame")
           ->required();
   command.add_option("--poses", options.poses, "poses that distances or an instrument's export name (CSV)");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
   add_noise_options(command, options);
   command
-      .add_option("--distance-bias-mm", options.distance_bias_mm,
-                  "standard deviation of an error that all distances share, as a calliper's zero or a wall's width")
+      .add_option(
+          "--distance-bias-mm", options.distance_bias_mm,
+          "standard deviation of an error that all distances, or all of a ball bar, share: a zero, a wall's width")
       ->check(non_negative_finite())
       ->shows_default();
   command

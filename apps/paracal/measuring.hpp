@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@ struct MeasuringOptions {
   std::optional<double> sigma_mm, height_sigma_mm;
   double distance_bias_mm = 0.0;
   double sigma_deg = 0.3;
+  std::optional<double> dial_angle_deg;
   double scale_ppm = 15.0, expansion_ppm = 11.5, instrument_expansion_ppm = 0.0;
   std::optional<double> temperature_c;
   bool sigma_known = false;
@@ -35,6 +37,8 @@ struct MeasuringOptions {
   /// Every file by what its header says it is, all in one.
   Measurements read(const JointSpace& joints) const;
   NoiseModel noise() const;
+  /// Whether options state the noise of all that was read, where readings do not.
+  bool states_noise_of(const Measurements& measurements) const;
   /// What is known of lengths read against lengths of the machine at 20 deg C, m/m.
   double expansion() const;
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
@@ -44,12 +48,20 @@ struct MeasuringOptions {
 /// @returns --measurements, which is required unless its taker says otherwise.
 Option* add_measuring_options(Command& command, MeasuringOptions& options);
 
-/// --measure: what is measured at the poses of a plan.
-Option* add_measurand_option(Command& command, PlannedReadings& readings);
+/// What commands that plan readings ask for.
+struct PlanningOptions {
+  PlannedReadings readings;
+  std::vector<double> at;
 
-/// @param rotation  the option that asks for phi.
-/// @throws WrongUsage for a second reflector or a rotation of what has none.
-void check_readings(const PlannedReadings& readings, std::string_view rotation);
+  /// @param rotation  the option that asks for phi.
+  /// @throws WrongUsage for a second reflector or a rotation of what has none, and for --at where it says nothing or is
+  /// missing.
+  PlannedReadings planned(std::string_view rotation) const;
+};
+
+/// --measure and --at: what is measured at the poses of a plan.
+/// @returns both.
+std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& options);
 
 /// --reflectors: what the second reflector is mounted on.
 void add_mount_option(Command& command, ReflectorMount& mount);

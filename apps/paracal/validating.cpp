@@ -20,10 +20,9 @@ void add_limit_options(Command& command, LimitOptions& options) {
   command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
 }
 
-ValidationOptions ValidatingOptions::options() const {
-  const bool stated = measuring.sigma_known || measuring.sigma_mm || !measuring.tracker_um.empty();
+ValidationOptions ValidatingOptions::options(const Measurements& measurements) const {
   return {.noise = measuring.noise(),
-          .noise_is_known = stated,
+          .noise_is_known = measuring.states_noise_of(measurements),
           .scale_std = 1e-6 * measuring.scale_ppm,
           .reflectors = reflectors,
           .frame = measuring.frame_kind(),

@@ -29,7 +29,7 @@ struct ValidatingOptions {
   ReflectorMount reflectors = ReflectorMount::plate;
 
   RobotSources robot_sources() const { return {.calibrations = {calibration}, .tables = measuring.tables()}; }
-  ValidationOptions options() const;
+  ValidationOptions options(const Measurements& measurements) const;
   /// Of the files of readings, those that the calibration was made from: they confirm nothing.
   std::vector<std::string> own(const io::CalibratedMachine& machine, const Measurements& measurements) const;
 };

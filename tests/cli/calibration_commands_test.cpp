@@ -208,6 +208,54 @@ TEST_F(CalibrationCommands, NeedsNoTracker) {
   EXPECT_EQ(json_of(folder.run(simulate + " --measure home-distance --json"))["distances"].size(), 24);
 }
 
+/// A ball bar and two dials the whole way: planned within their range, seen beforehand, read, mixed, calibrated from,
+/// shown and validated.
+TEST_F(CalibrationCommands, ABallBarAndDialsGoTheWholeWay) {
+  const std::string bar = " --measure ball-bar --at 0,0,-1500 ", dial = " --measure dial --at 0,0,1 ";
+  EXPECT_EQ(folder.run("poses --optimal 25 --candidates 600 --range-mm 400,600" + bar + "--out poses.csv").exit_code,
+            kDone);
+  EXPECT_EQ(json_of(folder.run("identifiability --poses poses.csv --json" + bar))["rows"], 25);
+  EXPECT_EQ(json_of(folder.run("identifiability --poses poses.csv --json" + dial))["rows"], 25);
+  const std::string simulate = "simulate --poses poses.csv --noise-mm 0.01 --seed 4 --frame random";
+  EXPECT_EQ(folder.run(simulate + bar + "--repeats 2 --truth truth.toml --out bar.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run(simulate + dial + "--out dial_z.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run(simulate + " --measure dial --at 1,0,0 --out dial_x.csv").exit_code, kDone);
+  const json shown = json_of(folder.run(simulate + bar + "--json"));
+  ASSERT_EQ(shown["ball_bar_lengths"].size(), 25);
+  for (const json& one : shown["ball_bar_lengths"]) {
+    EXPECT_GT(one["ball_bar_mm"], 250);  // the bar stands up to some 100 mm from where it was planned
+    EXPECT_LT(one["ball_bar_mm"], 750);
+  }
+  const std::string calibrate =
+      "calibrate --measurements bar.csv dial_z.csv dial_x.csv --poses poses.csv --sigma-mm 0.01 --height-sigma-mm "
+      "0.01 ";
+  const json found = json_of(folder.run(calibrate + "--stage fine --report page.html --json"));
+  EXPECT_EQ(found["ball_bars"].size(), 1);
+  EXPECT_TRUE(found["ball_bars"][0]["z_mm"].is_number());
+  EXPECT_EQ(found["dials"].size(), 2);
+  EXPECT_TRUE(found["dials"][1]["direction_x"].is_number());
+  EXPECT_THAT(found["planes"], IsEmpty());
+  EXPECT_TRUE(found["after"]["rms_height_mm"].is_null());
+  EXPECT_TRUE(found["after"]["rms_distance_mm"].is_null());
+  for (const char* rms : {"rms_ball_bar_mm", "rms_dial_mm"}) {
+    EXPECT_LT(found["after"][rms].get<double>(), 0.1 * found["before"][rms].get<double>());
+  }
+  EXPECT_EQ(found["residuals"].size(), 50 + 25 + 25);
+  EXPECT_TRUE(found["residuals"][0].contains("ball_bar_mm"));
+  const std::string text = folder.run(calibrate + "--stage fine --dial-angle-deg 0.5 --out machine.json").out;
+  EXPECT_THAT(text, AllOf(HasSubstr("residuals of ball-bar lengths"), HasSubstr("residuals of dial readings"),
+                          Not(HasSubstr("set up along the stated direction"))));
+  EXPECT_EQ(folder.run("poses --stage fine --out others.csv").exit_code, kDone);
+  EXPECT_EQ(
+      folder.run("simulate --poses others.csv --errors truth.toml --noise-mm 0.01 --seed 5 --out other_bar.csv" + bar)
+          .exit_code,
+      kDone);
+  const ProgramResult seen =
+      folder.run("validate --calibration machine.json --measurements other_bar.csv --poses others.csv --sigma-mm 0.01");
+  EXPECT_EQ(seen.exit_code, kDone) << seen.out;
+  EXPECT_THAT(seen.out, AllOf(HasSubstr("ball-bar length, root mean square, mm"), HasSubstr("no contradiction")));
+}
+
 TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {
   folder.write("poses.csv", folder.run("poses").out);
   const auto refused = [&](const std::string& command, const std::string& option) {
@@ -224,6 +272,12 @@ TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {
   refused("poses --optimal 20 --measure distance", "--measure");
   refused("poses --optimal 20 --measure height --read-rotation", "--read-rotation");
   refused("poses --optimal 20 --measure home-distance --second", "--second");
+  refused("simulate --poses poses.csv --measure dial", "--at");
+  refused("simulate --poses poses.csv --measure dial --at 0,0,0", "--at");
+  refused("identifiability --poses poses.csv --measure distance --at 0,0,1", "--at");
+  refused("poses --optimal 20 --measure dial --at 0,0,1 --range-mm 5,-5", "--range-mm");
+  refused("poses --optimal 20 --range-mm 0,5", "--range-mm");
+  refused("poses --measure ball-bar --range-mm 0,5", "--optimal");
 }
 
 // ---- identifiability

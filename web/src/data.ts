@@ -11,11 +11,11 @@ export interface Robot {
 }
 
 export interface Largest {
-  max_abs_distance_mm: number | null; ///< the first four: null where heights alone were read
+  max_abs_distance_mm: number | null; ///< the first four: null where lengths alone were read
   rms_distance_mm: number | null;
   max_volumetric_mm: number | null;
   max_volumetric_aligned_mm: number | null;
-  rms_height_mm?: number | null;
+  [length: `rms_${string}_mm`]: number | null | undefined; ///< of lengths, a kind each: null where none were read
   max_abs_rotation_deg: number | null;
 }
 
@@ -52,7 +52,8 @@ export interface DistanceResidual {
   after_mm: number;
   excluded: boolean;
 }
-export interface HeightResidual {
+/// A height, a ball bar's length or a dial's reading: its own number stands under the name of its column.
+export interface LengthResidual {
   series: string;
   pose: string;
   before_mm: number;
@@ -67,7 +68,7 @@ export interface PointResidual {
   excluded: boolean;
 }
 
-export type Residual = DistanceResidual | HeightResidual | PointResidual;
+export type Residual = DistanceResidual | LengthResidual | PointResidual;
 
 /// What a delta's firmware is told: a number a tower, or one for all.
 export type DeltaGeometry = Record<string, number | number[]>;
@@ -320,7 +321,11 @@ export interface Report {
 }
 
 export const isPoint = (residual: Residual): residual is PointResidual => Array.isArray(residual.before_mm);
-export const isHeight = (residual: Residual): residual is HeightResidual => "pose" in residual && !isPoint(residual);
+export const isLength = (residual: Residual): residual is LengthResidual => "pose" in residual && !isPoint(residual);
+
+/// The kinds of length of which a summary has a root mean square: ["height", "ball_bar"].
+export const lengthsOf = (summary: Largest): string[] =>
+  Object.entries(summary).flatMap(([key, value]) => (value == null || key === "rms_distance_mm" ? [] : (/^rms_(.+)_mm$/.exec(key)?.slice(1) ?? [])));
 
 export const length = (v: Vector) => Math.hypot(...v);
 

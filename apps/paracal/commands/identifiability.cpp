@@ -17,15 +17,15 @@ namespace {
 
 struct Options {
   MeasuringOptions measuring;
-  PlannedReadings readings;
+  PlanningOptions plan;
   std::string rotation = "none";
 };
 
 Measurements plan_of(const Robot& robot, const Options& options) {
-  PlannedReadings readings = options.readings;
-  readings.rotation = options.rotation != "none";
-  check_readings(readings, "--rotation");
-  return planned(robot, io::read_poses(input_file(options.measuring.poses), robot.joint_space()), readings);
+  PlanningOptions plan = options.plan;
+  plan.readings.rotation = options.rotation != "none";
+  return planned(robot, io::read_poses(input_file(options.measuring.poses), robot.joint_space()),
+                 plan.planned("--rotation"));
 }
 
 /// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
@@ -47,7 +47,7 @@ CalibrationOptions calibration_options(const Options& options) {
   CalibrationOptions calibration;
   calibration.noise = options.measuring.noise();
   calibration.frame =
-      options.readings.measurand == Measurand::coordinates ? options.measuring.frame_kind() : Frame::unknown;
+      options.plan.readings.measurand == Measurand::coordinates ? options.measuring.frame_kind() : Frame::unknown;
   calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   return calibration;
 }
@@ -137,14 +137,14 @@ void add_identifiability(Command& program, Session& session) {
                                          "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
-  add_measurand_option(*command, options->readings);
+  add_planning_options(*command, options->plan);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))
       ->shows_default();
   command->add_option("--rotation", options->rotation, "whether phi is read, and from which zero")
       ->check(one_of({"none", "relative", "absolute"}))
       ->shows_default();
-  command->add_flag("--second", options->readings.second, "a second reflector is read, too: tilt");
+  command->add_flag("--second", options->plan.readings.second, "a second reflector is read, too: tilt");
   add_noise_options(*command, options->measuring);
   command->callback([&session, options] { run(*options, session); });
 }

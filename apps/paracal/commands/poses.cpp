@@ -26,9 +26,9 @@ struct Options {
   std::string stage = "fine", criterion = "pose";
   double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
   int optimal = 0, candidates = 10000;
-  PlannedReadings readings;
+  PlanningOptions plan;
   bool fixed_to_plate = false;
-  std::vector<double> tracker, facing;
+  std::vector<double> tracker, facing, range;
 };
 
 const std::map<std::string, Criterion> kCriteria{{"D", Criterion::volume},
@@ -94,18 +94,36 @@ std::optional<Visibility> visibility_of(const Options& options) {
                     options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
 }
 
+std::vector<Station> candidates_of(const Robot& robot, const Options& options, const PlannedReadings& readings,
+                                   std::uint64_t seed) {
+  std::vector<Station> all = candidate_stations(robot, options.candidates, seed, visibility_of(options));
+  if (options.range.empty()) return all;
+  return within_range(robot, all, readings, {options.range[0], options.range[1]});
+}
+
+void check_range(const Options& options) {
+  if (options.range.empty()) return;
+  if (options.plan.readings.measurand != Measurand::lengths) {
+    throw WrongUsage("--range-mm: expected --measure height, ball-bar or dial with it");
+  }
+  if (!(options.range[0] < options.range[1])) {
+    throw WrongUsage(fmt::format("--range-mm: expected the shortest, then the longest, got {},{}", options.range[0],
+                                 options.range[1]));
+  }
+}
+
 void run_selection(const Options& options, Session& session) {
   if (options.candidates < options.optimal) {
     throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
                                  options.candidates));
   }
-  if (options.readings.measurand == Measurand::distances) {
+  if (options.plan.readings.measurand == Measurand::distances) {
     throw WrongUsage("--measure: expected another than distance with --optimal: each pose counts alone");
   }
-  check_readings(options.readings, "--read-rotation");
+  const PlannedReadings readings = options.plan.planned("--read-rotation");
+  check_range(options);
   const Robot robot = session.robot();
-  const std::vector<Station> candidates =
-      candidate_stations(robot, options.candidates, session.seed(), visibility_of(options));
+  const std::vector<Station> candidates = candidates_of(robot, options, readings, session.seed());
   if (candidates.size() < static_cast<std::size_t>(options.optimal)) {
     throw MathematicsSaysNo(
         fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options.optimal));
@@ -114,10 +132,10 @@ void run_selection(const Options& options, Session& session) {
                                               {.poses = options.optimal,
                                                .criterion = kCriteria.at(options.criterion),
                                                .noise = options.measuring.noise(),
-                                               .readings = options.readings});
+                                               .readings = readings});
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
-    const Identifiability seen = identifiability(robot, planned(robot, selection.stations, options.readings));
+    const Identifiability seen = identifiability(robot, planned(robot, selection.stations, readings));
     const Unit unit = joint_unit(robot.actuator());
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},
@@ -181,9 +199,17 @@ void add_poses(Command& program, Session& session) {
       ->check(one_of(criteria))
       ->needs(optimal)
       ->shows_default();
-  add_measurand_option(*command, options->readings)->needs(optimal);
-  command->add_flag("--read-rotation", options->readings.rotation, "phi is read at every pose, too")->needs(optimal);
-  command->add_flag("--second", options->readings.second, "a second reflector is read at every pose, too")
+  for (Option* option : add_planning_options(*command, options->plan)) option->needs(optimal);
+  command
+      ->add_option("--range-mm", options->range,
+                   "the shortest and the longest that the instrument shows; poses are moved to where it does")
+      ->separated_by(',')
+      ->expected(2)
+      ->check(between(-1e6, 1e6, "up to 1e6"))
+      ->needs(optimal);
+  command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is read at every pose, too")
+      ->needs(optimal);
+  command->add_flag("--second", options->plan.readings.second, "a second reflector is read at every pose, too")
       ->needs(optimal);
   command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
       ->separated_by(',')

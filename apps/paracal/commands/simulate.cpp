@@ -22,7 +22,7 @@ namespace {
 struct Options {
   std::string errors, poses, truth, frame = "robot";
   InstrumentOptions instrument;
-  PlannedReadings readings;
+  PlanningOptions plan;
   std::uint64_t machine = 0;
   ReflectorMount reflectors = ReflectorMount::plate;
 };
@@ -42,7 +42,6 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
 }
 
 void check_instrument(const InstrumentOptions& instrument, const PlannedReadings& readings) {
-  check_readings(readings, "--read-rotation");
   if (!instrument.tracker_um.empty() && readings.measurand != Measurand::coordinates) {
     throw WrongUsage("--tracker-um: expected --measure coordinates with it");
   }
@@ -113,8 +112,9 @@ io::Json json_of(const Measurements& measurements) {
 }
 
 void run(const Options& options, Session& session) {
-  PlannedReadings what = options.readings;
-  what.second = !options.instrument.second.empty();
+  PlanningOptions wanted = options.plan;
+  wanted.readings.second = !options.instrument.second.empty();
+  const PlannedReadings what = wanted.planned("--read-rotation");
   check_instrument(options.instrument, what);
   const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
@@ -155,10 +155,10 @@ void add_simulate(Command& program, Session& session) {
       ->shows_default();
   session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
-  add_measurand_option(*command, options->readings);
+  add_planning_options(*command, options->plan);
   add_instrument_options(*command, options->instrument);
   add_mount_option(*command, options->reflectors);
-  command->add_flag("--read-rotation", options->readings.rotation, "a rotary encoder reads phi");
+  command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder reads phi");
   command->add_option("--frame", options->frame, "frame of the instrument; random: also its set-up")
       ->check(one_of({"robot", "random"}))
       ->shows_default();

@@ -68,7 +68,7 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const io::CalibratedMachine machine = io::read_calibration(input_file(options.calibration), robot);
   const KnownErrors known = machine.known();
   const Measurements measurements = options.measuring.read(robot.joint_space());
-  Validation validation = validate(robot, known, measurements, options.options());
+  Validation validation = validate(robot, known, measurements, options.options(measurements));
   for (const std::string& file : options.own(machine, measurements)) {
     validation.accepted = false;
     validation.reasons.push_back(file + " is what the calibration was made from: it confirms nothing");

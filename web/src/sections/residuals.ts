@@ -1,6 +1,6 @@
 // What the fit leaves over, reading by reading, and what other poses say.
 import { dot, line, ruleX, ruleY } from "@observablehq/plot";
-import { isHeight, isPoint, length, type Calibration, type DistanceResidual, type HeightResidual, type Report, type Validation } from "../data";
+import { isLength, isPoint, length, type Calibration, type DistanceResidual, type LengthResidual, type Report, type Residual, type Validation } from "../data";
 import { h, table } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, normalQuantile, probability } from "../numbers";
@@ -17,9 +17,9 @@ interface NumberRead {
   after: number;
 }
 
-const nameOf = (residual: DistanceResidual | HeightResidual) => (isHeight(residual) ? residual.pose : `${residual.from} \u2013 ${residual.to}`);
+const nameOf = (residual: DistanceResidual | LengthResidual) => (isLength(residual) ? residual.pose : `${residual.from} \u2013 ${residual.to}`);
 
-/// One row a number read and used: a distance, a height, or each coordinate of a point.
+/// One row a number read and used: a distance, a length, or each coordinate of a point.
 function residualsOf(calibration: Calibration): NumberRead[] {
   return calibration.residuals.flatMap((residual, k) => {
     if (residual.excluded) return [];
@@ -150,8 +150,8 @@ function validatedReadings({ readings }: Validation): HTMLElement[] {
 
 /// Whether all readings scatter alike; a probe and a calliper do not.
 function alike({ residuals }: Calibration): boolean {
-  const heights = residuals.filter(isHeight).length;
-  return heights === 0 || heights === residuals.length;
+  const kindOf = (residual: Residual) => (isLength(residual) ? Object.keys(residual).join() : "other");
+  return new Set(residuals.map(kindOf)).size <= 1;
 }
 
 export function residuals({ results }: Report): Section | null {

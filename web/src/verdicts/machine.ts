@@ -1,5 +1,5 @@
 // Is the machine good? A calibration and a validation.
-import type { Calibration, ErrorMap, Largest, Use, UseQuantity, Validation } from "../data";
+import { lengthsOf, type Calibration, type ErrorMap, type Largest, type Use, type UseQuantity, type Validation } from "../data";
 import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
 import { strings } from "../strings";
 import { assumptions, card, from, unitOf, type Verdict } from "./card";
@@ -49,14 +49,14 @@ function notesOf(calibration: Calibration): string[] {
 
 export function ofCalibration(calibration: Calibration): Verdict {
   const { before, after } = calibration;
-  const heights = before.rms_height_mm != null && after.rms_height_mm != null ? [beforeAfter(text.residual.height, before.rms_height_mm, after.rms_height_mm, "mm", [text.residual.fitted])] : [];
+  const lengths = lengthsOf(after).map((kind) => beforeAfter(text.residual.length(kind.replaceAll("_", " ")), before[`rms_${kind}_mm`] ?? 0, after[`rms_${kind}_mm`] ?? 0, "mm", [text.residual.fitted]));
   const fitted = { distance: text.residual.fitted, aligned: text.residual.fitted, rotation: text.residual.fitted };
   return {
     yes: calibration.accepted,
     says: calibration.accepted ? text.yes.calibration : text.no.calibration(calibration.verdict),
     sentence: text.calibration(calibration.readings, calibration.noise_mm, calibration.degrees_of_freedom),
     reasons: calibration.reasons,
-    cards: [...useCards(calibration.use), ...largestCards(before, after, text.residual, fitted), ...heights],
+    cards: [...useCards(calibration.use), ...largestCards(before, after, text.residual, fitted), ...lengths],
     notes: notesOf(calibration),
   };
 }
