@@ -69,7 +69,8 @@ Json to_json(const SelfTestCase& wanted, Actuator actuator) {
 Json to_json(const FilterSummary& summary) {
   Json passed = Json::array();
   for (const PassedThrough& one : summary.passed) {
-    passed.push_back({{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}});
+    passed.push_back(
+        {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}});
   }
   return {{"lines", summary.lines}, {"corrected", summary.corrected}, {"passed", passed}};
 }

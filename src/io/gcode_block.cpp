@@ -1,9 +1,11 @@
 #include "gcode_block.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <numeric>
 #include <optional>
+#include <string>
 
 namespace paracal::io {
 namespace {
@@ -173,6 +175,36 @@ class BlockParser {
   bool done_ = false;
 };
 
+/// Klipper's extended commands that move nothing and leave coordinates as they are  [klipper].
+constexpr std::array<std::string_view, 18> kSettings{"EXCLUDE_OBJECT",
+                                                     "EXCLUDE_OBJECT_DEFINE",
+                                                     "EXCLUDE_OBJECT_END",
+                                                     "EXCLUDE_OBJECT_START",
+                                                     "RESPOND",
+                                                     "SET_DISPLAY_TEXT",
+                                                     "SET_FAN_SPEED",
+                                                     "SET_FILAMENT_SENSOR",
+                                                     "SET_GCODE_VARIABLE",
+                                                     "SET_HEATER_TEMPERATURE",
+                                                     "SET_IDLE_TIMEOUT",
+                                                     "SET_LED",
+                                                     "SET_PIN",
+                                                     "SET_PRESSURE_ADVANCE",
+                                                     "SET_PRINT_STATS_INFO",
+                                                     "SET_RETRACTION",
+                                                     "SET_VELOCITY_LIMIT",
+                                                     "TEMPERATURE_WAIT"};
+
+bool is_setting(std::string_view text) {
+  const auto in_name = [](char c) { return is_letter(c) || c == '_'; };
+  if (text.size() < 2 || !is_letter(text[0]) || !is_letter(text[1])) return false;  // as hardly any line
+  const auto length = static_cast<std::size_t>(std::ranges::find_if_not(text, in_name) - text.begin());
+  if (length < text.size() && text[length] != ' ' && text[length] != '\t') return false;
+  std::string name(text.substr(0, length));
+  std::ranges::transform(name, name.begin(), upper_case);
+  return std::ranges::find(kSettings, name) != kSettings.end();
+}
+
 }  // namespace
 
 void GcodeBlock::parse(std::string_view text) {
@@ -180,7 +212,11 @@ void GcodeBlock::parse(std::string_view text) {
   words.clear();
   is_optional = false;
   checksum_at = 0;
-  if (!BlockParser(text, *this).parse()) kind = Kind::malformed;
+  if (is_setting(text)) {
+    kind = Kind::setting;
+  } else if (!BlockParser(text, *this).parse()) {
+    kind = Kind::malformed;
+  }
 }
 
 unsigned gcode_checksum(std::string_view text) {

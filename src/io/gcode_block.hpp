@@ -33,6 +33,7 @@ struct GcodeBlock {
     words,
     malformed,  ///< no controller takes it, or its checksum is wrong
     flow,       ///< an O word: subprograms, jumps, loops
+    setting,    ///< a command of Klipper's own that moves nothing
   };
   Kind kind = Kind::words;
   std::vector<GcodeWord> words;

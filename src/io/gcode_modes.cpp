@@ -311,6 +311,22 @@ void GcodeModes::apply_m(int tenths, Request& request) {
     case 990:
       request.refused = kFlow;
       return;
+    case 920:   // RepRap: steps per mm
+    case 2010:  // accelerations
+    case 2020:
+    case 2030:  // feed rates
+    case 2040:
+    case 2050:  // jerk
+    case 2080:  // limits
+    case 3500:  // micro-steps
+    case 4250:  // backlash
+    case 5660:
+    case 5930:  // input shaping
+    case 9060:  // currents
+    case 9070:
+    case 9130:
+      request.is_setting = true;
+      return;
     case 2060:  // RepRap: home offsets
     case 2180:  // of tools
     case 4280:
@@ -337,6 +353,7 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
 }
 
 std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
+  if (block.kind == GcodeBlock::Kind::setting) return {};
   if (block.kind != GcodeBlock::Kind::words) {
     forget();
     return block.kind == GcodeBlock::Kind::flow ? kFlow : kMalformed;
@@ -385,7 +402,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, con
     lose(axes);
     return why;
   };
-  if (request.has_m_code && !request.motion) return give_up(kMCode);
+  if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
   if (motion == Motion::unknown || motion == Motion::none || distance_ == Distance::unknown || !mm_per_unit_) {
     return give_up(kModes);
   }

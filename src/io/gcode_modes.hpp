@@ -46,6 +46,7 @@ class GcodeModes {
     bool takes_axes = false;            ///< axis words are parameters, not a target
     bool goes_elsewhere = false;        ///< ends where the program does not say
     bool has_m_code = false;
+    bool is_setting = false;    ///< of M codes whose axis words are numbers of the firmware's, not places
     bool in_machine = false;    ///< G53
     bool then_lost = false;     ///< after the block, no place is known
     bool then_unknown = false;  ///< nor any mode

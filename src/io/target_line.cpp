@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "columns.hpp"
@@ -147,9 +149,23 @@ class Writer {
 
 void Tally::pass(std::string_view reason, std::int64_t line) {
   const auto found = std::ranges::find(passed_, reason, &PassedThrough::reason);
+  if (found == passed_.end()) since_.emplace_back();
   PassedThrough& entry = found != passed_.end() ? *found : passed_.emplace_back(PassedThrough{reason, 0, line});
   ++entry.count;
-  entry.first_line = std::min(entry.first_line, line);
+  if (!corrected_) return;  // on the way to the first
+  Since& since = since_[static_cast<std::size_t>(&entry - passed_.data())];
+  if (since.count++ == 0) since.first_line = line;
+  passes_since_ = true;
+}
+
+void Tally::correct() {
+  corrected_ = true;
+  if (!std::exchange(passes_since_, false)) return;
+  for (std::size_t k = 0; k < passed_.size(); ++k) {
+    const Since since = std::exchange(since_[k], {});
+    if (passed_[k].between == 0) passed_[k].first_between = since.first_line;
+    passed_[k].between += since.count;
+  }
 }
 
 std::vector<PassedThrough> Tally::sorted() const {
@@ -166,7 +182,7 @@ class Passage {
   Passage(std::span<const Line> lines, const TargetCorrection& correction, const Eigen::Vector3d& origin)
       : lines_(lines), correction_(correction), origin_(origin) {}
 
-  void read(TargetFormat& format, FilterSummary& summary, Tally& tally) {
+  void read(TargetFormat& format, FilterSummary& summary) {
     for (std::size_t index = 0; index < lines_.size(); ++index) {
       if (lines_[index].part == Line::Part::rest_of_long) continue;
       ++summary.lines;
@@ -179,7 +195,7 @@ class Passage {
         targets_.push_back(line);
         wanted_.push_back(in_robot(line.wanted, origin_));
       }
-      if (!passed.empty()) tally.pass(passed, summary.lines);
+      if (!passed.empty()) passed_.emplace_back(passed, summary.lines);
     }
   }
 
@@ -190,13 +206,19 @@ class Passage {
 
   void write(Writer& writer, std::string& text, FilterSummary& summary, Tally& tally) const {
     std::size_t next = 0;
+    auto pass = passed_.begin();
+    const auto pass_before = [&](std::int64_t line) {
+      for (; pass != passed_.end() && pass->second < line; ++pass) tally.pass(pass->first, pass->second);
+    };
     for (std::size_t k = 0; k < targets_.size(); ++k) {
+      pass_before(targets_[k].number);
       for (; next < targets_[k].index; ++next) text += lines_[next].text;
       const std::string_view line = lines_[next++].text;
       const std::string_view content = without_end(line);
       if (corrected_[k]) {
         writer.write(content, targets_[k], in_program(*corrected_[k], origin_));
         ++summary.corrected;
+        tally.correct();
       } else {
         writer.pass(content, targets_[k]);
         tally.pass(kUnreachable, targets_[k].number);
@@ -204,6 +226,7 @@ class Passage {
       text += line.substr(content.size());
     }
     for (; next < lines_.size(); ++next) text += lines_[next].text;
+    pass_before(std::numeric_limits<std::int64_t>::max());
   }
 
  private:
@@ -213,6 +236,7 @@ class Passage {
   std::vector<TargetLine> targets_;
   std::vector<Pose> wanted_;
   std::vector<std::optional<Pose>> corrected_;
+  std::vector<std::pair<std::string_view, std::int64_t>> passed_;  ///< why, and in which line
 };
 
 }  // namespace
@@ -226,7 +250,7 @@ FilterSummary filter(const TextStream& in, const TextSink& out, TargetFormat& fo
   Writer writer(text, correction.robot().limb_count());  // as many axes as limbs
   for (auto lines = reader.next(); !lines.empty(); lines = reader.next()) {
     Passage passage(lines, correction, origin);
-    passage.read(format, summary, tally);
+    passage.read(format, summary);
     passage.correct(threads);
     text.clear();
     passage.write(writer, text, summary, tally);

@@ -86,6 +86,45 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
   EXPECT_EQ(folder.read("corrected.ngc"), expected);
 }
 
+/// A program that would be corrected in parts is refused whole, with the line; nothing is written, on demand all is.
+TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
+  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG2 X5 Y5 I1\nG1 X9\nG91\nG1 X1\nG90\nG1 X1 Y2\n");
+  folder.write("corrected.ngc", "of yesterday");
+  for (const std::string& out :
+       {std::string(), std::string(" --out corrected.ngc"), std::string(" --json --out corrected.ngc")}) {
+    const ProgramResult result = folder.run(kGcode + out);
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_THAT(result.out, IsEmpty());
+    EXPECT_THAT(result.err,
+                StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got arcs and splines "
+                           "(1 times) between targets that can; line 5: incremental (G91) (1 times); "));
+    EXPECT_THAT(result.err, HasSubstr("--partial corrects 3 targets"));
+    EXPECT_EQ(folder.read("corrected.ngc"), "of yesterday");
+  }
+  EXPECT_EQ(folder.run(kGcode + " --partial --out corrected.ngc").exit_code, kVerdictIsNo);
+  EXPECT_THAT(folder.read("corrected.ngc"), HasSubstr("\nG2 X5 Y5 I1\n"));
+  folder.write("targets.csv", "pose,x_mm,y_mm,z_mm,phi_deg\na,0,0,-888,0\nb,0,0,far,0\nc,9,0,-888,0\n");
+  const ProgramResult table = folder.run(kCsv);
+  EXPECT_EQ(table.exit_code, kBadInputFile);
+  EXPECT_THAT(table.err, StartsWith("paracal: targets.csv:3: "));
+  EXPECT_EQ(run_program(of_huang2016("export --calibration calibration.json --target json --partial"),
+                        {.folder = folder.path()})
+                .exit_code,
+            kWrongUsage);
+}
+
+/// As slicers write it: homing, an approach that states Z alone, settings, a retreat.
+TEST_F(ExportFilter, ApproachAndRetreatDoNotMatter) {
+  folder.write("part.ngc",
+               "M201 X500 Y500\nSTART_PRINT\nG21\nG90\nG28\nG1 Z-880 F5000\nG1 X10 Y0 Z-888 C0\nM205 X8 Y8\n"
+               "SET_VELOCITY_LIMIT ACCEL=500\nG1 X20 E3\nG1 X10 Y5 E4\nG91\nG1 Z5\nG28\n");
+  const ProgramResult result = folder.run(kGcode);
+  EXPECT_EQ(result.exit_code, kVerdictIsNo);
+  EXPECT_THAT(result.err, HasSubstr("14 lines, 3 targets corrected"));
+  EXPECT_THAT(result.out, HasSubstr("\nG1 Z-880 F5000\n"));
+  EXPECT_THAT(result.out, testing::EndsWith("\nG91\nG1 Z5\nG28\n"));
+}
+
 TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
   folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG2 X5 Y5 I1\nG2 X5 Y5 I1\n");
   const ProgramResult result = folder.run(kGcode);
@@ -98,7 +137,8 @@ TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
                "self_test"));
   EXPECT_EQ(summary["lines"], 3);
   EXPECT_EQ(summary["corrected"], 1);
-  EXPECT_EQ(summary["passed"], json::parse(R"([{"reason": "arcs and splines", "count": 2, "first_line": 2}])"));
+  EXPECT_EQ(summary["passed"],
+            json::parse(R"([{"reason": "arcs and splines", "count": 2, "first_line": 2, "between": 0}])"));
   EXPECT_EQ(folder.read("corrected.ngc"), result.out);
 }
 

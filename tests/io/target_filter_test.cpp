@@ -284,8 +284,15 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "stated yet"},
         Passed{"homing", "G28", "", "G1 X1", "stated yet"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
         Passed{"homing_over", "G28 Z-800", "homing", kAll, ""}, Passed{"dwell_in_x", "G4 X2.5", "", "Y1", ""},
-        Passed{"m_code", "M92 X80", "M code", "G1 Y1", "stated yet"}, Passed{"m_code_beside", "M3 S1000", "", "X1", ""},
-        Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"},
+        Passed{"m_code", "M600 X80", "M code", "G1 Y1", "stated yet"},
+        Passed{"steps_per_mm", "M92 X80", "", "G1 Y1", ""}, Passed{"jerk", "M205 X8.00 Y8 Z0.4 E5", "", "G1 Y1", ""},
+        Passed{"currents", "M906 X800 Y800", "", "X1", ""},
+        Passed{"klipper_setting", "SET_VELOCITY_LIMIT ACCEL=3000", "", "G1 X1", ""},
+        Passed{"klipper_object", "exclude_object_start NAME=cube_1", "", "X1", ""},
+        Passed{"klipper_alone", "RESPOND", "", "X1", ""},
+        Passed{"klipper_macro", "SET_VELOCITY_LIMITS_OF_MINE", "not a block", kAll, "unclear"},
+        Passed{"klipper_motion", "PROBE_CALIBRATE", "not a block", kAll, "unclear"},
+        Passed{"m_code_beside", "M3 S1000", "", "X1", ""}, Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"},
         Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "stated yet"},
         Passed{"tool_alone", "T2", "", "G1 X1", "stated yet"},
         Passed{"home_offsets", "M206 X5", "M code", kAll, "another origin"},
@@ -314,6 +321,37 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"out_of_reach", "G1 X4000", "out of reach", "G1 X1", ""},
         Passed{"extruder", "G1 E5 F100", "", "G1 X1", ""}),
     [](const auto& one) { return std::string(one.param.name); });
+
+/// What is left between corrected targets is told apart from approach and retreat.
+TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
+  const auto summary_of = [&](const std::string& text) { return filtered_gcode(text, correction).summary; };
+  const std::string target = "G1 X1 Y2 Z-900 C3\n", arc = "G2 X5 Y5 I1 J2\n", home = "G28\nG1 Z-880\n";
+  const FilterSummary around = summary_of(home + target + target + "G91\nG1 Z5\n");
+  EXPECT_FALSE(around.complete());
+  EXPECT_TRUE(around.whole());
+  const FilterSummary between =
+      summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G91 G1 Z5\n" + arc);
+  EXPECT_FALSE(between.whole());
+  ASSERT_THAT(between.passed, SizeIs(3));
+  EXPECT_EQ(between.passed[0].reason, "an axis has not been stated yet");
+  EXPECT_EQ(between.passed[0].between, 0);
+  EXPECT_EQ(between.passed[1].reason, "arcs and splines");
+  EXPECT_EQ(between.passed[1].count, 3);
+  EXPECT_EQ(between.passed[1].between, 3);
+  EXPECT_EQ(between.passed[1].first_between, 4);
+  EXPECT_EQ(between.passed[2].between, 0);
+  EXPECT_EQ(summary_of(target + "G1 X3 M204\n").corrected, 2);  // a motion stays one beside a setting
+  // A target out of reach is left, too; many lines are read in pieces.
+  EXPECT_TRUE(summary_of(target + "G1 X4000\n").whole());
+  EXPECT_FALSE(summary_of(target + "G1 X4000\n" + target).whole());
+  std::string many = target;
+  for (int k = 0; k < 30000; ++k) many += fmt::format("G1 X{} Y0 Z-900 C0 (long enough to be read apart)\n", k % 50);
+  EXPECT_TRUE(summary_of(arc + many + arc).whole());
+  const FilterSummary apart = summary_of(many + arc + many);
+  ASSERT_THAT(apart.passed, SizeIs(1));
+  EXPECT_EQ(apart.passed[0].between, 1);
+  EXPECT_EQ(apart.passed[0].first_between, 30002);
+}
 
 /// A start is told in the system that holds when the program begins: after another one nothing is known, nor is it back
 /// in the first.

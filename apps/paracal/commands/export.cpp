@@ -53,7 +53,7 @@ void run(const Options& options, Session& session) {
     return filter_file(options.target, options.filter, robot, errors, origin, session);
   }
   if (!options.filter.is_empty()) {
-    throw WrongUsage("--input, --origin, --start and --header: expected with --target gcode or csv alone");
+    throw WrongUsage("--input, --origin, --start, --partial and --header: expected with --target gcode or csv alone");
   }
   options.target == "json" ? export_json(robot, errors, origin, session)
                            : export_text(options.target, robot, errors, origin, session);
@@ -85,6 +85,9 @@ void add_export(Command& program, Session& session) {
                    "gcode: x,y,z,phi in mm and deg where the program's coordinates stand before its first line")
       ->separated_by(',')
       ->expected(3, 4);
+  command->add_flag("--partial", options->filter.partial,
+                    "gcode, csv: correct what can be corrected, leave the rest as it is and say where (exit code 1); "
+                    "without it such a file is refused");
   command->add_flag("--header", options->filter.header,
                     "gcode, csv: say first, in comments, where the targets come from");
   command->callback([&session, options] { run(*options, session); });

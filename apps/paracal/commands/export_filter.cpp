@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <optional>
 
+#include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/spool.hpp"
 #include "paracal/io/target_filter.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
@@ -109,6 +112,26 @@ std::string summary_text(const std::string& name, const io::FilterSummary& summa
   return text;
 }
 
+/// A program of which some targets are corrected and others between them are not is worse than either: where one meets
+/// the other the plate jumps by the correction.
+/// @throws InputFileError with the first line that cannot be corrected.
+void require_whole(const std::string& name, const io::FilterSummary& summary) {
+  if (summary.whole()) return;
+  std::vector<io::PassedThrough> between = summary.passed;
+  std::erase_if(between, [](const io::PassedThrough& one) { return one.between == 0; });
+  std::ranges::sort(between, {}, &io::PassedThrough::first_between);
+  std::string others;
+  for (std::size_t k = 1; k < between.size(); ++k) {
+    others += fmt::format("; line {}: {} ({} times)", between[k].first_between, between[k].reason, between[k].between);
+  }
+  const io::PassedThrough& first = between.front();
+  const auto line = static_cast<int>(std::min<std::int64_t>(first.first_between, std::numeric_limits<int>::max()));
+  throw InputFileError(name, line,
+                       fmt::format("expected targets that can all be corrected, got {} ({} times) between targets that "
+                                   "can{}; nothing was written; --partial corrects {} targets and leaves these",
+                                   first.reason, first.between, others, summary.corrected));
+}
+
 }  // namespace
 
 void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
@@ -130,11 +153,17 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   if (!is_standard_input) file = io::open_file(options.input);
   const io::TextStream in{is_standard_input ? "standard input" : options.input,
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
-  io::TextSink sink = session.result_sink();
+  io::Spool spool;
+  io::TextSink sink = [&spool](std::string_view text) { spool.write(text); };
+  if (options.partial) sink = session.result_sink();
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
   const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, frame, session.threads())
                                              : io::filter_pose_table(in, sink, correction, session.threads());
+  if (!options.partial) {
+    require_whole(in.name, summary);
+    spool.read(session.result_sink());
+  }
   if (session.json()) {
     io::Json json{{"target", target}, {"input", in.name}};
     json.update(io::to_json(robot, origin));

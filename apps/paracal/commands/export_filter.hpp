@@ -14,11 +14,13 @@ struct FilterOptions {
   std::vector<double> origin = {};  ///< x, y, z, mm
   std::vector<double> start = {};   ///< x, y, z, phi, mm and deg
   bool header = false;
+  bool partial = false;  ///< what cannot be corrected stays as it is; without it the whole file is refused
 
-  bool is_empty() const { return input.empty() && origin.empty() && start.empty() && !header; }
+  bool is_empty() const { return input.empty() && origin.empty() && start.empty() && !header && !partial; }
 };
 
 /// Corrects the targets of a file on its way to --out or standard output, and says what it did.
+/// @throws InputFileError where some cannot be corrected, before anything is written, unless options take parts.
 void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
                  const SourceErrors& errors, const ExportOrigin& origin, Session& session);
 

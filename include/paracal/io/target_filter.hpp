@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -17,6 +18,8 @@ struct PassedThrough {
   std::string_view reason;
   std::int64_t count = 0;
   std::int64_t first_line = 0;  ///< from 1
+  /// How many of them stand between corrected targets, and the first: there the plate jumps by the correction.
+  std::int64_t between = 0, first_between = 0;
 };
 
 /// What a filter did.
@@ -26,6 +29,11 @@ struct FilterSummary {
   std::vector<PassedThrough> passed;
 
   bool complete() const { return passed.empty(); }
+  /// Nothing stands as it was between corrected targets; before the first and after the last, as approach and retreat,
+  /// it may.
+  bool whole() const {
+    return std::ranges::all_of(passed, [](const PassedThrough& one) { return one.between == 0; });
+  }
 };
 
 /// Takes the filtered text piece by piece.
