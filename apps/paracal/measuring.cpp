@@ -66,16 +66,40 @@ std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
   }
 }
 
-Measurements read_file(const MeasuringOptions& options, const std::optional<io::ColumnMap>& columns,
-                       const std::string& name, const JointSpace& joints) {
+/// The tables of poses, as files ask for them one after the other.
+class PoseTables {
+ public:
+  explicit PoseTables(const std::vector<std::string>& names) : names_(names) {}
+
+  bool empty() const { return names_.empty(); }
+  io::TextFile next(const std::string& asking) {
+    if (names_.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", asking));
+    const std::size_t place = names_.size() == 1 ? 0 : asked_;
+    ++asked_;
+    if (place < names_.size()) return input_file(names_[place]);
+    throw WrongUsage(
+        fmt::format("--poses: expected one table for all files that name poses, or one for each, got {} and "
+                    "none for {}",
+                    names_.size(), asking));
+  }
+  void check_all_used() const {
+    if (names_.size() < 2 || asked_ == names_.size()) return;
+    throw WrongUsage(
+        fmt::format("--poses: expected one table for each of {} files that name poses, got {}", asked_, names_.size()));
+  }
+
+ private:
+  const std::vector<std::string>& names_;
+  std::size_t asked_ = 0;
+};
+
+Measurements read_file(PoseTables& tables, const std::optional<io::ColumnMap>& columns, const std::string& name,
+                       const JointSpace& joints) {
   const io::TextFile file = input_file(name);
-  const auto poses = [&] {
-    if (options.poses.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", name));
-    return input_file(options.poses);
-  };
+  const auto poses = [&] { return tables.next(name); };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
   if (io::length_kind_in(header_of(file.text))) return io::read_lengths(file, poses(), joints);
-  const bool points = holds_points(header_of(file.text), !options.poses.empty());
+  const bool points = holds_points(header_of(file.text), !tables.empty());
   return points ? io::read_points(file, joints) : io::read_distances(file, poses(), joints);
 }
 
@@ -83,14 +107,16 @@ Measurements read_file(const MeasuringOptions& options, const std::optional<io::
 
 std::vector<std::string> MeasuringOptions::tables() const {
   std::vector<std::string> names = files;
-  names.push_back(poses);
+  names.insert(names.end(), poses.begin(), poses.end());
   return names;
 }
 
 Measurements MeasuringOptions::read(const JointSpace& joints) const {
   const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
-  for (const std::string& file : files) parts.push_back(read_file(*this, map, file, joints));
+  PoseTables pose_tables(poses);
+  for (const std::string& file : files) parts.push_back(read_file(pose_tables, map, file, joints));
+  pose_tables.check_all_used();
   Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
   return at_reference_temperature(std::move(all), expansion());
 }
@@ -250,7 +276,10 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
               "a fixed point (pose,ball_bar_mm[,...]) or a dial's (pose,dial_mm,direction_x,...); several "
               "files, each in its own frame")
           ->required();
-  command.add_option("--poses", options.poses, "poses that distances or an instrument's export name (CSV)");
+  command.add_option("--poses", options.poses,
+                     "poses that distances, lengths or an instrument's export name (CSV): one table for all, or one "
+                     "for each file that "
+                     "names poses");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
   add_noise_options(command, options);

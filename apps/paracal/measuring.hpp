@@ -21,7 +21,8 @@ namespace paracal::app {
 /// What commands that read measurements ask for.
 struct MeasuringOptions {
   std::vector<std::string> files;
-  std::string poses, columns, unit;
+  std::vector<std::string> poses;  ///< one table for all files that name poses, or one for each of them in their order
+  std::string columns, unit;
   std::optional<double> sigma_mm, height_sigma_mm;
   double distance_bias_mm = 0.0;
   double sigma_deg = 0.3;

@@ -256,6 +256,34 @@ TEST_F(CalibrationCommands, ABallBarAndDialsGoTheWholeWay) {
   EXPECT_THAT(seen.out, AllOf(HasSubstr("ball-bar length, root mean square, mm"), HasSubstr("no contradiction")));
 }
 
+/// Each instrument at poses of its own: a table of poses for each file that names some, or one for all.
+TEST_F(CalibrationCommands, FilesTakePosesOfTheirOwn) {
+  folder.write("high.csv",
+               "pose,x_mm,y_mm,z_mm,phi_deg\nA,0,0,-800,0\nB,300,0,-800,0\nC,0,300,-800,0\nD,-200,50,-800,0\n");
+  folder.write("low.csv",
+               "pose,x_mm,y_mm,z_mm,phi_deg\nA,0,0,-900,0\nB,-300,0,-900,0\nC,0,-300,-900,0\nD,90,-80,-900,0\n");
+  const std::string simulate = "simulate --seed 4 --noise-mm 0.01 --frame random --poses ";
+  EXPECT_EQ(folder.run(simulate + "high.csv --measure ball-bar --out bar.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run(simulate + "low.csv --measure height --out heights.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run(simulate + "low.csv --out points.csv").exit_code, kDone);
+  const std::string calibrate = "calibrate --measurements bar.csv points.csv heights.csv --json --stage fine --poses ";
+  const json found = json_of(folder.run(calibrate + "high.csv low.csv"));
+  EXPECT_EQ(found["residuals"].size(), 4 + 4 + 4);
+  double before = 0.0;
+  for (const json& one : found["residuals"]) {
+    if (one.contains("ball_bar_mm") || one.contains("height_mm"))
+      before = std::max(before, std::abs(one["before_mm"].get<double>()));
+  }
+  EXPECT_LT(before, 10.0);  // each table met its own poses
+  const ProgramResult few = folder.run("calibrate --measurements bar.csv heights.csv bar.csv --poses high.csv low.csv");
+  EXPECT_EQ(few.exit_code, kWrongUsage);
+  EXPECT_THAT(few.err,
+              HasSubstr("--poses: expected one table for all files that name poses, or one for each, got 2 and none"));
+  const ProgramResult many = folder.run("calibrate --measurements bar.csv points.csv --poses high.csv low.csv");
+  EXPECT_EQ(many.exit_code, kWrongUsage);
+  EXPECT_THAT(many.err, HasSubstr("--poses: expected one table for each of 1 files that name poses, got 2"));
+}
+
 TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {
   folder.write("poses.csv", folder.run("poses").out);
   const auto refused = [&](const std::string& command, const std::string& option) {

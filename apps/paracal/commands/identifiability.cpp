@@ -18,14 +18,14 @@ namespace {
 struct Options {
   MeasuringOptions measuring;
   PlanningOptions plan;
+  std::string poses;
   std::string rotation = "none";
 };
 
 Measurements plan_of(const Robot& robot, const Options& options) {
   PlanningOptions plan = options.plan;
   plan.readings.rotation = options.rotation != "none";
-  return planned(robot, io::read_poses(input_file(options.measuring.poses), robot.joint_space()),
-                 plan.planned("--rotation"));
+  return planned(robot, io::read_poses(input_file(options.poses), robot.joint_space()), plan.planned("--rotation"));
 }
 
 /// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
@@ -118,7 +118,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot({.tables = options.measuring.tables()});
+  const Robot robot = session.robot({.tables = {options.poses}});
   const Measurements plan = plan_of(robot, options);
   const CalibrationOptions calibration = calibration_options(options);
   const Identifiability seen = seen_by(robot, plan, calibration);
@@ -136,7 +136,7 @@ void add_identifiability(Command& program, Session& session) {
   Command* command = session.add_command(program, "identifiability", "Calibrate a machine",
                                          "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
-  command->add_option("--poses", options->measuring.poses, "poses to be measured (CSV)")->required();
+  command->add_option("--poses", options->poses, "poses to be measured (CSV)")->required();
   add_planning_options(*command, options->plan);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))
