@@ -126,9 +126,10 @@ class BlockParser {
     return next() == '[' ? skip_brackets() : number().has_value();
   }
 
-  /// The rest of the line is a message for the display: RepRap's M117 and M118.
+  /// The rest of the line is a text: RepRap's M117 and M118, messages, and M486, the name of an object.
   static bool takes_text(const GcodeWord& word) {
-    return word.letter == 'M' && word.is_number() && (word.value == 117.0 || word.value == 118.0);
+    constexpr std::array kTexts{117.0, 118.0, 486.0};
+    return word.letter == 'M' && word.is_number() && std::ranges::find(kTexts, word.value) != kTexts.end();
   }
 
   bool word() {

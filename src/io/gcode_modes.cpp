@@ -293,7 +293,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
   }
 }
 
-void GcodeModes::apply_m(int tenths, Request& request) {
+void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) {
   request.has_m_code = true;
   switch (tenths) {
     case 20:   // end
@@ -301,8 +301,10 @@ void GcodeModes::apply_m(int tenths, Request& request) {
     case 700:  // modes are kept
     case 710:
     case 720:  // and restored
-    case 730:
       request.then_unknown = true;
+      return;
+    case 730:  // of RepRap: how far the print is, with words
+      if (!has_letter(block, "PRCD")) request.then_unknown = true;
       return;
     case 60:  // tool change
       request.then_lost = true;
@@ -344,7 +346,7 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
     if (word.letter != 'G' && word.letter != 'M') continue;
     if (word.is_number()) {
       const int tenths = tenths_of(word.value);
-      word.letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, request);
+      word.letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
     } else {
       request.refused = word.kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
     }

@@ -62,7 +62,7 @@ class GcodeModes {
   Axes axes_of(const GcodeBlock& block) const;
   Request apply_codes(const GcodeBlock& block, const Axes& axes);
   void apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request);
-  void apply_m(int tenths, Request& request);
+  void apply_m(int tenths, const GcodeBlock& block, Request& request);
   void shift_origin();
   void lose(const Axes& axes);
   void lose_all() { place_.fill(std::nullopt); }
