@@ -1,0 +1,153 @@
+#include "gcode_codes.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace paracal::io {
+namespace {
+
+constexpr std::array kCodes{
+    Code{0, Effect::straight},
+    Code{10, Effect::straight},
+    Code{20, Effect::curve},
+    Code{30, Effect::curve},
+    Code{40, Effect::dwell},
+    Code{50, Effect::curve},
+    Code{51, Effect::curve},
+    Code{52, Effect::curve},
+    Code{53, Effect::curve},
+    Code{70, Effect::transform, kDiameter},
+    Code{80, Effect::no_transform, kDiameter},
+    Code{90, Effect::none},
+    Code{100, Effect::shift_if_stated},
+    Code{110, Effect::none},
+    Code{150, Effect::no_transform, kPolar},
+    Code{160, Effect::transform, kPolar},
+    Code{170, Effect::none},
+    Code{171, Effect::none},
+    Code{180, Effect::none},
+    Code{181, Effect::none},
+    Code{190, Effect::none},
+    Code{191, Effect::none},
+    Code{200, Effect::inch},
+    Code{210, Effect::mm},
+    Code{270, Effect::home},
+    Code{280, Effect::home},
+    Code{281, Effect::none},
+    Code{290, Effect::home},
+    Code{300, Effect::home},
+    Code{301, Effect::none},
+    Code{330, Effect::probe},
+    Code{331, Effect::probe},
+    Code{382, Effect::probe},
+    Code{383, Effect::probe},
+    Code{384, Effect::probe},
+    Code{385, Effect::probe},
+    Code{400, Effect::no_transform, kRadius},
+    Code{410, Effect::transform, kRadius},
+    Code{411, Effect::transform, kRadius},
+    Code{420, Effect::transform, kRadius},
+    Code{421, Effect::transform, kRadius},
+    Code{430, Effect::tool_length},
+    Code{431, Effect::tool_length},
+    Code{432, Effect::tool_length},
+    Code{440, Effect::tool_length},
+    Code{490, Effect::no_tool_length},
+    Code{500, Effect::no_transform, kScale},
+    Code{501, Effect::no_transform, kMirror},
+    Code{510, Effect::transform_by_axes, kScale},
+    Code{511, Effect::transform_by_axes, kMirror},
+    Code{520, Effect::shift},
+    Code{530, Effect::in_machine},
+    Code{540, Effect::system},
+    Code{550, Effect::system},
+    Code{560, Effect::system},
+    Code{570, Effect::system},
+    Code{580, Effect::system},
+    Code{590, Effect::system},
+    Code{591, Effect::system},
+    Code{592, Effect::system},
+    Code{593, Effect::system},
+    Code{610, Effect::none},
+    Code{611, Effect::none},
+    Code{640, Effect::none},
+    Code{650, Effect::flow},
+    Code{680, Effect::transform_by_axes, kTurn},
+    Code{690, Effect::no_transform, kTurn},
+    Code{730, Effect::cycle},
+    Code{760, Effect::cycle},
+    Code{800, Effect::no_motion},
+    Code{810, Effect::cycle},
+    Code{820, Effect::cycle},
+    Code{830, Effect::cycle},
+    Code{840, Effect::cycle},
+    Code{850, Effect::cycle},
+    Code{860, Effect::cycle},
+    Code{870, Effect::cycle},
+    Code{880, Effect::cycle},
+    Code{890, Effect::cycle},
+    Code{900, Effect::absolute},
+    Code{901, Effect::none},
+    Code{910, Effect::incremental},
+    Code{911, Effect::none},
+    Code{920, Effect::shift_axes},
+    Code{921, Effect::shift},
+    Code{922, Effect::shift},
+    Code{923, Effect::shift},
+    Code{930, Effect::none},
+    Code{940, Effect::none},
+    Code{950, Effect::none},
+    Code{960, Effect::none},
+    Code{970, Effect::none},
+    Code{980, Effect::none},
+    Code{990, Effect::none},
+};
+static_assert(std::ranges::is_sorted(kCodes, {}, &Code::tenths));
+
+}  // namespace
+
+const Code* find_code(int tenths) {
+  const auto* const found = std::ranges::lower_bound(kCodes, tenths, {}, &Code::tenths);
+  return found != kCodes.end() && found->tenths == tenths ? found : nullptr;
+}
+
+MEffect effect_of_m(int tenths) {
+  switch (tenths) {
+    case 20:   // end
+    case 300:  // end
+    case 700:  // modes are kept
+    case 710:
+    case 720:  // and restored
+      return MEffect::end_of_modes;
+    case 730:
+      return MEffect::end_of_modes_if_bare;
+    case 60:
+      return MEffect::tool_change;
+    case 980:
+    case 990:
+      return MEffect::flow;
+    case 920:   // RepRap: steps per mm
+    case 2010:  // accelerations
+    case 2020:
+    case 2030:  // feed rates
+    case 2040:
+    case 2050:  // jerk
+    case 2080:  // limits
+    case 3500:  // micro-steps
+    case 4250:  // backlash
+    case 5660:
+    case 5930:  // input shaping
+    case 9060:  // currents
+    case 9070:
+    case 9130:
+      return MEffect::setting;
+    case 2060:  // RepRap: home offsets
+    case 2180:  // of tools
+    case 4280:
+      return MEffect::shift;
+    default:
+      return MEffect::none;
+  }
+}
+
+}  // namespace paracal::io

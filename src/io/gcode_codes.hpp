@@ -1,0 +1,61 @@
+#pragma once
+
+// Private to io: what the codes of G-code do to targets.
+
+#include <cstdint>
+
+namespace paracal::io {
+
+/// What a G code does to targets.
+enum class Effect : std::uint8_t {
+  none,  ///< planes, path modes, exact stop, distance of arc centres, feed and spindle modes, return of cycles
+  straight,
+  curve,
+  cycle,
+  no_motion,
+  probe,  ///< probing and threads
+  home,   ///< homing, stored places, levelling
+  dwell,  ///< in X for some controllers
+  absolute,
+  incremental,
+  inch,
+  mm,
+  in_machine,
+  system,
+  tool_length,
+  no_tool_length,
+  shift,
+  shift_if_stated,  ///< G10: RepRap's retraction, if it has neither L nor P
+  shift_axes,       ///< G92: of the extruder alone, if it has E and no axis
+  flow,
+  transform,
+  transform_by_axes,  ///< axis words say about what
+  no_transform,
+};
+
+struct Code {
+  int tenths;  ///< 10 times the code
+  Effect effect;
+  unsigned transform = 0;  ///< bit
+};
+
+inline constexpr unsigned kRadius = 1, kTurn = 2, kScale = 4, kMirror = 8, kPolar = 16, kDiameter = 32;
+
+/// @returns null where the code is not known here.
+const Code* find_code(int tenths);
+
+/// What an M code does to targets, besides giving axis words another meaning.
+enum class MEffect : std::uint8_t {
+  none,
+  end_of_modes,          ///< end of the program; modes that are kept or restored
+  end_of_modes_if_bare,  ///< with words it is RepRap's and says how far the print is
+  tool_change,
+  flow,
+  setting,  ///< of RepRap firmwares: axis words are numbers of the firmware's, not places
+  shift,    ///< of the origin
+};
+
+/// @param tenths  10 times the code.
+MEffect effect_of_m(int tenths);
+
+}  // namespace paracal::io
