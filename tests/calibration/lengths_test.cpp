@@ -229,8 +229,8 @@ TEST(Dial, AKnownDirectionStays) {
 
 /// The way without a tracker by lengths of one kind alone, or two dials: planned, read, calibrated, validated at other
 /// poses by another set-up. Of 50 machines and more, written down before: parameters lie within U in 90 to 99 %,
-/// readings of the validation in 91 to 99 %, errors in use of 95 % within U (85 % is three standard deviations less),
-/// at most one sound machine is contradicted, for one in a thousand is.
+/// readings of the validation in 91 to 99 %, errors in use of 95 % within U (85 %, or three standard deviations less
+/// where sanitizers leave fewer), at most one sound machine is contradicted, for one in a thousand is.
 TEST_P(LengthsLaw, CalibrateAndValidateWithinU) {
   const int machines = test::machines(160);
   const std::vector<Station> stations = fine_stations(robot, 14), others = fine_stations(robot, 6, 0.3);
@@ -269,7 +269,7 @@ TEST_P(LengthsLaw, CalibrateAndValidateWithinU) {
     EXPECT_LT(share(kept, parameters), 0.99);
     EXPECT_GT(share(left, readings), 0.91);
     EXPECT_LT(share(left, readings), 0.99);
-    EXPECT_GE(share(used, machines), 0.85);
+    EXPECT_GE(share(used, machines), std::min(0.85, 0.95 - 3.0 * std::sqrt(0.95 * 0.05 / machines)));
     EXPECT_LE(contradicted, 1);
   }
 }
