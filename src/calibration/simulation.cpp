@@ -80,7 +80,7 @@ class Visits {
 };
 
 detail::SetUp set_up_of(const Robot& robot, const LengthSeries& series, const VirtualInstrument& instrument) {
-  const detail::SetUp typical = detail::length_model(series.kind).typical(robot, series);
+  detail::SetUp typical = detail::length_model(series.kind).typical(robot, series);
   if (instrument.set_up.size() == 0) return typical;
   if (instrument.set_up.size() == typical.size()) return instrument.set_up;
   throw InvalidArgument(fmt::format("{}: expected a set-up of {} numbers, got {}", series.name, typical.size(),
