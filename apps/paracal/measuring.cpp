@@ -278,8 +278,7 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
           ->required();
   command.add_option("--poses", options.poses,
                      "poses that distances, lengths or an instrument's export name (CSV): one table for all, or one "
-                     "for each file that "
-                     "names poses");
+                     "for each file that names poses");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
   add_noise_options(command, options);

@@ -56,14 +56,21 @@ struct Placement {
   std::shared_ptr<const std::vector<StationState>> stations;
 };
 
+/// Places of the set-up's unknowns but the scales of instruments.
+std::vector<Eigen::Index> columns_without_scales(const Observation& observation) {
+  const std::vector<Eigen::Index> scales = observation.scale_columns();
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index k = 0; k < observation.nuisance_count(); ++k) {
+    if (std::ranges::find(scales, k) == scales.end()) columns.push_back(k);
+  }
+  return columns;
+}
+
 /// The set-up that was fitted without scales, among the unknowns of the same readings with scales: a dial that is askew
 /// by a degree is too far from straight for one linear step.
 void take_set_up(const Placement& fitted, const Observation& observation, Eigen::VectorXd& unknowns) {
-  const std::vector<Eigen::Index> scales = observation.scale_columns();
   Eigen::Index next = 0;
-  for (Eigen::Index k = 0; k < observation.nuisance_count(); ++k) {
-    if (std::ranges::find(scales, k) == scales.end()) unknowns(k) = fitted.setup(next++);
-  }
+  for (const Eigen::Index column : columns_without_scales(observation)) unknowns(column) = fitted.setup(next++);
 }
 
 /// Sets the factor of the noise to what repeated visits show where nobody stated it, or where they contradict what was
@@ -114,11 +121,8 @@ Scatter disagreement(const Observation& observation, const Eigen::VectorXd& unkn
 class FollowingSetUp {
  public:
   /// @param observation  while its joints are where the model has them.
-  FollowingSetUp(const Observation& observation, const Eigen::VectorXd& unknowns) {
-    const std::vector<Eigen::Index> scales = observation.scale_columns();
-    for (Eigen::Index k = 0; k < observation.nuisance_count(); ++k) {
-      (std::ranges::find(scales, k) == scales.end() ? set_up_ : rest_).push_back(k);
-    }
+  FollowingSetUp(const Observation& observation, const Eigen::VectorXd& unknowns)
+      : set_up_(columns_without_scales(observation)), rest_(observation.scale_columns()) {
     for (Eigen::Index k = observation.nuisance_count(); k < observation.unknown_count(); ++k) rest_.push_back(k);
     InformationRoot all(observation.unknown_count());
     (void)with_priors(observation)(unknowns, all);
@@ -161,26 +165,25 @@ double chance_of(const Agreement& agreement) {
   return fisher_tail(std::max(agreement.chi_square, 0.0) / agreement.freedom, agreement.freedom, agreement.noise_dof);
 }
 
-/// Distances and lengths, one by one. @param covariance  of the scales and the sought errors.
+/// Distances and lengths, one by one.
+/// @param observation  while its joints are where the model has them, as the set-up was fitted.
+/// @param joint_std  of where they stand then.  @param covariance  of the scales and the sought errors.
 std::vector<CheckedReading> checked_readings(const Placement& nominal, const Placement& calibrated,
-                                             Observation& observation, const Placed& at, double joint_std,
+                                             const Observation& observation, const Placed& at, double joint_std,
                                              const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
   std::vector<CheckedReading> readings;
   const auto is_listed = [](const auto& series) { return series->quantity() != Quantity::coordinate; };
   if (std::ranges::none_of(observation.series(), is_listed)) return readings;
-  VarianceComponents& factors = observation.components();
-  factors.joint = 0.0;  // as the set-up was fitted
+  const VarianceComponents& factors = observation.components();
   const FollowingSetUp set_up(observation, at.unknowns);
   Eigen::MatrixXd block;
   for (const Group& group : observation.groups()) {
     const ReadingSeries& series = observation.series_of(group);
     if (series.quantity() == Quantity::coordinate) continue;
     const double sigma = observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise);
-    factors.joint = 0.0;
     observation.rows(group, at.stations, at.unknowns, block);
     const FollowingSetUp::Left left = set_up.left(block.row(0), covariance);
-    factors.joint = joint_std;
-    const double variance = left.noise * observation.widening(group, at)(0) + left.rest;
+    const double variance = left.noise * observation.widening(group, at, joint_std)(0) + left.rest;
     readings.push_back({.text = series.label(group.index, stations),
                         .before = nominal.residual(group).length(0),
                         .after = calibrated.residual(group).length(0),
@@ -223,19 +226,19 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   Eigen::VectorXd unknowns = *observation.start(known.errors);
   take_set_up(calibrated, observation, unknowns);
   const std::optional<double> noise_dof = find_noise(observation, unknowns, validation);
-  observation.components().joint = known.expanded_joint_std();
+  const double joint_std = known.expanded_joint_std();
   const bool is_known = known.covariance.size() > 0;
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd covariance = is_known ? known.expanded_covariance() : Eigen::MatrixXd::Zero(n, n);
+  const auto stations = observation.stations(unknowns);
+  validation.readings = checked_readings(nominal, calibrated, observation, {*stations, unknowns}, joint_std,
+                                         with_scales(observation, fit.scale_std, covariance), measurements.stations);
+  observation.components().joint = joint_std;
   const Scatter left = disagreement(observation, unknowns, covariance);
   if (left.redundancy < 1.0) {
     throw InvalidArgument(fmt::format("validation: expected more readings than their set-up has unknowns, {}; got {}",
                                       calibrated.observation.nuisance_count(), observation.groups().size()));
   }
-  const auto stations = observation.stations(unknowns);
-  validation.readings =
-      checked_readings(nominal, calibrated, observation, {*stations, unknowns}, known.expanded_joint_std(),
-                       with_scales(observation, fit.scale_std, covariance), measurements.stations);
   state_agreement(left, noise_dof, is_known, validation);
   return {nominal.summary(), calibrated.summary()};
 }

@@ -94,8 +94,8 @@ class Observation {
   /// I + H P H^T when it is not in use. Without joint effects: [J | r] and I.
   void check_each(const Eigen::VectorXd& unknowns,
                   const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  /// Variances of a reading's rows when the joints may be off, in units of its own noise.
-  Eigen::VectorXd widening(const Group& group, const Placed& at) const;
+  /// Variances of a reading's rows when the joints may be off by this standard deviation, in units of its own noise.
+  Eigen::VectorXd widening(const Group& group, const Placed& at, double joint_std) const;
   /// log det V of all active readings, in units of the standard deviations before any factor.
   double log_determinant(const Eigen::VectorXd& unknowns) const;
 
@@ -119,8 +119,8 @@ class Observation {
   void add_groups();
   void list_stations();
   /// Variances of a reading's rows when the joints may be off, over those when they are not.
-  Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations,
-                           const ByPlate& by_plate) const;
+  static Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations,
+                                  const ByPlate& by_plate, double joint_std);
   void check_station(
       std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
       const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "readings/median.hpp"
 #include "tails.hpp"
 
 namespace paracal::detail {
@@ -26,12 +27,6 @@ double chance_of_worst(double statistic, int rows, double freedom, std::size_t c
   if (!std::isfinite(statistic)) return 0.0;
   const double one = fisher_tail(statistic, rows, freedom);
   return -std::expm1(static_cast<double>(count) * std::log1p(-std::min(one, 1.0 - 1e-16)));
-}
-
-double median_of(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, half);
-  return *half;
 }
 
 }  // namespace
@@ -70,7 +65,7 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
     sizes[g] = std::sqrt(block.col(n).squaredNorm() / group.weight / std::max(redundancy, kUncheckable * rows));
     active.push_back(sizes[g]);
   });
-  const double middle = active.empty() ? 1.0 : std::max(median_of(active), 1e-12);
+  const double middle = active.empty() ? 1.0 : std::max(median(active), 1e-12);
   for (double& size : sizes) size /= middle;
   return sizes;
 }
@@ -86,7 +81,7 @@ void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& sta
       distances.push_back(series.residual(group.index, {*stations, start}).length.norm());
   }
   if (distances.empty()) return;
-  const double limit = std::max(kGross * median_of(distances), 5.0);
+  const double limit = std::max(kGross * median(distances), 5.0);
   std::size_t k = 0;
   for (Group& group : observation.groups()) {
     if (observation.series_of(group).shows_gross_at_start() && distances[k++] > limit) group.active = false;

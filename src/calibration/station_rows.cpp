@@ -41,7 +41,7 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
   if (group.is_relative()) {
     sources.noalias() -= by_plate * stations[group.from].jacobian;
     if (components_.joint > 0.0) {
-      block = widening(group, stations, by_plate).cwiseSqrt().cwiseInverse().asDiagonal() * block;
+      block = widening(group, stations, by_plate, components_.joint).cwiseSqrt().cwiseInverse().asDiagonal() * block;
     }
   }
   if (by_joint != nullptr) by_joint->noalias() = by_plate * station.by_joint;
@@ -49,16 +49,16 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
 
 /// Readings that share a station share how far its joints are off; here each has its own.
 Eigen::VectorXd Observation::widening(const Group& group, const std::vector<StationState>& stations,
-                                      const ByPlate& by_plate) const {
+                                      const ByPlate& by_plate, double joint_std) {
   Eigen::VectorXd squares = (by_plate * stations[group.station].by_joint).rowwise().squaredNorm();
   if (group.is_relative()) squares += (by_plate * stations[group.from].by_joint).rowwise().squaredNorm();
-  return Eigen::VectorXd::Ones(by_plate.rows()) + components_.joint * components_.joint * squares;
+  return Eigen::VectorXd::Ones(by_plate.rows()) + joint_std * joint_std * squares;
 }
 
-Eigen::VectorXd Observation::widening(const Group& group, const Placed& at) const {
+Eigen::VectorXd Observation::widening(const Group& group, const Placed& at, double joint_std) const {
   Eigen::MatrixXd block;
   const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
-  return widening(group, at.stations, series_of(group).rows(group.index, at, block) / factor);
+  return widening(group, at.stations, series_of(group).rows(group.index, at, block) / factor, joint_std);
 }
 
 StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,
@@ -155,7 +155,7 @@ double Observation::log_determinant(const Eigen::VectorXd& unknowns) const {
     const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
     sum += 2.0 * static_cast<double>(block.rows()) * std::log(factor);
     if (group.is_relative() && components_.joint > 0.0) {
-      sum += widening(group, *states, by_plate / factor).array().log().sum();
+      sum += widening(group, *states, by_plate / factor, components_.joint).array().log().sum();
     }
   }
   if (components_.joint == 0.0) return sum;

@@ -104,7 +104,7 @@ std::vector<Station> candidates_of(const Robot& robot, const Options& options, c
 void check_range(const Options& options) {
   if (options.range.empty()) return;
   if (options.plan.readings.measurand != Measurand::lengths) {
-    throw WrongUsage("--range-mm: expected --measure height, ball-bar or dial with it");
+    throw WrongUsage("--range-mm: expected --measure with it, and a length that each pose shows alone");
   }
   if (!(options.range[0] < options.range[1])) {
     throw WrongUsage(fmt::format("--range-mm: expected the shortest, then the longest, got {},{}", options.range[0],

@@ -67,11 +67,11 @@ class Dial final : public LengthModel {
   StartedSetUp start(const LengthsRead& read, const LengthSeries& series,
                      const CalibrationOptions& options) const override {
     const Plunger straight = plunger(series, 0.0, 0.0);
-    std::vector<Eigen::Vector3d> zeros;
+    std::vector<double> zeros;
     for (std::size_t k = 0; k < read.places.size(); ++k) {
-      zeros.emplace_back(straight.along.dot(read.places[k]) - read.lengths[k], 0.0, 0.0);
+      zeros.push_back(straight.along.dot(read.places[k]) - read.lengths[k]);
     }
-    StartedSetUp started{Eigen::Vector3d(zeros.empty() ? 0.0 : median(zeros).x(), 0.0, 0.0)};
+    StartedSetUp started{Eigen::Vector3d(zeros.empty() ? 0.0 : median(zeros), 0.0, 0.0)};
     if (!options.noise.dial_angle) {
       started.assumed =
           fmt::format("the dial of {} was set up along the stated direction to {:g} deg (standard deviation)",

@@ -37,11 +37,11 @@ class Heights final : public LengthModel {
   /// As level as the robot.
   StartedSetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
                      const CalibrationOptions& /*options*/) const override {
-    std::vector<Eigen::Vector3d> levels;
+    std::vector<double> levels;
     for (std::size_t k = 0; k < read.places.size(); ++k) {
-      levels.emplace_back(0.0, 0.0, read.places[k].z() - read.lengths[k]);
+      levels.push_back(read.places[k].z() - read.lengths[k]);
     }
-    return {Eigen::Vector3d(levels.empty() ? 0.0 : median(levels).z(), 0.0, 0.0)};
+    return {Eigen::Vector3d(levels.empty() ? 0.0 : median(levels), 0.0, 0.0)};
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,

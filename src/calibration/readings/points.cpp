@@ -56,7 +56,8 @@ void Points::take_columns(Eigen::Index& next, bool seeks_scale) {
 }
 
 void Points::start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) {
-  std::vector<Eigen::Vector3d> predicted, measured, seconds, zeros;
+  std::vector<Eigen::Vector3d> predicted, measured, seconds;
+  std::vector<double> zeros;
   for (const PointReading& reading : readings_) {
     predicted.push_back(stations[reading.station].plate.position);
     measured.push_back(reading.point);
@@ -69,12 +70,12 @@ void Points::start(const std::vector<StationState>& stations, Eigen::VectorXd& u
   }
   for (const PointReading& reading : readings_) {
     const StationState& station = stations[reading.station];
-    if (reading.rotation) zeros.emplace_back(station.rotation - *reading.rotation, 0.0, 0.0);
+    if (reading.rotation) zeros.push_back(station.rotation - *reading.rotation);
     if (reading.second) {
       seconds.emplace_back(carrier(station).transpose() * turned_.transpose() * (*reading.second - reading.point));
     }
   }
-  if (zero_ >= 0) unknowns(zero_) = median(zeros).x();
+  if (zero_ >= 0) unknowns(zero_) = median(zeros);
   if (second_ >= 0) unknowns.segment<3>(second_) = median(seconds);
 }
 
