@@ -50,8 +50,8 @@ std::size_t filter(const TargetCorrection& correction, const std::string& block,
   Repeated source(block, bytes);
   std::istream stream(&source);
   std::size_t written = 0;
-  keep(io::filter_gcode(
-      {"", stream}, [&](std::string_view text) { written += text.size(); }, correction, {}, threads));
+  keep(io::filter_gcode({"", stream}, [&](std::string_view text) { written += text.size(); }, correction,
+                        {.threads = threads}));
   return written;
 }
 

@@ -72,7 +72,20 @@ Json to_json(const FilterSummary& summary) {
     passed.push_back(
         {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}});
   }
-  return {{"lines", summary.lines}, {"corrected", summary.corrected}, {"passed", passed}};
+  Json farthest = Json::array();
+  for (const CorrectedTarget& one : summary.farthest) {
+    farthest.push_back({{"line", one.line},
+                        {"wanted", to_json(one.wanted)},
+                        {"target", to_json(one.target)},
+                        {"distance_mm", one.distance()}});
+  }
+  return {{"lines", summary.lines},
+          {"corrected", summary.corrected},
+          {"lines_added", summary.added},
+          {"passed", passed},
+          {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
+          {"farthest", farthest},
+          {"assumed", summary.assumed}};
 }
 
 }  // namespace paracal::io

@@ -58,22 +58,18 @@ class PoseTable : public TargetFormat {
   PoseTable(std::string name, const Robot& robot)
       : name_(std::move(name)), robot_(robot), has_slide_(robot.slide().has_value()) {}
 
-  bool read(std::string_view text, TargetLine& target, std::string_view& passed) override {
+  std::string_view read(std::string_view text, TargetLine& target) override {
     const std::size_t mark = target.number == 1 && text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     const std::string_view line = text.substr(mark);
     check_robot(line, target.number);
-    if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) return false;
+    if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) return {};
     const bool is_closed = split(line, fields_);
     if (!has_header()) {
       if (!is_closed) fail(target.number, "expected closed quotation marks around a field, got an open one");
       read_header(line, target.number);
-      return false;
+      return {};
     }
-    if (!is_closed || fields_.size() != column_count_) {
-      passed = kWrongFields;
-      return false;
-    }
-    return read_row(text, target, passed);
+    return is_closed && fields_.size() == column_count_ ? read_row(text, target) : kWrongFields;
   }
 
   void finish() const override {
@@ -114,19 +110,17 @@ class PoseTable : public TargetFormat {
   }
 
   /// phi of a rigid plate is read, but left: its targets turn no more than its poses.
-  bool read_row(std::string_view text, TargetLine& target, std::string_view& passed) const {
+  std::string_view read_row(std::string_view text, TargetLine& target) const {
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       if (!columns_[axis]) continue;
       const Field& field = fields_[*columns_[axis]];
       const std::optional<double> value = finite_number(field.of(text));
-      if (!value) {
-        passed = kNoNumber;
-        return false;
-      }
-      target.wanted[axis] = *value;
+      if (!value) return kNoNumber;
+      target.path.to[axis] = *value;
       if (axis != kRotation || has_slide_) target.stated[axis] = {field.begin, field.end, *value};
     }
-    return true;
+    target.kind = TargetLine::Kind::target;
+    return {};
   }
 
   std::string name_;
@@ -142,7 +136,7 @@ class PoseTable : public TargetFormat {
 FilterSummary filter_pose_table(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                                 unsigned threads) {
   PoseTable table(in.name, correction.robot());
-  return filter(in, out, table, correction, Eigen::Vector3d::Zero(), threads);
+  return filter(in, out, table, correction, {.threads = threads});
 }
 
 }  // namespace paracal::io

@@ -112,18 +112,34 @@ class BlockParser {
 
   /// #1 = 5, #1 = [...], #1 = #2
   bool assignment() {
+    const std::size_t parameter_begin = at_;
     if (!skip_parameter()) return false;
+    const std::string_view parameter = text_.substr(parameter_begin, at_ - parameter_begin);
     skip_blanks();
     if (next() != '=') return false;
     ++at_;
     skip_blanks();
-    const char first = next() == '-' && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
-    if (first == '#' || first == '[') {
-      if (next() == '-') ++at_;
-      return skip_expression();
-    }
-    while (is_letter(next())) ++at_;  // a function
-    return next() == '[' ? skip_brackets() : number().has_value();
+    const std::size_t value_begin = at_;
+    if (!skip_value()) return false;
+    block_.assignments.emplace_back(parameter, text_.substr(value_begin, at_ - value_begin));
+    return true;
+  }
+
+  /// A number, a parameter, brackets, or a function of them; signed.
+  bool skip_value() {
+    const bool has_sign = next() == '-' || next() == '+';
+    const char first = has_sign && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
+    if (first != '#' && first != '[' && !is_letter(first)) return number().has_value();
+    if (has_sign) ++at_;
+    if (!is_letter(next())) return skip_expression();
+    while (is_letter(next())) ++at_;
+    skip_blanks();
+    if (next() != '[' || !skip_brackets()) return false;
+    skip_blanks();
+    if (next() != '/') return true;  // the second part of ATAN[y]/[x]
+    ++at_;
+    skip_blanks();
+    return skip_brackets();
   }
 
   /// The rest of the line is a text: RepRap's M117 and M118, messages, and M486, the name of an object.
@@ -208,9 +224,11 @@ bool is_setting(std::string_view text) {
 
 }  // namespace
 
-void GcodeBlock::parse(std::string_view text) {
+void GcodeBlock::parse(std::string_view line) {
   kind = Kind::words;
+  text = line;
   words.clear();
+  assignments.clear();
   is_optional = false;
   checksum_at = 0;
   if (is_setting(text)) {

@@ -2,9 +2,11 @@
 
 // Private to io: one line of G-code as words. RS-274/NGC and what RepRap firmware adds to it.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace paracal::io {
@@ -36,12 +38,19 @@ struct GcodeBlock {
     setting,    ///< a command of Klipper's own that moves nothing
   };
   Kind kind = Kind::words;
+  std::string_view text = {};  ///< as long as what was parsed lives
   std::vector<GcodeWord> words;
-  bool is_optional = false;     ///< block delete: '/'
-  std::size_t checksum_at = 0;  ///< of RepRap's '*'; 0: none
+  std::vector<std::pair<std::string_view, std::string_view>> assignments;  ///< #1 and 5 of #1 = 5
+  bool is_optional = false;                                                ///< block delete: '/'
+  std::size_t checksum_at = 0;                                             ///< of RepRap's '*'; 0: none
 
-  /// @param text  without line end. Vectors are reused.
-  void parse(std::string_view text);
+  bool has_letter(std::string_view letters) const {
+    return std::ranges::any_of(
+        words, [&](const GcodeWord& word) { return letters.find(word.letter) != std::string_view::npos; });
+  }
+
+  /// @param line  without its end. Vectors are reused.
+  void parse(std::string_view line);
 };
 
 /// RepRap: exclusive or of the bytes before '*'.

@@ -7,15 +7,15 @@ namespace paracal::io {
 namespace {
 
 constexpr std::array kCodes{
-    Code{0, Effect::straight},
+    Code{0, Effect::rapid},
     Code{10, Effect::straight},
-    Code{20, Effect::curve},
-    Code{30, Effect::curve},
+    Code{20, Effect::clockwise},
+    Code{30, Effect::anticlockwise},
     Code{40, Effect::dwell},
-    Code{50, Effect::curve},
-    Code{51, Effect::curve},
-    Code{52, Effect::curve},
-    Code{53, Effect::curve},
+    Code{50, Effect::spline},
+    Code{51, Effect::spline},
+    Code{52, Effect::spline},
+    Code{53, Effect::spline},
     Code{70, Effect::transform, kDiameter},
     Code{80, Effect::no_transform, kDiameter},
     Code{90, Effect::none},
@@ -23,12 +23,12 @@ constexpr std::array kCodes{
     Code{110, Effect::none},
     Code{150, Effect::no_transform, kPolar},
     Code{160, Effect::transform, kPolar},
-    Code{170, Effect::none},
-    Code{171, Effect::none},
-    Code{180, Effect::none},
-    Code{181, Effect::none},
-    Code{190, Effect::none},
-    Code{191, Effect::none},
+    Code{170, Effect::plane, 0, 2},
+    Code{171, Effect::plane},
+    Code{180, Effect::plane, 0, 1},
+    Code{181, Effect::plane},
+    Code{190, Effect::plane, 0, 0},
+    Code{191, Effect::plane},
     Code{200, Effect::inch},
     Code{210, Effect::mm},
     Code{270, Effect::home},
@@ -87,16 +87,16 @@ constexpr std::array kCodes{
     Code{880, Effect::cycle},
     Code{890, Effect::cycle},
     Code{900, Effect::absolute},
-    Code{901, Effect::none},
+    Code{901, Effect::centre_is_place},
     Code{910, Effect::incremental},
-    Code{911, Effect::none},
+    Code{911, Effect::centre_from_start},
     Code{920, Effect::shift_axes},
     Code{921, Effect::shift},
     Code{922, Effect::shift},
     Code{923, Effect::shift},
-    Code{930, Effect::none},
-    Code{940, Effect::none},
-    Code{950, Effect::none},
+    Code{930, Effect::inverse_time},
+    Code{940, Effect::feed_per_time},
+    Code{950, Effect::feed_per_time},
     Code{960, Effect::none},
     Code{970, Effect::none},
     Code{980, Effect::none},
@@ -113,8 +113,17 @@ const Code* find_code(int tenths) {
 
 MEffect effect_of_m(int tenths) {
   switch (tenths) {
-    case 20:   // end
-    case 300:  // end
+    case 0:
+    case 10:
+    case 600:
+      return MEffect::pause;
+    case 20:
+    case 300:
+      return MEffect::end;
+    case 820:
+      return MEffect::absolute_extrusion;
+    case 830:
+      return MEffect::relative_extrusion;
     case 700:  // modes are kept
     case 710:
     case 720:  // and restored
@@ -148,6 +157,11 @@ MEffect effect_of_m(int tenths) {
     default:
       return MEffect::none;
   }
+}
+
+bool takes_axis_words(int tenths) {
+  constexpr std::array kOfRs274{300, 480, 490, 500, 510, 520, 530, 600};
+  return tenths >= 100 && std::ranges::find(kOfRs274, tenths) == kOfRs274.end();
 }
 
 }  // namespace paracal::io

@@ -2,15 +2,25 @@
 
 // Private to io: what the codes of G-code do to targets.
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace paracal::io {
 
 /// What a G code does to targets.
 enum class Effect : std::uint8_t {
-  none,  ///< planes, path modes, exact stop, distance of arc centres, feed and spindle modes, return of cycles
+  none,  ///< path modes, exact stop, spindle modes, return of cycles
+  rapid,
   straight,
-  curve,
+  clockwise,
+  anticlockwise,
+  spline,
+  plane,
+  centre_is_place,  ///< of arcs
+  centre_from_start,
+  inverse_time,
+  feed_per_time,
   cycle,
   no_motion,
   probe,  ///< probing and threads
@@ -36,7 +46,8 @@ enum class Effect : std::uint8_t {
 struct Code {
   int tenths;  ///< 10 times the code
   Effect effect;
-  unsigned transform = 0;  ///< bit
+  unsigned transform = 0;                  ///< bit
+  std::optional<std::size_t> normal = {};  ///< axis of a plane
 };
 
 inline constexpr unsigned kRadius = 1, kTurn = 2, kScale = 4, kMirror = 8, kPolar = 16, kDiameter = 32;
@@ -47,15 +58,23 @@ const Code* find_code(int tenths);
 /// What an M code does to targets, besides giving axis words another meaning.
 enum class MEffect : std::uint8_t {
   none,
-  end_of_modes,          ///< end of the program; modes that are kept or restored
+  pause,                 ///< after the motion of its line
+  end,                   ///< of the program, after the motion of its line
+  end_of_modes,          ///< modes that are kept or restored
   end_of_modes_if_bare,  ///< with words it is RepRap's and says how far the print is
   tool_change,
   flow,
+  absolute_extrusion,
+  relative_extrusion,
   setting,  ///< of RepRap firmwares: axis words are numbers of the firmware's, not places
   shift,    ///< of the origin
 };
 
 /// @param tenths  10 times the code.
 MEffect effect_of_m(int tenths);
+
+/// Of M codes that RepRap firmwares give axis words; beside those of RS-274 such words are a motion's.
+/// @param tenths  10 times the code.
+bool takes_axis_words(int tenths);
 
 }  // namespace paracal::io

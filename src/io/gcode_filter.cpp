@@ -1,4 +1,5 @@
 #include "gcode_block.hpp"
+#include "gcode_expression.hpp"
 #include "gcode_modes.hpp"
 #include "paracal/units.hpp"
 #include "target_line.hpp"
@@ -10,27 +11,42 @@ class Gcode : public TargetFormat {
  public:
   Gcode(std::size_t axis_count, const std::optional<AxisValues>& start) : modes_(axis_count, start) {}
 
-  bool read(std::string_view text, TargetLine& target, std::string_view& passed) override {
+  std::string_view read(std::string_view text, TargetLine& target) override {
     block_.parse(text);
-    passed = modes_.take(block_, target);
-    if (!target.may_insert) return false;
-    style_insertions(text, target);
-    return true;
+    if (parameters_.apply(block_)) modes_.move_origin();
+    const std::string_view passed = modes_.take(block_, target);
+    if (modes_.has_forgotten()) parameters_.forget();
+    if (target.kind != TargetLine::Kind::none) add_style(text, target);
+    return passed;
   }
-  void skip() override { modes_.forget(); }
+  void skip() override {
+    modes_.forget();
+    parameters_.forget();
+  }
+  std::vector<std::string> assumed() const override {
+    if (!modes_.took_rotation_as_zero()) return {};
+    return {"C, which the program never states, stays at 0 deg"};
+  }
 
  private:
-  /// Words are added as the last axis word is written: behind it, in its case, after a blank if it stands after one.
-  void style_insertions(std::string_view text, TargetLine& target) const {
+  /// Words are added as the last axis word is written: behind it, in its case, after a blank if it stands after one;
+  /// where there is none, as the words of the arc. With these go the blanks before them.
+  void add_style(std::string_view text, TargetLine& target) const {
+    const auto is_blank = [text](std::size_t at) { return text[at] == ' ' || text[at] == '\t'; };
     for (const GcodeWord& word : block_.words) {
-      if (word.end != target.insert_at) continue;
+      if (target.insert_at != 0 && word.end < target.insert_at) continue;
       target.in_lower_case = text[word.at] != word.letter;
-      target.with_blank = word.at > 0 && (text[word.at - 1] == ' ' || text[word.at - 1] == '\t');
+      target.with_blank = word.at > 0 && is_blank(word.at - 1);
+      if (word.end == target.insert_at && word.letter != 'G') break;
     }
     target.checksum_at = block_.checksum_at;
+    for (TextRange& word : target.divided.arc_words) {
+      while (word.end > 0 && word.begin > 0 && is_blank(word.begin - 1)) --word.begin;
+    }
   }
 
   GcodeBlock block_;
+  GcodeParameters parameters_;
   GcodeModes modes_;
 };
 
@@ -43,9 +59,10 @@ std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
 }  // namespace
 
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
-                           const GcodeFrame& frame, unsigned threads) {
-  Gcode gcode(correction.robot().limb_count(), axis_values(frame.start));  // as many axes as limbs
-  return filter(in, out, gcode, correction, frame.origin, threads);
+                           const GcodeOptions& options) {
+  Gcode gcode(correction.robot().limb_count(), axis_values(options.start));  // as many axes as limbs
+  return filter(in, out, gcode, correction,
+                {.origin = options.origin, .chord = options.chord, .threads = options.threads});
 }
 
 }  // namespace paracal::io

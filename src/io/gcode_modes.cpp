@@ -14,15 +14,8 @@ constexpr std::string_view kMalformed = "not a block of G-code, or a wrong check
 constexpr std::string_view kFlow = "subprograms, jumps and loops";
 constexpr std::string_view kOptional = "block delete (/)";
 constexpr std::string_view kUnknownCode = "a G code that is not known here";
-constexpr std::string_view kElsewhere = "homing, probing, threads and cycles";
-constexpr std::string_view kMCode = "axis words of an M code";
 constexpr std::string_view kExpression = "parameters and expressions";
-constexpr std::string_view kIncremental = "incremental (G91)";
-constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
-constexpr std::string_view kCurve = "arcs and splines";
-constexpr std::string_view kOtherOrigin = "another origin than that of the first motion";
-constexpr std::string_view kTransformed = "offset, turned or scaled path";
-constexpr std::string_view kAxisUnknown = "an axis has not been stated yet";
+constexpr std::string_view kLateRotation = "C is stated after motions for which it was taken as 0 (--start)";
 
 /// 10 times the code; -1 for what no code is.
 int tenths_of(double code) {
@@ -30,22 +23,24 @@ int tenths_of(double code) {
   return std::abs(10.0 * code - tenths) < 1e-6 && tenths >= 0.0 && tenths < 1e5 ? static_cast<int>(tenths) : -1;
 }
 
-bool has_letter(const GcodeBlock& block, std::string_view letters) {
-  return std::ranges::any_of(
-      block.words, [&](const GcodeWord& word) { return letters.find(word.letter) != std::string_view::npos; });
-}
-
 }  // namespace
 
 GcodeModes::GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start) : axis_count_(axis_count) {
   passed_.fill(true);
+  if (!start && axis_count == kAxes) rotation_ = Rotation::unstated;
+  lose_all();
   for (std::size_t axis = 0; start && axis < axis_count; ++axis) place_[axis] = (*start)[axis];
 }
 
 void GcodeModes::forget() {
+  forgotten_ = true;
   motion_ = Motion::unknown;
   distance_ = Distance::unknown;
   mm_per_unit_.reset();
+  normal_.reset();
+  centre_is_place_.reset();
+  inverse_time_.reset();
+  extruder_.forget();
   lose_all();
 }
 
@@ -53,6 +48,12 @@ void GcodeModes::lose(const Axes& axes) {
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
     if (axes.word[axis] != nullptr) place_[axis].reset();
   }
+}
+
+/// A C that no line states stays where it is.
+void GcodeModes::lose_all() {
+  place_.fill(std::nullopt);
+  if (rotation_ != Rotation::stated) place_[kRotation] = 0.0;
 }
 
 void GcodeModes::shift_origin() {
@@ -75,6 +76,18 @@ GcodeModes::Axes GcodeModes::axes_of(const GcodeBlock& block) const {
   return axes;
 }
 
+/// Where the place is known its new name is, too.
+void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
+  request.takes_axes = true;
+  bool is_known = first_origin_ && origin_ == *first_origin_ && mm_per_unit_ && transforms_ == 0 && axes.count > 0;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const GcodeWord* const word = axes.word[axis];
+    is_known &= word == nullptr || (word->is_number() && place_[axis]);
+  }
+  request.calls_here = is_known;
+  if (!is_known) shift_origin();
+}
+
 void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request) {
   const auto start_motion = [&](Motion motion) {
     if (request.motion) request.refused = kMalformed;
@@ -88,10 +101,31 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
   switch (code->effect) {
     case Effect::none:
       return;
+    case Effect::rapid:
+      return start_motion(Motion::rapid);
     case Effect::straight:
       return start_motion(Motion::straight);
-    case Effect::curve:
-      return start_motion(Motion::curve);
+    case Effect::clockwise:
+      return start_motion(Motion::clockwise);
+    case Effect::anticlockwise:
+      return start_motion(Motion::anticlockwise);
+    case Effect::spline:
+      return start_motion(Motion::spline);
+    case Effect::plane:
+      normal_ = code->normal;
+      return;
+    case Effect::centre_is_place:
+      centre_is_place_ = true;
+      return;
+    case Effect::centre_from_start:
+      centre_is_place_ = false;
+      return;
+    case Effect::inverse_time:
+      inverse_time_ = true;
+      return;
+    case Effect::feed_per_time:
+      inverse_time_ = false;
+      return;
     case Effect::cycle:
       return start_motion(Motion::cycle);
     case Effect::no_motion:
@@ -108,10 +142,10 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return;
     case Effect::absolute:
       distance_ = Distance::absolute;
-      return;
+      return extruder_.set_distance(false);
     case Effect::incremental:
       distance_ = Distance::incremental;
-      return;
+      return extruder_.set_distance(true);
     case Effect::inch:
       mm_per_unit_ = kMmPerInch;
       return;
@@ -132,12 +166,15 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       origin_.tool_length = false;  // another origin than with it, and than any before it: G43 has counted a shift
       return;
     case Effect::shift_if_stated:
-      if (!has_letter(block, "LP")) return;
+      if (!block.has_letter("LP")) return;
       request.takes_axes = true;
       return shift_origin();
     case Effect::shift_axes:
-      if (axes.count == 0 && has_letter(block, "ABEUVW")) return;
-      [[fallthrough]];
+      for (const GcodeWord& word : block.words) {
+        if (word.letter == 'E') extruder_.place = word.is_number() ? std::optional(word.value) : std::nullopt;
+      }
+      if (axes.count == 0 && block.has_letter("ABEUVW")) return;
+      return call_here_or_shift(axes, request);
     case Effect::shift:
       request.takes_axes = true;
       return shift_origin();
@@ -158,15 +195,27 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
 }
 
 void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) {
-  request.has_m_code = true;
+  request.has_m_code |= takes_axis_words(tenths);
   switch (effect_of_m(tenths)) {
     case MEffect::none:
+      return;
+    case MEffect::pause:
+      request.acts_after = true;
+      return;
+    case MEffect::end:
+      request.acts_after = request.then_unknown = true;
+      return;
+    case MEffect::absolute_extrusion:
+      extruder_ = {.is_relative = false};
+      return;
+    case MEffect::relative_extrusion:
+      extruder_ = {.is_relative = true};
       return;
     case MEffect::end_of_modes:
       request.then_unknown = true;
       return;
     case MEffect::end_of_modes_if_bare:
-      if (!has_letter(block, "PRCD")) request.then_unknown = true;
+      if (!block.has_letter("PRCD")) request.then_unknown = true;
       return;
     case MEffect::tool_change:
       request.then_lost = true;
@@ -190,7 +239,9 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
     if (word.letter != 'G' && word.letter != 'M') continue;
     if (word.is_number()) {
       const int tenths = tenths_of(word.value);
+      const auto stated_before = request.motion;
       word.letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
+      if (request.motion && !stated_before) request.motion_word = {word.at, word.end};
     } else {
       request.refused = word.kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
     }
@@ -205,96 +256,40 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
     return block.kind == GcodeBlock::Kind::flow ? kFlow : kMalformed;
   }
   const Axes axes = axes_of(block);
+  const std::string_view late = take_rotation(axes);
   if (block.is_optional) return take_optional(block, axes);
   const Request request = apply_codes(block, axes);
   if (!request.refused.empty()) {
     forget();
     return request.refused;
   }
-  const std::string_view passed = move(block, axes, request, target);
+  std::string_view passed = move(block, axes, request, target);
+  if (!late.empty()) passed = late;
+  restate_arc(block, request, !passed.empty(), target);
   if (request.then_lost) lose_all();
   if (request.then_unknown) forget();
   return passed;
 }
 
+/// The first C of a program: what it was before is not known.
+std::string_view GcodeModes::take_rotation(const Axes& axes) {
+  if (rotation_ == Rotation::stated || axes.word[kRotation] == nullptr) return {};
+  const bool is_late = rotation_ == Rotation::taken_as_zero;
+  rotation_ = Rotation::stated;
+  place_[kRotation].reset();
+  return is_late ? kLateRotation : std::string_view();
+}
+
 /// The operator decides whether it counts.
 std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& axes) {
-  if (axes.count == 0 && !has_letter(block, "GMT")) return {};
+  if (axes.count == 0 && !block.has_letter("GMT")) return {};
   const Origin origin = origin_;
   const unsigned transforms = transforms_;
   const Request request = apply_codes(block, axes);
-  if (!(origin_ == origin)) shift_origin();
+  if (!(origin_ == origin) || request.calls_here) shift_origin();
   transforms_ |= transforms;
   forget();
   return axes.count > 0 || !request.refused.empty() || request.goes_elsewhere ? kOptional : std::string_view();
-}
-
-std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, const Request& request,
-                                  TargetLine& target) {
-  if (request.goes_elsewhere) {
-    lose_all();
-    // Homing alone states no target, and so leaves nothing uncorrected.
-    return axes.has_number || axes.has_expression || !request.takes_axes ? kElsewhere : std::string_view();
-  }
-  if (request.takes_axes) return {};
-  const Motion motion = request.motion.value_or(motion_);
-  const bool is_full_circle = motion == Motion::curve && has_letter(block, "IJKR");
-  if (axes.count == 0) return is_full_circle ? kCurve : std::string_view();
-  if (axes.has_flag) {
-    forget();
-    return kMalformed;
-  }
-  const auto give_up = [&](std::string_view why) {
-    lose(axes);
-    return why;
-  };
-  if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
-  if (motion == Motion::unknown || motion == Motion::none || distance_ == Distance::unknown || !mm_per_unit_) {
-    return give_up(kModes);
-  }
-  if (motion == Motion::cycle) {
-    place_[2].reset();
-    return give_up(kElsewhere);
-  }
-  if (request.in_machine) return give_up(kOtherOrigin);
-  if (distance_ == Distance::incremental) return give_up(kIncremental);
-  if (transforms_ != 0) return give_up(kTransformed);
-  if (!first_origin_) first_origin_ = origin_;
-  if (!(origin_ == *first_origin_)) return give_up(kOtherOrigin);
-  return move_to(axes, motion, target);
-}
-
-/// An absolute motion in the origin's frame: axes that it states as numbers are known from now on.
-std::string_view GcodeModes::move_to(const Axes& axes, Motion motion, TargetLine& target) {
-  target.passed = passed_;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    const GcodeWord* const word = axes.word[axis];
-    if (word == nullptr) continue;
-    place_[axis].reset();
-    if (word->is_number()) place_[axis] = word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
-    passed_[axis] = true;
-  }
-  if (axes.has_expression) return kExpression;
-  if (motion == Motion::curve) return kCurve;
-  const auto is_known = [](const std::optional<double>& place) { return place.has_value(); };
-  if (!std::all_of(place_.begin(), place_.begin() + static_cast<std::ptrdiff_t>(axis_count_), is_known)) {
-    return kAxisUnknown;
-  }
-  state(axes, target);
-  passed_.fill(false);
-  return {};
-}
-
-void GcodeModes::state(const Axes& axes, TargetLine& target) {
-  target.may_insert = true;
-  target.mm_per_unit = *mm_per_unit_;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    target.wanted[axis] = *place_[axis];
-    const GcodeWord* const word = axes.word[axis];
-    if (word == nullptr) continue;
-    target.stated[axis] = {word->begin, word->end, word->value};
-    target.insert_at = std::max(target.insert_at, word->end);
-  }
 }
 
 }  // namespace paracal::io

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
+#include "gcode_arc.hpp"
 #include "gcode_block.hpp"
+#include "gcode_extruder.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {
@@ -20,18 +23,26 @@ class GcodeModes {
   GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start);
 
   /// Takes the next block.
-  /// @param target  gets the target, if the block is an absolute straight motion to one that is known in all axes.
+  /// @param target  gets what it states, if that is known in all axes.
   /// @returns why not, if the block moves, or may move, the axes; else empty.
   std::string_view take(const GcodeBlock& block, TargetLine& target);
 
   /// A line that cannot be read may have done anything but move the origin.
   void forget();
+  /// Something but a code has moved it.
+  void move_origin() { shift_origin(); }
+  /// @returns whether anything was forgotten since it was last asked.
+  bool has_forgotten() { return std::exchange(forgotten_, false); }
+
+  /// Whether targets were stated while C never was: it is taken as 0.
+  bool took_rotation_as_zero() const { return rotation_ == Rotation::taken_as_zero; }
 
  private:
-  enum class Motion : std::uint8_t { unknown, none, straight, curve, cycle };
+  enum class Motion : std::uint8_t { unknown, none, rapid, straight, clockwise, anticlockwise, spline, cycle };
   enum class Distance : std::uint8_t { unknown, absolute, incremental };
+  enum class Rotation : std::uint8_t { unstated, taken_as_zero, stated };
 
-  /// Where program coordinates lie in the machine: a change of any of these moves them.
+  /// Where program coordinates lie in the machine, as far as that is not known: a change of any of these moves them.
   struct Origin {
     int system = 0;  ///< 10 times the code, 540 to 593; 0: that of power-on
     bool tool_length = false;
@@ -42,11 +53,14 @@ class GcodeModes {
   /// What the codes of one block ask for beside modes.
   struct Request {
     std::optional<Motion> motion = {};  ///< stated in this block
-    std::string_view refused = {};      ///< the block can do what is not known here
-    bool takes_axes = false;            ///< axis words are parameters, not a target
-    bool goes_elsewhere = false;        ///< ends where the program does not say
+    TextRange motion_word = {};
+    std::string_view refused = {};  ///< the block can do what is not known here
+    bool takes_axes = false;        ///< axis words are parameters, not a target
+    bool calls_here = false;        ///< axis words are what this place is called from now on
+    bool goes_elsewhere = false;    ///< ends where the program does not say
     bool has_m_code = false;
     bool is_setting = false;    ///< of M codes whose axis words are numbers of the firmware's, not places
+    bool acts_after = false;    ///< M0, M2
     bool in_machine = false;    ///< G53
     bool then_lost = false;     ///< after the block, no place is known
     bool then_unknown = false;  ///< nor any mode
@@ -59,27 +73,45 @@ class GcodeModes {
     bool has_duplicate = false, has_flag = false, has_number = false, has_expression = false;
   };
 
+  using Places = std::array<std::optional<double>, kAxes>;
+
   Axes axes_of(const GcodeBlock& block) const;
   Request apply_codes(const GcodeBlock& block, const Axes& axes);
   void apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request);
   void apply_m(int tenths, const GcodeBlock& block, Request& request);
+  void call_here_or_shift(const Axes& axes, Request& request);
   void shift_origin();
   void lose(const Axes& axes);
-  void lose_all() { place_.fill(std::nullopt); }
+  void lose_all();
+  std::string_view take_rotation(const Axes& axes);
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes);
   std::string_view move(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
-  std::string_view move_to(const Axes& axes, Motion motion, TargetLine& target);
-  void state(const Axes& axes, TargetLine& target);
+  std::string_view move_to(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
+  std::string_view why_unknown(const Places& from, Motion motion) const;
+  void call_here(const Axes& axes, TargetLine& target);
+  std::string_view add_arc(const GcodeBlock& block, bool is_clockwise, TargetPath& path) const;
+  void state(const Axes& axes, TargetLine& target) const;
+  DividedLine divided(const GcodeBlock& block, const Request& request, bool is_rapid);
+  void restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const;
+  bool is_arc(Motion motion) const { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
 
   std::size_t axis_count_;
   Motion motion_ = Motion::none;
   Distance distance_ = Distance::absolute;
   std::optional<double> mm_per_unit_ = 1.0;
+  std::optional<ArcNormal> normal_ = 2;
+  std::optional<bool> centre_is_place_ = false;
+  std::optional<bool> inverse_time_ = false;
+  Extruder extruder_ = {};
   Origin origin_;
-  std::optional<Origin> first_origin_ = {};  ///< of the first motion: the one that the user's origin speaks of
+  std::optional<Origin> first_origin_ = {};  ///< of the first target: the one that the user's origin speaks of
+  AxisValues shift_{};                       ///< since then: place = stated + shift, as far as it is known
   unsigned transforms_ = 0;                  ///< bits: the path is offset, turned or scaled
-  std::array<std::optional<double>, kAxes> place_ = {};  ///< last stated, mm and deg
-  std::array<bool, kAxes> passed_{};                     ///< stated by a line that was passed through
+  Places place_ = {};                        ///< last stated, mm and deg, in the frame of the first target
+  std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
+  Rotation rotation_ = Rotation::stated;
+  bool forgotten_ = false;
+  bool arcs_are_lines_ = false;  ///< the controller may be in another motion mode than the program
 };
 
 }  // namespace paracal::io

@@ -5,19 +5,21 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "paracal/io/target_filter.hpp"
+#include "target_path.hpp"
 
 namespace paracal::io {
 
-inline constexpr std::size_t kAxes = 4;
-inline constexpr std::size_t kRotation = 3;  ///< C, phi; before it X, Y, Z
+/// Where something stands in a line.
+struct TextRange {
+  std::size_t begin = 0, end = 0;
 
-/// Coordinates as files state them: x, y, z and phi, mm and deg.
-using AxisValues = std::array<double, kAxes>;
+  bool is_empty() const { return begin == end; }
+};
 
 /// A number in a line.
 struct StatedNumber {
@@ -27,40 +29,50 @@ struct StatedNumber {
   bool is_stated() const { return begin != end; }
 };
 
+/// What the extruder of a printer does on a line.
+struct ExtrusionOfLine {
+  StatedNumber stated;
+  double from = 0.0;         ///< before the line; of a relative one 0
+  bool is_relative = false;  ///< M83
+};
+
+/// What is to be known of a line of G-code that becomes several lines.
+struct DividedLine {
+  std::string_view hindrance = {};  ///< why it cannot; else empty
+  TextRange motion = {};            ///< the word G0 to G3; empty, where it would stand, if the mode holds
+  bool is_rapid = false;
+  std::array<TextRange, 5> arc_words = {};  ///< I, J, K, R, P, as they stand; empty ones are none
+  TextRange feed = {};
+  ExtrusionOfLine extrusion = {};
+  bool stands_last = false;  ///< its other words act after the motion: M0, M2
+};
+
 /// A line that states a target.
 struct TargetLine {
+  enum class Kind : std::uint8_t {
+    none,
+    target,
+    here,  ///< its numbers say what the place that the controller holds is called from now on: G92
+    left,  ///< passed through; but for the word of its motion, if what it would find in force is another
+  };
+  Kind kind = Kind::none;
   std::size_t index = 0;    ///< among the lines that are read together
   std::int64_t number = 0;  ///< in the file, from 1
-  AxisValues wanted{};
+  TargetPath path{};        ///< wanted; `to` is the target
   std::array<StatedNumber, kAxes> stated{};
   double mm_per_unit = 1.0;
 
   // Only of G-code, where axes that are not stated keep their last value.
-  std::array<bool, kAxes> passed{};  ///< the controller was told the wanted value in a line that was passed through
+  AxisValues shift{};                ///< path = stated + shift, mm and deg
+  bool is_incremental = false;       ///< path.to = path.from + stated
+  bool starts_known = false;         ///< so does path.from
+  std::array<bool, kAxes> passed{};  ///< the controller was told path.from in a line that was passed through
   bool may_insert = false;           ///< other axes may be added
   std::size_t insert_at = 0;         ///< behind the last axis word
   bool with_blank = false, in_lower_case = false;  ///< how added words are written
   std::size_t checksum_at = 0;                     ///< of '*', RepRap; 0: none
-};
-
-/// Counts what is passed through.
-class Tally {
- public:
-  void pass(std::string_view reason, std::int64_t line);
-  /// What was passed since the last corrected target stands between two.
-  void correct();
-  /// In the order of their first lines.
-  std::vector<PassedThrough> sorted() const;
-
- private:
-  /// Since the last corrected target.
-  struct Since {
-    std::int64_t count = 0, first_line = 0;
-  };
-
-  std::vector<PassedThrough> passed_;
-  std::vector<Since> since_;  ///< of each of these
-  bool corrected_ = false, passes_since_ = false;
+  std::string_view restated = {};                  ///< of a line that is left: "2", "3" of its motion's word
+  DividedLine divided = {};
 };
 
 /// What differs between formats.
@@ -73,17 +85,24 @@ class TargetFormat {
 
   /// Reads the next line.
   /// @param text  without the line end.
-  /// @param target  has its number; gets what it states, if it states a target.
-  /// @param passed  why not, if it may hold one; else empty.
-  /// @returns whether it states a target.
-  virtual bool read(std::string_view text, TargetLine& target, std::string_view& passed) = 0;
+  /// @param target  has its number; gets what the line states.
+  /// @returns why not, if it may hold a target and none is stated; else empty.
+  virtual std::string_view read(std::string_view text, TargetLine& target) = 0;
   /// A line too long to be read.
   virtual void skip() {}
   /// @throws InputFileError when something was missing.
   virtual void finish() const {}
+  /// What was taken for granted.
+  virtual std::vector<std::string> assumed() const { return {}; }
+};
+
+struct FilterSettings {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of paths in {O}, mm
+  double chord = 0.0;                                ///< mm; 0: straight lines are not divided
+  unsigned threads = 0;
 };
 
 FilterSummary filter(const TextStream& in, const TextSink& out, TargetFormat& format,
-                     const TargetCorrection& correction, const Eigen::Vector3d& origin, unsigned threads);
+                     const TargetCorrection& correction, const FilterSettings& settings);
 
 }  // namespace paracal::io

@@ -64,10 +64,13 @@ TEST_F(ExportFilter, TablesHoldTheTargetsOfCompensate) {
 TEST_F(ExportFilter, ProgramsKeepAllButTheTargets) {
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kDone);
-  EXPECT_EQ(result.err, "part.ngc: 8 lines, 3 targets corrected\n");
+  EXPECT_THAT(result.err, testing::MatchesRegex("part.ngc: 8 lines, 3 targets corrected\n"
+                                                "  [0-9]+ lines added: arcs in chords, divided lines\n"));
+  EXPECT_EQ(folder.run(kGcode + " --chord-mm 5").err, "part.ngc: 8 lines, 3 targets corrected\n");
   EXPECT_THAT(result.out, StartsWith("%\n(part)\nG21 G90\nG0 X"));
   EXPECT_THAT(result.out, HasSubstr(" ; home\r\nN20 G1 X"));
-  EXPECT_THAT(result.out, HasSubstr(" F5000\nG1 Y-"));
+  EXPECT_THAT(result.out, HasSubstr(" F5000\nG1 X"));
+  EXPECT_THAT(result.out, HasSubstr("\nG1 Y-19."));
   EXPECT_TRUE(result.out.ends_with("\nM30\n%"));
 }
 
@@ -88,7 +91,7 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
 
 /// A program that would be corrected in parts is refused whole, with the line; nothing is written, on demand all is.
 TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
-  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG2 X5 Y5 I1\nG1 X9\nG91\nG1 X1\nG90\nG1 X1 Y2\n");
+  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG5 X5 Y5 I1 P1 Q1\nG1 X9\nG38.2 Z-900\nG1 X0 Y0 Z-880 C0\n");
   folder.write("corrected.ngc", "of yesterday");
   for (const std::string& out :
        {std::string(), std::string(" --out corrected.ngc"), std::string(" --json --out corrected.ngc")}) {
@@ -96,13 +99,13 @@ TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
     EXPECT_EQ(result.exit_code, kBadInputFile);
     EXPECT_THAT(result.out, IsEmpty());
     EXPECT_THAT(result.err,
-                StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got arcs and splines "
-                           "(1 times) between targets that can; line 5: incremental (G91) (1 times); "));
+                StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got splines (1 times) "
+                           "between targets that can; line 4: homing, probing, threads and cycles (1 times); "));
     EXPECT_THAT(result.err, HasSubstr("--partial corrects 3 targets"));
     EXPECT_EQ(folder.read("corrected.ngc"), "of yesterday");
   }
   EXPECT_EQ(folder.run(kGcode + " --partial --out corrected.ngc").exit_code, kVerdictIsNo);
-  EXPECT_THAT(folder.read("corrected.ngc"), HasSubstr("\nG2 X5 Y5 I1\n"));
+  EXPECT_THAT(folder.read("corrected.ngc"), HasSubstr("\nG5 X5 Y5 I1 P1 Q1\n"));
   folder.write("targets.csv", "pose,x_mm,y_mm,z_mm,phi_deg\na,0,0,-888,0\nb,0,0,far,0\nc,9,0,-888,0\n");
   const ProgramResult table = folder.run(kCsv);
   EXPECT_EQ(table.exit_code, kBadInputFile);
@@ -113,32 +116,75 @@ TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
             kWrongUsage);
 }
 
+/// Nor is one handed out of which nothing was corrected.
+TEST_F(ExportFilter, AProgramWithoutACorrectedTargetIsRefused) {
+  folder.write("part.ngc", "G0 X0 Z-888 C0\nG1 X5\nM2\n");
+  const ProgramResult result = folder.run(kGcode);
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.err, StartsWith("paracal: part.ngc:1: expected targets that can all be corrected, got Y has not "
+                                     "been stated yet (--start) (2 times); nothing was written"));
+  folder.write("part.ngc", "M3 S100\nG4 P1\nM2\n");
+  EXPECT_EQ(folder.run(kGcode).exit_code, kDone);
+}
+
+/// --check says what would come of a program and writes none.
+TEST_F(ExportFilter, ACheckWritesNoProgram) {
+  folder.write("part.ngc", "G0 X0 Y0 Z-888\nG1 X100\nG1 X600\nG5 X5 Y5 I1 P1 Q1\nG1 X100\n");
+  const ProgramResult result = folder.run(kGcode + " --check");
+  EXPECT_EQ(result.exit_code, kVerdictIsNo);
+  EXPECT_THAT(result.err, IsEmpty());
+  EXPECT_THAT(result.out, StartsWith("part.ngc: 5 lines, 4 targets corrected\n"));
+  for (const char* said :
+       {"assumed: C, which the program never states, stays at 0 deg",
+        "1 targets outside of the workspace, first in line 3", "passed through: splines (1 times, first in line 4)",
+        "without --partial this file is refused"}) {
+    EXPECT_THAT(result.out, HasSubstr(said));
+  }
+  const json checked = json_of(folder.run(kGcode + " --check --json"), kVerdictIsNo);
+  EXPECT_EQ(checked["refused"], true);
+  EXPECT_EQ(checked["outside_workspace"], json::parse(R"({"count": 1, "first_line": 3})"));
+  ASSERT_THAT(checked["farthest"], SizeIs(4));
+  const json& farthest = checked["farthest"][0];
+  ASSERT_TRUE(has_keys(farthest, "line wanted target distance_mm"));
+  double squared = 0.0;
+  for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
+    squared += std::pow(farthest["target"][axis].get<double>() - farthest["wanted"][axis].get<double>(), 2);
+  }
+  EXPECT_NEAR(farthest["distance_mm"].get<double>(), std::sqrt(squared), 1e-12);
+  char row[100];
+  std::snprintf(row, sizeof row, "\n%8d ", farthest["line"].get<int>());
+  EXPECT_THAT(result.out, HasSubstr(row));
+  folder.write("part.ngc", kProgram);
+  EXPECT_EQ(folder.run(kGcode + " --check").exit_code, kDone);
+}
+
 /// As slicers write it: homing, an approach that states Z alone, settings, a retreat.
 TEST_F(ExportFilter, ApproachAndRetreatDoNotMatter) {
   folder.write("part.ngc",
                "M201 X500 Y500\nSTART_PRINT\nG21\nG90\nG28\nG1 Z-880 F5000\nG1 X10 Y0 Z-888 C0\nM205 X8 Y8\n"
-               "SET_VELOCITY_LIMIT ACCEL=500\nG1 X20 E3\nG1 X10 Y5 E4\nG91\nG1 Z5\nG28\n");
+               "SET_VELOCITY_LIMIT ACCEL=500\nG1 X20 E3\nG1 X10 Y5 E4\nG28\nG1 Z-800\n");
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kVerdictIsNo);
-  EXPECT_THAT(result.err, HasSubstr("14 lines, 3 targets corrected"));
+  EXPECT_THAT(result.err, HasSubstr("13 lines, 3 targets corrected"));
   EXPECT_THAT(result.out, HasSubstr("\nG1 Z-880 F5000\n"));
-  EXPECT_THAT(result.out, testing::EndsWith("\nG91\nG1 Z5\nG28\n"));
+  EXPECT_THAT(result.out, testing::EndsWith("\nG28\nG1 Z-800\n"));
 }
 
 TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
-  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG2 X5 Y5 I1\nG2 X5 Y5 I1\n");
+  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG5 X5 Y5 I1 P1 Q1\nG5 X5 Y5 I1 P1 Q1\n");
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kVerdictIsNo);
-  EXPECT_THAT(result.err, HasSubstr("passed through: arcs and splines (2 times, first in line 2)"));
+  EXPECT_THAT(result.err, HasSubstr("passed through: splines (2 times, first in line 2)"));
   const json summary = json_of(folder.run(kGcode + " --json --out corrected.ngc"), kVerdictIsNo);
   ASSERT_TRUE(
       has_keys(summary,
-               "target input program robot calibration calibration_sha256 date lines corrected passed origin_mm "
-               "self_test"));
+               "target input program robot calibration calibration_sha256 date lines corrected lines_added passed "
+               "outside_workspace farthest assumed refused origin_mm self_test"));
   EXPECT_EQ(summary["lines"], 3);
   EXPECT_EQ(summary["corrected"], 1);
-  EXPECT_EQ(summary["passed"],
-            json::parse(R"([{"reason": "arcs and splines", "count": 2, "first_line": 2, "between": 0}])"));
+  EXPECT_EQ(summary["lines_added"], 0);
+  EXPECT_EQ(summary["refused"], false);
+  EXPECT_EQ(summary["passed"], json::parse(R"([{"reason": "splines", "count": 2, "first_line": 2, "between": 0}])"));
   EXPECT_EQ(folder.read("corrected.ngc"), result.out);
 }
 
@@ -160,7 +206,8 @@ TEST_F(ExportFilter, TheSelfTestSaysWhatTheControllerMustCompute) {
 }
 
 TEST_F(ExportFilter, TheHeaderStandsInComments) {
-  const std::string plain = folder.run(kGcode).out, with_header = folder.run(kGcode + " --header").out;
+  const std::string coarse = kGcode + " --chord-mm 5";
+  const std::string plain = folder.run(coarse).out, with_header = folder.run(coarse + " --header").out;
   EXPECT_THAT(with_header, StartsWith("%\n; corrected targets by paracal"));
   for (const char* said :
        {"; robot huang2016\n", "; calibration calibration.json\n", "; SHA-256 ", "; date ", " mm "}) {
@@ -169,13 +216,13 @@ TEST_F(ExportFilter, TheHeaderStandsInComments) {
   EXPECT_TRUE(with_header.ends_with(plain.substr(2)));
   // And nothing in it is a target.
   folder.write("part.ngc", with_header);
-  EXPECT_THAT(folder.run(kGcode).err, HasSubstr(" 3 targets corrected\n"));
+  EXPECT_THAT(folder.run(coarse).err, HasSubstr(" 3 targets corrected\n"));
   EXPECT_THAT(folder.run(kCsv + " --header").out, StartsWith("# corrected targets by paracal"));
 }
 
 TEST_F(ExportFilter, OriginAndStart) {
   folder.write("part.ngc", "G1 X400 Y0 Z0\n");
-  const ProgramResult moved = folder.run(kGcode + " --origin 0,0,-900 --start 0,0,0,120");
+  const ProgramResult moved = folder.run(kGcode + " --origin 0,0,-900 --start 0,0,0,120 --chord-mm 5");
   EXPECT_EQ(moved.exit_code, kDone) << moved.err;
   const auto table = poses_in(folder.run(kCsv).out);
   double z = 0.0;
@@ -265,6 +312,11 @@ const std::vector<BrokenInput> kBroken{
            {"targets.csv:1: ", "phi_deg"}),
     broken("empty", {"targets.csv", ""}, kCsv, kBadInputFile, {"targets.csv: ", "header"}),
     broken("calibration", {"calibration.json", "{}"}, kGcode, kBadInputFile, {"calibration.json"}),
+    broken("chord_zero", kNothing, kGcode + " --chord-mm 0", kWrongUsage, {"--chord-mm", "above 0", "got 0"}),
+    broken("chord_nan", kNothing, kGcode + " --chord-mm nan", kWrongUsage, {"--chord-mm"}),
+    broken("chord_of_table", kNothing, kCsv + " --chord-mm 1", kWrongUsage, {"--chord-mm", "gcode"}),
+    broken("check_in_parts", kNothing, kGcode + " --check --partial", kWrongUsage, {"--check", "--partial"}),
+    broken("check_of_c99", kNothing, kC99 + " --check", kWrongUsage, {"--check", "gcode"}),
     broken("origin_short", kNothing, kGcode + " --origin 1,2", kWrongUsage, {"--origin"}),
     broken("origin_nan", kNothing, kGcode + " --origin 1,2,nan", kWrongUsage, {"--origin", "finite"}),
     broken("origin_of_table", kNothing, kCsv + " --origin 1,2,3", kWrongUsage, {"--origin", "gcode"}),

@@ -151,14 +151,14 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
 TEST_F(PrinterCommand, ItsCalibrationFiltersProgramsInTheFirmwaresCoordinates) {
   folder.write("printer.cfg", outdated());
   ASSERT_EQ(folder.run("calibrate --printer printer.cfg --out calibration.json").exit_code, kDone);
-  folder.write("part.gcode", "G90\nG1 X50.000 Y0.000 Z0.200 F1800\nG1 X-30.000 Y40.000 Z10.000 E0.5\n");
+  folder.write("part.gcode", "G90\nG92 E0\nG1 X50.000 Y0.000 Z0.200 F1800\nG1 X-30.000 Y40.000 Z10.000 E0.5\n");
   const std::string filter = "export --calibration calibration.json --target gcode --input part.gcode";
   const ProgramResult result = folder.run(words(filter + " --out filtered.gcode --json"));
   ASSERT_EQ(result.exit_code, kDone) << result.err;
   EXPECT_LT(json::parse(result.out)["origin_mm"][2].get<double>(), -100.0);
   double x = 0.0, y = 0.0, z = 0.0;
   const std::string text = folder.read("filtered.gcode");
-  ASSERT_EQ(std::sscanf(text.c_str(), "G90\nG1 X%lf Y%lf Z%lf F1800\nG1 X", &x, &y, &z), 3) << text;
+  ASSERT_EQ(std::sscanf(text.c_str(), "G90\nG92 E0\nG1 X%lf Y%lf Z%lf F1800\nG1 X", &x, &y, &z), 3) << text;
   const double moved = std::hypot(x - 50.0, y, z - 0.2);
   EXPECT_GT(moved, 0.1);  // a radius that is 1.5 mm off is felt at 50 mm
   EXPECT_LT(moved, 1.5);

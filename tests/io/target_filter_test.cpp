@@ -33,7 +33,7 @@ struct Filtered {
   }
 };
 
-Filtered filtered_gcode(const std::string& text, const TargetCorrection& correction, const GcodeFrame& frame = {}) {
+Filtered filtered_gcode(const std::string& text, const TargetCorrection& correction, const GcodeOptions& frame = {}) {
   std::istringstream stream(text);
   Filtered result;
   const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
@@ -104,7 +104,7 @@ TEST_P(TargetFilter, WithoutErrorsNothingChanges) {
 /// The controller computes with the nominal robot and keeps axes that a line does not state.
 TEST_P(TargetFilter, TheNominalInverseOfCorrectedTargetsGivesTheJoints) {
   const std::string text = random_program(robot, random, 1000);
-  const Filtered result = filtered_gcode(text, correction);
+  const Filtered result = filtered_gcode(text, correction, {.chord = 0.0});  // no line is divided
   EXPECT_TRUE(result.summary.complete());
   const auto before = lines_in(text), after = lines_in(result.text);
   ASSERT_EQ(before.size(), after.size());
@@ -132,8 +132,8 @@ TEST_P(TargetFilter, ThreadsAndPiecesLeaveNoTrace) {
   std::istringstream stream(text);
   std::string one_thread;
   const TextSink sink = [&one_thread](std::string_view piece) { one_thread += piece; };
-  EXPECT_TRUE(filter_gcode({"", stream}, sink, correction, {}, 1).complete());
-  EXPECT_EQ(one_thread, filtered_gcode(text, correction).text);
+  EXPECT_TRUE(filter_gcode({"", stream}, sink, correction, {.chord = 1.0, .threads = 1}).complete());
+  EXPECT_EQ(one_thread, filtered_gcode(text, correction, {.chord = 1.0}).text);
 }
 
 TEST_P(TargetFilter, TablesKeepAllButThePose) {
@@ -161,7 +161,7 @@ PARACAL_ON_UNUSUAL_ROBOTS(TargetFilter);
 
 class Gcode : public testing::Test {
  protected:
-  Filtered filtered(const std::string& text, const GcodeFrame& frame = {}) const {
+  Filtered filtered(const std::string& text, const GcodeOptions& frame = {}) const {
     return filtered_gcode(text, correction, frame);
   }
   /// After lines that correct everything.
@@ -257,19 +257,29 @@ constexpr const char* kAll = "G1 X1 Y2 Z-900 C3";
 INSTANTIATE_TEST_SUITE_P(
     Lines, PassedGcode,
     testing::Values(
-        Passed{"incremental", "G91 G1 X1", "incremental", "G90 Y1", "stated yet"},
-        Passed{"incremental_recovers", "G91 G1 X1", "incremental", "G90 G1 X1", ""},
-        Passed{"incremental_alone", "G91", "", kAll, "incremental"},
-        Passed{"arc", "G2 X5 Y5 I1 J2", "arcs", "G1 Z-900", ""},
-        Passed{"full_circle", "G3 I1 J2", "arcs", "G1 Z-900", ""},
-        Passed{"arc_stays_modal", "G2 X5 Y5 I1 J2", "arcs", "X1", "arcs"},
+        Passed{"incremental_alone", "G91", "", "G90 G1 X1", ""},
+        Passed{"incremental_from_nowhere", "G28\nG91 G1 X1", "incremental", "G90 Y1", "stated yet"},
+        Passed{"arc_from_nowhere", "G28\nG2 X5 Y5 Z-900 I1 J2 C0", "not known", "G1 Z-900", ""},
+        Passed{"arc_not_reached", "G2 X5 Y5 I1 J2", "does not reach", "G1 Z-900", ""},
+        Passed{"arc_without_centre", "G2 X5 Y5", "without a centre", "G1 Z-900", ""},
+        Passed{"arc_of_another_plane", "G2 X5 Y5 K5", "without a centre", "G1 Z-900", ""},
+        Passed{"arc_with_both", "G2 X5 Y5 I5 R5", "a centre and a radius", "G1 Z-900", ""},
+        Passed{"arc_half_a_turn", "G2 X5 Y5 R5 P1.5", "turns", "G1 Z-900", ""},
+        Passed{"arc_in_no_plane", "G17.1 G2 X5 Y5 R5", "which plane", "G1 Z-900", ""},
+        Passed{"arc_too_fine", "G2 X5 Y5 R6 P1000", "pieces", "G1 Z-900", ""},
+        Passed{"arc_of_an_unknown_radius", "G2 X5 Y5 R#7", "expressions", "G1 Z-900", ""},
+        Passed{"arc_with_another_axis", "G2 X5 Y5 A5 R6", "other axes", "G1 Z-900", ""},
+        Passed{"arc_by_inverse_time", "G93\nG2 X5 Y5 R6 F2", "G93", "G94 G1 Z-900", ""},
+        Passed{"arc_with_extrusion", "G2 X5 Y5 R6 E2", "M82", "G1 Z-900", ""},
+        Passed{"arc_out_of_reach", "G2 X2000 Y0 R1000", "out of reach", "G1 X0 Z-900", ""},
         Passed{"spline", "G5 X5 Y5 I1 J2 P1 Q1", "splines", "G1 Z-900", ""},
         Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "stated yet"},
         Passed{"machine_coordinates_recover", "G53 G0 Z0", "another origin", "G0 Z-900", ""},
         Passed{"other_system", "G55", "", kAll, "another origin"},
         Passed{"other_system_and_back", "G55\nG54", "", kAll, "another origin"},
         Passed{"power_on_system_is_not_g54", "G54", "", kAll, "another origin"},
-        Passed{"shift", "G92 X0", "", kAll, "another origin"},
+        Passed{"shift_of_a_parameter", "G92 X#1", "", kAll, "another origin"},
+        Passed{"shift_of_a_lost_place", "G28\nG92 X0", "", kAll, "another origin"},
         Passed{"shift_local", "G52 X1 Y2", "", kAll, "another origin"},
         Passed{"shift_table", "G10 L2 P1 X5", "", kAll, "another origin"}, Passed{"retraction", "G10", "", "G1 X1", ""},
         Passed{"extruder_zero", "G92 E0", "", "G1 X1", ""}, Passed{"tool_length", "G43 H1", "", kAll, "another origin"},
@@ -299,7 +309,9 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"home_offsets", "M206 X5", "M code", kAll, "another origin"},
         Passed{"tool_offsets", "M218 T1 X5", "M code", kAll, "another origin"},
         Passed{"home_offsets_from_here", "M428", "", kAll, "another origin"}, Passed{"end", "M30", "", kAll, "unclear"},
-        Passed{"expression", "G1 X[1+2] Y3", "expressions", "G1 Z-900", "stated yet"},
+        Passed{"expression", "G1 X[1+#2] Y3", "expressions", "G1 Z-900", "stated yet"},
+        Passed{"parameter_of_the_controller", "#5063 = 1", "", kAll, "another origin"},
+        Passed{"parameter_of_a_probe", "#7 = #5063\nG1 X#7", "expressions", "G1 X1", ""},
         Passed{"parameter", "G1 X#1", "expressions", "G1 X1", ""}, Passed{"assignment", "#1 = 5", "", "X1", ""},
         Passed{"assignment_of_expression", "#<a> = sin[3 * [1+1]]", "", "X1", ""},
         Passed{"expression_of_mode", "G[#1]", "expressions", kAll, "unclear"},
@@ -326,18 +338,18 @@ INSTANTIATE_TEST_SUITE_P(
 /// What is left between corrected targets is told apart from approach and retreat.
 TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
   const auto summary_of = [&](const std::string& text) { return filtered_gcode(text, correction).summary; };
-  const std::string target = "G1 X1 Y2 Z-900 C3\n", arc = "G2 X5 Y5 I1 J2\n", home = "G28\nG1 Z-880\n";
-  const FilterSummary around = summary_of(home + target + target + "G91\nG1 Z5\n");
+  const std::string target = "G1 X1 Y2 Z-900 C3\n", arc = "G5 X5 Y5 I1 J2 P1 Q1\n", home = "G28\nG1 Z-880\n";
+  const FilterSummary around = summary_of(home + target + target + arc);
   EXPECT_FALSE(around.complete());
   EXPECT_TRUE(around.whole());
   const FilterSummary between =
-      summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G91 G1 Z5\n" + arc);
+      summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G28\nG91 G1 Z5\n" + arc);
   EXPECT_FALSE(between.whole());
   ASSERT_THAT(between.passed, SizeIs(3));
-  EXPECT_EQ(between.passed[0].reason, "an axis has not been stated yet");
+  EXPECT_EQ(between.passed[0].reason, "X has not been stated yet (--start)");
   EXPECT_EQ(between.passed[0].between, 0);
-  EXPECT_EQ(between.passed[1].reason, "arcs and splines");
-  EXPECT_EQ(between.passed[1].count, 3);
+  EXPECT_EQ(between.passed[1].reason, "splines");
+  EXPECT_EQ(between.passed[1].count, 4);
   EXPECT_EQ(between.passed[1].between, 3);
   EXPECT_EQ(between.passed[1].first_between, 4);
   EXPECT_EQ(between.passed[2].between, 0);
@@ -357,7 +369,7 @@ TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
 /// A start is told in the system that holds when the program begins: after another one nothing is known, nor is it back
 /// in the first.
 TEST_F(Gcode, ASystemForgetsTheStart) {
-  const GcodeFrame frame{.start = Pose{{0, 0, -900}, 0.0}};
+  const GcodeOptions frame{.start = Pose{{0, 0, -900}, 0.0}};
   EXPECT_EQ(filtered("G55\nG1 X1\n", frame).passed("not been stated"), 1);
   EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("not been stated"), 1);
   EXPECT_EQ(filtered("G55\n" + kStart + "G55\nG1 X1\n").summary.corrected, 2);  // the same again changes nothing

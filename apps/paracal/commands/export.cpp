@@ -53,7 +53,9 @@ void run(const Options& options, Session& session) {
     return filter_file(options.target, options.filter, robot, errors, origin, session);
   }
   if (!options.filter.is_empty()) {
-    throw WrongUsage("--input, --origin, --start, --partial and --header: expected with --target gcode or csv alone");
+    throw WrongUsage(
+        "--input, --origin, --start, --chord-mm, --partial, --check and --header: expected with --target gcode or csv "
+        "alone");
   }
   options.target == "json" ? export_json(robot, errors, origin, session)
                            : export_text(options.target, robot, errors, origin, session);
@@ -88,6 +90,13 @@ void add_export(Command& program, Session& session) {
   command->add_flag("--partial", options->filter.partial,
                     "gcode, csv: correct what can be corrected, leave the rest as it is and say where (exit code 1); "
                     "without it such a file is refused");
+  command->add_option(
+      "--chord-mm", options->filter.chord_mm,
+      "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
+      "the correction bends, which is divided; default 0.01");
+  command->add_flag("--check", options->filter.check,
+                    "gcode, csv: write no text, but what would happen and which targets move farthest; exit code 1 "
+                    "where the file would be refused or left in parts");
   command->add_flag("--header", options->filter.header,
                     "gcode, csv: say first, in comments, where the targets come from");
   command->callback([&session, options] { run(*options, session); });

@@ -24,15 +24,16 @@ void require_finite(const char* option, const std::vector<double>& numbers) {
   }
 }
 
-io::GcodeFrame frame_of(const FilterOptions& options, const Robot& robot) {
+io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot) {
   require_finite("--origin", options.origin);
   require_finite("--start", options.start);
-  io::GcodeFrame frame{.origin = robot.controller_origin()};
-  if (const auto& r = options.origin; !r.empty()) frame.origin = {r[0], r[1], r[2]};
+  io::GcodeOptions gcode{.origin = robot.controller_origin()};
+  if (const auto& r = options.origin; !r.empty()) gcode.origin = {r[0], r[1], r[2]};
   if (const auto& r = options.start; !r.empty()) {
-    frame.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
+    gcode.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
   }
-  return frame;
+  if (options.chord_mm) gcode.chord = *options.chord_mm;
+  return gcode;
 }
 
 /// What the controller must be told for some poses, to try the chain of program, post-processor and controller.
@@ -106,44 +107,87 @@ class HeaderSink {
 
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
+  if (summary.added > 0) text += fmt::format("  {} lines added: arcs in chords, divided lines\n", summary.added);
+  for (const std::string& one : summary.assumed) text += fmt::format("  assumed: {}\n", one);
+  if (summary.outside > 0) {
+    text += fmt::format("  {} targets outside of the workspace, first in line {}: is --origin right?\n",
+                        summary.outside, summary.first_outside);
+  }
   for (const io::PassedThrough& one : summary.passed) {
     text += fmt::format("  passed through: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
   }
   return text;
 }
 
+std::string farthest_text(const io::FilterSummary& summary) {
+  std::string text = "targets that the correction moves farthest, robot frame, mm and deg:\n";
+  text += fmt::format("{:>8} {:>10} {:>10} {:>10} {:>9} {:>10} {:>10} {:>10} {:>9} {:>8}\n", "line", "x", "y", "z",
+                      "phi", "told x", "told y", "told z", "told phi", "moved");
+  for (const io::CorrectedTarget& one : summary.farthest) {
+    const Eigen::Vector3d &r = one.wanted.position, &t = one.target.position;
+    text +=
+        fmt::format("{:>8} {:>10.4f} {:>10.4f} {:>10.4f} {:>9.4f} {:>10.4f} {:>10.4f} {:>10.4f} {:>9.4f} {:>8.4f}\n",
+                    one.line, r.x(), r.y(), r.z(), to_degrees(one.wanted.rotation), t.x(), t.y(), t.z(),
+                    to_degrees(one.target.rotation), one.distance());
+  }
+  return text;
+}
+
 /// A program of which some targets are corrected and others between them are not is worse than either: where one meets
-/// the other the plate jumps by the correction.
+/// the other the plate jumps by the correction. One without any would be handed out as it came.
+bool is_refused(const io::FilterSummary& summary) {
+  return !summary.whole() || (summary.corrected == 0 && !summary.complete());
+}
+
 /// @throws InputFileError with the first line that cannot be corrected.
 void require_whole(const std::string& name, const io::FilterSummary& summary) {
-  if (summary.whole()) return;
-  std::vector<io::PassedThrough> between = summary.passed;
-  std::erase_if(between, [](const io::PassedThrough& one) { return one.between == 0; });
-  std::ranges::sort(between, {}, &io::PassedThrough::first_between);
+  if (!is_refused(summary)) return;
+  const bool is_between = !summary.whole();
+  std::vector<io::PassedThrough> hindrances = summary.passed;
+  if (is_between) std::erase_if(hindrances, [](const io::PassedThrough& one) { return one.between == 0; });
+  const auto count = [&](const io::PassedThrough& one) { return is_between ? one.between : one.count; };
+  const auto line = [&](const io::PassedThrough& one) { return is_between ? one.first_between : one.first_line; };
+  std::ranges::sort(hindrances, {}, line);
   std::string others;
-  for (std::size_t k = 1; k < between.size(); ++k) {
-    others += fmt::format("; line {}: {} ({} times)", between[k].first_between, between[k].reason, between[k].between);
+  for (std::size_t k = 1; k < hindrances.size(); ++k) {
+    others += fmt::format("; line {}: {} ({} times)", line(hindrances[k]), hindrances[k].reason, count(hindrances[k]));
   }
-  const io::PassedThrough& first = between.front();
-  const auto line = static_cast<int>(std::min<std::int64_t>(first.first_between, std::numeric_limits<int>::max()));
-  throw InputFileError(name, line,
-                       fmt::format("expected targets that can all be corrected, got {} ({} times) between targets that "
-                                   "can{}; nothing was written; --partial corrects {} targets and leaves these",
-                                   first.reason, first.between, others, summary.corrected));
+  const io::PassedThrough& first = hindrances.front();
+  const auto first_line = static_cast<int>(std::min<std::int64_t>(line(first), std::numeric_limits<int>::max()));
+  throw InputFileError(
+      name, first_line,
+      fmt::format("expected targets that can all be corrected, got {} ({} times){}{}; nothing was written; --partial "
+                  "corrects {} targets and leaves these",
+                  first.reason, count(first), is_between ? " between targets that can" : "", others,
+                  summary.corrected));
+}
+
+std::string checked_text(const std::string& name, const io::FilterSummary& summary) {
+  std::string text = summary_text(name, summary);
+  if (is_refused(summary))
+    text += "without --partial this file is refused: no target, or not each between two others, can be corrected\n";
+  return summary.farthest.empty() ? text : text + farthest_text(summary);
 }
 
 }  // namespace
 
 void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
                  const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
-  if (session.json() && session.out().empty()) {
+  if (options.check && (options.partial || options.header)) {
+    throw WrongUsage("--check: expected without --partial and --header: it writes no text");
+  }
+  if (options.chord_mm && !(*options.chord_mm > 0.0 && std::isfinite(*options.chord_mm))) {
+    throw WrongUsage(fmt::format("--chord-mm: expected a length above 0, got {}", *options.chord_mm));
+  }
+  if (session.json() && session.out().empty() && !options.check) {
     throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
   }
   const bool is_gcode = target == "gcode";
-  if (!is_gcode && !(options.origin.empty() && options.start.empty())) {
-    throw WrongUsage("--origin and --start: expected with --target gcode alone");
+  if (!is_gcode && !(options.origin.empty() && options.start.empty() && !options.chord_mm)) {
+    throw WrongUsage("--origin, --start and --chord-mm: expected with --target gcode alone");
   }
-  const io::GcodeFrame frame = frame_of(options, robot);
+  io::GcodeOptions gcode = gcode_options(options, robot);
+  gcode.threads = session.threads();
   const TargetCorrection correction(robot, errors);
   const std::vector<TargetTest> tests = target_tests(correction);
 
@@ -156,20 +200,24 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   io::Spool spool;
   io::TextSink sink = [&spool](std::string_view text) { spool.write(text); };
   if (options.partial) sink = session.result_sink();
+  if (options.check) sink = [](std::string_view) {};
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
-  const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, frame, session.threads())
+  const io::FilterSummary summary = is_gcode ? io::filter_gcode(in, sink, correction, gcode)
                                              : io::filter_pose_table(in, sink, correction, session.threads());
-  if (!options.partial) {
+  if (!options.partial && !options.check) {
     require_whole(in.name, summary);
     spool.read(session.result_sink());
   }
-  if (session.json()) {
-    io::Json json{{"target", target}, {"input", in.name}};
-    json.update(io::to_json(robot, origin));
-    json.update(io::to_json(summary));
-    json["origin_mm"] = {frame.origin.x(), frame.origin.y(), frame.origin.z()};
-    json["self_test"] = tests_json(tests, robot.actuator());
+  io::Json json{{"target", target}, {"input", in.name}};
+  json.update(io::to_json(robot, origin));
+  json.update(io::to_json(summary));
+  json["refused"] = is_refused(summary);
+  json["origin_mm"] = {gcode.origin.x(), gcode.origin.y(), gcode.origin.z()};
+  json["self_test"] = tests_json(tests, robot.actuator());
+  if (options.check) {
+    session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary));
+  } else if (session.json()) {
     print_summary(json_text(json));
   } else {
     session.say_when_done(summary_text(in.name, summary));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,12 @@ struct FilterOptions {
   std::vector<double> start = {};   ///< x, y, z, phi, mm and deg
   bool header = false;
   bool partial = false;  ///< what cannot be corrected stays as it is; without it the whole file is refused
+  bool check = false;    ///< nothing is written but what would happen
+  std::optional<double> chord_mm = {};
 
-  bool is_empty() const { return input.empty() && origin.empty() && start.empty() && !header && !partial; }
+  bool is_empty() const {
+    return input.empty() && origin.empty() && start.empty() && !header && !partial && !check && !chord_mm;
+  }
 };
 
 /// Corrects the targets of a file on its way to --out or standard output, and says what it did.

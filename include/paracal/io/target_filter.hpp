@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,11 +23,26 @@ struct PassedThrough {
   std::int64_t between = 0, first_between = 0;
 };
 
+/// A target and what the controller is told instead.
+struct CorrectedTarget {
+  std::int64_t line = 0;  ///< from 1
+  Pose wanted, target;    ///< in {O}
+
+  /// mm
+  double distance() const { return (target.position - wanted.position).norm(); }
+};
+
 /// What a filter did.
 struct FilterSummary {
   std::int64_t lines = 0;
   std::int64_t corrected = 0;  ///< targets that are now the corrected ones
+  std::int64_t added = 0;      ///< lines: pieces of ways that one straight line between corrected ends would leave
   std::vector<PassedThrough> passed;
+  /// Corrected targets outside of the robot's workspace, and the line of the first.
+  std::int64_t outside = 0, first_outside = 0;
+  /// The ten that the correction moves farthest, that one first.
+  std::vector<CorrectedTarget> farthest;
+  std::vector<std::string> assumed;  ///< what was taken for granted, in words
 
   bool complete() const { return passed.empty(); }
   /// Nothing stands as it was between corrected targets; before the first and after the last, as approach and retreat,
@@ -39,19 +55,22 @@ struct FilterSummary {
 /// Takes the filtered text piece by piece.
 using TextSink = std::function<void(std::string_view)>;
 
-/// Where program coordinates lie.
-struct GcodeFrame {
+/// What is known of a program, and how it is to be corrected.
+struct GcodeOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the program in {O}, mm: robot = program + origin
   std::optional<Pose> start = {};                    ///< before the first line, in the program's frame
+  /// How far the plate may leave an arc or a straight line between corrected targets, mm.
+  double chord = 0.01;
+  unsigned threads = 0;  ///< of the correction; 0: one a core. The text does not depend on it.
 };
 
-/// G-code (RS-274, RepRap) with X, Y, Z and C (phi, deg) of its absolute straight motions, G0 and G1, replaced by the
-/// corrected target; everything else is left byte for byte. What cannot be corrected without guessing is passed through
-/// and counted; docs/controllers.md has the list. Memory does not grow with the file.
-/// @param threads  of the correction; 0: one a core. The text does not depend on it.
+/// G-code (RS-274, RepRap) with X, Y, Z and C (phi, deg) of its motions G0 to G3 replaced by the corrected target; arcs
+/// become chords, lines along which the correction bends are divided; everything else is left byte for byte. What
+/// cannot be corrected without guessing is passed through and counted; docs/controllers.md has the list. Memory does
+/// not grow with the file.
 /// @throws InputFileError when `in` cannot be read to its end.
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
-                           const GcodeFrame& frame = {}, unsigned threads = 0);
+                           const GcodeOptions& options = {});
 
 /// A pose table (CSV) with the numbers of its pose columns replaced by the corrected target; everything else is left
 /// byte for byte. A row without as many fields as the header, or without finite numbers, is passed through and counted.

@@ -1,0 +1,200 @@
+// What the motions of a program come to, once its modes are known.
+
+#include <algorithm>
+#include <array>
+
+#include "gcode_modes.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
+constexpr std::string_view kElsewhere = "homing, probing, threads and cycles";
+constexpr std::string_view kMCode = "axis words of an M code";
+constexpr std::string_view kExpression = "parameters and expressions";
+constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
+constexpr std::string_view kPlane = "an arc, and unclear in which plane (G17) and how its centre is stated (G91.1)";
+constexpr std::string_view kArcStart = "an arc from a place that is not known";
+constexpr std::string_view kSpline = "splines";
+constexpr std::string_view kOtherOrigin = "another origin than that of the first corrected target";
+constexpr std::string_view kTransformed = "offset, turned or scaled path";
+constexpr std::array<std::string_view, kAxes> kUnstated{
+    "X has not been stated yet (--start)", "Y has not been stated yet (--start)", "Z has not been stated yet (--start)",
+    "C has not been stated yet (--start)"};
+constexpr std::string_view kIncremental = "incremental (G91) from a place that is not known";
+
+constexpr std::string_view kNumbered = "a line to divide that has a checksum";
+constexpr std::string_view kOtherAxes = "a line to divide that moves other axes (A, B, U, V, W), too";
+constexpr std::string_view kInverseTime = "a line to divide whose feed is an inverse time (G93), or may be";
+constexpr std::string_view kExtrusion = "a line to divide, and unclear whether extrusion is absolute (M82, M83)";
+
+constexpr std::string_view kCentreLetters = "IJK";
+
+StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, word.value}; }
+
+}  // namespace
+
+std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, const Request& request,
+                                  TargetLine& target) {
+  if (request.calls_here) {
+    call_here(axes, target);
+    return {};
+  }
+  if (request.goes_elsewhere) {
+    lose_all();
+    // Homing alone states no target, and so leaves nothing uncorrected.
+    return axes.has_number || axes.has_expression || !request.takes_axes ? kElsewhere : std::string_view();
+  }
+  if (request.takes_axes) return {};
+  const Motion motion = request.motion.value_or(motion_);
+  const bool is_full_circle = is_arc(motion) && block.has_letter("IJKR");
+  if (axes.count == 0 && !is_full_circle) {
+    if (!request.has_m_code || request.motion) static_cast<void>(divided(block, request, false));  // of the extruder
+    return {};
+  }
+  if (axes.has_flag) {
+    forget();
+    return kMalformed;
+  }
+  const auto give_up = [&](std::string_view why) {
+    lose(axes);
+    extruder_.place.reset();
+    return why;
+  };
+  if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
+  if (motion == Motion::unknown || motion == Motion::none || distance_ == Distance::unknown || !mm_per_unit_) {
+    return give_up(kModes);
+  }
+  if (motion == Motion::cycle) {
+    place_[2].reset();
+    return give_up(kElsewhere);
+  }
+  if (request.in_machine) return give_up(kOtherOrigin);
+  if (transforms_ != 0) return give_up(kTransformed);
+  if (first_origin_ && !(origin_ == *first_origin_)) return give_up(kOtherOrigin);
+  return move_to(block, axes, request, target);
+}
+
+/// A motion in the origin's frame: axes that it states as numbers are known from now on.
+std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, const Request& request,
+                                     TargetLine& target) {
+  const Motion motion = request.motion.value_or(motion_);
+  const Places from = place_;
+  target.passed = passed_;
+  target.divided = divided(block, request, motion == Motion::rapid);
+  const bool is_incremental = distance_ == Distance::incremental;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const GcodeWord* const word = axes.word[axis];
+    if (word == nullptr) continue;
+    place_[axis].reset();
+    const double stated = word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+    if (word->is_number() && !is_incremental) place_[axis] = stated + shift_[axis];
+    if (word->is_number() && is_incremental && from[axis]) place_[axis] = *from[axis] + stated;
+    passed_[axis] = true;
+  }
+  std::string_view passed = axes.has_expression ? kExpression : why_unknown(from, motion);
+  if (passed.empty()) {
+    for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+      target.path.to[axis] = *place_[axis];
+      target.path.from[axis] = from[axis].value_or(*place_[axis]);
+    }
+    target.starts_known = std::all_of(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(axis_count_),
+                                      [](const auto& place) { return place.has_value(); });
+    if (is_arc(motion)) passed = add_arc(block, motion == Motion::clockwise, target.path);
+  }
+  if (!passed.empty()) {
+    if (is_incremental) lose(axes);
+    return passed;
+  }
+  state(axes, target);
+  passed_.fill(false);
+  first_origin_ = origin_;
+  if (rotation_ == Rotation::unstated) rotation_ = Rotation::taken_as_zero;
+  arcs_are_lines_ |= target.path.is_arc();
+  return {};
+}
+
+std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) const {
+  if (motion == Motion::spline) return kSpline;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : kUnstated[axis];
+    if (is_arc(motion) && !from[axis]) return kArcStart;
+  }
+  return is_arc(motion) && !(normal_ && centre_is_place_) ? kPlane : std::string_view();
+}
+
+std::string_view GcodeModes::add_arc(const GcodeBlock& block, bool is_clockwise, TargetPath& path) const {
+  ArcWords words{.centre_is_place = *centre_is_place_};
+  for (const GcodeWord& word : block.words) {
+    const std::size_t axis = kCentreLetters.find(word.letter);
+    const bool is_of_arc = axis != std::string_view::npos || word.letter == 'R' || word.letter == 'P';
+    if (!is_of_arc) continue;
+    if (!word.is_number()) return kExpression;
+    const double length = word.value * *mm_per_unit_;
+    if (word.letter == 'R') words.radius = length;
+    if (word.letter == 'P') words.turns = word.value;
+    if (axis != std::string_view::npos) words.centre[axis] = length + (words.centre_is_place ? shift_[axis] : 0.0);
+  }
+  return make_arc(words, *normal_, is_clockwise, path);
+}
+
+/// What the line would need if it became several, and what it does to the extruder.
+DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request, bool is_rapid) {
+  DividedLine line{.motion = request.motion_word, .is_rapid = is_rapid, .stands_last = request.acts_after};
+  if (block.checksum_at != 0) line.hindrance = kNumbered;
+  if (block.has_letter("ABUVW")) line.hindrance = kOtherAxes;
+  if (inverse_time_ != false) line.hindrance = kInverseTime;
+  std::size_t arc_words = 0;
+  const auto first = std::ranges::find_if(block.words, [](const GcodeWord& word) { return word.letter != 'N'; });
+  if (line.motion.is_empty() && first != block.words.end()) line.motion = {first->at, first->at};
+  for (const GcodeWord& word : block.words) {
+    if (word.letter == 'F') line.feed = {word.at, word.end};
+    if (word.letter == 'E') {
+      const auto extrusion = extruder_.move(word);
+      if (!extrusion) line.hindrance = kExtrusion;
+      line.extrusion = extrusion.value_or(ExtrusionOfLine{});
+    }
+    if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
+      line.arc_words[arc_words++] = {word.at, word.end};
+    }
+  }
+  return line;
+}
+
+void GcodeModes::state(const Axes& axes, TargetLine& target) const {
+  target.kind = TargetLine::Kind::target;
+  target.may_insert = true;
+  target.mm_per_unit = *mm_per_unit_;
+  target.shift = shift_;
+  target.is_incremental = distance_ == Distance::incremental;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const GcodeWord* const word = axes.word[axis];
+    if (word == nullptr) continue;
+    target.stated[axis] = number_of(*word);
+    target.insert_at = std::max(target.insert_at, word->end);
+  }
+  if (target.insert_at == 0) target.insert_at = target.divided.motion.end;  // a full circle
+}
+
+void GcodeModes::call_here(const Axes& axes, TargetLine& target) {
+  target.kind = TargetLine::Kind::here;
+  target.mm_per_unit = *mm_per_unit_;
+  target.passed = passed_;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const GcodeWord* const word = axes.word[axis];
+    if (word == nullptr) continue;
+    target.path.from[axis] = target.path.to[axis] = *place_[axis];
+    target.stated[axis] = number_of(*word);
+    shift_[axis] = *place_[axis] - word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+  }
+}
+
+/// A line that relies on the mode of an arc that has become lines.
+void GcodeModes::restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const {
+  if (!arcs_are_lines_ || request.motion || !is_arc(motion_) || request.takes_axes) return;
+  if (!block.has_letter("XYZCIJKR")) return;
+  if (is_left && target.kind == TargetLine::Kind::none) target.kind = TargetLine::Kind::left;
+  target.restated = motion_ == Motion::clockwise ? "2" : "3";
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,35 @@
+#include "passed_tally.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace paracal::io {
+
+void PassedTally::pass(std::string_view reason, std::int64_t line) {
+  const auto found = std::ranges::find(passed_, reason, &PassedThrough::reason);
+  if (found == passed_.end()) since_.emplace_back();
+  PassedThrough& entry = found != passed_.end() ? *found : passed_.emplace_back(PassedThrough{reason, 0, line});
+  ++entry.count;
+  if (!corrected_) return;  // on the way to the first
+  Since& since = since_[static_cast<std::size_t>(&entry - passed_.data())];
+  if (since.count++ == 0) since.first_line = line;
+  passes_since_ = true;
+}
+
+void PassedTally::correct() {
+  corrected_ = true;
+  if (!std::exchange(passes_since_, false)) return;
+  for (std::size_t k = 0; k < passed_.size(); ++k) {
+    const Since since = std::exchange(since_[k], {});
+    if (passed_[k].between == 0) passed_[k].first_between = since.first_line;
+    passed_[k].between += since.count;
+  }
+}
+
+std::vector<PassedThrough> PassedTally::sorted() const {
+  std::vector<PassedThrough> result = passed_;
+  std::ranges::sort(result, {}, &PassedThrough::first_line);
+  return result;
+}
+
+}  // namespace paracal::io

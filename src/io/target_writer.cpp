@@ -1,0 +1,296 @@
+#include "target_writer.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "gcode_block.hpp"
+
+namespace paracal::io {
+namespace {
+
+int decimals_of(std::string_view number) {
+  const std::size_t point = number.find('.');
+  if (point == std::string_view::npos) return 0;
+  const std::size_t exponent = std::min(number.find_first_of("eE", point), number.size());
+  return static_cast<int>(std::min<std::size_t>(exponent - point - 1, 99));
+}
+
+/// How many decimals a number gets: as many as it had, at least what 0.1 um needs (for phi at 500 mm from its axis), at
+/// most what a correction is worth.
+struct Decimals {
+  int least, most;
+
+  int of(std::string_view number) const { return std::clamp(decimals_of(number), least, most); }
+};
+
+constexpr Decimals kExtrusionDecimals{5, 7};
+
+Decimals decimals_for(std::size_t axis, double mm_per_unit) {
+  if (axis == kRotation) return {5, 7};
+  return mm_per_unit == 1.0 ? Decimals{4, 7} : Decimals{6, 8};
+}
+
+constexpr std::array kPower{1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
+
+double unit_of(std::size_t axis, const TargetLine& line) { return axis == kRotation ? 1.0 : line.mm_per_unit; }
+
+std::string_view text_of(std::string_view text, const StatedNumber& number) {
+  return text.substr(number.begin, number.end - number.begin);
+}
+
+/// Whether the last decimal would be another.
+bool differs(double one, double other, int decimals) {
+  return !(std::abs(one - other) * kPower[static_cast<std::size_t>(decimals)] < 0.5);
+}
+
+/// @returns the number as it was written.
+double append_number(std::string& to, double value, int decimals) {
+  std::array<char, 400> text;  // the longest double
+  const double rounded = std::abs(value) * kPower[static_cast<std::size_t>(decimals)] < 0.5 ? 0.0 : value;  // no -0
+  const auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), rounded, std::chars_format::fixed, decimals);
+  to.append(text.data(), end);
+  double written = 0.0;
+  std::from_chars(text.data(), end, written);
+  return written;
+}
+
+char in_case_of(char letter, const TargetLine& line) {
+  return static_cast<char>(letter + (line.in_lower_case ? 'a' - 'A' : 0));
+}
+
+/// The letter of a word that is added.
+void append_word(std::string& text, char letter, const TargetLine& line) {
+  if (line.with_blank) text += ' ';
+  text += in_case_of(letter, line);
+}
+
+/// The number that names a place in a line.
+double as_stated(std::size_t axis, double place, double from, const TargetLine& line) {
+  return (place - (line.is_incremental ? from : line.shift[axis])) / unit_of(axis, line);
+}
+
+/// The place that a number names.
+double as_place(std::size_t axis, double stated, double from, const TargetLine& line) {
+  return stated * unit_of(axis, line) + (line.is_incremental ? from : line.shift[axis]);
+}
+
+}  // namespace
+
+/// The last of `count` pieces up to here.
+struct TargetWriter::Piece {
+  const AxisValues& target;
+  std::size_t number, count;  ///< from 0
+
+  /// What an extruder's axis is told for this piece.
+  double extrusion(const ExtrusionOfLine& of, int decimals) const {
+    const auto until = [&](std::size_t pieces) {
+      const double scale = kPower[static_cast<std::size_t>(decimals)];
+      const double share = static_cast<double>(pieces) / static_cast<double>(count);
+      return std::round((of.from + share * (of.stated.value - of.from)) * scale) / scale;
+    };
+    return of.is_relative ? until(number + 1) - until(number) : until(number + 1);  // the sum is as it was
+  }
+};
+
+std::size_t TargetWriter::write(std::string_view text, std::string_view end, const TargetLine& line,
+                                std::span<const AxisValues> targets) {
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) told_[axis] = held(axis, line);
+  if (line.path.is_arc() && changes_nothing(line, targets)) {
+    out_ += text;
+    told_ = line.path.to;
+    return 0;
+  }
+  const bool is_divided = targets.size() > 1 || line.path.is_arc();
+  const std::size_t own = line.divided.stands_last ? targets.size() - 1 : 0;
+  const std::string_view line_end = end.empty() ? "\n" : end;
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const Piece piece{targets[k], k, targets.size()};
+    if (k > own) out_ += line_end;
+    k == own ? edit_line(text, line, piece, is_divided) : append_piece(text, line, piece, k == 0);
+    if (k < own) out_ += line_end;
+  }
+  return targets.size() - 1;
+}
+
+void TargetWriter::call(std::string_view text, const TargetLine& line) {
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const StatedNumber& number = line.stated[axis];
+    told_[axis] = held(axis, line);
+    if (!number.is_stated()) continue;
+    const int decimals = decimals_for(axis, line.mm_per_unit).of(text_of(text, number));
+    const double value = number.value + (told_[axis] - line.path.to[axis]) / unit_of(axis, line);
+    if (!differs(value, number.value, decimals)) continue;
+    begin_edit(number.begin, number.end);
+    append_number(edited_, value, decimals);
+    end_edit();
+  }
+  apply(text, line);
+}
+
+void TargetWriter::pass(std::string_view text, const TargetLine& line) {
+  if (!line.restated.empty()) {
+    begin_edit(line.divided.motion.begin, line.divided.motion.begin);
+    edited_ += in_case_of('G', line);
+    edited_.append(line.restated).append(" ");
+    end_edit();
+  }
+  apply(text, line);
+  if (line.kind != TargetLine::Kind::target) return;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    told_[axis] = held(axis, line);
+    if (!line.stated[axis].is_stated()) continue;
+    told_[axis] = line.is_incremental ? told_[axis] + (line.path.to[axis] - line.path.from[axis]) : line.path.to[axis];
+  }
+}
+
+double TargetWriter::held(std::size_t axis, const TargetLine& line) const {
+  return line.passed[axis] ? line.path.from[axis] : told_[axis];
+}
+
+/// Of an arc: so it may stay one.
+bool TargetWriter::changes_nothing(const TargetLine& line, std::span<const AxisValues> targets) const {
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const int decimals = decimals_for(axis, line.mm_per_unit).least;
+    const auto is_same = [&](double one, double other) {
+      return !differs(one / unit_of(axis, line), other / unit_of(axis, line), decimals);
+    };
+    if (!is_same(told_[axis], line.path.from[axis])) return false;
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      const double t = static_cast<double>(k + 1) / static_cast<double>(targets.size());
+      if (!is_same(targets[k][axis], line.path.at(t)[axis])) return false;
+    }
+  }
+  return true;
+}
+
+bool TargetWriter::is_moved(std::size_t axis, const AxisValues& target, const TargetLine& line) const {
+  const double unit = unit_of(axis, line);
+  return differs(target[axis] / unit, told_[axis] / unit, decimals_for(axis, line.mm_per_unit).least);
+}
+
+void TargetWriter::edit_line(std::string_view text, const TargetLine& line, const Piece& piece, bool is_divided) {
+  edit_motion(line, is_divided);
+  edit_axes(text, line, piece.target);
+  if (piece.count > 1) edit_extrusion(text, line, piece);
+  if (piece.number > 0) drop_feed(text, line);
+  apply(text, line);
+}
+
+/// An arc's chords are straight lines, and have no centre.
+void TargetWriter::edit_motion(const TargetLine& line, bool is_divided) {
+  if (!line.path.is_arc() || !is_divided) return;
+  const TextRange motion = line.divided.motion;
+  begin_edit(motion.begin, motion.end);
+  edited_ += in_case_of('G', line);
+  edited_ += '1';
+  if (motion.is_empty() && line.with_blank) edited_ += ' ';
+  end_edit();
+  for (const TextRange& word : line.divided.arc_words) {
+    if (word.is_empty()) continue;
+    begin_edit(word.begin, word.end);
+    end_edit();
+  }
+}
+
+void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target) {
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const StatedNumber& number = line.stated[axis];
+    const Decimals limits = decimals_for(axis, line.mm_per_unit);
+    const double value = as_stated(axis, target[axis], told_[axis], line);
+    if (number.is_stated()) {
+      const int decimals = limits.of(text_of(text, number));
+      double told = number.value;
+      if (differs(value, number.value, decimals)) {
+        begin_edit(number.begin, number.end);
+        told = append_number(edited_, value, decimals);
+        end_edit();
+      }
+      told_[axis] = as_place(axis, told, told_[axis], line);
+    } else if (line.may_insert && is_moved(axis, target, line)) {
+      begin_edit(line.insert_at, line.insert_at);
+      append_word(edited_, kAxisLetters[axis], line);
+      told_[axis] = as_place(axis, append_number(edited_, value, limits.least), told_[axis], line);
+      end_edit();
+    }
+  }
+}
+
+/// The first piece has told it.
+void TargetWriter::drop_feed(std::string_view text, const TargetLine& line) {
+  TextRange feed = line.divided.feed;
+  if (feed.is_empty()) return;
+  while (feed.begin > 0 && (text[feed.begin - 1] == ' ' || text[feed.begin - 1] == '\t')) --feed.begin;
+  begin_edit(feed.begin, feed.end);
+  end_edit();
+}
+
+void TargetWriter::edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece) {
+  const ExtrusionOfLine& extrusion = line.divided.extrusion;
+  if (!extrusion.stated.is_stated()) return;
+  const int decimals = kExtrusionDecimals.of(text_of(text, extrusion.stated));
+  begin_edit(extrusion.stated.begin, extrusion.stated.end);
+  append_number(edited_, piece.extrusion(extrusion, decimals), decimals);
+  end_edit();
+}
+
+/// A line of its own for a piece of the way.
+void TargetWriter::append_piece(std::string_view text, const TargetLine& line, const Piece& piece, bool with_feed) {
+  out_ += in_case_of('G', line);
+  out_ += line.divided.is_rapid ? '0' : '1';
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    if (!is_moved(axis, piece.target, line)) continue;
+    append_word(out_, kAxisLetters[axis], line);
+    const double value = as_stated(axis, piece.target[axis], told_[axis], line);
+    const int decimals = decimals_for(axis, line.mm_per_unit).of(text_of(text, line.stated[axis]));
+    told_[axis] = as_place(axis, append_number(out_, value, decimals), told_[axis], line);
+  }
+  const ExtrusionOfLine& extrusion = line.divided.extrusion;
+  if (extrusion.stated.is_stated()) {
+    const int decimals = kExtrusionDecimals.of(text_of(text, extrusion.stated));
+    append_word(out_, 'E', line);
+    append_number(out_, piece.extrusion(extrusion, decimals), decimals);
+  }
+  const TextRange feed = line.divided.feed;
+  if (with_feed && !feed.is_empty()) {
+    if (line.with_blank) out_ += ' ';
+    out_.append(text, feed.begin, feed.end - feed.begin);
+  }
+}
+
+void TargetWriter::begin_edit(std::size_t begin, std::size_t end) {
+  edits_.push_back({{begin, end}, edited_.size(), edited_.size()});
+}
+
+void TargetWriter::end_edit() { edits_.back().end = edited_.size(); }
+
+void TargetWriter::apply(std::string_view text, const TargetLine& line) {
+  const std::size_t start = out_.size();
+  std::ranges::stable_sort(edits_, {}, [](const Edit& edit) { return edit.replaced.begin; });
+  const std::size_t rest = line.checksum_at != 0 ? line.checksum_at : text.size();
+  std::size_t copied = 0;
+  for (const Edit& edit : edits_) {
+    if (edit.replaced.begin > copied) out_.append(text, copied, edit.replaced.begin - copied);
+    copied = std::max(copied, edit.replaced.end);
+    out_.append(edited_, edit.begin, edit.end - edit.begin);
+  }
+  out_.append(text, copied, rest - copied);
+  if (line.checksum_at != 0) append_checksum(text.substr(rest), start, text.substr(0, rest));
+  edits_.clear();
+  edited_.clear();
+}
+
+/// As it was where the line is as it was; computed anew where it is not.
+void TargetWriter::append_checksum(std::string_view old, std::size_t start, std::string_view old_text) {
+  const std::string_view written = std::string_view(out_).substr(start);
+  if (written == old_text) {
+    out_ += old;
+    return;
+  }
+  const std::size_t digits_end = std::min(old.find_first_not_of("0123456789", 1), old.size());
+  const std::string checksum = std::to_string(gcode_checksum(written));
+  out_.append("*").append(checksum).append(old.substr(digits_end));
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,59 @@
+#pragma once
+
+// Private to io: lines with corrected targets.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "target_line.hpp"
+
+namespace paracal::io {
+
+/// Puts corrected targets into lines. It knows what the controller was told, and so holds for axes that a line does not
+/// state; in the frame of paths, which no G92 moves.
+class TargetWriter {
+ public:
+  TargetWriter(std::string& out, std::size_t axis_count) : out_(out), axis_count_(axis_count) {}
+
+  /// @param text  without its end.
+  /// @param end  of the line; between the lines that it becomes another stands where it is empty.
+  /// @param targets  where the pieces of its path end, at even t; one that is not divided has one.
+  /// @returns how many lines there are more than before.
+  std::size_t write(std::string_view text, std::string_view end, const TargetLine& line,
+                    std::span<const AxisValues> targets);
+  /// A line that calls the place it finds by other numbers: the controller stands where it was told.
+  void call(std::string_view text, const TargetLine& line);
+  /// A line that is passed through.
+  void pass(std::string_view text, const TargetLine& line);
+
+ private:
+  struct Edit {
+    TextRange replaced;
+    std::size_t begin, end;  ///< in edited_
+  };
+  struct Piece;
+
+  void edit_line(std::string_view text, const TargetLine& line, const Piece& piece, bool is_divided);
+  void edit_motion(const TargetLine& line, bool is_divided);
+  void edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target);
+  void drop_feed(std::string_view text, const TargetLine& line);
+  void edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece);
+  void append_piece(std::string_view text, const TargetLine& line, const Piece& piece, bool with_feed);
+  void begin_edit(std::size_t begin, std::size_t end);
+  void end_edit();
+  void apply(std::string_view text, const TargetLine& line);
+  void append_checksum(std::string_view old, std::size_t start, std::string_view old_text);
+  double held(std::size_t axis, const TargetLine& line) const;
+  bool changes_nothing(const TargetLine& line, std::span<const AxisValues> targets) const;
+  bool is_moved(std::size_t axis, const AxisValues& target, const TargetLine& line) const;
+
+  std::string& out_;
+  std::size_t axis_count_;
+  AxisValues told_{};
+  std::vector<Edit> edits_;  ///< in order of their places
+  std::string edited_;       ///< their texts
+};
+
+}  // namespace paracal::io

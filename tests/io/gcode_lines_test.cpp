@@ -1,0 +1,282 @@
+// What lines of a program become: chords, pieces, declarations of a place; and what is said of them.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "paracal/io/target_filter.hpp"
+#include "paracal/units.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::io {
+namespace {
+
+using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs, testing::StartsWith;
+
+struct Filtered {
+  std::string text;
+  FilterSummary summary;
+
+  std::vector<std::string> lines() const {
+    std::vector<std::string> result;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) result.push_back(line);
+    return result;
+  }
+  bool has(std::string_view reason) const {
+    return std::ranges::any_of(
+        summary.passed, [&](const PassedThrough& one) { return one.reason.find(reason) != std::string_view::npos; });
+  }
+};
+
+Filtered filtered(const std::string& text, const TargetCorrection& correction, const GcodeOptions& options = {}) {
+  std::istringstream stream(text);
+  Filtered result;
+  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
+  result.summary = filter_gcode({"part.ngc", stream}, sink, correction, options);
+  return result;
+}
+
+/// The number behind a letter of a line; nothing without one.
+std::optional<double> word(std::string_view line, char letter) {
+  const std::size_t at = line.find(letter);
+  return at == std::string_view::npos ? std::nullopt : std::optional(std::strtod(line.data() + at + 1, nullptr));
+}
+
+class GcodeLines : public testing::Test {
+ protected:
+  Filtered of(const std::string& text, const GcodeOptions& options = {}) const {
+    return filtered(text, correction, options);
+  }
+  Pose target(double x, double y, double z, double phi_deg = 0.0) const {
+    return *correction.target({{x, y, z}, to_radians(phi_deg)});
+  }
+
+  const Robot robot = catalogue::find("rotary_delta");
+  const TargetCorrection none{robot, {}};
+  const TargetCorrection correction{robot, test::table4_machine(robot, 1)};
+};
+
+/// chords = sweep / (2 acos(1 - 0.9 chord / r)), rounded up.
+TEST_F(GcodeLines, ArcsBecomeAsManyChordsAsTheirSagittaAsks) {
+  const std::string circle = "G0 X50 Y0 Z-900\nG3 I-50 (a circle) F500 ; all of it\nG1 X0\n";
+  for (const double chord : {0.001, 0.01, 1.0}) {
+    const Filtered result = of(circle, {.chord = chord});
+    const double count = std::ceil(2 * std::acos(-1.0) / (2 * std::acos(1 - 0.9 * chord / 50)));
+    EXPECT_EQ(result.summary.added, static_cast<int>(count) - 1);
+    EXPECT_EQ(result.summary.corrected, 3);
+    EXPECT_TRUE(result.summary.complete());
+  }
+  const auto lines = of(circle).lines();
+  EXPECT_THAT(lines[1], StartsWith("G1 X"));
+  EXPECT_THAT(lines[1], testing::EndsWith(" (a circle) F500 ; all of it"));
+  EXPECT_THAT(lines[1], Not(HasSubstr("I-")));
+  EXPECT_THAT(lines[2], testing::MatchesRegex("G1 X[0-9.-]+ Y[0-9.-]+ Z[0-9.-]+"));
+  const std::string& last = lines[lines.size() - 2];
+  EXPECT_NEAR(*word(last, 'X'), target(50, 0, -900).position.x(), 1e-4);
+  EXPECT_NEAR(*word(last, 'Y'), target(50, 0, -900).position.y(), 1e-4);
+}
+
+TEST_F(GcodeLines, AnArcThatNeedsNoCorrectionStays) {
+  std::string all;
+  for (const auto& entry : std::filesystem::directory_iterator(PARACAL_PROGRAMS)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_EQ(filtered(text, none, {.origin = {0, 0, -900}}).text, text) << entry.path();
+    all += text;
+  }
+  EXPECT_GT(all.size(), 4000U);
+}
+
+/// An arc by its mode alone has no word to change: one is added; and what is passed through finds its mode again.
+TEST_F(GcodeLines, ModesOfArcsAreStated) {
+  const std::string start = "g0 x50 y0 z-900\ng3 x0 y50 r50\n";
+  const Filtered modal = of(start + "x-50 y0 r50\nx0 y-50 r50\n");
+  EXPECT_TRUE(modal.summary.complete());
+  EXPECT_THAT(modal.text, Not(HasSubstr("\nx")));
+  EXPECT_THAT(modal.text, Not(HasSubstr("g3")));
+  const Filtered left = of(start + "x4000 y0 r2500\n");  // the mode of the controller is a line's
+  EXPECT_TRUE(left.has("out of reach"));
+  EXPECT_THAT(left.text, HasSubstr("\ng3 x4000 y0 r2500\n"));
+  EXPECT_THAT(of(start + "g3 x4000 y0 r2500\n").text, HasSubstr("\ng3 x4000 y0 r2500\n"));
+  EXPECT_THAT(of(start + "x#1 y0 r50\n").text, HasSubstr("\ng3 x#1 y0 r50\n"));
+  EXPECT_THAT(of("g0 x50 y0 z-900\ng1 x0\nx4000\n").text, HasSubstr("\nx4000\n"));
+}
+
+/// Long lines are divided where the correction bends; not more than needed, not where it may not be.
+TEST_F(GcodeLines, LongLinesAreDivided) {
+  const std::string start = "G0 X-400 Y0 Z-900\n", line = "N7 G1 X400 F900 (long)\n";
+  const Filtered fine = of(start + line), coarse = of(start + line, {.chord = 10.0});
+  EXPECT_GT(fine.summary.added, 2);
+  EXPECT_LT(fine.summary.added, 40);
+  EXPECT_EQ(coarse.summary.added, 0);
+  EXPECT_GT(of(start + line, {.chord = 0.001}).summary.added, 2 * fine.summary.added);
+  const auto lines = fine.lines();
+  EXPECT_THAT(lines[1], testing::MatchesRegex("N7 G1 X[0-9.-]+ Y.* F900 .long."));
+  EXPECT_THAT(lines.back(), StartsWith("G1 X40"));
+  EXPECT_THAT(of(start + "G0 X400\r\nG1 X0\r\n").text, HasSubstr("\r\nG0 X"));
+  // The stop comes where it came: behind all of the way.
+  const auto pause = of(start + "G1 X400 F900 M0\n").lines();
+  EXPECT_THAT(pause.back(), testing::MatchesRegex("G1 X40.* M0"));
+  EXPECT_THAT(pause[1], HasSubstr("F900"));
+  EXPECT_THAT(pause.back(), Not(HasSubstr("F900")));
+
+  for (const auto& [hindered, reason] :
+       {std::pair{"G93 G1 X400 F2\n", "G93"}, {"G1 X400 A9\n", "other axes"}, {"G1 X400 E9\n", "M82"}}) {
+    const Filtered result = of(start + hindered + "G1 X0\n");
+    EXPECT_EQ(result.summary.corrected, 3) << hindered;  // at its end alone
+    EXPECT_TRUE(result.has(reason)) << hindered;
+    EXPECT_FALSE(result.summary.whole());
+    EXPECT_TRUE(of(start + std::string(hindered), {.chord = 10.0}).summary.complete());
+  }
+}
+
+/// A line whose ends are in reach and whose middle is not.
+TEST_F(GcodeLines, APieceOutOfReachLeavesTheWholeLine) {
+  const Filtered result = of("G0 X500 Y0 Z-900\nG3 X-500 Y0 R-1500 F100\nG1 X0 Y0\n");
+  EXPECT_TRUE(correction.target({{-500, 0, -900}, 0.0}));
+  EXPECT_EQ(result.summary.corrected, 2);
+  EXPECT_TRUE(result.has("out of reach"));
+  EXPECT_FALSE(result.summary.whole());
+  EXPECT_THAT(result.text, HasSubstr("\nG3 X-500 Y0 R-1500 F100\n"));
+}
+
+/// What is extruded a mm of the way that was programmed stays; so does all of it.
+TEST_F(GcodeLines, ExtrusionFollowsThePieces) {
+  for (const bool relative : {false, true}) {
+    const std::string program = std::string(relative ? "M83\n" : "M82\nG92 E10\n") + "G0 X-300 Y0 Z-900\nG1 X300 E" +
+                                (relative ? "30.5" : "40.5") + " F900\nG3 X0 Y300 R300 E" +
+                                (relative ? "20.25\n" : "60.75\n");
+    const Filtered result = of(program);
+    EXPECT_TRUE(result.summary.complete());
+    double extruded = relative ? 0.0 : 10.0;
+    std::vector<double> of_line, of_arc;
+    for (const std::string& line : result.lines()) {
+      if (!line.starts_with("G1")) continue;
+      const double e = *word(line, 'E'), step = relative ? e : e - extruded;
+      extruded += step;
+      (of_arc.empty() && word(line, 'Y').value_or(0.0) < 1.0 ? of_line : of_arc).push_back(step);
+    }
+    EXPECT_NEAR(extruded, relative ? 50.75 : 60.75, 1e-4);
+    ASSERT_GT(of_line.size(), 1U);
+    ASSERT_GT(of_arc.size(), 30U);
+    for (const double step : of_line) EXPECT_NEAR(step, 30.5 / static_cast<double>(of_line.size()), 2e-5);
+    for (const double step : of_arc) EXPECT_NEAR(step, 20.25 / static_cast<double>(of_arc.size()), 2e-5);
+  }
+}
+
+/// G90 and G91 speak of the extruder for some firmwares and not for others: M82, M83 must.
+TEST_F(GcodeLines, WhetherExtrusionIsAbsoluteMustBeKnown) {
+  const std::string motion = "G0 X-300 Y0 Z-900\nG1 X300 E5\n";
+  EXPECT_TRUE(of("G92 E0\n" + motion).summary.complete());
+  EXPECT_TRUE(of("G90\nG92 E0\n" + motion).summary.complete());
+  EXPECT_TRUE(of("G91\nG90\nG92 E0\n" + motion).has("M82"));
+  EXPECT_TRUE(of("G91\nG90\nM83\n" + motion).summary.complete());
+  EXPECT_TRUE(of("M83\nG90\n" + motion).has("M82"));
+  EXPECT_TRUE(of(motion).has("M82"));  // from where?
+  EXPECT_TRUE(of("G1 E3 F200\n" + motion).summary.complete());
+}
+
+TEST_F(GcodeLines, IncrementalMotionsAreStepsBetweenTargets) {
+  const auto lines = of("G0 X0 Y0 Z-900\nG91\nG1 X10\nG1 Y-5 Z1\n").lines();
+  const Eigen::Vector3d one = target(0, 0, -900).position, two = target(10, 0, -900).position,
+                        three = target(10, -5, -899).position;
+  EXPECT_NEAR(*word(lines[2], 'X'), two.x() - one.x(), 1.01e-4);
+  EXPECT_NEAR(*word(lines[3], 'Y'), three.y() - two.y(), 1.01e-4);
+  EXPECT_NEAR(*word(lines[3], 'Z'), three.z() - two.z(), 1.01e-4);
+}
+
+/// The controller stands where it was told, not where the program thinks: by that much it is called otherwise.
+TEST_F(GcodeLines, APlaceThatIsCalledAnewKeepsTheCorrection) {
+  const auto lines = of("G0 X20 Y0 Z-900\nG92 X5 E0\nG1 X0 Y0\n").lines();
+  const double moved = target(20, 0, -900).position.x() - 20;
+  EXPECT_NEAR(*word(lines[1], 'X'), 5 + moved, 1.01e-4);
+  EXPECT_THAT(lines[1], testing::EndsWith(" E0"));
+  EXPECT_NEAR(*word(lines[2], 'X'), target(15, 0, -900).position.x() - 15, 1.01e-4);
+}
+
+TEST_F(GcodeLines, WhatIsSaidOfTheTargets) {
+  const FilterSummary summary = of("G0 X0 Y0 Z-900\nG1 X600\nG1 X0 Z-700\nG1 X100 Z-900\n").summary;
+  EXPECT_EQ(summary.outside, 2);
+  EXPECT_EQ(summary.first_outside, 2);
+  ASSERT_THAT(summary.farthest, SizeIs(4));
+  for (std::size_t k = 0; k < 4; ++k) {
+    const CorrectedTarget& one = summary.farthest[k];
+    EXPECT_LE(one.distance(), summary.farthest[k == 0 ? 0 : k - 1].distance());
+    EXPECT_NEAR(one.distance(), (correction.target(one.wanted)->position - one.wanted.position).norm(), 1e-9);
+  }
+  EXPECT_THAT(summary.assumed, IsEmpty());
+  std::string many;
+  for (int k = 0; k < 30; ++k) many += fmt::format("G1 X{} Y0 Z-900\n", 10 * k);
+  EXPECT_THAT(of(many).summary.farthest, SizeIs(10));
+}
+
+/// A machine whose plate turns, and a program that does not know it.
+TEST(GcodeRotation, ThatIsNeverStatedIsZeroAndSaid) {
+  const Robot robot = catalogue::find("huang2016");
+  const TargetCorrection correction(robot, test::table4_machine(robot, 1));
+  const std::string motion = "G1 X10 Y0 Z-900\nG1 X20\n";
+  const Filtered never = filtered(motion, correction), stated = filtered("G1 X0 Y0 Z-900 C0\n" + motion, correction);
+  EXPECT_EQ(never.summary.corrected, 2);
+  EXPECT_THAT(never.summary.assumed, ElementsAre(HasSubstr("C")));
+  EXPECT_THAT(stated.summary.assumed, IsEmpty());
+  EXPECT_THAT(stated.text, testing::EndsWith(never.text.substr(never.text.rfind("G1"))));
+  const Filtered late = filtered(motion + "G1 C5\n" + motion, correction);
+  EXPECT_FALSE(late.summary.whole());
+  EXPECT_TRUE(late.has("C is stated after"));
+  EXPECT_TRUE(filtered("G1 C5\n" + motion, correction).summary.whole());
+  EXPECT_FALSE(filtered("G1 C5\n" + motion, correction).has("C is stated after"));
+  EXPECT_TRUE(filtered(motion + "G1 C5\n", correction, {.start = Pose{{0, 0, -900}, 0.0}}).summary.complete());
+}
+
+TEST_F(GcodeLines, ParametersThatTheProgramGivesAreKnown) {
+  const std::string start = "#1 = 20\n#<depth> = [-#1 * 45] #2=[#1/2]\nG0 X#1 Y-#2 Z#<depth>\n";
+  EXPECT_TRUE(of(start).summary.complete());
+  EXPECT_NEAR(*word(of(start).lines()[2], 'Y'), target(20, -10, -900).position.y(), 1e-4);
+  // Values count from the next line on.
+  EXPECT_NEAR(*word(of(start + "#1=30 G1 X#1\nX#1\n").lines()[3], 'X'), target(20, -10, -900).position.x(), 1e-4);
+  EXPECT_NEAR(*word(of(start + "#1=30 G1 X#1\nX#1\n").lines()[4], 'X'), target(30, -10, -900).position.x(), 1e-4);
+  for (const char* lost : {"o100 call\nG90 G21 G1\n", "#1 = #99\n", "/#1 = 5\n", "#1 = [1/0]\n"}) {
+    EXPECT_TRUE(of(start + lost + "G1 X#1 Y0 Z-900\n").has("expressions")) << lost;
+  }
+  EXPECT_FALSE(of(start + "#[#99] = 5\nG1 X1 Y0 Z-900\n").summary.complete());  // of the controller's, perhaps
+}
+
+/// LinuxCNC's words for values, each beside what it is.
+TEST_F(GcodeLines, ExpressionsHaveTheirValues) {
+  for (const auto& [text, value] : {std::pair{"[1 + 2 * 3]", 7.0},
+                                    {"[2 ** 3 ** 2]", 64.0},
+                                    {"[10 - 4 - 3]", 3.0},
+                                    {"[-7 mod 4]", 1.0},
+                                    {"[2 * [3 + 4] / 7]", 2.0},
+                                    {"sin[30]", 0.5},
+                                    {"atan[1]/[-1]", 135.0},
+                                    {"acos[0]", 90.0},
+                                    {"asin[-1]", -90.0},
+                                    {"[fix[-1.5] + fup[-1.5]]", -3.0},
+                                    {"[round[2.5] + abs[-2]]", 5.0},
+                                    {"[sqrt[16] + exp[0] + ln[1]]", 5.0},
+                                    {"[tan[45] * cos[60]]", 0.5},
+                                    {"[1 lt 2 and 2 ge 2 xor 0]", 1.0},
+                                    {"[1 eq 1.0000001]", 1.0},
+                                    {"[3 ne 3 or 2 le 1 or 5 gt 4]", 1.0},
+                                    {"#1", 12.5},
+                                    {"##2", 12.5},
+                                    {"#[1 + 1]", 1.0},
+                                    {"#<A Name>", -3.0}}) {
+    const std::string program = fmt::format("#1 = 12.5 #2 = 1 #<aname> = -3\n#5 = {}\nG0 X#5 Y0 Z-900\n", text);
+    const Filtered result = of(program);
+    ASSERT_TRUE(result.summary.complete()) << text;
+    EXPECT_NEAR(result.summary.farthest.front().wanted.position.x(), value, 1e-9) << text;
+  }
+  for (const char* wrong : {"[1 +]", "sqrt[-1]", "[#9]", "atan[1]", "foo[1]", "[[1]", "#0"}) {
+    EXPECT_FALSE(of(fmt::format("#5 = 1\n#5 = {}\nG90 G21 G0 X#5 Y0 Z-900\n", wrong)).summary.complete()) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace paracal::io
