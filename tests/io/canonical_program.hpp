@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace paracal::test {
+
+/// A motion as LinuxCNC's interpreter calls it: straight, or an arc about an axis of the frame. Machine coordinates,
+/// mm.
+struct CanonicalMove {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  double from_rotation = 0.0, to_rotation = 0.0;  ///< C, deg
+  int first = 0, second = 1;                      ///< axes of the arc's plane
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double sweep = 0.0;  ///< rad; 0: straight
+
+  Eigen::Vector3d at(double t) const;
+  double rotation_at(double t) const { return from_rotation + t * (to_rotation - from_rotation); }
+  /// mm
+  double distance(const Eigen::Vector3d& point) const;
+};
+
+/// Motions between two calls of another kind.
+using CanonicalPath = std::vector<CanonicalMove>;
+
+/// What LinuxCNC's stand-alone interpreter makes of a program.
+struct CanonicalProgram {
+  bool is_accepted = false;
+  std::string complaint;
+  double rounding = 1.5e-4;          ///< of the four decimals that are printed, in the largest unit, mm
+  std::vector<std::string> others;   ///< calls that move nothing, as they are printed
+  std::vector<CanonicalPath> paths;  ///< before the first of these, between them, behind the last
+};
+
+/// @param interpreter  rs274 of Debian's linuxcnc-uspace.
+CanonicalProgram interpreted(const std::string& interpreter, const std::filesystem::path& program);
+
+}  // namespace paracal::test
