@@ -136,7 +136,8 @@ class PoseTable : public TargetFormat {
 FilterSummary filter_pose_table(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                                 unsigned threads) {
   PoseTable table(in.name, correction.robot());
-  return filter(in, out, table, correction, {.threads = threads});
+  LineReader lines(in);
+  return filter(lines, out, table, correction, {.threads = threads});
 }
 
 }  // namespace paracal::io

@@ -16,6 +16,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kFirstOfController = 5000;
+constexpr int kLastLocal = 30;
 
 double truth(bool is_true) { return is_true ? 1.0 : 0.0; }
 
@@ -209,6 +210,24 @@ std::optional<double> GcodeParameters::value(std::string_view text) const {
 std::string GcodeParameters::name_of(std::string_view text) const {
   const std::string written = plain(text);
   return ExpressionReader(written, *this).name();
+}
+
+bool GcodeParameters::is_local(const std::string& name) {
+  if (name.starts_with('<')) return !name.starts_with("<_");
+  return std::stoi(name) <= kLastLocal;
+}
+
+GcodeParameters GcodeParameters::enter(std::span<const double> arguments) {
+  GcodeParameters callers = *this;
+  std::erase_if(known_, [](const auto& one) { return is_local(one.first); });
+  for (std::size_t k = 0; k < arguments.size(); ++k) known_[std::to_string(k + 1)] = arguments[k];
+  return callers;
+}
+
+void GcodeParameters::leave(GcodeParameters&& callers) {
+  std::erase_if(known_, [](const auto& one) { return is_local(one.first); });
+  std::erase_if(callers.known_, [](const auto& one) { return !is_local(one.first); });
+  known_.merge(callers.known_);
 }
 
 bool GcodeParameters::apply(GcodeBlock& block) {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,10 +26,19 @@ class GcodeParameters {
 
   void forget() { known_.clear(); }
 
+  /// A subprogram begins: #1, #2, ... hold its arguments, named parameters without underscore are unknown.
+  /// @returns what leave() wants at its end.
+  GcodeParameters enter(std::span<const double> arguments);
+  /// What is the caller's own is as it was; all else stays.
+  void leave(GcodeParameters&& callers);
+
  private:
   friend class ExpressionReader;
   /// @returns a name for the parameter: a number's digits, or <name>; empty where that is not known.
   std::string name_of(std::string_view text) const;
+
+  /// @returns whether a subprogram has a parameter of this name of its own.
+  static bool is_local(const std::string& name);
 
   std::map<std::string, double, std::less<>> known_;
 };

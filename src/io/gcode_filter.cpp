@@ -1,5 +1,6 @@
 #include "gcode_block.hpp"
 #include "gcode_expression.hpp"
+#include "gcode_lines.hpp"
 #include "gcode_modes.hpp"
 #include "paracal/units.hpp"
 #include "target_line.hpp"
@@ -9,12 +10,14 @@ namespace {
 
 class Gcode : public TargetFormat {
  public:
-  Gcode(std::size_t axis_count, const std::optional<AxisValues>& start) : modes_(axis_count, start) {}
+  Gcode(const GcodeLines& lines, std::size_t axis_count, const std::optional<AxisValues>& start)
+      : lines_(lines), modes_(axis_count, start) {}
 
   std::string_view read(std::string_view text, TargetLine& target) override {
     block_.parse(text);
     if (parameters_.apply(block_)) modes_.move_origin();
-    const std::string_view passed = modes_.take(block_, target);
+    std::string_view passed = modes_.take(block_, target);
+    if (!passed.empty() && target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
     if (modes_.has_forgotten()) parameters_.forget();
     if (target.kind != TargetLine::Kind::none) add_style(text, target);
     return passed;
@@ -24,8 +27,12 @@ class Gcode : public TargetFormat {
     parameters_.forget();
   }
   std::vector<std::string> assumed() const override {
-    if (!modes_.took_rotation_as_zero()) return {};
-    return {"C, which the program never states, stays at 0 deg"};
+    std::vector<std::string> sentences;
+    if (modes_.took_rotation_as_zero()) sentences.emplace_back("C, which the program never states, stays at 0 deg");
+    if (lines_.is_unrolled()) {
+      sentences.emplace_back("parameters and subprograms are those of this file: its O words have been carried out");
+    }
+    return sentences;
   }
 
  private:
@@ -45,6 +52,7 @@ class Gcode : public TargetFormat {
     }
   }
 
+  const GcodeLines& lines_;
   GcodeBlock block_;
   GcodeParameters parameters_;
   GcodeModes modes_;
@@ -60,8 +68,9 @@ std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
 
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                            const GcodeOptions& options) {
-  Gcode gcode(correction.robot().limb_count(), axis_values(options.start));  // as many axes as limbs
-  return filter(in, out, gcode, correction,
+  GcodeLines lines(in);
+  Gcode gcode(lines, correction.robot().limb_count(), axis_values(options.start));  // as many axes as limbs
+  return filter(lines, out, gcode, correction,
                 {.origin = options.origin, .chord = options.chord, .threads = options.threads});
 }
 

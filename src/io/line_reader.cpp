@@ -10,7 +10,8 @@ namespace paracal::io {
 void LineReader::add(std::string_view text, bool ends) {
   using enum Line::Part;
   const bool is_long = in_long_line_ || !ends || text.size() > kLongest;
-  lines_.push_back({text, !is_long ? whole : in_long_line_ ? rest_of_long : start_of_long});
+  if (!in_long_line_) ++count_;
+  lines_.push_back({text, !is_long ? whole : in_long_line_ ? rest_of_long : start_of_long, count_});
   in_long_line_ = !ends;
 }
 

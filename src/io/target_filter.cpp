@@ -86,9 +86,10 @@ class Passage {
   Passage(std::span<const Line> lines, Filtering& filtering) : lines_(lines), filtering_(filtering) {}
 
   void read(TargetFormat& format) {
+    stated_.reserve(lines_.size());
     for (std::size_t index = 0; index < lines_.size(); ++index) {
       if (lines_[index].part == Line::Part::rest_of_long) continue;
-      TargetLine line{.index = index, .number = ++filtering_.summary.lines};
+      TargetLine line{.index = index, .number = lines_[index].number};
       std::string_view passed = kTooLong;
       if (lines_[index].part == Line::Part::start_of_long) {
         format.skip();
@@ -152,18 +153,18 @@ class Passage {
 
   void write_target(const TargetLine& line, const PathDivision::Cut& cut, std::string_view content,
                     std::string_view end) {
-    std::vector<AxisValues> targets;
+    reached_.clear();
     for (std::uint32_t k = 0; k < cut.pieces; ++k) {
       const std::optional<AxisValues>& target = targets_[next_target_++];
-      if (target) targets.push_back(*target);
+      if (target) reached_.push_back(*target);
     }
-    const bool is_reached = targets.size() == cut.pieces;
+    const bool is_reached = reached_.size() == cut.pieces;
     if (!is_reached || !cut.hindrance.empty()) {
       filtering_.tally.pass(is_reached ? cut.hindrance : kUnreachable, line.number);
     }
     if (!is_reached || (line.path.is_arc() && !cut.hindrance.empty())) return filtering_.writer.pass(content, line);
-    filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.write(content, end, line, targets));
-    filtering_.account.add(line, targets.back());
+    filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.write(content, end, line, reached_));
+    filtering_.account.add(line, reached_.back());
     filtering_.tally.correct();
   }
 
@@ -173,20 +174,21 @@ class Passage {
   std::vector<std::pair<std::string_view, std::int64_t>> passed_;  ///< why, and in which line
   std::size_t next_ = 0, pass_ = 0, next_target_ = 0;              ///< of lines_, passed_, targets_
   std::vector<std::optional<AxisValues>> targets_;
+  std::vector<AxisValues> reached_;  ///< of one line
 };
 
 }  // namespace
 
-FilterSummary filter(const TextStream& in, const TextSink& out, TargetFormat& format,
-                     const TargetCorrection& correction, const FilterSettings& settings) {
-  LineReader reader(in);
+FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
+                     const FilterSettings& settings) {
   Filtering filtering(correction, settings, out);
-  for (auto lines = reader.next(); !lines.empty(); lines = reader.next()) {
+  for (auto lines = in.next(); !lines.empty(); lines = in.next()) {
     Passage passage(lines, filtering);
     passage.read(format);
     passage.write();
   }
   format.finish();
+  filtering.summary.lines = in.count();
   filtering.summary.passed = filtering.tally.sorted();
   filtering.summary.assumed = format.assumed();
   return filtering.summary;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "line_reader.hpp"
 #include "paracal/io/target_filter.hpp"
 #include "target_path.hpp"
 
@@ -102,7 +103,7 @@ struct FilterSettings {
   unsigned threads = 0;
 };
 
-FilterSummary filter(const TextStream& in, const TextSink& out, TargetFormat& format,
-                     const TargetCorrection& correction, const FilterSettings& settings);
+FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
+                     const FilterSettings& settings);
 
 }  // namespace paracal::io

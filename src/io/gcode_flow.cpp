@@ -1,0 +1,303 @@
+#include "gcode_flow.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "columns.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr std::string_view kUnknownValue = "subprograms, jumps and loops: a value here is not known";
+constexpr std::string_view kUnknownCondition = "subprograms, jumps and loops: a condition here is not known";
+constexpr std::string_view kNoSub = "subprograms, jumps and loops: no such subprogram in this file";
+constexpr std::string_view kNoEnd = "subprograms, jumps and loops: this one has no end";
+constexpr std::string_view kNotUnderstood = "subprograms, jumps and loops: a line that is not understood";
+constexpr std::string_view kTooLong = "subprograms, jumps and loops: more than a million lines are carried out";
+constexpr std::string_view kTooDeep = "subprograms, jumps and loops: more than 50 within each other";
+
+constexpr std::size_t kMostSteps = 1'000'000;
+constexpr int kDeepest = 50;
+constexpr int kArguments = 30;
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string lower(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (!is_blank(c)) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return result;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  return text;
+}
+
+/// [...] at the beginning of a text, brackets within included; empty where there is none.
+std::string_view brackets_at(std::string_view text) {
+  int depth = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] == '[') ++depth;
+    if (text[k] == ']' && --depth == 0) return text.substr(0, k + 1);
+    if (depth == 0) break;
+  }
+  return {};
+}
+
+bool is_end_of_words(std::string_view text) { return text.empty() || text.starts_with('(') || text.starts_with(';'); }
+
+/// A number as G-code takes it: no exponent.
+std::string written(double value) {
+  std::string text = fmt::format("{:.8f}", value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+}  // namespace
+
+GcodeFlow::GcodeFlow(std::vector<std::string_view> lines, std::int64_t first, GcodeParameters& parameters)
+    : lines_(std::move(lines)), first_(first), parameters_(parameters) {
+  flows_.reserve(lines_.size());
+  for (const std::string_view line : lines_) flows_.push_back(flow_of(without_end(line)));
+}
+
+/// o100 call [1] [2], N10 O<name> sub; what stands in brackets is left as it is.
+GcodeFlow::Flow GcodeFlow::flow_of(std::string_view line) {
+  std::string_view text = without_blanks(line);
+  if (!text.empty() && (text.front() == 'N' || text.front() == 'n')) {
+    text = without_blanks(text.substr(1));
+    text = without_blanks(text.substr(std::min(text.find_first_not_of("0123456789"), text.size())));
+  }
+  if (text.empty() || (text.front() != 'O' && text.front() != 'o')) return {};
+  text = without_blanks(text.substr(1));
+  const std::size_t end = text.starts_with('<') ? text.find('>') : text.find_first_not_of("0123456789");
+  if (end == std::string_view::npos || end == 0) return {Word::unknown};
+  const std::size_t label_size = text.starts_with('<') ? end + 1 : end;
+  Flow flow{Word::unknown, lower(text.substr(0, label_size))};
+  text = without_blanks(text.substr(label_size));
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto word_size = static_cast<std::size_t>(std::ranges::find_if_not(text, is_letter) - text.begin());
+  constexpr std::array<std::pair<std::string_view, Word>, 15> kWords{{{"sub", Word::sub},
+                                                                      {"endsub", Word::endsub},
+                                                                      {"call", Word::call},
+                                                                      {"return", Word::returns},
+                                                                      {"if", Word::when},
+                                                                      {"elseif", Word::elsewhen},
+                                                                      {"else", Word::otherwise},
+                                                                      {"endif", Word::endif},
+                                                                      {"while", Word::loop},
+                                                                      {"endwhile", Word::endloop},
+                                                                      {"do", Word::once},
+                                                                      {"repeat", Word::repeat},
+                                                                      {"endrepeat", Word::endrepeat},
+                                                                      {"break", Word::leave},
+                                                                      {"continue", Word::again}}};
+  const std::string name = lower(text.substr(0, word_size));
+  const auto* const known = std::ranges::find(kWords, name, &std::pair<std::string_view, Word>::first);
+  if (known != kWords.end()) flow.word = known->second;
+  flow.rest = without_blanks(text.substr(word_size));
+  return flow;
+}
+
+GcodeFlow::End GcodeFlow::fail(std::size_t at, std::string_view why) {
+  unfollowed_line_ = first_ + static_cast<std::int64_t>(at);
+  why_ = why;
+  return End::failed;
+}
+
+bool GcodeFlow::carry_out(std::vector<CarriedOut>& into) {
+  into_ = &into;
+  const End end = run(0, lines_.size(), 0);
+  if (end == End::normal || end == End::program) return true;
+  if (end != End::failed) fail(0, kNotUnderstood);  // a break or return of nothing
+  into.clear();
+  return false;
+}
+
+GcodeFlow::End GcodeFlow::run(std::size_t from, std::size_t to, int depth) {
+  if (depth > kDeepest) return fail(std::min(from, lines_.size() - 1), kTooDeep);
+  End end = End::normal;
+  for (std::size_t at = from; at < to && end == End::normal; ++at) end = take(at, to, depth);
+  return end;
+}
+
+/// @param at  becomes the last line of what was taken.
+GcodeFlow::End GcodeFlow::take(std::size_t& at, std::size_t to, int depth) {
+  if (++steps_ > kMostSteps) return fail(at, kTooLong);
+  const Flow& flow = flows_[at];
+  switch (flow.word) {
+    case Word::none:
+      return take_line(at);
+    case Word::sub: {
+      const std::size_t end = find(at + 1, flow.label, {Word::endsub});
+      if (end >= to) return fail(at, kNoEnd);
+      at = end;
+      return End::normal;
+    }
+    case Word::call:
+      return call(at, depth);
+    case Word::when:
+      return take_if(at, depth);
+    case Word::loop:
+      return take_while(at, depth);
+    case Word::once:
+      return take_do(at, depth);
+    case Word::repeat:
+      return take_repeat(at, depth);
+    case Word::returns:
+    case Word::endsub:
+      return is_end_of_words(flow.rest) ? End::returned : fail(at, kNotUnderstood);  // a value that is given back
+    case Word::leave:
+    case Word::again:
+      leaving_ = flow.label;
+      return flow.word == Word::leave ? End::leave : End::again;
+    default:
+      return fail(at, kNotUnderstood);
+  }
+}
+
+std::size_t GcodeFlow::find(std::size_t from, const std::string& label, std::initializer_list<Word> words) const {
+  for (std::size_t k = from; k < flows_.size(); ++k) {
+    if (flows_[k].label == label && std::ranges::find(words, flows_[k].word) != words.end()) return k;
+  }
+  return flows_.size();
+}
+
+std::optional<double> GcodeFlow::condition(std::string_view text) const {
+  const std::string_view brackets = brackets_at(text);
+  return brackets.empty() ? std::nullopt : parameters_.value(brackets);
+}
+
+/// A line that stands for itself: with values for its parameters, and without what it assigns to them.
+GcodeFlow::End GcodeFlow::take_line(std::size_t at) {
+  const std::string_view line = lines_[at], content = without_end(line);
+  GcodeBlock block;
+  block.parse(content);
+  if (block.kind == GcodeBlock::Kind::malformed || (block.is_optional && !block.words.empty())) {
+    return fail(at, kNotUnderstood);
+  }
+  const std::vector<GcodeWord> as_written = block.words;
+  const auto assignments = block.assignments;
+  parameters_.apply(block);
+  std::string text;
+  std::size_t copied = 0;
+  for (std::size_t k = 0; k < as_written.size(); ++k) {
+    if (as_written[k].kind != GcodeWord::Kind::expression) continue;
+    if (!block.words[k].is_number()) return fail(at, kUnknownValue);
+    text.append(content, copied, as_written[k].begin - copied).append(written(block.words[k].value));
+    copied = as_written[k].end;
+  }
+  text.append(content, copied, content.size() - copied);
+  // What is assigned counts here alone, and stands between words only in programs that nobody can read.
+  if (!assignments.empty()) {
+    if (!as_written.empty()) return fail(at, kNotUnderstood);
+    text.clear();
+  }
+  into_->push_back({first_ + static_cast<std::int64_t>(at), text + std::string(line.substr(content.size()))});
+  const auto ends = [](const GcodeWord& word) {
+    return word.letter == 'M' && word.is_number() && (word.value == 2.0 || word.value == 30.0);
+  };
+  return std::ranges::any_of(block.words, ends) ? End::program : End::normal;
+}
+
+GcodeFlow::End GcodeFlow::take_if(std::size_t& at, int depth) {
+  const std::string& label = flows_[at].label;
+  const std::size_t end = find(at + 1, label, {Word::endif});
+  if (end == flows_.size()) return fail(at, kNoEnd);
+  for (std::size_t branch = at; branch < end;) {
+    const std::size_t next = find(branch + 1, label, {Word::elsewhen, Word::otherwise, Word::endif});
+    const bool is_else = flows_[branch].word == Word::otherwise;
+    const std::optional<double> holds = is_else ? std::optional(1.0) : condition(flows_[branch].rest);
+    if (!holds) return fail(branch, kUnknownCondition);
+    if (*holds != 0.0) {
+      at = end;
+      return run(branch + 1, next, depth + 1);
+    }
+    branch = next;
+  }
+  at = end;
+  return End::normal;
+}
+
+/// @param end  of a loop's body; becomes that of the loop.
+/// @returns whether the loop is to be gone through again, if it asks for that.
+bool GcodeFlow::goes_on(End& end, const std::string& label) {
+  const bool is_own = (end == End::leave || end == End::again) && leaving_ == label;
+  if (!is_own) return end == End::normal;
+  return std::exchange(end, End::normal) == End::again;
+}
+
+GcodeFlow::End GcodeFlow::take_while(std::size_t& at, int depth) {
+  const std::size_t start = at, stop = find(at + 1, flows_[at].label, {Word::endloop});
+  if (stop == flows_.size()) return fail(at, kNoEnd);
+  at = stop;
+  for (;;) {
+    const std::optional<double> holds = condition(flows_[start].rest);
+    if (!holds) return fail(start, kUnknownCondition);
+    if (*holds == 0.0) return End::normal;
+    if (++steps_ > kMostSteps) return fail(start, kTooLong);
+    End end = run(start + 1, stop, depth + 1);
+    if (!goes_on(end, flows_[start].label)) return end;
+  }
+}
+
+GcodeFlow::End GcodeFlow::take_do(std::size_t& at, int depth) {
+  const std::size_t start = at, stop = find(at + 1, flows_[at].label, {Word::loop});
+  if (stop == flows_.size()) return fail(at, kNoEnd);
+  at = stop;
+  for (;;) {
+    if (++steps_ > kMostSteps) return fail(start, kTooLong);
+    End end = run(start + 1, stop, depth + 1);
+    if (!goes_on(end, flows_[start].label)) return end;
+    const std::optional<double> holds = condition(flows_[stop].rest);
+    if (!holds) return fail(stop, kUnknownCondition);
+    if (*holds == 0.0) return End::normal;
+  }
+}
+
+GcodeFlow::End GcodeFlow::take_repeat(std::size_t& at, int depth) {
+  const std::size_t start = at, stop = find(at + 1, flows_[at].label, {Word::endrepeat});
+  if (stop == flows_.size()) return fail(at, kNoEnd);
+  const std::optional<double> times = condition(flows_[start].rest);
+  if (!times) return fail(start, kUnknownCondition);
+  at = stop;
+  for (double done = 0.0; done + 0.5 < *times; done += 1.0) {
+    if (++steps_ > kMostSteps) return fail(start, kTooLong);
+    End end = run(start + 1, stop, depth + 1);
+    if (!goes_on(end, flows_[start].label)) return end;
+  }
+  return End::normal;
+}
+
+/// Arguments are #1 to #30 of the subprogram; these and named ones without underscore are its own.
+GcodeFlow::End GcodeFlow::call(std::size_t at, int depth) {
+  const std::size_t sub = find(0, flows_[at].label, {Word::sub});
+  if (sub == flows_.size()) return fail(at, kNoSub);
+  const std::size_t end = find(sub + 1, flows_[at].label, {Word::endsub});
+  if (end == flows_.size()) return fail(sub, kNoEnd);
+  std::vector<double> arguments;
+  std::string_view rest = flows_[at].rest;
+  for (std::string_view one = brackets_at(rest); !one.empty(); one = brackets_at(rest)) {
+    const std::optional<double> value = parameters_.value(one);
+    if (!value) return fail(at, kUnknownValue);
+    arguments.push_back(*value);
+    rest = without_blanks(rest.substr(one.size()));
+  }
+  if (arguments.size() > kArguments || !is_end_of_words(rest)) return fail(at, kNotUnderstood);
+  if (!is_end_of_words(flows_[end].rest)) return fail(end, kNotUnderstood);
+  arguments.resize(kArguments, 0.0);
+  GcodeParameters callers = parameters_.enter(arguments);
+  End result = run(sub + 1, end, depth + 1);
+  parameters_.leave(std::move(callers));
+  if (result == End::returned) result = End::normal;
+  return result == End::leave || result == End::again ? fail(at, kNotUnderstood) : result;
+}
+
+}  // namespace paracal::io
