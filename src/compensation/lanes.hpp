@@ -86,7 +86,7 @@ inline bool runs_on_rail(const CompensatorLimb<Lanes>& limb) { return limb.on_ra
 
 /// NaN beyond the reach of the series: such lanes are left to the scalar compensator.
 inline ArmDirection<Lanes> turn_by(const Lanes& angle) {
-  const Lanes near = choose(abs(angle).values <= 0.1, angle, Lanes(std::numeric_limits<double>::quiet_NaN()));
+  const Lanes near = choose(abs(angle).values <= kSeriesReach, angle, Lanes(std::numeric_limits<double>::quiet_NaN()));
   return turn_by_series(near);
 }
 

@@ -30,7 +30,7 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
     return result;
   }
   // All triangles before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
-  std::array<Eigen::Vector2d, kMaxLimbs> direction;
+  std::array<ArmDirection<double>, kMaxLimbs> direction;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
     direction[i] = close_triangle(limb, pose.position + limb.plate + limb.slide_sign * slide);

@@ -50,8 +50,8 @@ double joint_to(const DeltaGeometry& g, std::size_t i, const Eigen::Vector3d& pl
   if (is_linear(g)) return place.z() + std::sqrt(rod - out * out);
   const double up = place.z() - g.shoulder[i], diameter = 2.0 * g.arm[i];
   const double reach = out * out + up * up + g.arm[i] * g.arm[i] - rod;
-  const Eigen::Vector2d direction = outward_direction(diameter * out, diameter * up, reach);
-  return std::atan2(direction.y(), direction.x());
+  const ArmDirection<double> direction = outward_direction(diameter * out, diameter * up, reach);
+  return std::atan2(direction.sine, direction.cosine);
 }
 
 double height_weight(const DeltaReadings& readings) {

@@ -1,8 +1,9 @@
 #pragma once
 
 // The compensator that runs in a controller: from a commanded pose to the joint coordinates that bring the identified
-// machine there. This header needs the standard library alone and may be copied by itself. Everything in it is
-// real-time safe: noexcept, no allocation, no lock, no exception, no unbounded loop, no state between calls.
+// machine there. This header and limb_closure.hpp need the standard library alone and may be copied by themselves.
+// Everything in them is real-time safe: noexcept, no allocation, no lock, no exception, no unbounded loop, no state
+// between calls.
 //
 // Its parameters are made once, outside of the control thread, by compensator_parameters (parameters.hpp).
 
@@ -11,6 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+
+#include "paracal/mechanism/limb_closure.hpp"
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "compensator.hpp tells unreachable poses by numbers that are not finite: compile without -ffinite-math-only"
@@ -139,40 +142,18 @@ Vector<Scalar> plate_joint(const CompensatorLimb<Scalar>& limb, Scalar phi) noex
   return sum(limb.plate, limb.slide, phi);
 }
 
-/// Direction of an arm: (cos(th), sin(th)) times any positive factor; on a rail (1, travel of the carriage in mm). NaN
-/// when out of reach.
-template <typename Scalar>
-struct ArmDirection {
-  Scalar cosine, sine;
-};
-
 template <typename Scalar>
 bool runs_on_rail(const CompensatorLimb<Scalar>& limb) noexcept {
   return limb.on_rail != Scalar(0);
 }
 
-/// Triangle of arm and mean rod in closed form, elbow outward; the same lines as close_triangle (mechanism/limb.hpp).
-///
-///   |d - L u_1(th)| = l   <=>   A cos(th) + B sin(th) = K,    d = joint at the plate - b_i
+/// Where the arm or the carriage is one mean rod away from the plate joint, d from b_i.
 template <typename Scalar>
-ArmDirection<Scalar> close_triangle(const CompensatorLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
-  const Scalar diameter = Scalar(2) * limb.arm;
-  const Scalar a = diameter * dot(d, limb.radial);
-  const Scalar b = diameter * dot(d, limb.normal);
+ArmDirection<Scalar> close_limb(const CompensatorLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
   const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
-  const Scalar k = dot(d, d) + limb.arm * limb.arm - rod * rod;
-  using std::copysign, std::sqrt;
-  const Scalar w = copysign(sqrt(a * a + b * b - k * k), -b);
-  return {a * k - b * w, b * k + a * w};
-}
-
-/// Carriage above the plate, offset included, mm; the same lines as close_on_rail (mechanism/limb.hpp).
-template <typename Scalar>
-Scalar close_on_rail(const CompensatorLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
-  using std::sqrt;
-  const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
-  const Scalar radial = dot(d, limb.radial) + limb.arm, across = dot(d, limb.axis);
-  return dot(d, limb.normal) + sqrt(rod * rod - radial * radial - across * across);
+  const Scalar radial = dot(d, limb.radial), normal = dot(d, limb.normal);
+  if (!runs_on_rail(limb)) return close_triangle(ArmReach<Scalar>{radial, normal, dot(d, d), limb.arm, rod});
+  return {Scalar(1), close_on_rail(RailReach<Scalar>{radial, normal, dot(d, limb.axis), limb.arm, rod})};
 }
 
 /// The elbow (on a rail the carriage) in {O}: its centre C and the directions that its short side keeps.
@@ -205,8 +186,7 @@ Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensato
   for (std::size_t i = 0; i < N; ++i) {
     const Vector<Scalar> joint_at_plate = sum(position, plate_joint(limbs[i], pose.phi));
     const Vector<Scalar> d = sum(joint_at_plate, limbs[i].base, Scalar(-1));
-    arms[i] = runs_on_rail(limbs[i]) ? ArmDirection<Scalar>{Scalar(1), close_on_rail(limbs[i], d)}
-                                     : close_triangle(limbs[i], d);
+    arms[i] = close_limb(limbs[i], d);
   }
   return arms;
 }
@@ -249,29 +229,24 @@ ArmDirection<Scalar> turn_by_series(Scalar angle) noexcept {
           angle * (one - u / Scalar(6) * (one - u / Scalar(20) * (one - u / Scalar(42) * (one - u / Scalar(72)))))};
 }
 
+inline constexpr double kSeriesReach = 0.1;  ///< rad
+
 /// cos and sin of an angle that is nearly always small.
 template <typename Scalar>
 ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
-  if (std::abs(angle) <= Scalar(0.1)) return turn_by_series(angle);
+  if (std::abs(angle) <= Scalar(kSeriesReach)) return turn_by_series(angle);
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// Columns of R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
+/// R of the plate.
 template <typename Scalar>
-struct PlateFrame {
-  Vector<Scalar> x, y, z;
-
-  Vector<Scalar> turned(const Vector<Scalar>& v) const noexcept { return combination(v, x, y, z); }
+struct PlateFrame : PlateColumns<Scalar> {
+  Vector<Scalar> turned(const Vector<Scalar>& v) const noexcept { return combination(v, this->x, this->y, this->z); }
 };
 
 template <typename Scalar>
 PlateFrame<Scalar> plate_frame(const Vector<Scalar>& tilt) noexcept {
-  const auto [ca, sa] = turn_by(tilt[0]);
-  const auto [cb, sb] = turn_by(tilt[1]);
-  const auto [cg, sg] = turn_by(tilt[2]);
-  return {{cb * cg, ca * sg + sa * sb * cg, sa * sg - ca * sb * cg},
-          {-(cb * sg), ca * cg - sa * sb * sg, sa * cg + ca * sb * sg},
-          {sb, -(sa * cb), ca * cb}};
+  return {plate_columns(turn_by(tilt[0]), turn_by(tilt[1]), turn_by(tilt[2]))};
 }
 
 /// Where arms and plate are while the tilt is sought; position and slide of the plate are held on the pose.
@@ -441,17 +416,18 @@ std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompen
 template <typename Scalar>
 inline constexpr Scalar kSettled = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
 
+inline constexpr int kMostSteps = 20;  ///< three or four are the rule
+
 /// From the joints of the level plate to those of the tilted one, which inverse (kinematics/inverse.hpp) finds by
-/// Newton's iteration; 20 steps are the most, three or four the rule.
+/// Newton's iteration.
 template <std::size_t N, typename Scalar>
 CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const CompensatorPose<Scalar>& pose,
                           const Arms<Scalar, N>& level, CompensatorJoints<Scalar>& joints,
                           Vector<Scalar>& tilt) noexcept {
-  constexpr int kMaxSteps = 20;
   TiltedPose<Scalar, N> state = level_pose(parameters.identified, level);
   const Answer<Scalar, N> answer = answer_at(parameters.identified, pose, state.arms);
   Scalar before(1);
-  for (int count = 0; count < kMaxSteps; ++count) {
+  for (int count = 0; count < kMostSteps; ++count) {
     const std::array<Scalar, N + 3> changes = step(parameters.identified, pose, answer, state);
     if (!all_finite(changes)) break;
     Scalar largest{};

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "paracal/mechanism/limb_closure.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -33,16 +34,16 @@ struct PlateRotation {
 template <typename Scalar>
 PlateRotation<Scalar> plate_rotation(const Vector3<Scalar>& tilt) {
   using std::cos, std::sin;
-  const Scalar ca = cos(tilt.x()), sa = sin(tilt.x());
-  const Scalar cb = cos(tilt.y()), sb = sin(tilt.y());
-  const Scalar cg = cos(tilt.z()), sg = sin(tilt.z());
+  const ArmDirection<Scalar> a{cos(tilt.x()), sin(tilt.x())}, b{cos(tilt.y()), sin(tilt.y())};
+  const PlateColumns<Scalar> columns = plate_columns(a, b, {cos(tilt.z()), sin(tilt.z())});
+  const auto& [x, y, z] = columns;
   PlateRotation<Scalar> rotation;
-  rotation.matrix << cb * cg, -cb * sg, sb,                      //
-      ca * sg + sa * sb * cg, ca * cg - sa * sb * sg, -sa * cb,  //
-      sa * sg - ca * sb * cg, sa * cg + ca * sb * sg, ca * cb;
-  rotation.axes << Scalar(1), Scalar(0), sb,  //
-      Scalar(0), ca, -sa * cb,                //
-      Scalar(0), sa, ca * cb;
+  rotation.matrix << x[0], y[0], z[0],  //
+      x[1], y[1], z[1],                 //
+      x[2], y[2], z[2];
+  rotation.axes << Scalar(1), Scalar(0), z[0],  //
+      Scalar(0), a.cosine, z[1],                //
+      Scalar(0), a.sine, z[2];
   return rotation;
 }
 

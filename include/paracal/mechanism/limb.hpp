@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "paracal/mechanism/limb_closure.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
@@ -80,46 +81,26 @@ Vector3<Scalar> elbow_lever(const BasicLimb<Scalar>& limb, Scalar joint, const A
 /// mm that the elbow moves per rad or mm of its joint: L, or 1 on a rail.
 inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::linear ? 1.0 : limb.arm; }
 
-/// (A^2 + B^2) (cos(th), sin(th)) with A cos(th) + B sin(th) = K; of the two roots the one with the larger cosine. One
-/// square root and no division, since only the direction of the arm matters.
-/// @returns NaN without a root. Real-time: yes (no allocation, no exception, no loop).
-inline Eigen::Vector2d outward_direction(double a, double b, double k) noexcept {
-  const double w = std::copysign(std::sqrt(a * a + b * b - k * k), -b);
-  return {a * k - b * w, b * k + a * w};
-}
-
-/// Closes the triangle of arm and rod on the centre line of a limb, in closed form: the arm that puts the elbow one
-/// (mean) rod away from a point.
-///
-///   |d - L u_1(th)| = l   <=>   A cos(th) + B sin(th) = K,
-///   A = 2 L d.u_0,  B = 2 L d.v_0,  K = d.d + L^2 - l^2,  d = joint_at_plate - b_i.
-///
-/// Of the two roots it takes the working mode with the elbow outward: the larger u_1.u_0.
+/// The arm that puts the elbow one (mean) rod away from a point, elbow outward.
 ///
 /// @param joint_at_plate  A_i in the base frame, mm.
-/// @returns (A^2 + B^2) (cos(th), sin(th)); NaN when out of reach.
+/// @returns its direction, of any length; NaN when out of reach.
 /// Real-time: yes (no allocation, no exception, no loop).
-inline Eigen::Vector2d close_triangle(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
+inline ArmDirection<double> close_triangle(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
   const Eigen::Vector3d d = joint_at_plate - limb.base;
-  const double diameter = 2.0 * limb.arm;
-  const double a = diameter * d.dot(limb.frame.col(0));
-  const double b = diameter * d.dot(limb.frame.col(1));
-  const double rod = limb.mean_rod();
-  const double k = d.squaredNorm() + limb.arm * limb.arm - rod * rod;
-  return outward_direction(a, b, k);
+  return close_triangle(ArmReach<double>{.radial = d.dot(limb.frame.col(0)),
+                                         .normal = d.dot(limb.frame.col(1)),
+                                         .square = d.squaredNorm(),
+                                         .arm = limb.arm,
+                                         .rod = limb.mean_rod()});
 }
 
-/// Closes the same triangle where the elbow runs along a rail: the carriage one (mean) rod away from a point.
-///
-///   |d - q v_1| = l   <=>   q = d.v_1 + sqrt(l^2 - (d.u_1)^2 - (d.w_0)^2),   d = joint_at_plate - (b_i - L u_1)
-///
-/// Of the two roots it takes the carriage above the plate.
+/// The carriage that is one (mean) rod away from a point, above the plate.
 ///
 /// @returns q with its offset, mm; NaN when out of reach. Real-time: yes.
 inline double close_on_rail(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
   const Eigen::Vector3d d = limb.frame.transpose() * (joint_at_plate - limb.base);
-  const double rod = limb.mean_rod(), radial = d.x() + limb.arm;
-  return d.y() + std::sqrt(rod * rod - radial * radial - d.z() * d.z());
+  return close_on_rail(RailReach<double>{d.x(), d.y(), d.z(), limb.arm, limb.mean_rod()});
 }
 
 /// Joint coordinate of a limb.
@@ -134,9 +115,8 @@ inline JointSolution believed_joint(const Limb& limb, double place) noexcept {
   return {joint, std::isfinite(joint)};
 }
 
-/// @param direction  (cos(th), sin(th)) times any positive factor.
-inline JointSolution arm_along(const Limb& limb, const Eigen::Vector2d& direction) noexcept {
-  return believed_joint(limb, std::atan2(direction.y(), direction.x()));
+inline JointSolution arm_along(const Limb& limb, const ArmDirection<double>& direction) noexcept {
+  return believed_joint(limb, std::atan2(direction.sine, direction.cosine));
 }
 
 /// Joint coordinate that puts the elbow one (mean) rod away from a point.
