@@ -1,41 +1,36 @@
+#include "paracal/compensation/export.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
-#include "embedded.hpp"
-#include "paracal/compensation/export.hpp"
-#include "paracal/compensation/parameters.hpp"
-#include "paracal/compensation/self_test.hpp"
-#include "paracal/version.hpp"
+#include "export_text.hpp"
 
 namespace paracal {
-
-std::string harmless(std::string text) {
-  const auto is_harmful = [](unsigned char c) {
-    return std::isprint(c) == 0 || c == '"' || c == '\\' || c == '*' || c == '?' || c == '$';
-  };
-  std::ranges::replace_if(text, is_harmful, '_');
-  return text;
-}
-
 namespace {
 
-std::string braced(const auto& numbers) { return fmt::format("{{{}}}", fmt::join(numbers, ", ")); }
+using namespace compensation_detail;
+
+template <std::size_t Size>
+std::string braced(const std::array<double, Size>& numbers, std::size_t count = Size) {
+  std::vector<std::string> texts;
+  for (std::size_t k = 0; k < count; ++k) texts.push_back(decimal(numbers[k]));
+  return fmt::format("{{{}}}", fmt::join(texts, ", "));
+}
 
 std::string limb_constants(const CompensatorParameters<double>& parameters) {
   std::string text;
   for (std::size_t i = 0; i < parameters.limb_count; ++i) {
     const CompensatorLimb<double>& limb = parameters.identified[i];
     text += fmt::format(
-        "    {{{},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {}, {}, {}}},\n",
+        "    {{{},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n"
+        "     {}}},\n",
         braced(limb.base), braced(limb.radial), braced(limb.normal), braced(limb.axis), braced(limb.plate),
-        braced(limb.slide), braced(limb.elbow_half), braced(limb.plate_half), braced(limb.rod), limb.arm,
-        limb.joint_offset);
+        braced(limb.slide), braced(limb.elbow_half), braced(limb.plate_half), braced(limb.rod), decimal(limb.arm),
+        decimal(limb.joint_offset));
   }
   return text;
 }
@@ -43,69 +38,95 @@ std::string limb_constants(const CompensatorParameters<double>& parameters) {
 std::string test_vector(const std::vector<SelfTestCase>& cases) {
   std::string text;
   for (const auto& [pose, joints] : cases) {
-    const Eigen::Vector3d& r = pose.position;
-    text += fmt::format("    {{{}, {}}},\n", braced(std::array{r.x(), r.y(), r.z(), pose.rotation}), braced(joints));
+    const std::array numbers{pose.position.x(), pose.position.y(), pose.position.z(), pose.rotation};
+    CompensatorJoints<double> found{};
+    std::ranges::copy(joints, found.begin());
+    text += fmt::format("    {{{}, {}}},\n", braced(numbers), braced(found, static_cast<std::size_t>(joints.size())));
   }
   return text;
 }
 
-std::string_view export_template(std::string_view name) {
-  const auto files = detail::export_templates();
-  const auto found = std::ranges::find(files, name, &detail::EmbeddedFile::name);
-  if (found == files.end()) throw std::logic_error(fmt::format("no template {} is built in", name));
-  return found->text;
-}
+/// C99, which has NaN for what has no answer.
+class C99 : public Language {
+ public:
+  bool states_precedence() const override { return true; }
 
-using Values = std::vector<std::pair<std::string_view, std::string>>;
+  std::string number(double value) const override { return decimal(value); }
 
-/// What the head of every export says.
-Values head(const Robot& robot, const ExportOrigin& origin) {
-  const bool on_rails = robot.actuator() == Actuator::linear;
-  return {{"PROGRAM", fmt::format("paracal {}", version())},
-          {"ROBOT", harmless(robot.name())},
-          {"CALIBRATION", harmless(origin.calibration)},
-          {"SHA256", origin.sha256},
-          {"DATE", origin.date},
-          {"LIMBS", std::to_string(robot.limb_count())},
-          {"JOINT_UNIT", on_rails ? "mm" : "rad"},
-          {"SHOWN_JOINT_UNIT", on_rails ? "mm" : "deg"},
-          {"JOINT_TOLERANCE", on_rails ? "1e-9" : "1.7e-11"}};
-}
-
-/// The text with every $KEY$ replaced by its value.
-std::string filled(std::string_view text, const Values& values) {
-  std::string result;
-  for (std::size_t at = text.find('$'); at != std::string_view::npos; at = text.find('$')) {
-    const std::size_t end = text.find('$', at + 1);
-    const std::string_view key = text.substr(at + 1, end - at - 1);
-    result += text.substr(0, at);
-    result += std::ranges::find(values, key, &Values::value_type::first)->second;
-    text.remove_prefix(end + 1);
+  std::string symbol(const Symbol& symbol) const override {
+    std::string text(symbol.name);
+    if (symbol.limb >= 0) text = fmt::format("limb[{}].{}", symbol.limb, text);
+    return symbol.index < 0 ? text : fmt::format("{}[{}]", text, symbol.index);
   }
-  return result.append(text);
+
+  std::string call(Operation operation, const std::vector<std::string>& operands) const override {
+    switch (operation) {
+      case Operation::where_negative:
+        return fmt::format("(({} < 0.0) ? {} : {})", operands[0], operands[1], operands[2]);
+      case Operation::square_root:
+        return fmt::format("sqrt({})", operands[0]);
+      case Operation::sine:
+        return fmt::format("sin({})", operands[0]);
+      case Operation::cosine:
+        return fmt::format("cos({})", operands[0]);
+      case Operation::arctangent:
+        return fmt::format("atan2({}, {})", operands[0], operands[1]);
+      case Operation::turn_cosine:
+        return fmt::format("paracal_turn_cosine({})", operands[0]);
+      case Operation::turn_sine:
+        return fmt::format("paracal_turn_sine({})", operands[0]);
+      default:
+        throw std::logic_error("no function of C");
+    }
+  }
+
+  std::string define(const std::string& local, const std::string& formula) const override {
+    return fmt::format("const double {} = {};", local, formula);
+  }
+
+  std::string assign(const std::string& target, const std::string& formula) const override {
+    return fmt::format("{} = {};", target, formula);
+  }
+
+  std::string guard_root(const std::string&) const override { return {}; }
+  std::string guard_divisor(const std::string&) const override { return {}; }
+};
+
+std::string settle_functions(const RecordedMachine& recorded, Values values) {
+  const C99 language;
+  values.emplace_back("STATE_SIZE", std::to_string(recorded.state_size));
+  values.emplace_back("ANSWER_SIZE", std::to_string(recorded.answer_size));
+  values.emplace_back("TURN_COSINE", recorded.turn_cosine.text(language, "    "));
+  values.emplace_back("TURN_SINE", recorded.turn_sine.text(language, "    "));
+  values.emplace_back("ANSWER", recorded.answer.text(language, "  "));
+  values.emplace_back("STEP", recorded.step.text(language, "  "));
+  return filled_template("settle_c99.h", values);
 }
 
 }  // namespace
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
-  const std::vector<SelfTestCase> cases = self_test(robot, parameters);
+  const ExportedMachine machine(robot, errors);
+  const C99 language;
   Values values = head(robot, origin);
-  const bool on_rails = robot.actuator() == Actuator::linear;
-  values.emplace_back("ON_RAILS", on_rails ? "1" : "0");
-  values.emplace_back("STEP_TOLERANCE", on_rails ? "1e-8" : "1e-10");
-  values.emplace_back("TILTS_PLATE", std::to_string(parameters.tilts_plate));
-  values.emplace_back("LIMB_CONSTANTS", limb_constants(parameters));
-  values.emplace_back("TESTS", std::to_string(cases.size()));
-  values.emplace_back("TEST_VECTOR", test_vector(cases));
-  return filled(export_template("compensator_c99.h"), values);
+  const bool tilts_plate = machine.parameters.tilts_plate != 0;
+  values.emplace_back("OPERATIONS", operations(machine));
+  values.emplace_back("ON_RAILS", robot.actuator() == Actuator::linear ? "1" : "0");
+  values.emplace_back("TILTS_PLATE", tilts_plate ? "1" : "0");
+  values.emplace_back("LIMB_CONSTANTS", limb_constants(machine.parameters));
+  values.emplace_back("STATE_DEFINED", tilts_plate ? settle_functions(machine.recorded, values) : "");
+  values.emplace_back("STATE_PARAMETER", tilts_plate ? ", double state[PARACAL_STATE]" : "");
+  values.emplace_back("LEVEL", machine.recorded.level.text(language, "  "));
+  values.emplace_back("WAY_BACK", machine.recorded.way_back.text(language, "  "));
+  values.emplace_back("TESTS", std::to_string(machine.cases.size()));
+  values.emplace_back("TEST_VECTOR", test_vector(machine.cases));
+  return filled_template("compensator_c99.h", values);
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
   Values values = head(robot, origin);
-  values.emplace_back("LAST_JOINT", std::to_string(robot.limb_count() - 1));
   values.emplace_back("C99", c99_header(robot, errors, origin));
-  return filled(export_template("paracal_kins.comp"), values);
+  return filled_template("paracal_kins.comp", values);
 }
 
 }  // namespace paracal

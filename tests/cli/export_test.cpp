@@ -107,6 +107,31 @@ TEST_P(C99Export, GivesTheLibrarysJoints) {
   EXPECT_LT(worst, 1e-9);
 }
 
+/// In two files of one C++ program, the oldest standard that compilers know and the newest, before and after the
+/// library's own declarations.
+TEST_P(C99Export, LinksFromCpp) {
+  folder.write("first.cpp",
+               "#include \"compensator.h\"\n#include <cmath>\n"
+               "int other(const double pose[4], double joints[4]);\n"
+               "int main() {\n  const double pose[4] = {0.0, 0.0, -900.0, std::sqrt(0.04)};\n"
+               "  double a[4] = {0.0}, b[4] = {1.0};\n"
+               "  if (paracal_compensate(pose[0], pose[1], pose[2], pose[3], a, NULL) != PARACAL_OK) return 1;\n"
+               "  return other(pose, b) != 0 || a[3] < b[3] || a[3] > b[3] || paracal_self_test() != 0;\n}\n");
+  folder.write("second.cpp",
+               "#include <cmath>\n#include \"compensator.h\"\n"
+               "int other(const double pose[4], double joints[4]);\n"
+               "int other(const double pose[4], double joints[4]) {\n"
+               "  return paracal_compensate(pose[0], pose[1], pose[2], pose[3], joints, NULL);\n}\n");
+  for (const char* standard : {"c++98", "c++20"}) {
+    const std::string compile = fmt::format(
+        "{} -x c++ -std={} -pedantic -Wall -Wextra -Wshadow -Wconversion -Wold-style-cast -Werror first.cpp second.cpp "
+        "-lstdc++ -lm -o program",
+        GetParam(), standard);
+    ASSERT_EQ(shell(compile), 0) << standard;
+    EXPECT_EQ(shell("./program"), 0);
+  }
+}
+
 /// Three limbs, and errors of the position group alone: the header's other half.
 TEST_P(C99Export, OfALevelRigidPlatePassesItsSelfTest) {
   // As text: a calibration's robot keeps the order of its keys.
@@ -147,6 +172,26 @@ TEST_F(Export, TheHeaderSaysWhereItComesFrom) {
   EXPECT_EQ(header.find('$'), std::string::npos);
   const json exported = json_from("export --calibration calibration.json --target c99");
   EXPECT_THAT(header, HasSubstr(exported.at("calibration_sha256").get<std::string>()));
+}
+
+/// The header names the rules of MISRA C:2012 that it does not keep.
+TEST_F(Export, TheHeaderKeepsToMisra) {
+  if (*PARACAL_CPPCHECK == '\0') GTEST_SKIP() << "cppcheck is not installed";
+  const std::string check = std::string(PARACAL_CPPCHECK) +
+                            " --addon=misra --enable=style,warning,performance,portability --std=c99 --quiet "
+                            "--error-exitcode=1 --suppress=misra-c2012-2.5 --suppress=misra-c2012-15.5 "
+                            "--suppress=misra-c2012-21.2 ";
+  folder.write("careless.c", "int f(int a);\nint f(int a) { if (a) { return 1; } return 2; }\n");
+  EXPECT_NE(shell(check + "careless.c 2> careless.txt"), 0);
+  EXPECT_THAT(folder.read("careless.txt"), HasSubstr("misra-c2012-14.4"));
+  export_to("c99", "compensator.h");
+  EXPECT_THAT(folder.read("compensator.h"), HasSubstr("but for 2.5"));
+  folder.write("kernel.c",
+               "#include \"compensator.h\"\nint self_test(void);\n"
+               "int self_test(void) { return paracal_self_test(); }\n");
+  // Rules on the program as a whole do not count for its exit code.
+  EXPECT_EQ(shell(check + "kernel.c 2> said.txt"), 0);
+  EXPECT_EQ(folder.read("said.txt"), "");
 }
 
 /// A name cannot end the comment or the string that it stands in.

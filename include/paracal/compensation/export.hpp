@@ -17,9 +17,9 @@ struct ExportOrigin {
 /// Text, as a file's name, that cannot end a comment or a string of any target.
 std::string harmless(std::string text);
 
-/// A compensator as one C99 header for freestanding targets: the exact way of compensator.hpp with the constants of
-/// this machine, the way back from joints to pose, and a self-test vector with a function that runs it. It needs sqrt,
-/// sin, cos and atan2.
+/// A compensator as one header for freestanding targets, C99 and C++: the exact way of compensator.hpp with the
+/// constants of this machine, the way back from joints to pose, and a self-test vector with a function that runs it. It
+/// needs sqrt, sin, cos and atan2.
 /// @throws Unreachable when the machine does not reach the centre of the robot's workspace.
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 

@@ -85,7 +85,7 @@ int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INV
   double* axis;
   int i;
   (void)iflags, (void)fflags;
-  if (paracal_compensate(world->tran.x, world->tran.y, world->tran.z, phi_rad, robot_joints, 0) != PARACAL_OK) return -1;
+  if (paracal_compensate(world->tran.x, world->tran.y, world->tran.z, phi_rad, robot_joints, NULL) != PARACAL_OK) return -1;
   for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i] * PARACAL_SHOWN_JOINT;
   for (i = 0; (axis = paracal_other_axis(&others, i)) != 0; ++i) joints[PARACAL_LIMBS + i] = *axis;
   return 0;
