@@ -194,6 +194,20 @@ TEST_F(Export, TheHeaderKeepsToMisra) {
   EXPECT_EQ(folder.read("said.txt"), "");
 }
 
+// ---- Structured Text, whose laws are in tests/compensation
+
+TEST_F(Export, StructuredTextSaysWhereItComesFrom) {
+  const json exported = json_from("export --calibration calibration.json --target st");
+  const std::string text = exported.at("text");
+  EXPECT_EQ(text, folder.run("export --calibration calibration.json --target st").out);
+  for (const char* said : {"robot        huang2016", "calibration  calibration.json", "joints in rad",
+                           "FUNCTION_BLOCK paracal_compensator", "FUNCTION_BLOCK paracal_self_test"}) {
+    EXPECT_THAT(text, HasSubstr(said));
+  }
+  EXPECT_THAT(text, HasSubstr(exported.at("calibration_sha256").get<std::string>()));
+  EXPECT_EQ(text.find('$'), std::string::npos);
+}
+
 /// A name cannot end the comment or the string that it stands in.
 TEST_F(Export, AFilesNameStaysAName) {
   folder.write("*\" #error.json", kCalibration);

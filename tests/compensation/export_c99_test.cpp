@@ -75,6 +75,7 @@ TEST_P(CHeaderLaw, GivesTheLibrarysJointsAndFindsTheWayBack) {
   };
   hold_to_the_library(answer_to);
   survive_bad_poses(answer_to);
+  judge_poses_anywhere(answer_to);
 
   double worst = 0.0;
   for (int k = 0; k < 200; ++k) {

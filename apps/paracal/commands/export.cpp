@@ -19,7 +19,8 @@ struct Options {
 
 using Writer = std::string (*)(const Robot&, const SourceErrors&, const ExportOrigin&);
 /// Targets that are a text made of the calibration alone.
-const std::map<std::string, Writer> kTexts{{"c99", c99_header}, {"linuxcnc", linuxcnc_component}};
+const std::map<std::string, Writer> kTexts{
+    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}};
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
                  Session& session) {
@@ -69,12 +70,13 @@ void add_export(Command& program, Session& session) {
   const auto options = std::make_shared<Options>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
   command
-      ->add_option("--target", options->target,
-                   "c99: one freestanding C99 header; linuxcnc: a kinematics component (paracal_kins.comp); json: the "
-                   "compensator's parameters; gcode, csv: a program or a "
-                   "pose table with corrected targets")
+      ->add_option(
+          "--target", options->target,
+          "c99: one freestanding header, C99 and C++; linuxcnc: a kinematics component (paracal_kins.comp); st: "
+          "IEC 61131-3 Structured Text; json: the compensator's parameters; gcode, csv: a program or a "
+          "pose table with corrected targets")
       ->required()
-      ->check(one_of({"c99", "linuxcnc", "json", "gcode", "csv"}));
+      ->check(one_of({"c99", "linuxcnc", "st", "json", "gcode", "csv"}));
   command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
   command
       ->add_option("--origin", options->filter.origin,

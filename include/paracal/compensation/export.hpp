@@ -28,4 +28,10 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 /// @throws as c99_header.
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 
+/// The same as IEC 61131-3 Structured Text for programmable controllers: function blocks paracal_compensator,
+/// paracal_forward and paracal_self_test, in what CODESYS, TwinCAT and matiec have in common. It asks for no root of a
+/// negative number and for no division by zero.
+/// @throws as c99_header.
+std::string structured_text(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+
 }  // namespace paracal
