@@ -176,9 +176,9 @@ Arguments::Arguments(const ProgramText& text)
 
 Arguments::~Arguments() = default;
 
-std::optional<int> Arguments::run(int argc, char** argv) {
+std::optional<int> Arguments::run(const std::vector<std::string>& words) {
   try {
-    app_->parse(argc, argv);
+    app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));  // the first last, as it wants them
   } catch (const CLI::Success& help_or_the_like) {
     return app_->exit(help_or_the_like);
   } catch (const CLI::ParseError& error) {

@@ -98,6 +98,7 @@ class Command {
   /// What is looked at before that.
   void check_all(const std::function<void()>& look);
   Option* get_option(std::string_view name);
+  const Option* get_option(std::string_view name) const { return const_cast<Command*>(this)->get_option(name); }
   const std::deque<Option>& options() const { return options_; }
 
  private:
@@ -121,10 +122,10 @@ class Arguments {
   Arguments& operator=(const Arguments&) = delete;
   ~Arguments();
   Command& program() { return program_; }
-  /// Parses them and runs the command.
+  /// Parses them, as they follow the program's name, and runs the command.
   /// @returns an exit code where all was said by --help, --version or --licenses.
   /// @throws WrongUsage in one line, with the option or command that was probably meant.
-  std::optional<int> run(int argc, char** argv);
+  std::optional<int> run(const std::vector<std::string>& words);
 
  private:
   std::unique_ptr<CLI::App> app_;

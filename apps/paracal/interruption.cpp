@@ -1,14 +1,19 @@
 #include "interruption.hpp"
 
 #include <csignal>
+#include <cstdlib>
 
 namespace paracal::app {
 namespace {
 
 std::atomic<bool> interrupted = false;  // a handler reaches nothing but globals
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<int> signal_that_came = SIGTERM;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-extern "C" void note_interruption(int /*signal*/) { interrupted.store(true); }
+extern "C" void note_interruption(int signal) {
+  signal_that_came.store(signal);
+  interrupted.store(true);
+}
 
 }  // namespace
 
@@ -18,6 +23,12 @@ const std::atomic<bool>& flag_of_interruption() {
   action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   return interrupted;
+}
+
+void end_by_interruption() {
+  std::signal(signal_that_came, SIG_DFL);
+  std::raise(signal_that_came);
+  std::abort();  // a signal that is blocked
 }
 
 }  // namespace paracal::app

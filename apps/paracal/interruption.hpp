@@ -9,4 +9,7 @@ namespace paracal::app {
 /// @returns the flag; true once a signal came.
 const std::atomic<bool>& flag_of_interruption();
 
+/// Ends the process by the signal that set the flag, as if nobody had waited.
+[[noreturn]] void end_by_interruption();
+
 }  // namespace paracal::app

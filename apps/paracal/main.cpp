@@ -1,15 +1,13 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string_view>
 
-#include "arguments.hpp"
-#include "embedded.hpp"
-#include "paracal/version.hpp"
+#include "program.hpp"
 #include "session.hpp"
 
 namespace {
@@ -51,12 +49,6 @@ void* __wrap_realloc(void* earlier, std::size_t size) {
 
 namespace {
 
-std::string licences() {
-  std::string text = "paracal: Apache License 2.0\n\n";
-  for (const paracal::detail::EmbeddedFile& file : paracal::detail::licences()) text += file.text;
-  return text;
-}
-
 /// Opens those of the standard streams that are closed, the wrong way round, so that they fail as before: else a result
 /// would get the number of one, and with it what is printed.
 void keep_standard_streams() {
@@ -65,47 +57,13 @@ void keep_standard_streams() {
   }
 }
 
-/// Everything, up to the outputs that replace earlier ones.
-int run(int argc, char** argv) {
-  Arguments arguments(
-      {.about = "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller",
-       .name = "paracal",
-       .version = fmt::format("paracal {} ({})", paracal::version(), paracal::build()),
-       .footer =
-           "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics "
-           "says no.",
-       .licences = licences});
-  Command& program = arguments.program();
-  Session session;
-  session.command_line = shell_line(argc, argv);
-  add_robot(program, session);
-  add_inverse(program, session);
-  add_forward(program, session);
-  add_error_model(program, session);
-  add_poses(program, session);
-  add_identifiability(program, session);
-  add_simulate(program, session);
-  add_calibrate(program, session);
-  add_validate(program, session);
-  add_report(program, session);
-  add_sensitivity(program, session);
-  add_tolerance(program, session);
-  add_yield(program, session);
-  add_compensate(program, session);
-  add_export(program, session);
-  add_reproduce(program, session);
-  if (const auto code = arguments.run(argc, argv)) return *code;
-  session.finish();
-  return session.exit_code;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   std::set_new_handler(give_up);
   keep_standard_streams();
   try {
-    return run(argc, argv);
+    return run_program({argv + std::min(argc, 1), argv + argc}, write_to_standard_output);
   } catch (const paracal::InputFileError& error) {
     return complain(error, kBadInputFile);
   } catch (const paracal::InvalidArgument& error) {

@@ -232,7 +232,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   const bool advised = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::take_firmware;
   if (advised) text.append("\n").append(parameters);
   text += written;
-  print_summary(text);
+  session.print_summary(text);
 }
 
 }  // namespace paracal::app

@@ -120,7 +120,7 @@ io::Json joints_json(const io::NamedJoints& row, Actuator actuator) {
 }
 
 io::TextSink Session::result_sink() {
-  if (out_.empty()) return print_summary;
+  if (out_.empty()) return standard_output_;
   return [&file = outputs.begin(out_)](std::string_view text) { file.write(text); };
 }
 
@@ -142,9 +142,7 @@ std::int64_t now() {
   return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-namespace {
-
-std::string quoted(std::string_view argument) {
+std::string shell_word(std::string_view argument) {
   constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=./,:@%";
   if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string_view::npos) return std::string(argument);
   std::string text = "'";
@@ -152,15 +150,13 @@ std::string quoted(std::string_view argument) {
   return text + "'";
 }
 
-}  // namespace
-
-std::string shell_line(int argc, char** argv) {
+std::string shell_line(const std::vector<std::string>& arguments) {
   std::string line = "paracal";
-  for (int k = 1; k < argc; ++k) line.append(" ").append(quoted(argv[k]));
+  for (const std::string& argument : arguments) line.append(" ").append(shell_word(argument));
   return line;
 }
 
-void print_summary(std::string_view text) {
+void write_to_standard_output(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (!written) throw Error("standard output: cannot be written");
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "arguments.hpp"
 #include "inputs.hpp"
@@ -52,15 +53,20 @@ io::Json joints_json(const io::NamedJoints& row, Actuator actuator);
 std::string json_text(const io::Json& json);
 std::string json_line(const io::Json& json);
 
-/// Prints what goes to standard output even with --out.
-void print_summary(std::string_view text);
+/// @throws Error when it cannot be written.
+void write_to_standard_output(std::string_view text);
 
-/// Arguments as a line that a shell takes apart again as they were.
-std::string shell_line(int argc, char** argv);
+/// A word as a shell takes it for what it is.
+std::string shell_word(std::string_view word);
+
+/// Arguments behind "paracal", as a line that a shell takes apart again as they were.
+std::string shell_line(const std::vector<std::string>& arguments);
 
 /// What all commands share: the common options and where results go.
 class Session {
  public:
+  explicit Session(io::TextSink standard_output) : standard_output_(std::move(standard_output)) {}
+
   /// A new command with the common options, listed in --help under the user's job.
   Command* add_command(Command& parent, const std::string& name, const std::string& job, const std::string& what);
 
@@ -80,6 +86,8 @@ class Session {
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text);
   void print_json(const io::Json& json);
+  /// What goes to standard output even with --out.
+  void print_summary(std::string_view text) { standard_output_(text); }
   /// For standard error, once all outputs are in their places: nobody reads of targets that are then not there.
   void say_when_done(std::string text) { last_words_ = std::move(text); }
   /// Puts the outputs into their places and says so.
@@ -90,6 +98,7 @@ class Session {
   std::string command_line;  ///< as typed, quoted for a shell
 
  private:
+  io::TextSink standard_output_;
   std::string robot_;
   std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
@@ -116,5 +125,6 @@ void add_reproduce(Command& program, Session& session);
 void add_yield(Command& program, Session& session);
 void add_compensate(Command& program, Session& session);
 void add_export(Command& program, Session& session);
+void add_demo(Command& program, Session& session);
 
 }  // namespace paracal::app

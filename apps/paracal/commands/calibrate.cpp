@@ -119,8 +119,8 @@ void run(const Options& options, Session& session) {
   if (session.json()) {
     if (session.out().empty()) session.print_json(file);
   } else {
-    print_summary(calibration.brief() + residual_table(calibration) +
-                  (session.out().empty() ? "" : fmt::format("  written to {}\n", session.out())));
+    session.print_summary(calibration.brief() + residual_table(calibration) +
+                          (session.out().empty() ? "" : fmt::format("  written to {}\n", session.out())));
   }
   if (!calibration.accepted()) session.exit_code = kVerdictIsNo;
 }

@@ -218,7 +218,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   if (options.check) {
     session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary));
   } else if (session.json()) {
-    print_summary(json_text(json));
+    session.print_summary(json_text(json));
   } else {
     session.say_when_done(summary_text(in.name, summary));
   }

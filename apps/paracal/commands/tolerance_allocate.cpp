@@ -113,7 +113,8 @@ void run(const Options& options, Session& session) {
 }  // namespace
 
 void add_tolerance_allocate(Command& tolerance, Session& session) {
-  Command* command = session.add_command(tolerance, "allocate", "", "the widest tolerances that keep a limit");
+  Command* command =
+      session.add_command(tolerance, "allocate", "Design tolerances", "the widest tolerances that keep a limit");
   const auto options = std::make_shared<Options>();
   Option* tilt = command->add_option("--max-tilt", options->max_tilt, "3 sigma of the plate's tilt, rad")
                      ->check(positive_finite())

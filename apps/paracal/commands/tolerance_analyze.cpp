@@ -233,8 +233,9 @@ void run(const Options& options, Session& session) {
 }  // namespace
 
 void add_tolerance_analyze(Command& tolerance, Session& session) {
-  Command* command = session.add_command(
-      tolerance, "analyze", "", "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
+  Command* command =
+      session.add_command(tolerance, "analyze", "Design tolerances",
+                          "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
   const auto options = std::make_shared<Options>();
   command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
   Option* tilt = command->add_option("--max-tilt", options->max_tilt, "limit on the plate's tilt, rad")

@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "interruption.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "program.hpp"
+#include "scratch_folder.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A command as it is typed in the folder, without "paracal".
+struct Step {
+  std::string what;
+  std::string command;
+  std::string text_file = {};             ///< where a shell would put what it prints
+  std::vector<std::string> telling = {};  ///< lines of that text to show: how they begin
+
+  std::string shell_line() const {
+    return "paracal " + command + (text_file.empty() ? std::string() : " > " + text_file);
+  }
+};
+
+/// From a plan to a compensated controller.
+/// @param seed  of the machine, its check and its noise.
+std::vector<Step> steps_of(const std::string& robot, std::uint64_t seed) {
+  const std::string tracker = "--noise-mm 0.017 --repeats 3 --frame random";
+  return {
+      {"Which 20 poses tell the most about the machine?",
+       fmt::format("poses --robot {} --optimal 20 --candidates 2000 --out plan.csv", robot)},
+      {"A tracker measures them: a virtual machine, drawn from the tolerances; noise 0.017 mm, three visits a pose.",
+       fmt::format("simulate --poses plan.csv --seed {} {} --truth truth.toml --out measured.csv", seed + 6, tracker)},
+      {"Which errors does the machine have, and how sure is that?",
+       "calibrate --measurements measured.csv --out calibration.json",
+       "calibration.txt",
+       {"calibration of", "  in use", "  residuals"}},
+      {"30 other poses, to see what the calibration is worth where it saw nothing.",
+       fmt::format("poses --robot {} --optimal 30 --candidates 2000 --criterion D --seed 2 --out check_plan.csv",
+                   robot)},
+      {"The tracker measures the same machine there.",
+       fmt::format("simulate --poses check_plan.csv --errors truth.toml --seed {} {} --out check.csv", seed + 7,
+                   tracker)},
+      {"Is it good enough now?",
+       "validate --calibration calibration.json --measurements check.csv --limit-mm 0.1",
+       "validation.txt",
+       {"validation", "  largest errors", "  distance to home", "  position", "  distance error"}},
+      {"Joint angles that compensate, for these poses.",
+       "compensate --calibration calibration.json --poses check_plan.csv --out joints.csv"},
+      {"The compensation for a controller, in C.",
+       "export --calibration calibration.json --target c99 --out compensator.h"},
+      {"A page to look at.", "report --calibration calibration.json --measurements check.csv --out report.html"}};
+}
+
+std::vector<std::string> words_of(const std::string& command) {
+  std::istringstream stream(command);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+struct Done {
+  Step step;
+  int exit_code = kDone;
+  std::string text = {};  ///< what it printed
+};
+
+struct Demonstration {
+  std::vector<Done> steps = {};
+  std::map<std::string, std::string> files = {};
+};
+
+std::string script_of(const std::vector<Step>& steps) {
+  std::string script = "#!/bin/sh\n# What paracal demo did, to be repeated: sh commands.sh\n";
+  for (const Step& step : steps) script += fmt::format("\n# {}\n{}\n", step.what, step.shell_line());
+  return script;
+}
+
+/// Everything, in a folder that is gone afterwards; as far as it came where somebody interrupts it.
+Demonstration demonstrate(const std::vector<Step>& steps, const std::atomic<bool>& interrupted) {
+  const ScratchFolder scratch;
+  Demonstration all;
+  std::map<std::string, std::string> texts{{"commands.sh", script_of(steps)}};
+  for (const Step& step : steps) {
+    Done done{step};
+    const auto take = [&done](std::string_view text) { done.text += text; };
+    done.exit_code = run_program(words_of(step.command), take);
+    if (interrupted) return all;
+    if (!step.text_file.empty()) texts[step.text_file] = done.text;
+    all.steps.push_back(std::move(done));
+  }
+  all.files = scratch.files();
+  all.files.merge(texts);
+  return all;
+}
+
+/// @throws WrongUsage unless the folder is empty, or can be made.
+void require_empty(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) {
+    const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
+    if (fs::is_directory(parent, error)) return;
+    throw WrongUsage(
+        fmt::format("demo: {}: expected a folder to make it in, got none: {}", folder.string(), parent.string()));
+  }
+  if (!fs::is_directory(folder, error)) {
+    throw WrongUsage(fmt::format("demo: expected a folder, got a file: {}", folder.string()));
+  }
+  const fs::directory_iterator entries(folder);
+  if (entries == fs::directory_iterator()) return;
+  throw WrongUsage(fmt::format("demo: expected an empty or a new folder, got {}, which has {}", folder.string(),
+                               entries->path().filename().string()));
+}
+
+/// All files, or neither files nor folder.
+void write(const std::map<std::string, std::string>& files, const fs::path& folder) {
+  const bool is_new = fs::create_directory(folder);
+  try {
+    Outputs outputs;  // gone before the folder goes: until then it may hold what has no name yet
+    for (const auto& [name, text] : files) outputs.write(folder / name, text);
+    outputs.commit();
+  } catch (...) {
+    std::error_code ignored;
+    if (is_new) fs::remove(folder, ignored);
+    throw;
+  }
+}
+
+bool tells(const Step& step, const std::string& line) {
+  return std::ranges::any_of(step.telling, [&](const std::string& start) { return line.starts_with(start); });
+}
+
+std::string text_of(const Demonstration& all, const fs::path& folder) {
+  std::string text;
+  for (const Done& done : all.steps) {
+    text += fmt::format("{}\n  $ {}\n", done.step.what, done.step.shell_line());
+    std::istringstream lines(done.text);
+    for (std::string line; std::getline(lines, line);) {
+      if (tells(done.step, line)) text += fmt::format("    {}\n", line);
+    }
+  }
+  const std::string quoted = shell_word(folder.string());
+  return text +
+         fmt::format("\n{} files are in {}; look at report.html there.\nThe same by hand: cd {} && sh commands.sh\n",
+                     all.files.size(), folder.string(), quoted);
+}
+
+io::Json json_of(const Demonstration& all, const fs::path& folder) {
+  io::Json steps = io::Json::array(), files = io::Json::array();
+  for (const Done& done : all.steps) {
+    steps.push_back({{"what", done.step.what},
+                     {"command", done.step.shell_line()},
+                     {"exit_code", done.exit_code},
+                     {"text", done.text}});
+  }
+  for (const auto& [name, text] : all.files) files.push_back(name);
+  return {{"folder", folder.string()}, {"steps", steps}, {"files", files}};
+}
+
+std::string robot_of(const Command& command) {
+  const Option* const robot = command.get_option("--robot");
+  if (!robot->is_given()) return "huang2016";
+  const std::string name = robot->values().front();
+  const auto names = catalogue::names();
+  if (std::ranges::find(names, name) != names.end()) return name;
+  throw WrongUsage(fmt::format("demo: --robot: expected a name of the catalogue (paracal robot --list), got {}", name));
+}
+
+void run(const std::string& folder_name, const std::string& robot, Session& session) {
+  const fs::path typed = folder_name, folder = typed.has_filename() ? typed : typed.parent_path();
+  require_empty(folder);
+  const std::atomic<bool>& interrupted = flag_of_interruption();
+  const Demonstration all = demonstrate(steps_of(robot, session.seed()), interrupted);
+  if (interrupted) end_by_interruption();
+  session.json() ? session.print_json(json_of(all, folder)) : session.print(text_of(all, folder));
+  write(all.files, folder);
+}
+
+}  // namespace
+
+void add_demo(Command& program, Session& session) {
+  Command* command = session.add_command(
+      program, "demo", "Try it", "a virtual machine from plan to compensated controller, with every file and command");
+  const auto folder = std::make_shared<std::string>("paracal-demo");
+  command->add_option("folder", *folder, "where its files go; empty, or not there yet")->shows_default();
+  command->callback([&session, command, folder] { run(*folder, robot_of(*command), session); });
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,59 @@
+#include "program.hpp"
+
+#include <fmt/format.h>
+
+#include "arguments.hpp"
+#include "embedded.hpp"
+#include "paracal/version.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+std::string licences() {
+  std::string text = "paracal: Apache License 2.0\n\n";
+  for (const detail::EmbeddedFile& file : detail::licences()) text += file.text;
+  return text;
+}
+
+void add_commands(Arguments& arguments, Session& session) {
+  Command& program = arguments.program();
+  add_demo(program, session);
+  add_robot(program, session);
+  add_inverse(program, session);
+  add_forward(program, session);
+  add_error_model(program, session);
+  add_poses(program, session);
+  add_identifiability(program, session);
+  add_simulate(program, session);
+  add_calibrate(program, session);
+  add_validate(program, session);
+  add_report(program, session);
+  add_sensitivity(program, session);
+  add_tolerance(program, session);
+  add_yield(program, session);
+  add_compensate(program, session);
+  add_export(program, session);
+  add_reproduce(program, session);
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& words, const io::TextSink& standard_output) {
+  Arguments arguments(
+      {.about = "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller",
+       .name = "paracal",
+       .version = fmt::format("paracal {} ({})", version(), build()),
+       .footer =
+           "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics "
+           "says no.",
+       .licences = licences});
+  Session session(standard_output);
+  session.command_line = shell_line(words);
+  add_commands(arguments, session);
+  if (const auto code = arguments.run(words)) return *code;
+  session.finish();
+  return session.exit_code;
+}
+
+}  // namespace paracal::app
