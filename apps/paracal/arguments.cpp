@@ -188,4 +188,6 @@ std::optional<int> Arguments::run(const std::vector<std::string>& words) {
   return std::nullopt;
 }
 
+CommandText Arguments::describe() const { return description(*app_); }
+
 }  // namespace paracal::app

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "description.hpp"
+
 // The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
 namespace CLI {
 class App;
@@ -126,6 +128,8 @@ class Arguments {
   /// @returns an exit code where all was said by --help, --version or --licenses.
   /// @throws WrongUsage in one line, with the option or command that was probably meant.
   std::optional<int> run(const std::vector<std::string>& words);
+  /// Everything that --help says, of every command.
+  CommandText describe() const;
 
  private:
   std::unique_ptr<CLI::App> app_;

@@ -35,6 +35,7 @@ void add_commands(Arguments& arguments, Session& session) {
   add_compensate(program, session);
   add_export(program, session);
   add_reproduce(program, session);
+  add_manual(arguments, session);
 }
 
 }  // namespace

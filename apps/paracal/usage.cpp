@@ -71,4 +71,43 @@ std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}; see {} --help", text, whole_name(command));
 }
 
+namespace {
+
+/// Those of "TEXT:{one,other}".
+std::vector<std::string> choices_in(const std::string& kind) {
+  const std::size_t begin = kind.find('{'), end = kind.find('}');
+  if (begin == std::string::npos || end == std::string::npos) return {};
+  return CLI::detail::split(kind.substr(begin + 1, end - begin - 1), ',');
+}
+
+OptionText description(const CLI::Option& option) {
+  OptionText text{
+      .names = {}, .positional = {}, .value = {}, .text = option.get_description(), .group = option.get_group()};
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  if (text.names.empty()) text.positional = option.get_name(true);
+  text.value = CLI::detail::trim_copy(CLI::Formatter().make_option_opts(&option));
+  text.choices = choices_in(option.get_type_name());
+  text.takes_value = option.get_items_expected_max() > 0;
+  return text;
+}
+
+}  // namespace
+
+CommandText description(const CLI::App& command) {
+  CommandText all{.name = whole_name(command),
+                  .text = command.get_description(),
+                  .group = command.get_group(),
+                  .footer = command.get_footer()};
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_group().empty()) all.options.push_back(description(*option));
+  }
+  for (const CLI::App* one : command.get_subcommands({})) {
+    if (!one->get_group().empty()) all.commands.push_back(description(*one));
+  }
+  return all;
+}
+
+std::string word_of(const CommandText& command) { return command.name.substr(command.name.rfind(' ') + 1); }
+
 }  // namespace paracal::app

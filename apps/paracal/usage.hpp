@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "description.hpp"
+
 namespace CLI {
 class App;
 class ParseError;
@@ -11,5 +13,8 @@ namespace paracal::app {
 
 /// What is wrong with the arguments, in one line, and the option or command that was probably meant.
 std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error);
+
+/// The command with all that belongs to it, as --help has it.
+CommandText description(const CLI::App& command);
 
 }  // namespace paracal::app

@@ -1,0 +1,127 @@
+#include "manual_pages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace paracal::app {
+namespace {
+
+/// Text as roff prints it: every character as it stands, and no line taken for a request.
+std::string roff(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '\\':
+        escaped += "\\(rs";
+        break;
+      case '-':
+        escaped += "\\-";
+        break;
+      case '\'':
+        escaped += "\\(aq";
+        break;
+      case '"':
+        escaped += "\\(dq";
+        break;
+      case '~':
+        escaped += "\\(ti";
+        break;
+      case '^':
+        escaped += "\\(ha";
+        break;
+      case '`':
+        escaped += "\\(ga";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped.starts_with('.') ? "\\&" + escaped : escaped;
+}
+
+std::string page_name(const CommandText& command) {
+  std::string name = command.name;
+  std::ranges::replace(name, ' ', '-');
+  return name;
+}
+
+std::string option_entry(const OptionText& option) {
+  std::string names;
+  for (const std::string& name : option.names) {
+    names += (names.empty() ? "" : ", ") + fmt::format("\\fB{}\\fR", roff(name));
+  }
+  if (names.empty()) names = fmt::format("\\fI{}\\fR", roff(option.positional));
+  const std::string value = option.value.empty() ? "" : " " + roff(option.value);
+  return fmt::format(".TP\n{}{}\n{}\n", names, value, roff(option.text));
+}
+
+/// Headings in the order in which they come first.
+template <typename Item>
+std::vector<std::string> groups_of(const std::vector<Item>& items) {
+  std::vector<std::string> groups;
+  for (const Item& item : items) {
+    if (std::ranges::find(groups, item.group) == groups.end()) groups.push_back(item.group);
+  }
+  return groups;
+}
+
+std::string options_section(const CommandText& command) {
+  std::string text;
+  for (const std::string& group : groups_of(command.options)) {
+    text += group == "Options" ? ".SH OPTIONS\n" : fmt::format(".SS {}\n", roff(group));
+    for (const OptionText& option : command.options) {
+      if (option.group == group) text += option_entry(option);
+    }
+  }
+  return text;
+}
+
+std::string commands_section(const CommandText& command) {
+  std::string text = command.commands.empty() ? "" : ".SH COMMANDS\n";
+  for (const std::string& group : groups_of(command.commands)) {
+    text += fmt::format(".SS {}\n", roff(group));
+    for (const CommandText& one : command.commands) {
+      if (one.group == group) text += fmt::format(".TP\n\\fB{}\\fR(1)\n{}\n", roff(page_name(one)), roff(one.text));
+    }
+  }
+  return text;
+}
+
+std::string synopsis(const CommandText& command) {
+  std::string text = fmt::format(".SH SYNOPSIS\n.B {}\n[\\fIOPTIONS\\fR]", roff(command.name));
+  for (const OptionText& option : command.options) {
+    if (option.names.empty()) text += fmt::format(" \\fI{}\\fR", roff(option.positional));
+  }
+  return text + (command.commands.empty() ? "\n" : " \\fICOMMAND\\fR\n");
+}
+
+/// @param above  the page of the command or program that it belongs to; empty: of the program itself.
+std::string page_of(const CommandText& command, const std::string& above, const std::string& version) {
+  std::string title = page_name(command);
+  std::ranges::transform(title, title.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string text = command.text.substr(command.text.starts_with("paracal: ") ? 9 : 0);
+  std::string page = fmt::format(".TH {} 1 \"\" \"paracal {}\" \"paracal\"\n", roff(title), version);
+  page += fmt::format(".SH NAME\n{} \\- {}\n", roff(page_name(command)), roff(text));
+  page += synopsis(command) + options_section(command) + commands_section(command);
+  if (!command.footer.empty()) page += fmt::format(".SH EXIT STATUS\n{}\n", roff(command.footer));
+  if (!above.empty()) page += fmt::format(".SH SEE ALSO\n\\fB{}\\fR(1)\n", roff(above));
+  return page;
+}
+
+void add_pages(const CommandText& command, const std::string& above, const std::string& version,
+               std::map<std::string, std::string>& pages) {
+  pages[page_name(command) + ".1"] = page_of(command, above, version);
+  for (const CommandText& one : command.commands) add_pages(one, page_name(command), version, pages);
+}
+
+}  // namespace
+
+std::map<std::string, std::string> manual_pages(const CommandText& program, const std::string& version) {
+  std::map<std::string, std::string> pages;
+  add_pages(program, "", version, pages);
+  return pages;
+}
+
+}  // namespace paracal::app
