@@ -10,7 +10,7 @@ mkdir -p "$2"
 out=$(realpath "$2")
 [[ -z $(ls -A "$out") ]] || { echo "$out: expected an empty folder" >&2; exit 2; }
 mkdir "$out/files"
-cp "$root"/data/huang2016/*.{csv,toml} "$root/tests/corpus/printer.cfg" "$out/files"
+cp "$root"/data/huang2016/*.{csv,toml} "$root/samples/printer.cfg" "$out/files"
 cd "$out/files"
 number=0
 while IFS= read -r line; do

@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Runs the commands of the documents as they are printed: run.sh PROGRAM [DOCUMENT...]. Each document in a new folder that holds the samples; exit
+# code 0 is expected, or what a comment behind the command says ("# exit code 1"). Commands that cannot run here stand in not_run.txt.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+program=$(realpath "$1")
+shift
+documents=("$@")
+((${#documents[@]})) || documents=("$root"/README.md "$root"/CONTRIBUTING.md "$root"/samples/README.md "$root"/docs/*.md "$root"/data/*/README.md)
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+mkdir "$scratch/bin"
+ln -s "$program" "$scratch/bin/paracal"
+PATH=$scratch/bin:$PATH
+
+patterns=() met=()
+while IFS= read -r line; do
+  [[ -z $line || $line == \#* ]] && continue
+  patterns+=("${line%%  *}") met+=(0)
+done <"$root/tests/documents/not_run.txt"
+
+# listed COMMAND: whether it is not to run.
+listed() {
+  local k
+  for k in "${!patterns[@]}"; do
+    # shellcheck disable=SC2053  # a pattern it is
+    [[ $1 == ${patterns[k]} ]] && { met[k]=1; return 0; }
+  done
+  return 1
+}
+
+fresh_folder() {
+  rm -rf "$scratch/folder"
+  mkdir "$scratch/folder"
+  "$root/tools/samples.sh" "$scratch/folder"
+}
+
+# done_before COMMAND: whether it ran for another document, reads no file, and what it writes is there.
+declare -A seen
+done_before() {
+  local word last=
+  [[ -n ${seen[$1]:-} ]] || return 1
+  for word in $1; do
+    if [[ $last == --out ]]; then [[ -e $scratch/folder/$word ]] || return 1
+    else [[ ! -e $scratch/folder/$word ]] || return 1; fi
+    last=$word
+  done
+}
+
+ran=0 failures=0
+run() {  # DOCUMENT LINE COMMAND
+  local expected=0 code=0
+  [[ $3 =~ \#.*exit\ code\ ([0-4]) ]] && expected=${BASH_REMATCH[1]}
+  (cd "$scratch/folder" && bash -c "set -o pipefail; $3") >"$scratch/said" 2>&1 </dev/null || code=$?
+  ran=$((ran + 1))
+  [[ -z ${VERBOSE:-} ]] || echo "$SECONDS s: $3"
+  ((code == expected)) && return
+  failures=$((failures + 1))
+  printf '%s:%s: %s\n  expected exit code %s, got %s\n' "${1#"$root"/}" "$2" "$3" "$expected" "$code"
+  tail -n 5 "$scratch/said"
+}
+
+for document in "${documents[@]}"; do
+  commands=$(awk -f "$root/tests/documents/commands.awk" "$document")
+  [[ -n $commands ]] || continue
+  fresh_folder
+  while IFS=$'\t' read -r line command; do
+    plain=${command%%  #*}
+    plain=${plain%"${plain##*[! ]}"}
+    listed "$plain" || done_before "$plain" || run "$document" "$line" "$command"
+    seen[$plain]=1
+  done <<<"$commands"
+  # Samples that a document makes again come out as they are.
+  for sample in "$root"/samples/*; do
+    [[ $document == "$root/samples/README.md" ]] || break
+    awk -f "$root/tests/documents/same_table.awk" "$sample" "$scratch/folder/${sample##*/}" || failures=$((failures + 1))
+  done
+done
+
+if (($# == 0)); then
+  for k in "${!patterns[@]}"; do
+    ((met[k])) || { echo "not_run.txt: no document has a command like ${patterns[k]}"; failures=$((failures + 1)); }
+  done
+fi
+echo "$ran commands of ${#documents[@]} documents ran; $failures failures"
+((failures == 0))
