@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-tools/setup.sh
+tools/setup.sh run
 tools/build.sh release paracal-app
 
 paracal=build/release/bin/paracal

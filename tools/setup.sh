@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Installs what is missing: the Debian packages of packages.txt, then the npm packages that web/package-lock.json pins. Quiet, and
-# quick when there is nothing to do.
+# Installs what is missing: setup.sh [run|package|test]. The Debian packages of packages.txt, of the group and those above it (test: all), then the
+# npm packages that web/package-lock.json pins, those of tests with the group test alone. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
-mapfile -t wanted < <(grep -v '^#' packages.txt)
+group=${1:-test}
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, package or test, got $group" >&2; exit 2; }
+mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
   [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] && continue
@@ -33,7 +35,10 @@ if ((${#missing[@]})); then
     apt-get install -y --no-install-recommends "${missing[@]}"
 fi
 
-if [[ ! ../web/node_modules/.package-lock.json -nt ../web/package-lock.json ]]; then
+omitted=(--omit=dev)
+[[ $group == test ]] && omitted=()
+here=../web/node_modules
+if [[ ! $here/.package-lock.json -nt ../web/package-lock.json || ( $group == test && ! -d $here/typescript ) ]]; then
   echo "installing the npm packages of web/package-lock.json"
-  quietly "npm ci" npm --prefix ../web ci
+  quietly "npm ci" npm --prefix ../web ci "${omitted[@]}"
 fi
