@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 tools/setup.sh run
-tools/build.sh release paracal-app
+tools/build.sh release paracal-app paracal-manual
 
 paracal=build/release/bin/paracal
 results=build/huang2016

@@ -10,6 +10,7 @@ for preset in asan-all asan-gcc; do
   tools/part.sh "build, $preset" tools/build.sh "$preset"
   tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
 done
+tools/part.sh "packages" tools/check_package.sh ci
 tools/part.sh "coverage" tools/coverage.sh
 tools/part.sh "fuzzing" tools/fuzz.sh 60
 tools/part.sh "mutations" tools/mutations.sh
