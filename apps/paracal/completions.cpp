@@ -40,8 +40,8 @@ std::vector<const CommandText*> all_of(const CommandText& command) {
 }
 
 std::vector<std::string> words_of(const std::vector<CommandText>& commands) {
-  std::vector<std::string> words;
-  for (const CommandText& one : commands) words.push_back(word_of(one));
+  std::vector<std::string> words(commands.size());
+  std::ranges::transform(commands, words.begin(), word_of);
   return words;
 }
 

@@ -167,7 +167,7 @@ io::Json json_of(const Demonstration& all, const fs::path& folder) {
 std::string robot_of(const Command& command) {
   const Option* const robot = command.get_option("--robot");
   if (!robot->is_given()) return "huang2016";
-  const std::string name = robot->values().front();
+  std::string name = robot->values().front();
   const auto names = catalogue::names();
   if (std::ranges::find(names, name) != names.end()) return name;
   throw WrongUsage(fmt::format("demo: --robot: expected a name of the catalogue (paracal robot --list), got {}", name));
