@@ -212,27 +212,32 @@ constexpr std::array<std::string_view, 18> kSettings{"EXCLUDE_OBJECT",
                                                      "SET_VELOCITY_LIMIT",
                                                      "TEMPERATURE_WAIT"};
 
-bool is_setting(std::string_view text) {
-  const auto in_name = [](char c) { return is_letter(c) || c == '_'; };
-  if (text.size() < 2 || !is_letter(text[0]) || !is_letter(text[1])) return false;  // as hardly any line
+/// PRINT_START, in upper case; empty where a line begins with something else.
+std::string macro_at(std::string_view text) {
+  const auto in_name = [](char c) { return is_letter(c) || is_digit(c) || c == '_'; };
+  const auto begins_name = [](char c) { return is_letter(c) || c == '_'; };
+  if (text.size() < 2 || !begins_name(text[0]) || !begins_name(text[1])) return {};  // as hardly any line
   const auto length = static_cast<std::size_t>(std::ranges::find_if_not(text, in_name) - text.begin());
-  if (length < text.size() && text[length] != ' ' && text[length] != '\t') return false;
+  if (length < text.size() && !is_blank(text[length])) return {};
   std::string name(text.substr(0, length));
   std::ranges::transform(name, name.begin(), upper_case);
-  return std::ranges::find(kSettings, name) != kSettings.end();
+  return name;
 }
+
+bool is_among(std::string_view name, const auto& names) { return std::ranges::find(names, name) != names.end(); }
 
 }  // namespace
 
-void GcodeBlock::parse(std::string_view line) {
+void GcodeBlock::parse(std::string_view line, std::span<const std::string> harmless) {
   kind = Kind::words;
   text = line;
   words.clear();
   assignments.clear();
   is_optional = false;
   checksum_at = 0;
-  if (is_setting(text)) {
-    kind = Kind::setting;
+  const std::string macro = macro_at(line);
+  if (!macro.empty()) {
+    kind = is_among(macro, kSettings) || is_among(macro, harmless) ? Kind::setting : Kind::macro;
   } else if (!BlockParser(text, *this).parse()) {
     kind = Kind::malformed;
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -35,7 +37,8 @@ struct GcodeBlock {
     words,
     malformed,  ///< no controller takes it, or its checksum is wrong
     flow,       ///< an O word: subprograms, jumps, loops
-    setting,    ///< a command of Klipper's own that moves nothing
+    setting,    ///< a command of Klipper's own that moves nothing, or a macro of which that was said
+    macro,      ///< another of Klipper's commands or the owner's
   };
   Kind kind = Kind::words;
   std::string_view text = {};  ///< as long as what was parsed lives
@@ -50,7 +53,8 @@ struct GcodeBlock {
   }
 
   /// @param line  without its end. Vectors are reused.
-  void parse(std::string_view line);
+  /// @param harmless  macros that move nothing, in upper case.
+  void parse(std::string_view line, std::span<const std::string> harmless = {});
 };
 
 /// RepRap: exclusive or of the bytes before '*'.

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "gcode_block.hpp"
 #include "gcode_expression.hpp"
 #include "gcode_lines.hpp"
@@ -8,13 +10,23 @@
 namespace paracal::io {
 namespace {
 
+std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
+  if (!pose) return std::nullopt;
+  const Eigen::Vector3d& r = pose->position;
+  return AxisValues{r.x(), r.y(), r.z(), to_degrees(pose->rotation)};
+}
+
+char upper_case(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
 class Gcode : public TargetFormat {
  public:
-  Gcode(const GcodeLines& lines, std::size_t axis_count, const std::optional<AxisValues>& start)
-      : lines_(lines), modes_(axis_count, start) {}
+  Gcode(const GcodeLines& lines, std::size_t axis_count, const GcodeOptions& options)
+      : lines_(lines), harmless_(options.harmless), modes_(axis_count, axis_values(options.start)) {
+    for (std::string& name : harmless_) std::ranges::transform(name, name.begin(), upper_case);
+  }
 
   std::string_view read(std::string_view text, TargetLine& target) override {
-    block_.parse(text);
+    block_.parse(text, harmless_);
     if (parameters_.apply(block_)) modes_.move_origin();
     std::string_view passed = modes_.take(block_, target);
     if (!passed.empty() && target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
@@ -53,23 +65,18 @@ class Gcode : public TargetFormat {
   }
 
   const GcodeLines& lines_;
+  std::vector<std::string> harmless_;
   GcodeBlock block_;
   GcodeParameters parameters_;
   GcodeModes modes_;
 };
-
-std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
-  if (!pose) return std::nullopt;
-  const Eigen::Vector3d& r = pose->position;
-  return AxisValues{r.x(), r.y(), r.z(), to_degrees(pose->rotation)};
-}
 
 }  // namespace
 
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                            const GcodeOptions& options) {
   GcodeLines lines(in);
-  Gcode gcode(lines, correction.robot().limb_count(), axis_values(options.start));  // as many axes as limbs
+  Gcode gcode(lines, correction.robot().limb_count(), options);  // as many axes as limbs
   return filter(lines, out, gcode, correction,
                 {.origin = options.origin, .chord = options.chord, .threads = options.threads});
 }

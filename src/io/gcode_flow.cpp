@@ -146,9 +146,8 @@ GcodeFlow::End GcodeFlow::take(std::size_t& at, std::size_t to, int depth) {
     case Word::when:
       return take_if(at, depth);
     case Word::loop:
-      return take_while(at, depth);
     case Word::once:
-      return take_do(at, depth);
+      return take_while(at, flow.word == Word::loop, depth);
     case Word::repeat:
       return take_repeat(at, depth);
     case Word::returns:
@@ -234,31 +233,20 @@ bool GcodeFlow::goes_on(End& end, const std::string& label) {
   return std::exchange(end, End::normal) == End::again;
 }
 
-GcodeFlow::End GcodeFlow::take_while(std::size_t& at, int depth) {
-  const std::size_t start = at, stop = find(at + 1, flows_[at].label, {Word::endloop});
+/// o1 while ... o1 endwhile, which asks at its beginning, and o1 do ... o1 while, which asks at its end.
+GcodeFlow::End GcodeFlow::take_while(std::size_t& at, bool asks_first, int depth) {
+  const std::size_t start = at;
+  const std::size_t stop = find(at + 1, flows_[at].label, {asks_first ? Word::endloop : Word::loop});
   if (stop == flows_.size()) return fail(at, kNoEnd);
   at = stop;
-  for (;;) {
-    const std::optional<double> holds = condition(flows_[start].rest);
-    if (!holds) return fail(start, kUnknownCondition);
+  const std::size_t asking = asks_first ? start : stop;
+  for (bool is_asked = asks_first;; is_asked = true) {
+    const std::optional<double> holds = is_asked ? condition(flows_[asking].rest) : 1.0;
+    if (!holds) return fail(asking, kUnknownCondition);
     if (*holds == 0.0) return End::normal;
     if (++steps_ > kMostSteps) return fail(start, kTooLong);
     End end = run(start + 1, stop, depth + 1);
     if (!goes_on(end, flows_[start].label)) return end;
-  }
-}
-
-GcodeFlow::End GcodeFlow::take_do(std::size_t& at, int depth) {
-  const std::size_t start = at, stop = find(at + 1, flows_[at].label, {Word::loop});
-  if (stop == flows_.size()) return fail(at, kNoEnd);
-  at = stop;
-  for (;;) {
-    if (++steps_ > kMostSteps) return fail(start, kTooLong);
-    End end = run(start + 1, stop, depth + 1);
-    if (!goes_on(end, flows_[start].label)) return end;
-    const std::optional<double> holds = condition(flows_[stop].rest);
-    if (!holds) return fail(stop, kUnknownCondition);
-    if (*holds == 0.0) return End::normal;
   }
 }
 

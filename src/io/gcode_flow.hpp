@@ -65,8 +65,7 @@ class GcodeFlow {
   End take(std::size_t& at, std::size_t to, int depth);
   End take_line(std::size_t at);
   End take_if(std::size_t& at, int depth);
-  End take_while(std::size_t& at, int depth);
-  End take_do(std::size_t& at, int depth);
+  End take_while(std::size_t& at, bool asks_first, int depth);
   End take_repeat(std::size_t& at, int depth);
   End call(std::size_t at, int depth);
   bool goes_on(End& end, const std::string& label);

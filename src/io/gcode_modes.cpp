@@ -11,6 +11,7 @@ namespace {
 constexpr double kMmPerInch = 25.4;
 
 constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
+constexpr std::string_view kMacro = "a macro (--harmless NAME, if it leaves plate, origin and modes as they are)";
 constexpr std::string_view kFlow = "subprograms, jumps and loops";
 constexpr std::string_view kOptional = "block delete (/)";
 constexpr std::string_view kUnknownCode = "a G code that is not known here";
@@ -253,7 +254,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   if (block.kind == GcodeBlock::Kind::setting) return {};
   if (block.kind != GcodeBlock::Kind::words) {
     forget();
-    return block.kind == GcodeBlock::Kind::flow ? kFlow : kMalformed;
+    return block.kind == GcodeBlock::Kind::flow ? kFlow : block.kind == GcodeBlock::Kind::macro ? kMacro : kMalformed;
   }
   const Axes axes = axes_of(block);
   const std::string_view late = take_rotation(axes);

@@ -158,6 +158,12 @@ TEST_F(ExportFilter, ACheckWritesNoProgram) {
   EXPECT_EQ(folder.run(kGcode + " --check").exit_code, kDone);
 }
 
+TEST_F(ExportFilter, MacrosCanBeSaidToBeHarmless) {
+  folder.write("part.ngc", "G0 X0 Y0 Z-888\nSNAP\nG1 X9\nPAUSE\nG1 X1\n");
+  EXPECT_EQ(folder.run(kGcode + " --harmless SNAP").exit_code, kBadInputFile);
+  EXPECT_EQ(folder.run(kGcode + " --harmless SNAP --harmless pause").exit_code, kDone);
+}
+
 /// As slicers write it: homing, an approach that states Z alone, settings, a retreat.
 TEST_F(ExportFilter, ApproachAndRetreatDoNotMatter) {
   folder.write("part.ngc",
@@ -315,6 +321,7 @@ const std::vector<BrokenInput> kBroken{
     broken("chord_zero", kNothing, kGcode + " --chord-mm 0", kWrongUsage, {"--chord-mm", "above 0", "got 0"}),
     broken("chord_nan", kNothing, kGcode + " --chord-mm nan", kWrongUsage, {"--chord-mm"}),
     broken("chord_of_table", kNothing, kCsv + " --chord-mm 1", kWrongUsage, {"--chord-mm", "gcode"}),
+    broken("harmless_of_table", kNothing, kCsv + " --harmless PAUSE", kWrongUsage, {"--harmless", "gcode"}),
     broken("check_in_parts", kNothing, kGcode + " --check --partial", kWrongUsage, {"--check", "--partial"}),
     broken("check_of_c99", kNothing, kC99 + " --check", kWrongUsage, {"--check", "gcode"}),
     broken("origin_short", kNothing, kGcode + " --origin 1,2", kWrongUsage, {"--origin"}),

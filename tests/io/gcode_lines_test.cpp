@@ -222,6 +222,16 @@ TEST_F(GcodeLines, WhetherExtrusionIsAbsoluteMustBeKnown) {
   EXPECT_TRUE(of("G1 E3 F200\n" + motion).summary.complete());
 }
 
+/// What the owner of a printer knows of his macros.
+TEST_F(GcodeLines, MacrosThatMoveNothingCanBeNamed) {
+  const std::string program = "G0 X0 Y0 Z-900\n_Take_Frame2 LAYER=3\nG1 X5\nPAUSE\nG1 Y5\n";
+  EXPECT_TRUE(of(program).has("a macro (--harmless NAME"));
+  const Filtered one = of(program, {.harmless = {"_take_frame2"}});
+  EXPECT_EQ(one.summary.corrected, 2);
+  EXPECT_TRUE(of(program, {.harmless = {"_TAKE_FRAME2", "Pause"}}).summary.complete());
+  EXPECT_TRUE(of(program, {.harmless = {"_TAKE_FRAME"}}).has("a macro"));
+}
+
 TEST_F(GcodeLines, IncrementalMotionsAreStepsBetweenTargets) {
   const auto lines = of("G0 X0 Y0 Z-900\nG91\nG1 X10\nG1 Y-5 Z1\n").lines();
   const Eigen::Vector3d one = target(0, 0, -900).position, two = target(10, 0, -900).position,

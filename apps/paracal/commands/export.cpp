@@ -55,7 +55,8 @@ void run(const Options& options, Session& session) {
   }
   if (!options.filter.is_empty()) {
     throw WrongUsage(
-        "--input, --origin, --start, --chord-mm, --partial, --check and --header: expected with --target gcode or csv "
+        "--input, --origin, --start, --chord-mm, --harmless, --partial, --check and --header: expected with --target "
+        "gcode or csv "
         "alone");
   }
   options.target == "json" ? export_json(robot, errors, origin, session)
@@ -96,6 +97,12 @@ void add_export(Command& program, Session& session) {
       "--chord-mm", options->filter.chord_mm,
       "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
       "the correction bends, which is divided; default 0.01");
+  command
+      ->add_option(
+          "--harmless", options->filter.harmless,
+          "gcode: a macro that leaves plate, origin and modes as they are, such as TIMELAPSE_TAKE_FRAME; may be "
+          "given again")
+      ->take_all();
   command->add_flag("--check", options->filter.check,
                     "gcode, csv: write no text, but what would happen and which targets move farthest; exit code 1 "
                     "where the file would be refused or left in parts");

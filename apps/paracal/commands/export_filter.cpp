@@ -33,6 +33,7 @@ io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot)
     gcode.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
   }
   if (options.chord_mm) gcode.chord = *options.chord_mm;
+  gcode.harmless = options.harmless;
   return gcode;
 }
 
@@ -183,8 +184,9 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
   }
   const bool is_gcode = target == "gcode";
-  if (!is_gcode && !(options.origin.empty() && options.start.empty() && !options.chord_mm)) {
-    throw WrongUsage("--origin, --start and --chord-mm: expected with --target gcode alone");
+  if (!is_gcode &&
+      !(options.origin.empty() && options.start.empty() && !options.chord_mm && options.harmless.empty())) {
+    throw WrongUsage("--origin, --start, --chord-mm and --harmless: expected with --target gcode alone");
   }
   io::GcodeOptions gcode = gcode_options(options, robot);
   gcode.threads = session.threads();

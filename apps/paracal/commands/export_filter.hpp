@@ -18,9 +18,11 @@ struct FilterOptions {
   bool partial = false;  ///< what cannot be corrected stays as it is; without it the whole file is refused
   bool check = false;    ///< nothing is written but what would happen
   std::optional<double> chord_mm = {};
+  std::vector<std::string> harmless = {};  ///< macros
 
   bool is_empty() const {
-    return input.empty() && origin.empty() && start.empty() && !header && !partial && !check && !chord_mm;
+    return input.empty() && origin.empty() && start.empty() && !header && !partial && !check && !chord_mm &&
+           harmless.empty();
   }
 };
 

@@ -61,6 +61,8 @@ struct GcodeOptions {
   std::optional<Pose> start = {};                    ///< before the first line, in the program's frame
   /// How far the plate may leave an arc or a straight line between corrected targets, mm.
   double chord = 0.01;
+  /// Macros and commands of the firmware that leave the plate, the origin and modes as they are.
+  std::vector<std::string> harmless = {};
   unsigned threads = 0;  ///< of the correction; 0: one a core. The text does not depend on it.
 };
 
