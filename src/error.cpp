@@ -7,7 +7,9 @@
 namespace paracal {
 
 InputFileError::InputFileError(const std::string& file, int line, const std::string& complaint)
-    : Error(line > 0 ? fmt::format("{}:{}: {}", file, line, complaint) : fmt::format("{}: {}", file, complaint)) {}
+    : Error(line > 0 ? fmt::format("{}:{}: {}", file, line, complaint) : fmt::format("{}: {}", file, complaint)),
+      file_(file),
+      line_(line) {}
 
 std::optional<std::size_t> control_character(std::string_view text) {
   constexpr unsigned char kFirstShown = 0x20, kDelete = 0x7F, kLeadOfC1 = 0xC2, kFirstC1 = 0x80, kLastC1 = 0x9F;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "paracal/error.hpp"
+#include "paracal/io/measurement_files.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
@@ -33,25 +34,6 @@ TrackerModel tracker_model(const std::vector<double>& um) {
   check_noise("--tracker-um, transverse at 1 m", tracker.transverse + tracker.transverse_per_m, "mm");
   check_noise("--tracker-um, radial at 1 m", tracker.radial + tracker.radial_per_m, "mm");
   return tracker;
-}
-
-/// The first line that is neither empty nor a comment.
-std::string_view header_of(std::string_view text) {
-  if (text.starts_with(io::kByteOrderMark)) text.remove_prefix(io::kByteOrderMark.size());
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    if (!line.starts_with('#') && line.find_first_not_of(" \t\r") != std::string_view::npos) return line;
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return {};
-}
-
-/// Points say so in their header. Any other file is taken for distances where their poses are named or it says that it
-/// holds some; so a file that is neither is complained of as a file, not as a missing option.
-bool holds_points(std::string_view header, bool has_poses) {
-  const auto has = [&](std::string_view column) { return header.find(column) != std::string_view::npos; };
-  return has("x_mm") || (!has_poses && !has("distance_mm"));
 }
 
 /// Where an instrument's export holds what is needed; nothing for tables of our own.
@@ -98,9 +80,15 @@ Measurements read_file(PoseTables& tables, const std::optional<io::ColumnMap>& c
   const io::TextFile file = input_file(name);
   const auto poses = [&] { return tables.next(name); };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
-  if (io::length_kind_in(header_of(file.text))) return io::read_lengths(file, poses(), joints);
-  const bool points = holds_points(header_of(file.text), !tables.empty());
-  return points ? io::read_points(file, joints) : io::read_distances(file, poses(), joints);
+  switch (io::kind_of_table(file.text, !tables.empty())) {
+    case io::TableKind::lengths:
+      return io::read_lengths(file, poses(), joints);
+    case io::TableKind::distances:
+      return io::read_distances(file, poses(), joints);
+    case io::TableKind::points:
+      break;
+  }
+  return io::read_points(file, joints);
 }
 
 }  // namespace
@@ -393,25 +381,6 @@ std::string assumed_lines(const std::vector<std::string>& assumed, std::string_v
   std::string text;
   for (const std::string& one : assumed) text += fmt::format("{} assumed: {}\n", mark, one);
   return text;
-}
-
-std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count) {
-  std::vector<SourceSelector> selectors;
-  for (const std::string& name : names) {
-    if (const auto all = source_named(name)) {
-      selectors.push_back({*all, {}});
-      continue;
-    }
-    // The last digit numbers the limb; names of errors may end in one themselves (alpha2).
-    const std::size_t limb = name.empty() ? 0 : static_cast<std::size_t>(name.back()) - '0';
-    const auto one = name.empty() ? std::nullopt : source_named(std::string_view(name).substr(0, name.size() - 1));
-    if (!one || limb < 1 || limb > limb_count) {
-      throw WrongUsage(fmt::format("expected a source error such as e_x (all limbs) or e_x2 (limb 2 of {}), got \"{}\"",
-                                   limb_count, name));
-    }
-    selectors.push_back({*one, limb - 1});
-  }
-  return selectors;
 }
 
 }  // namespace paracal::app

@@ -98,8 +98,4 @@ Tolerances read_priors(const io::TextFile& file, const Geometry& geometry);
 /// A line each; tables take `mark` "#".
 std::string assumed_lines(const std::vector<std::string>& assumed, std::string_view mark = " ");
 
-/// "e_x2": e_x of limb 2; "e_x": of all limbs.
-/// @throws WrongUsage for anything else.
-std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count);
-
 }  // namespace paracal::app

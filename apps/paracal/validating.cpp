@@ -1,7 +1,6 @@
 #include "validating.hpp"
 
-#include <algorithm>
-
+#include "paracal/io/measurement_files.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
@@ -32,13 +31,7 @@ ValidationOptions ValidatingOptions::options(const Measurements& measurements) c
 
 std::vector<std::string> ValidatingOptions::own(const io::CalibratedMachine& machine,
                                                 const Measurements& measurements) const {
-  std::vector<std::string> own;
-  for (const InputFile& file : measurements.files) {
-    const bool is_known = std::ranges::find(machine.inputs, file.sha256, &InputFile::sha256) != machine.inputs.end();
-    const bool has_readings = std::ranges::find(measuring.files, file.name) != measuring.files.end();
-    if (is_known && has_readings) own.push_back(file.name);
-  }
-  return own;
+  return io::used_before(machine.inputs, measurements, measuring.files);
 }
 
 Option* add_validating_options(Command& command, ValidatingOptions& options) {

@@ -30,6 +30,13 @@ class InputFileError : public Error {
  public:
   /// @param line  from 1; 0 where the file as a whole is at fault.
   InputFileError(const std::string& file, int line, const std::string& complaint);
+
+  const std::string& file() const { return file_; }
+  int line() const { return line_; }
+
+ private:
+  std::string file_;
+  int line_;
 };
 
 /// Position of the first character that a terminal obeys instead of showing it; tabulators are none.

@@ -612,6 +612,15 @@ TEST_F(CalibratePoints, FixHoldsAtZero) {
   }
 }
 
+TEST_F(CalibratePoints, ADotTellsLimbsFromNames) {
+  const json calibration = calibrated("--fix alpha0.3,e_x.1,beta03");
+  for (const json& one : calibration.at("parameters")) {
+    const bool fixed = one.at("name") == "beta03" || (one.at("name") == "alpha0" && one.at("limb") == 3) ||
+                       (one.at("name") == "e_x" && one.at("limb") == 1);
+    EXPECT_EQ(one.at("status") == "fixed", fixed) << one;
+  }
+}
+
 TEST_F(CalibratePoints, FreeTakesAwayThePrior) {
   const json calibration = calibrated("--free theta_offset");
   for (const json& one : calibration.at("parameters")) {

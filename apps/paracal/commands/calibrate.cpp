@@ -7,6 +7,7 @@
 #include "calibration_page.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/source_selection.hpp"
 #include "paracal/io/file.hpp"
 #include "printing.hpp"
 #include "reporting.hpp"
@@ -29,23 +30,15 @@ struct Options {
   std::shared_ptr<std::string> report;
 };
 
-bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Source source) {
-  return std::ranges::any_of(selectors, [&](const SourceSelector& one) { return one.matches(limb, source); });
-}
-
-/// --fix must leave something to seek, and nothing that --free names.
-void check_selection(const CalibrationOptions& options, std::size_t limb_count) {
-  bool seeks = false;
-  for (std::size_t limb = 0; limb < limb_count; ++limb) {
-    for (const Source source : all_sources()) {
-      const bool fixed = listed(options.fixed, limb, source);
-      if (fixed && listed(options.free, limb, source)) {
-        throw WrongUsage(fmt::format("--fix and --free: both name {} of limb {}", name(source), limb + 1));
-      }
-      seeks |= !fixed && (options.stage != Stage::rough || source == Source::theta_offset);
-    }
+/// --fix and --free.
+void take_selection(const Options& options, CalibrationOptions& calibration, std::size_t limb_count) {
+  try {
+    calibration.fixed = source_selectors(options.fixed, limb_count);
+    calibration.free = source_selectors(options.free, limb_count);
+    check_selection(calibration, limb_count);
+  } catch (const InvalidArgument& refused) {
+    throw WrongUsage(std::string("--fix, --free: ") + refused.what());
   }
-  if (!seeks) throw WrongUsage("--fix: expected something to be left to seek, got every source error of the stage");
 }
 
 CalibrationOptions calibration_options(const Options& options, const Robot& robot) {
@@ -62,12 +55,10 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   if (!options.tolerances.empty()) {
     calibration.tolerances = read_priors(io::read_file(options.tolerances), robot.geometry());
   }
-  calibration.fixed = source_selectors(options.fixed, robot.limb_count());
-  calibration.free = source_selectors(options.free, robot.limb_count());
   calibration.exclude_outliers = !options.keep_outliers;
   calibration.scale_std = 1e-6 * options.measuring.scale_ppm;
   calibration.limits = options.limits.limits();
-  check_selection(calibration, robot.limb_count());
+  take_selection(options, calibration, robot.limb_count());
   return calibration;
 }
 

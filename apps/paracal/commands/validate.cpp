@@ -3,6 +3,7 @@
 #include <iterator>
 #include <memory>
 
+#include "paracal/io/measurement_files.hpp"
 #include "paracal/report/error_map.hpp"
 #include "paracal/report/scene.hpp"
 #include "paracal/units.hpp"
@@ -71,7 +72,7 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   Validation validation = validate(robot, known, measurements, options.options(measurements));
   for (const std::string& file : options.own(machine, measurements)) {
     validation.accepted = false;
-    validation.reasons.push_back(file + " is what the calibration was made from: it confirms nothing");
+    validation.reasons.push_back(io::confirms_nothing(file));
   }
   const io::Json json = io::to_json(validation);
   if (!report.empty()) {

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+
+namespace paracal {
+
+/// "e_x2" or "e_x.2": e_x of limb 2; "e_x": of all limbs. The dot tells alpha0 of limb 3, "alpha0.3", from "alpha03".
+/// @throws InvalidArgument for anything else.
+std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count);
+
+/// What is fixed must leave something to seek, and nothing that is free.
+/// @throws InvalidArgument naming the error.
+void check_selection(const CalibrationOptions& options, std::size_t limb_count);
+
+}  // namespace paracal

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "paracal/calibration/measurement.hpp"
+
+namespace paracal::io {
+
+/// What a table of measurements holds.
+enum class TableKind : std::uint8_t { points, distances, lengths };
+
+/// By the header of the table. Points and lengths say so. Any other table is taken for distances where their poses are
+/// given or it says that it holds some, else for points: so a file that is neither is complained of as a file.
+/// @param text       of the whole file.
+/// @param has_poses  tables of poses are given, which distances need.
+TableKind kind_of_table(std::string_view text, bool has_poses);
+
+/// Those of these tables, by name, that a calibration was made from: they confirm nothing.
+/// @param inputs  of the calibration.
+/// @param tables  that hold readings; poses may be the same.
+std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const Measurements& measurements,
+                                     const std::vector<std::string>& tables);
+
+/// Why a validation by such a table is not accepted.
+std::string confirms_nothing(const std::string& table);
+
+}  // namespace paracal::io

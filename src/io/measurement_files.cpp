@@ -1,0 +1,46 @@
+#include "paracal/io/measurement_files.hpp"
+
+#include <algorithm>
+
+#include "paracal/io/file.hpp"
+#include "paracal/io/tables.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// The first line that is neither empty nor a comment.
+std::string_view header_of(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    if (!line.starts_with('#') && line.find_first_not_of(" \t\r") != std::string_view::npos) return line;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+TableKind kind_of_table(std::string_view text, bool has_poses) {
+  const std::string_view header = header_of(text);
+  const auto has = [&](std::string_view column) { return header.find(column) != std::string_view::npos; };
+  if (length_kind_in(header)) return TableKind::lengths;
+  return has("x_mm") || (!has_poses && !has("distance_mm")) ? TableKind::points : TableKind::distances;
+}
+
+std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const Measurements& measurements,
+                                     const std::vector<std::string>& tables) {
+  std::vector<std::string> used;
+  for (const InputFile& file : measurements.files) {
+    const bool is_known = std::ranges::find(inputs, file.sha256, &InputFile::sha256) != inputs.end();
+    if (is_known && std::ranges::find(tables, file.name) != tables.end()) used.push_back(file.name);
+  }
+  return used;
+}
+
+std::string confirms_nothing(const std::string& table) {
+  return table + " is what the calibration was made from: it confirms nothing";
+}
+
+}  // namespace paracal::io
