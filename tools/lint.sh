@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# clang-format over every source file, the type checker of TypeScript over web/, and clang-tidy over the translation units of the library, the program and the
+# clang-format over every source file, the type checker of TypeScript over web/, and clang-tidy over the translation units of the library, the program, the Python module and the
 # examples that the last 10 commits or the working tree changed, and one that includes each header they changed; with PARACAL_TIDY_ALL over all of
 # them, and with clang's analyzer, which takes as long again.
 set -euo pipefail
@@ -33,7 +33,7 @@ units() {  # of these patterns, those to look at
   printf '%s\n' "${changed[@]}" | sed '/^$/d' | sort -u
 }
 mapfile -t library < <(units 'src/*.cpp' 'examples/*.cpp')
-mapfile -t program < <(units 'apps/*.cpp')
+mapfile -t program < <(units 'apps/*.cpp' 'python/*.cpp')
 analyzer='-clang-analyzer-*'
 [[ -n ${PARACAL_TIDY_ALL:-} ]] && analyzer=
 tidy "$analyzer" "${library[@]}"

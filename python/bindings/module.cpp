@@ -1,0 +1,51 @@
+#include <pybind11/pybind11.h>
+
+#include <string>
+
+#include "arrays.hpp"
+#include "paracal/error.hpp"
+#include "paracal/version.hpp"
+#include "rooms.hpp"
+
+namespace paracal::python {
+namespace {
+
+/// Raises an exception of paracal/errors.py.
+template <typename... Details>
+void raise(const char* name, const std::exception& error, Details&&... details) {
+  const py::object type = py::module_::import("paracal.errors").attr(name);
+  const py::object raised = type(text_of(error.what()), std::forward<Details>(details)...);
+  PyErr_SetObject(type.ptr(), raised.ptr());
+}
+
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param): as pybind11 calls it
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const InputFileError& error) {
+    raise("InputFileError", error, text_of(error.file()), error.line());
+  } catch (const InvalidArgument& error) {
+    raise("InvalidArgument", error);
+  } catch (const Unreachable& error) {
+    raise("Unreachable", error);
+  } catch (const Error& error) {
+    raise("Error", error);
+  }
+}
+
+}  // namespace
+}  // namespace paracal::python
+
+PYBIND11_MODULE(_paracal, module) {
+  using namespace paracal::python;
+  module.doc() = "The library as the package paracal calls it: plain arrays, mm and rad.";
+  module.attr("version") = std::string(paracal::version());
+  module.attr("build") = std::string(paracal::build());
+  py::register_exception_translator(&translate);
+  add_robots(module);
+  add_kinematics(module);
+  add_measurements(module);
+  add_calibration(module);
+  add_plans(module);
+  add_tolerance(module);
+  add_compensation(module);
+}

@@ -1,0 +1,211 @@
+#include "paracal/calibration/plan.hpp"
+
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "options.hpp"
+#include "paracal/calibration/identifiability.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/calibration/simulation.hpp"
+#include "paracal/error.hpp"
+#include "rooms.hpp"
+
+namespace paracal::python {
+namespace {
+
+using namespace py::literals;
+
+py::tuple poses_of(const std::vector<Station>& stations) {
+  py::list names;
+  Array poses({stations.size(), std::size_t{4}});
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    names.append(stations[k].name);
+    write_pose(stations[k].commanded, poses.mutable_data(static_cast<py::ssize_t>(k), py::ssize_t{0}));
+  }
+  return py::make_tuple(names, poses);
+}
+
+std::vector<Station> stations_of(const std::vector<std::string>& names, const Array& poses) {
+  const Rows rows(poses, "poses", 4);
+  if (names.size() != rows.count()) {
+    throw InvalidArgument(fmt::format("names: expected {}, one a pose, got {}", rows.count(), names.size()));
+  }
+  std::vector<Station> stations;
+  for (std::size_t k = 0; k < names.size(); ++k) stations.push_back({names[k], pose_of(rows[k])});
+  return stations;
+}
+
+py::dict indices_of(const Observability& indices) {
+  return py::dict("O1"_a = indices.O1, "O2"_a = indices.O2, "O3"_a = indices.O3, "O4"_a = indices.O4,
+                  "O5"_a = indices.O5);
+}
+
+py::dict std_of(const WorkspaceUncertainty& spread) {
+  return py::dict("rms_distance_mm"_a = spread.rms_distance, "max_distance_mm"_a = spread.max_distance,
+                  "rms_aligned_mm"_a = spread.rms_aligned, "max_aligned_mm"_a = spread.max_aligned,
+                  "rms_rotation_rad"_a = spread.rms_rotation, "max_rotation_rad"_a = spread.max_rotation);
+}
+
+py::dict paper_plan_of(const Robot& robot, const std::string& stage, double start_azimuth, double threshold) {
+  const auto plan = [&] {
+    const py::gil_scoped_release released;
+    return paper_plan(robot, stage == "rough" ? Stage::rough : Stage::fine, start_azimuth, threshold);
+  }();
+  py::list curve;
+  for (const CurvePoint& point : plan.curve) {
+    py::dict entry = indices_of(point.indices);
+    entry["n"] = point.n;
+    entry["change"] = point.change;
+    curve.append(entry);
+  }
+  return py::dict("n"_a = plan.n, "curve"_a = curve, "poses"_a = poses_of(plan.stations));
+}
+
+Criterion criterion_of(const Keywords& given) {
+  Criterion criterion = Criterion::pose_uncertainty;
+  given.choose("criterion",
+               {{"pose", Criterion::pose_uncertainty},
+                {"D", Criterion::volume},
+                {"O1", Criterion::volume},
+                {"A", Criterion::mean_variance},
+                {"O3", Criterion::worst_direction}},
+               criterion);
+  return criterion;
+}
+
+py::dict selected(const Robot& robot, int poses, int candidates, std::uint64_t seed, const py::dict& keywords) {
+  const Keywords given(keywords);
+  SelectionOptions options{
+      .poses = poses, .criterion = criterion_of(given), .noise = noise_of(given), .readings = planned_readings(given)};
+  if (given.has("tolerances")) options.tolerances = given.get<Tolerances>("tolerances", "Tolerances");
+  const auto plan = [&] {
+    const py::gil_scoped_release released;
+    return select_stations(robot, candidate_stations(robot, candidates, seed), options);
+  }();
+  py::list curve;
+  for (const WorkspaceUncertainty& spread : plan.curve) curve.append(std_of(spread));
+  return py::dict("poses"_a = poses_of(plan.stations), "value"_a = plan.criterion, "sweeps"_a = plan.sweeps,
+                  "exchanges"_a = plan.exchanges, "travel"_a = plan.travel,
+                  "workspace_std"_a = std_of(plan.uncertainty), "curve"_a = curve);
+}
+
+/// What a plan promises, as `paracal identifiability` says it.
+struct Promise {
+  Identifiability seen;
+  KnownErrors after;
+  WorkspaceUncertainty spread;
+};
+
+Promise promise_of(const Robot& robot, const Measurements& plan, const CalibrationOptions& options) {
+  Promise promise{.seen = identifiability(robot, plan, options), .after = promised(robot, plan, options), .spread = {}};
+  promise.spread =
+      PoseSpread(robot, {}, promise.after.parameters, workspace_stations(robot)).uncertainty(promise.after.covariance);
+  return promise;
+}
+
+/// (name, limb, unit, prior std, std after measuring) of the errors that are sought.
+py::list parameters_of(const Robot& robot, const Promise& promise) {
+  py::list parameters;
+  for (std::size_t k = 0; k < promise.after.parameters.size(); ++k) {
+    const SoughtSource& one = promise.after.parameters[k];
+    const bool wanted = std::ranges::any_of(promise.seen.parameters, [&](const SoughtSource& sought) {
+      return sought.limb == one.limb && sought.source == one.source;
+    });
+    if (!wanted) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    parameters.append(py::make_tuple(std::string(name(one.source)), one.limb + 1,
+                                     unit(one.source, robot.actuator()) == Unit::mm ? "mm" : "rad",
+                                     one.prior_std.value_or(0.0), std::sqrt(promise.after.covariance(at, at))));
+  }
+  return parameters;
+}
+
+py::dict identifiable(const Robot& robot, const std::vector<std::string>& names, const Array& poses,
+                      const py::dict& keywords) {
+  const Keywords given(keywords);
+  const Measurements plan = planned(robot, stations_of(names, poses), planned_readings(given));
+  CalibrationOptions options = calibration_options(robot, given);
+  if (plan.series.empty()) options.frame = Frame::unknown;
+  const auto promise = [&] {
+    const py::gil_scoped_release released;
+    return promise_of(robot, plan, options);
+  }();
+  py::list directions;
+  for (const NullDirection& one : promise.seen.null_space) {
+    directions.append(py::make_tuple(one.text, vector_of(one.direction), one.gauge));
+  }
+  return py::dict("rank"_a = promise.seen.rank, "rows"_a = promise.seen.rows,
+                  "parameters"_a = parameters_of(robot, promise), "null_space"_a = directions,
+                  "singular_values"_a = vector_of(promise.seen.singular_values),
+                  "indices"_a = indices_of(promise.seen.indices), "workspace_std"_a = std_of(promise.spread));
+}
+
+/// A reading as often as every station is visited.
+template <typename Readings>
+void repeat(Readings& readings, int repeats) {
+  const Readings once = readings;
+  readings.clear();
+  for (const auto& reading : once) readings.insert(readings.end(), repeats, reading);
+}
+
+RigidMotion frame_of(const Array& matrix) {
+  const Rows rows(matrix, "frame", 4);
+  if (rows.count() != 4) throw InvalidArgument("frame: expected a homogeneous matrix, (4, 4)");
+  RigidMotion frame;
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    for (Eigen::Index c = 0; c < 3; ++c) frame.rotation(r, c) = rows[static_cast<std::size_t>(r)][c];
+    frame.translation(r) = rows[static_cast<std::size_t>(r)][3];
+  }
+  if ((frame.rotation * frame.rotation.transpose()).isIdentity(1e-9) && frame.rotation.determinant() > 0.0)
+    return frame;
+  throw InvalidArgument("frame: expected a rotation in its first three rows and columns");
+}
+
+VirtualInstrument instrument_of(const Keywords& given) {
+  constexpr double kLargest = 1e6;
+  VirtualInstrument instrument;
+  given.take_number("noise_mm", 0.0, kLargest, instrument.noise);
+  given.take_number("repeatability_mm", 0.0, kLargest, instrument.repeatability);
+  given.take_number("rotation_noise_rad", 0.0, kLargest, instrument.rotation_noise);
+  if (given.has("second_mm")) {
+    const auto second = given.get<std::array<double, 3>>("second_mm", "x, y, z in mm");
+    instrument.second = Eigen::Vector3d(second[0], second[1], second[2]);
+  }
+  if (given.has("frame")) instrument.frame = frame_of(given.get<Array>("frame", "a matrix (4, 4)"));
+  return instrument;
+}
+
+GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::string>& names, const Array& poses,
+                            int repeats, std::uint64_t seed, std::uint64_t stream, const py::dict& keywords) {
+  const Keywords given(keywords);
+  const VirtualInstrument instrument = instrument_of(given);
+  PlannedReadings readings = planned_readings(given);
+  readings.second = instrument.second.has_value();
+  Measurements plan = planned(machine.robot, stations_of(names, poses), readings);
+  if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
+  if (repeats > 1 && !plan.distances.empty()) {
+    throw InvalidArgument("repeats: expected another measure than distances with it");
+  }
+  for (PointSeries& series : plan.series) repeat(series.readings, repeats);
+  for (LengthSeries& series : plan.lengths) repeat(series.readings, repeats);
+  RandomStream random(seed, stream);
+  const py::gil_scoped_release released;
+  return {.readings = simulate(machine.robot, machine.errors, std::move(plan), instrument, random)};
+}
+
+}  // namespace
+
+void add_plans(py::module_& module) {
+  module.def("paper_plan", &paper_plan_of, "robot"_a, "stage"_a, "start_azimuth"_a, "threshold"_a);
+  module.def("select_poses", &selected, "robot"_a, "poses"_a, "candidates"_a, "seed"_a, "keywords"_a);
+  module.def("identifiability", &identifiable, "robot"_a, "names"_a, "poses"_a, "keywords"_a);
+  module.def("simulate", &simulated, "machine"_a, "names"_a, "poses"_a, "repeats"_a, "seed"_a, "stream"_a,
+             "keywords"_a);
+  module.def(
+      "validation_poses", [](const Robot& robot) { return poses_of(validation_stations(robot)); }, "robot"_a);
+  module.def(
+      "workspace_poses", [](const Robot& robot) { return poses_of(workspace_stations(robot)); }, "robot"_a);
+}
+
+}  // namespace paracal::python

@@ -1,0 +1,121 @@
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/file.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/mechanism/random.hpp"
+#include "rooms.hpp"
+
+namespace paracal::python {
+namespace {
+
+using namespace py::literals;
+
+BuiltMachine built(const Robot& robot, const Array& errors) {
+  const SourceErrors wanted = errors_of(errors, robot.limb_count());
+  if (const auto complaint = implausible(robot, wanted)) throw InvalidArgument("errors: " + *complaint);
+  return {robot, wanted, build(robot, wanted)};
+}
+
+py::dict geometry_of(const Robot& robot) {
+  const Geometry& geometry = robot.geometry();
+  py::dict found("base_radius_mm"_a = geometry.base_radius, "plate_radius_mm"_a = geometry.plate_radius,
+                 "arm_mm"_a = geometry.arm, "rod_mm"_a = geometry.rod,
+                 "parallelogram_width_mm"_a = geometry.parallelogram_width,
+                 "limb_azimuth_rad"_a = vector_of(geometry.limb_azimuth));
+  if (robot.slide()) found["pinion_radius_mm"] = robot.slide()->pinion_radius;
+  return found;
+}
+
+py::dict workspace_of(const Robot& robot) {
+  const Workspace& workspace = robot.workspace();
+  return py::dict("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z,
+                  "rotation_rad"_a = py::make_tuple(workspace.min_rotation, workspace.max_rotation));
+}
+
+/// (name, "position" or "tilt", unit), in column order.
+py::list sources_of(const Robot& robot) {
+  py::list sources;
+  for (const Source source : all_sources()) {
+    sources.append(py::make_tuple(std::string(name(source)), tilts_plate(source) ? "tilt" : "position",
+                                  unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
+  }
+  return sources;
+}
+
+Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64_t seed, std::uint64_t first,
+                   std::size_t count) {
+  Array drawn({count, robot.limb_count(), kSourceCount});
+  double* numbers = drawn.mutable_data();
+  {
+    const py::gil_scoped_release released;
+    for (std::size_t machine = 0; machine < count; ++machine) {
+      RandomStream random(seed, first + machine);
+      const SourceErrors errors = draw_errors(tolerances, robot.limb_count(), random);
+      for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+        for (const Source source : all_sources()) *numbers++ = errors(limb, source);
+      }
+    }
+  }
+  return drawn;
+}
+
+SourceErrors read_errors(const Robot& robot, const std::string& path) {
+  const io::TextFile file = io::read_file(path);
+  const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
+  if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);
+  return errors;
+}
+
+}  // namespace
+
+void add_robots(py::module_& module) {
+  py::class_<Robot>(module, "Robot")
+      .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
+      .def_property_readonly("limb_count", &Robot::limb_count)
+      .def_property_readonly("joint_unit",
+                             [](const Robot& robot) { return joint_unit(robot.actuator()) == Unit::mm ? "mm" : "rad"; })
+      .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })
+      .def_property_readonly("geometry", &geometry_of)
+      .def_property_readonly("workspace", &workspace_of)
+      .def_property_readonly("sources", &sources_of)
+      .def_property_readonly("intended",
+                             [](const Robot& robot) { return array_of(robot.intended(), robot.limb_count()); })
+      .def("toml", [](const Robot& robot) { return text_of(io::robot_toml(robot)); });
+  py::class_<BuiltMachine>(module, "Machine")
+      .def(py::init(&built), "robot"_a, "errors"_a)
+      .def_readonly("robot", &BuiltMachine::robot)
+      .def_property_readonly(
+          "errors", [](const BuiltMachine& machine) { return array_of(machine.errors, machine.robot.limb_count()); })
+      .def_property_readonly("tilts_plate", [](const BuiltMachine& machine) { return machine.machine.tilts_plate; });
+  module.def("catalogue", [] {
+    std::vector<std::string> names;
+    for (const std::string_view name : catalogue::names()) names.emplace_back(name);
+    return names;
+  });
+  module.def(
+      "named_robot", [](const std::string& name) { return io::named_robot(name).robot; }, "name"_a);
+  module.def(
+      "robot_of_toml",
+      [](const std::string& name, const std::string& text) {
+        return io::read_robot({name, text});
+      },
+      "name"_a, "text"_a);
+  module.def(
+      "read_errors",
+      [](const Robot& robot, const std::string& path) {
+        return array_of(read_errors(robot, path), robot.limb_count());
+      },
+      "robot"_a, "path"_a);
+  module.def(
+      "errors_toml",
+      [](const Robot& robot, const Array& errors) {
+        return io::source_errors_toml(errors_of(errors, robot.limb_count()), robot.joint_space());
+      },
+      "robot"_a, "errors"_a);
+  module.def("draw_errors", &drawn_errors, "robot"_a, "tolerances"_a, "seed"_a, "first"_a, "count"_a);
+}
+
+}  // namespace paracal::python

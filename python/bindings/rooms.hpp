@@ -1,0 +1,53 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/io/robot_statement.hpp"
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal::python {
+
+namespace py = pybind11;
+
+/// A robot with the source errors that it was built with.
+struct BuiltMachine {
+  Robot robot;
+  SourceErrors errors;
+  Machine machine;
+};
+
+/// What tables hold, and which robot they say they are of.
+struct GivenMeasurements {
+  Measurements readings;
+  std::optional<io::RobotStatement> stated = {};
+  std::vector<std::string> tables = {};  ///< that hold readings, not poses
+};
+
+/// A calibrated machine: what validation, prediction and compensation need to know.
+struct KnownMachine {
+  Robot robot;
+  KnownErrors known;
+  std::vector<InputFile> inputs = {};  ///< that it was calibrated from
+};
+
+/// The robot that is asked for, which the tables must be of.
+/// @throws InputFileError where they say something else.
+void require_robot(const Robot& robot, const GivenMeasurements& given);
+
+/// One function a room.
+void add_robots(py::module_& module);
+void add_kinematics(py::module_& module);
+void add_measurements(py::module_& module);
+void add_calibration(py::module_& module);
+void add_plans(py::module_& module);
+void add_tolerance(py::module_& module);
+void add_compensation(py::module_& module);
+
+}  // namespace paracal::python

@@ -1,0 +1,251 @@
+#include <pybind11/stl.h>
+
+#include <map>
+
+#include "arrays.hpp"
+#include "options.hpp"
+#include "paracal/io/allocation_problem.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/tolerance/allocation.hpp"
+#include "paracal/tolerance/analysis.hpp"
+#include "rooms.hpp"
+
+namespace paracal::python {
+namespace {
+
+using namespace py::literals;
+
+Array one_pose(const Pose& pose) {
+  Array array(py::ssize_t{4});
+  write_pose(pose, array.mutable_data());
+  return array;
+}
+
+py::tuple pair_of(const Interval& interval, double factor = 1.0) {
+  return py::make_tuple(factor * interval.low, factor * interval.high);
+}
+
+py::list shares_of(const std::vector<Contributor>& contributors) {
+  py::list list;
+  for (const Contributor& one : contributors) list.append(py::make_tuple(std::string(name(one.source)), one.share));
+  return list;
+}
+
+/// Half-widths that the caller states, mm or rad; `others` says what the rest are.
+Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_widths, const std::string& others,
+                  const std::string& distribution) {
+  Tolerances tolerances;
+  if (others == "generous") {
+    tolerances = generous_tolerances(robot.geometry());
+  } else if (others == "exact") {
+    tolerances.origin.fill(Origin::exact);
+  } else {
+    throw InvalidArgument("others: expected \"exact\" or \"generous\", got \"" + others + "\"");
+  }
+  for (const auto& [name, value] : half_widths) {
+    const auto source = source_named(name);
+    if (!source) throw InvalidArgument("half_widths: expected names of source errors, got \"" + name + "\"");
+    if (!(value >= 0.0 && std::isfinite(value))) {
+      throw InvalidArgument(fmt::format("half_widths: expected at least 0 for {}, got {}", name, value));
+    }
+    tolerances.state(*source, value);
+  }
+  Keywords(py::dict("distribution"_a = distribution))
+      .choose("distribution",
+              {{"normal", Distribution::normal},
+               {"uniform", Distribution::uniform},
+               {"truncated_normal", Distribution::truncated_normal}},
+              tolerances.distribution);
+  list_assumed(tolerances, robot.actuator());
+  return tolerances;
+}
+
+Characteristic characteristic_of(const std::string& wanted) {
+  if (const auto found = characteristic_named(wanted)) return *found;
+  std::string known;
+  for (const Quantity quantity : kQuantities) known.append(known.empty() ? "" : ", ").append(name({quantity}));
+  throw InvalidArgument(
+      fmt::format("quantity: expected one of {}, also with \"-compensated\" behind it, got \"{}\"", known, wanted));
+}
+
+/// (quantity, limit in mm or rad).
+std::vector<Requirement> requirements_of(const std::vector<std::pair<std::string, double>>& given) {
+  std::vector<Requirement> requirements;
+  for (const auto& [quantity, limit] : given) {
+    if (!(limit > 0.0 && std::isfinite(limit))) {
+      throw InvalidArgument(fmt::format("limit of {}: expected above 0, got {:g}", quantity, limit));
+    }
+    requirements.push_back({characteristic_of(quantity), limit});
+  }
+  if (requirements.empty()) throw InvalidArgument("requirements: expected at least one, got none");
+  return requirements;
+}
+
+AllocationProblem problem_of(const Robot& robot, const Tolerances& rest, const std::string& path) {
+  return io::read_allocation_problem(io::read_file(path), rest, robot.actuator());
+}
+
+std::vector<std::pair<std::string, double>> problem_requirements(const Robot& robot, const Tolerances& tolerances,
+                                                                 const std::string& path) {
+  std::vector<std::pair<std::string, double>> list;
+  for (const Requirement& one : problem_of(robot, tolerances, path).requirements) {
+    list.emplace_back(name(one.characteristic), one.limit);
+  }
+  return list;
+}
+
+/// Ctrl-C ends the drawing of machines.
+Progress watched() {
+  return [](std::uint64_t, std::uint64_t) {
+    const py::gil_scoped_acquire acquired;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return true;
+  };
+}
+
+std::vector<Pose> drawn_poses(const std::vector<RequirementAnalysis>& analyses, const Rows& poses) {
+  std::vector<Pose> all;
+  for (const RequirementAnalysis& one : analyses) all.push_back(one.three_sigma.pose);
+  for (std::size_t k = 0; k < poses.count(); ++k) all.push_back(pose_of(poses[k]));
+  return all;
+}
+
+py::dict requirement_of(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
+  const SigmaAtPose& worst = drawn.at_worst();
+  py::dict largest;
+  for (const double share : {0.5, 0.9, 0.95, 0.99}) {
+    largest[py::str(fmt::format("p{:g}", 100.0 * share))] = drawn.largest.quantile(share);
+  }
+  largest["p95_interval"] = pair_of(drawn.largest.quantile_interval(0.95, confidence));
+  return py::dict("quantity"_a = name(one.requirement.characteristic),
+                  "unit"_a = unit(one.requirement.characteristic.quantity) == Unit::mm ? "mm" : "rad",
+                  "limit"_a = one.requirement.limit, "worst_case"_a = one.worst_case.value,
+                  "worst_case_pose"_a = one_pose(one.worst_case.pose), "rss_3sigma"_a = one.three_sigma.value,
+                  "rss_pose"_a = one_pose(one.three_sigma.pose), "monte_carlo_3sigma"_a = 3.0 * worst.sigma,
+                  "monte_carlo_3sigma_interval"_a = pair_of(worst.interval, 3.0),
+                  "monte_carlo_pose"_a = one_pose(worst.pose), "cpk"_a = drawn.cpk(), "passed"_a = drawn.passed,
+                  "largest_on_a_machine"_a = largest, "contributors"_a = shares_of(one.contributors));
+}
+
+MonteCarloOptions sampling_of(const Keywords& given) {
+  MonteCarloOptions options;
+  given.choose("model", {{"linear", Model::linear}, {"exact", Model::exact}}, options.model);
+  given.take("seed", "a whole number", options.seed);
+  given.take("max_machines", "a whole number", options.max_machines);
+  given.take("threads", "a whole number", options.threads);
+  given.take_number("sigma_error", 1e-4, 1.0, options.sigma_error);
+  given.take_number("confidence", 0.5, 0.9999, options.confidence);
+  if (options.max_machines >= 16) return options;
+  throw InvalidArgument(fmt::format("max_machines: expected at least 16, got {}", options.max_machines));
+}
+
+py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
+                  const std::vector<std::pair<std::string, double>>& wanted, const Array& poses,
+                  const py::dict& keywords) {
+  const std::vector<Requirement> requirements = requirements_of(wanted);
+  const MonteCarloOptions options = sampling_of(Keywords(keywords));
+  const Rows at(poses, "poses", 4);
+  std::vector<RequirementAnalysis> analyses;
+  const MonteCarlo batch = [&] {
+    const py::gil_scoped_release released;
+    analyses = analyze(robot, tolerances, requirements);
+    return monte_carlo(robot, tolerances, requirements, drawn_poses(analyses, at), options, watched());
+  }();
+  py::list list;
+  for (std::size_t k = 0; k < analyses.size(); ++k) {
+    list.append(requirement_of(analyses[k], batch.requirements[k], options.confidence));
+  }
+  const Proportion yield = batch.yield(options.confidence);
+  return py::dict("machines"_a = batch.machines, "converged"_a = batch.converged, "not_closed"_a = batch.not_closed,
+                  "passed"_a = batch.passed, "confidence"_a = options.confidence, "requirements"_a = list,
+                  "yield_"_a = yield.value, "yield_interval"_a = pair_of(yield.interval),
+                  "dpmo"_a = defects_per_million(yield).value);
+}
+
+py::dict allocation_of(const Allocation& found) {
+  py::list outcomes;
+  for (const RequirementOutcome& one : found.requirements) {
+    outcomes.append(py::dict("quantity"_a = name(one.requirement.characteristic),
+                             "criterion"_a = std::string(name(one.requirement.criterion)),
+                             "limit"_a = one.requirement.limit, "worst"_a = one.worst.value,
+                             "worst_pose"_a = one_pose(one.worst.pose), "price"_a = one.price));
+  }
+  return py::dict("status"_a = std::string(name(found.status)), "reason"_a = found.reason, "cost"_a = found.cost,
+                  "ok"_a = found.ok(), "tolerances"_a = found.tolerances, "requirements"_a = outcomes);
+}
+
+py::dict equal_influence(const Robot& robot, const Tolerances& rest, const py::dict& keywords) {
+  const Keywords given(keywords);
+  EqualInfluence problem{.rest = rest};
+  constexpr double kLeast = std::numeric_limits<double>::min(), kMost = std::numeric_limits<double>::max();
+  given.take_number("max_tilt_rad", kLeast, kMost, problem.max_tilt);
+  given.take_number("least_rad", kLeast, kMost, problem.least);
+  given.choose("bound", {{"sum-of-maxima", Bound::sum_of_maxima}, {"true-maximum", Bound::true_maximum}},
+               problem.bound);
+  given.choose("least_is", {{"tolerance", LeastReading::tolerance}, {"sigma", LeastReading::sigma}},
+               problem.least_reading);
+  const auto found = [&] {
+    const py::gil_scoped_release released;
+    return allocate(robot, problem);
+  }();
+  return allocation_of(found);
+}
+
+py::dict solved(const Robot& robot, const Tolerances& rest, const std::string& path) {
+  const auto found = [&] {
+    const py::gil_scoped_release released;
+    const AllocationProblem problem = problem_of(robot, rest, path);
+    if (problem.variables.empty()) throw InputFileError(path, 0, "expected costs ([cost.NAME]), got none");
+    return allocate(robot, problem);
+  }();
+  return allocation_of(found);
+}
+
+py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const std::string& quantity,
+                        bool all_rotations, double relative_error) {
+  const Characteristic what = characteristic_of(quantity);
+  GlobalSensitivity global;
+  ValueAtPose worst;
+  std::vector<Contributor> shares;
+  {
+    const py::gil_scoped_release released;
+    global = global_sensitivity(robot, what, {.all_rotations = all_rotations, .relative_error = relative_error});
+    worst = worst_spread(robot, what, tolerances, Spread::statistical);
+    shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances);
+  }
+  const PerSource units = paper_units(robot);
+  const auto vector = [](const PerSource& values) { return vector_of(values.matrix()); };
+  return py::dict("mean"_a = vector(global.mean), "error"_a = vector(global.error),
+                  "largest"_a = vector(global.largest), "paper_units"_a = vector(units), "poses"_a = global.poses,
+                  "unit"_a = unit(what.quantity) == Unit::mm ? "mm" : "rad", "worst_3sigma"_a = worst.value,
+                  "worst_pose"_a = one_pose(worst.pose), "contributors"_a = shares_of(shares));
+}
+
+}  // namespace
+
+void add_tolerance(py::module_& module) {
+  py::class_<Tolerances>(module, "Tolerances")
+      .def_property_readonly("half_widths", [](const Tolerances& t) { return vector_of(half_widths(t).matrix()); })
+      .def_property_readonly("std", [](const Tolerances& t) { return vector_of(variances(t).sqrt().matrix()); })
+      .def_property_readonly("assumed", [](const Tolerances& t) { return texts_of(t.assumed); })
+      .def(
+          "toml", [](const Tolerances& t, const Robot& robot) { return io::tolerances_toml(t, robot.actuator()); },
+          "robot"_a);
+  module.def(
+      "tolerances_of", [](const Robot& robot) { return tolerances_of(robot); }, "robot"_a);
+  module.def("stated_tolerances", &stated, "robot"_a, "half_widths"_a, "others"_a, "distribution"_a);
+  module.def(
+      "read_tolerances",
+      [](const Robot& robot, const std::string& path) {
+        return io::read_tolerances(io::read_file(path), robot.geometry());
+      },
+      "robot"_a, "path"_a);
+  module.def("problem_requirements", &problem_requirements, "robot"_a, "tolerances"_a, "path"_a);
+  module.def("analyze", &analyzed, "robot"_a, "tolerances"_a, "requirements"_a, "poses"_a, "keywords"_a);
+  module.def("equal_influence", &equal_influence, "robot"_a, "rest"_a, "keywords"_a);
+  module.def("allocate", &solved, "robot"_a, "rest"_a, "path"_a);
+  module.def("sensitivity", &sensitivity_of, "robot"_a, "tolerances"_a, "quantity"_a, "all_rotations"_a,
+             "relative_error"_a);
+}
+
+}  // namespace paracal::python
