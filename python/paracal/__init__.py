@@ -1,0 +1,79 @@
+"""Accuracy of parallel pick-and-place robots: error model, tolerances, calibration, compensation.
+
+    import paracal as pc
+
+    robot = pc.robot("huang2016")
+    measured = pc.read_measurements("distances.csv", poses="poses.csv", robot=robot)
+    calibration = pc.calibrate(robot, measured)   # verdict, values, U, covariance, notes
+    joints, status = pc.inverse(calibration, [[200, -130, -930, 0.5]])
+
+Units: arrays are in mm and rad, as inside the C++ library; files, tables and their columns are in
+mm and deg, as their names say. Source errors are actual minus nominal. Frames and signs:
+docs/conventions.md.
+
+What the caller or a file got wrong raises (errors: Error, InvalidArgument, InputFileError,
+Unreachable); what the numbers say (a pose out of reach, a fit that does not settle) is a status in
+the result. Everything that takes long releases the interpreter, so threads run beside it. Numbers
+are those of the program to the bit.
+"""
+
+from . import _paracal
+from .errors import Error, InputFileError, InvalidArgument, Unreachable
+from .kinematics import (
+    Forward,
+    ForwardStatus,
+    Inverse,
+    InverseStatus,
+    Jacobian,
+    forward,
+    inverse,
+    jacobian,
+)
+from .measurements import Measurements, merge, read_joints, read_measurements, read_poses
+from .robots import (
+    SOURCES,
+    Machine,
+    Robot,
+    catalogue,
+    draw_errors,
+    errors_frame,
+    errors_toml,
+    read_errors,
+    robot,
+    robot_of_toml,
+)
+from .tolerances import Tolerances
+
+__version__: str = _paracal.version
+__build__: str = _paracal.build
+
+__all__ = [
+    "Error",
+    "Forward",
+    "ForwardStatus",
+    "InputFileError",
+    "InvalidArgument",
+    "Inverse",
+    "InverseStatus",
+    "Jacobian",
+    "Machine",
+    "Measurements",
+    "Robot",
+    "SOURCES",
+    "Tolerances",
+    "Unreachable",
+    "catalogue",
+    "draw_errors",
+    "errors_frame",
+    "errors_toml",
+    "forward",
+    "inverse",
+    "jacobian",
+    "merge",
+    "read_errors",
+    "read_joints",
+    "read_measurements",
+    "read_poses",
+    "robot",
+    "robot_of_toml",
+]

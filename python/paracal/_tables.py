@@ -1,0 +1,86 @@
+"""Tables in and out: files, DataFrames and dicts of columns are read by the same code of the
+library."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+
+import numpy as np
+
+from .errors import InvalidArgument
+
+if TYPE_CHECKING:
+    import pandas
+
+#: A file (CSV), a DataFrame, or a dict of columns; columns are named as in files, units included.
+Table = Union[str, "os.PathLike[str]", "pandas.DataFrame", Mapping[str, Sequence[Any]]]
+
+
+def path_of(path: str | os.PathLike[str]) -> bytes:
+    """A file's name as the library takes it."""
+    return os.fsencode(path)
+
+
+def _cell(value: Any) -> str:
+    """Blank for what was not read; numbers so that they come back as they were."""
+    if value is None or (isinstance(value, float) and value != value):
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _columns(table: Any) -> dict[str, list[Any]]:
+    if not hasattr(table, "keys"):
+        raise InvalidArgument(
+            f"table: expected a file, a DataFrame or a dict of columns, got {type(table).__name__}"
+        )
+    columns = {str(name): np.asarray(table[name], dtype=object).tolist() for name in table.keys()}
+    if any(not isinstance(column, list) for column in columns.values()):
+        raise InvalidArgument("table: expected columns with a value a row")
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise InvalidArgument(f"table: expected columns of one length, got {lengths}")
+    return {
+        name: [v.item() if isinstance(v, np.generic) else v for v in column]
+        for name, column in columns.items()
+    }
+
+
+def native(table: Table, name: str = "table") -> tuple[bytes, str | None]:
+    """A file by its name, anything else as the text of the file that it could be."""
+    if isinstance(table, (str, os.PathLike)):
+        return path_of(table), None
+    return name.encode(), text_of(table)
+
+
+def text_of(table: Any) -> str:
+    """A DataFrame or a dict of columns as the file that it could be."""
+    columns = _columns(table)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values()))
+    return text.getvalue()
+
+
+def rows_of(text: str) -> dict[str, list[Any]]:
+    """Columns of a table that the library wrote; numbers where all of a column are some."""
+    reader = list(csv.reader(text.splitlines()))
+    names = ("pose", "from", "to")
+    return {
+        name: [cell if name in names else float(cell) if cell else float("nan") for cell in column]
+        for name, column in zip(reader[0], zip(*reader[1:]))
+    }
+
+
+def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> pandas.DataFrame:
+    """A DataFrame; says what is missing where pandas is not installed."""
+    try:
+        import pandas as pd
+    except ImportError as missing:
+        raise ImportError(
+            "to_frame: expected pandas to be installed (Debian: python3-pandas)"
+        ) from missing
+    return pd.DataFrame(columns, index=index)

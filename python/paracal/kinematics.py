@@ -1,0 +1,119 @@
+"""Inverse, forward and Jacobian, exact, over arrays of poses and joints."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _paracal
+from ._arrays import BoolArray, CodeArray, FloatArray, IntArray, as_poses, as_rows, shaped
+from .robots import SOURCES, MachineLike, native_machine
+
+
+class InverseStatus(IntEnum):
+    """What became of a pose."""
+
+    reached = 0
+    unreachable = 1  #: arm and rod of a limb do not meet, or a rigid plate is asked to turn
+    not_converged = 2  #: only with tilt errors: the pose is at a singularity
+
+
+class ForwardStatus(IntEnum):
+    """What became of joint coordinates."""
+
+    converged = 0
+    strained = 1  #: converged, but some rod would have to stretch by more than 1 mm
+    singular = 2  #: the joints do not hold the plate
+    not_converged = 3
+
+
+class Inverse(NamedTuple):
+    """Joint coordinates for poses; `joints, status = inverse(...)` takes it apart."""
+
+    joints: FloatArray  #: (..., limbs), rad (mm of linear actuators); NaN where not reached
+    status: CodeArray  #: (...), codes of InverseStatus
+
+    @property
+    def ok(self) -> BoolArray:
+        """(...): the pose is reached."""
+        return np.asarray(self.status == InverseStatus.reached)
+
+
+class Forward(NamedTuple):
+    """Poses that joint coordinates lead to."""
+
+    poses: FloatArray  #: (..., 4): x, y, z in mm, phi in rad; NaN where singular or not converged
+    tilt: FloatArray  #: (..., 3): about x, y, z of the plate, rad; R = Rot(x) Rot(y) Rot(z)
+    residual: FloatArray  #: (...): largest rod-length residual, mm
+    iterations: IntArray  #: (...)
+    status: CodeArray  #: (...), codes of ForwardStatus
+
+    @property
+    def ok(self) -> BoolArray:
+        """(...): converged, and the rods meet."""
+        return np.asarray(self.status == ForwardStatus.converged)
+
+
+class Jacobian(NamedTuple):
+    """Derivatives of x, y, z (mm), phi, tilt_x, tilt_y, tilt_z (rad): seven rows."""
+
+    joints: FloatArray  #: (..., 7, limbs), per rad (mm of linear actuators) of the joints
+    errors: FloatArray  #: (..., 7, limbs, 14), per mm or rad of the errors, as SOURCES
+    status: CodeArray  #: (...), codes of ForwardStatus; NaN where neither converged nor strained
+
+    @property
+    def ok(self) -> BoolArray:
+        """(...): the derivatives exist, and the rods meet."""
+        return np.asarray(self.status == ForwardStatus.converged)
+
+
+def inverse(machine: MachineLike, poses: npt.ArrayLike) -> Inverse:
+    """Joint coordinates that bring the plate to poses, elbows outward  [huang2016, Eq. (1)], exact.
+
+    machine: a Robot (nominal), a Machine, or a Calibration: the joints then compensate.
+    poses: (..., 4) of x, y, z in mm in the robot's frame, phi in rad; or (..., 3) with phi = 0.
+    Raises InvalidArgument for another shape or dtype; poses out of reach, or NaN, have a status.
+    """
+    rows, lead = as_poses(poses)
+    joints, status = _paracal.inverse(native_machine(machine), rows)
+    return Inverse(shaped(joints, lead), shaped(status, lead))
+
+
+def forward(machine: MachineLike, joints: npt.ArrayLike) -> Forward:
+    """Where a machine puts its plate: min over the pose of the sum of squared rod-length residuals,
+    exact.
+
+    joints: (..., limbs) as the controller believes them, rad (mm of linear actuators).
+    Raises InvalidArgument for another shape or dtype; joints that hold no plate have a status.
+    """
+    native = native_machine(machine)
+    rows, lead = as_rows("joints", joints, native.robot.limb_count)
+    poses, tilt, residual, iterations, status = _paracal.forward(native, rows)
+    return Forward(
+        shaped(poses, lead),
+        shaped(tilt, lead),
+        shaped(residual, lead),
+        shaped(iterations, lead),
+        shaped(status, lead),
+    )
+
+
+def jacobian(machine: MachineLike, joints: npt.ArrayLike) -> Jacobian:
+    """Derivative of forward() with respect to joints and source errors, from stationarity of the
+    closure:
+
+        d plate / d p = -(J^T J)^-1 J^T J_p
+
+    Exact for three limbs; for four the curvature of residuals is neglected (below 1e-3 of a row's
+    largest entry with the tolerances of huang2016). A joint's column is that of its theta_offset:
+    the actuator stands at q + theta_offset.
+    joints: (..., limbs), rad (mm of linear actuators). Raises InvalidArgument as forward().
+    """
+    native = native_machine(machine)
+    rows, lead = as_rows("joints", joints, native.robot.limb_count)
+    errors, status = _paracal.jacobian(native, rows)
+    errors = shaped(errors, lead)
+    return Jacobian(errors[..., SOURCES.index("theta_offset")], errors, shaped(status, lead))

@@ -1,0 +1,90 @@
+"""How far parts may be off: half-widths of all source errors."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Mapping
+
+from . import _html, _paracal, _tables
+from .robots import SOURCES, Robot
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Tolerances:
+    """Half-widths of all 14 source errors. Made by Tolerances.of(), .stated() or .read()."""
+
+    def __init__(self, native: _paracal.Tolerances, robot: Robot) -> None:
+        self._native = native
+        self._robot = robot
+
+    @classmethod
+    def of(cls, robot: Robot) -> Tolerances:
+        """The robot's own; generous ones where it states none."""
+        return cls(_paracal.tolerances_of(robot._native), robot)
+
+    @classmethod
+    def stated(
+        cls,
+        robot: Robot,
+        half_widths: Mapping[str, float],
+        others: str = "exact",
+        distribution: str = "normal",
+    ) -> Tolerances:
+        """Half-widths by name, mm or rad; `others` says what the rest are: "exact" (zero) or
+        "generous".
+
+        distribution: "normal", "uniform" or "truncated_normal".
+        Raises InvalidArgument for another name, and half-widths below zero.
+        """
+        given = {name: float(value) for name, value in half_widths.items()}
+        return cls(_paracal.stated_tolerances(robot._native, given, others, distribution), robot)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], robot: Robot) -> Tolerances:
+        """Of a file (TOML, mm and deg) or the table [tolerances] of a robot file. Raises
+        InputFileError."""
+        return cls(_paracal.read_tolerances(robot._native, _tables.path_of(path)), robot)
+
+    @property
+    def half_widths(self) -> dict[str, float]:
+        """T of every source error, mm or rad."""
+        return dict(zip(SOURCES, self._native.half_widths.tolist()))
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard deviation of every source error, mm or rad."""
+        return dict(zip(SOURCES, self._native.std.tolist()))
+
+    @property
+    def assumed(self) -> list[str]:
+        """What was taken without being stated, with its values."""
+        return self._native.assumed
+
+    def to_toml(self) -> str:
+        """As a file that read() and the program read, mm and deg."""
+        return self._native.toml(self._robot._native)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row a source error: half_width and std, mm or rad."""
+        return _tables.frame(
+            {
+                "unit": list(self._robot.units.values()),
+                "half_width": list(self.half_widths.values()),
+                "std": list(self.std.values()),
+            },
+            list(SOURCES),
+        )
+
+    def __repr__(self) -> str:
+        return f"<paracal.Tolerances of {self._robot.name}>"
+
+    def _repr_html_(self) -> str:
+        units = self._robot.units
+        rows = [[name, value, units[name]] for name, value in self.half_widths.items()]
+        return (
+            _html.heading(f"tolerances of {self._robot.name} (half-widths, 3 sigma)")
+            + _html.table(["source error", "half-width", "unit"], rows)
+            + _html.items("assumed", self.assumed)
+        )
