@@ -18,6 +18,8 @@ are those of the program to the bit.
 """
 
 from . import _paracal
+from .calibration import Calibration, calibrate
+from .compensation import Compensation, CompensationStatus, compensate
 from .errors import Error, InputFileError, InvalidArgument, Unreachable
 from .kinematics import (
     Forward,
@@ -29,7 +31,18 @@ from .kinematics import (
     inverse,
     jacobian,
 )
+from .known import KnownMachine, NullDirection, Prediction, read_calibration
 from .measurements import Measurements, merge, read_joints, read_measurements, read_poses
+from .plans import (
+    Identifiability,
+    Plan,
+    identifiability,
+    paper_plan,
+    select_poses,
+    simulate,
+    validation_poses,
+    workspace_poses,
+)
 from .robots import (
     SOURCES,
     Machine,
@@ -43,37 +56,57 @@ from .robots import (
     robot_of_toml,
 )
 from .tolerances import Tolerances
+from .validation import Validation, validate
 
 __version__: str = _paracal.version
 __build__: str = _paracal.build
 
 __all__ = [
+    "Calibration",
+    "Compensation",
+    "CompensationStatus",
     "Error",
     "Forward",
     "ForwardStatus",
+    "Identifiability",
     "InputFileError",
     "InvalidArgument",
     "Inverse",
     "InverseStatus",
     "Jacobian",
+    "KnownMachine",
     "Machine",
     "Measurements",
+    "NullDirection",
+    "Plan",
+    "Prediction",
     "Robot",
     "SOURCES",
     "Tolerances",
     "Unreachable",
+    "Validation",
+    "calibrate",
     "catalogue",
+    "compensate",
     "draw_errors",
     "errors_frame",
     "errors_toml",
     "forward",
+    "identifiability",
     "inverse",
     "jacobian",
     "merge",
+    "paper_plan",
+    "read_calibration",
     "read_errors",
     "read_joints",
     "read_measurements",
     "read_poses",
     "robot",
     "robot_of_toml",
+    "select_poses",
+    "simulate",
+    "validate",
+    "validation_poses",
+    "workspace_poses",
 ]

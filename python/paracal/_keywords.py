@@ -1,0 +1,23 @@
+"""Keywords of the package's functions on their way into the compiled module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .errors import InvalidArgument
+
+
+def keywords(given: dict[str, Any]) -> dict[str, Any]:
+    """Keywords as the compiled module takes them: lists for any iterable, its own objects for
+    ours."""
+    made = dict(given)
+    for key in ("fixed", "free"):
+        if isinstance(made.get(key), str):
+            raise InvalidArgument(f'{key}: expected names in a list, got the text "{made[key]}"')
+        if made.get(key) is not None:
+            made[key] = list(made[key])
+    if made.get("tracker_um") is not None:
+        made["tracker_um"] = [float(one) for one in made["tracker_um"]]
+    if made.get("tolerances") is not None:
+        made["tolerances"] = made["tolerances"]._native
+    return made

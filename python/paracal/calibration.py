@@ -1,0 +1,307 @@
+"""Identification of source errors, and what is known of a machine after it."""
+
+from __future__ import annotations
+
+import json
+import os
+import time as clock
+from typing import TYPE_CHECKING, Any, Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _html, _paracal, _tables
+from ._arrays import BoolArray, FloatArray
+from ._keywords import keywords
+from .errors import InvalidArgument
+from .known import KnownMachine, NullDirection, Prediction
+from .measurements import Measurements
+from .robots import Machine, Robot, parameter_names
+
+if TYPE_CHECKING:
+    import pandas
+
+    from .tolerances import Tolerances
+
+
+class Calibration:
+    """The machine's identified source errors with their evidence. Made by calibrate().
+
+    Arrays are in mm and rad, a row or entry a parameter (names, units); as_dict() and to_json() are
+    in mm and deg, as the program writes it.
+    """
+
+    def __init__(self, native: _paracal.Calibration) -> None:
+        self._native = native
+        self.robot = Robot(native.robot)
+
+    @property
+    def verdict(self) -> str:
+        """ "accepted", "rejected", "not identifiable" or "not converged"."""
+        return self._native.verdict
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it is to be used."""
+        return self.verdict == "accepted"
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why it was not accepted; empty when it was."""
+        return self._native.reasons
+
+    @property
+    def notes(self) -> list[str]:
+        """What a careful reader should know."""
+        return self._native.notes
+
+    @property
+    def assumed(self) -> list[str]:
+        """What no reading showed and nobody stated."""
+        return self._native.assumed
+
+    @property
+    def names(self) -> list[str]:
+        """Of the parameters: "e_x.2" is e_x of limb 2."""
+        return parameter_names(self._native.parameters)
+
+    @property
+    def units(self) -> list[str]:
+        """Of the parameters: "mm" or "rad"."""
+        return [unit for _, _, unit in self._native.parameters]
+
+    @property
+    def values(self) -> FloatArray:
+        """(n) identified errors, actual minus nominal, mm or rad."""
+        return self._native.values
+
+    @property
+    def std(self) -> FloatArray:
+        """(n) standard deviations, mm or rad; NaN where the readings cannot tell."""
+        return self._native.std
+
+    @property
+    def U(self) -> FloatArray:
+        """(n) expanded uncertainties k std, about 95 %, mm or rad."""
+        return np.asarray(self._native.k * self._native.std)
+
+    @property
+    def data_share(self) -> FloatArray:
+        """(n) share of the information that the readings gave: 1 - std^2 / prior_std^2."""
+        return self._native.data_share
+
+    @property
+    def identified(self) -> BoolArray:
+        """(n): the readings gave at least half of the information."""
+        return np.asarray(self._native.identified, dtype=np.bool_)
+
+    @property
+    def held(self) -> BoolArray:
+        """(n): not sought, held at nominal, while its tolerance counts in every uncertainty."""
+        return np.asarray(self._native.held, dtype=np.bool_)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(n, n) of the parameters, mm and rad; (0, 0) where no std could be stated."""
+        return self._native.covariance
+
+    @property
+    def rank(self) -> int:
+        """How many directions of the position group (and of tilt, where it was measured) the
+        readings see."""
+        return self._native.rank
+
+    @property
+    def null_space(self) -> list[NullDirection]:
+        """What the readings do not see."""
+        return [NullDirection(*one) for one in self._native.null_space]
+
+    @property
+    def noise_mm(self) -> float:
+        """Standard deviation of a coordinate (of a distance where no points were read), stated or
+        found, mm."""
+        return self._native.noise_mm
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Readings less unknowns."""
+        return self._native.degrees_of_freedom
+
+    @property
+    def errors(self) -> FloatArray:
+        """(limbs, 14) source errors of all limbs, mm and rad; those not identified are zero."""
+        return self._native.errors
+
+    @property
+    def machine(self) -> Machine:
+        """The calibrated machine: inverse(calibration.machine, poses) compensates."""
+        return Machine(self.robot, self.errors)
+
+    @property
+    def known(self) -> KnownMachine:
+        """What validate() and compensate() take of it."""
+        return KnownMachine(self._native.known)
+
+    def predict(self, joints: npt.ArrayLike) -> Prediction:
+        """As KnownMachine.predict()."""
+        return self.known.predict(joints)
+
+    def correlations(self, threshold: float = 0.9) -> list[tuple[str, str, float]]:
+        """Pairs of parameters that the readings hardly tell apart, strongest first: |correlation|
+        at least `threshold`."""
+        names = self.names
+        return [
+            (names[one], names[other], value)
+            for one, other, value in self._native.correlations(threshold)
+        ]
+
+    def to_json(self, time: int | None = None) -> str:
+        """The calibration file, as `paracal calibrate --out` writes it: mm and deg, keys in
+        docs/files.md.
+
+        time: seconds since 1970 for its date; default: SOURCE_DATE_EPOCH of the environment, else
+            now.
+        """
+        return self._native.json(
+            int(os.environ.get("SOURCE_DATE_EPOCH", clock.time())) if time is None else time
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes to_json() to a file, which read_calibration() and the program read."""
+        text = self.to_json()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def as_dict(self) -> dict[str, Any]:
+        """to_json() as an object: mm and deg, units in the keys; residuals, frames, suspects,
+        stages and options, too."""
+        found: dict[str, Any] = json.loads(self.to_json())
+        return found
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The parameters as a DataFrame: value, std, U (mm or rad, see unit), data_share,
+        identified."""
+        native = self._native.parameters
+        return _tables.frame(
+            {
+                "source": [name for name, _, _ in native],
+                "limb": [limb for _, limb, _ in native],
+                "unit": self.units,
+                "value": self.values,
+                "std": self.std,
+                "U": self.U,
+                "data_share": self.data_share,
+                "identified": self.identified,
+            },
+            self.names,
+        )
+
+    def residuals(self) -> pandas.DataFrame:
+        """Measured minus predicted, before (nominal) and after (calibrated), a row a reading.
+
+        Columns as the calibration file has them, in mm and deg; of points before_x_mm ...
+        after_z_mm in the robot's frame.
+        """
+        rows = [_flat(row) for row in self.as_dict()["residuals"]]
+        keys = list(dict.fromkeys(key for row in rows for key in row))
+        return _tables.frame({key: [row.get(key) for row in rows] for key in keys})
+
+    def __str__(self) -> str:
+        return self._native.brief()
+
+    def __repr__(self) -> str:
+        count = len(self.names)
+        return f"<paracal.Calibration of {self.robot.name}: {self.verdict}, {count} parameters>"
+
+    def _repr_html_(self) -> str:
+        shown = [self._shown(k) for k in np.flatnonzero(~self.held)]
+        return "".join(
+            [
+                _html.heading(f"calibration of {self.robot.name}: {self.verdict}"),
+                _html.items("because", self.reasons),
+                _html.items("note", self.notes),
+                _html.table(["limb", "error", "value", "U (95 %)", "unit", "from readings"], shown),
+                _html.items("assumed", self.assumed),
+            ]
+        )
+
+    def _shown(self, k: int) -> list[Any]:
+        name, limb, unit = self._native.parameters[k]
+        factor = 180.0 / np.pi if unit == "rad" else 1.0
+        return [
+            limb,
+            name,
+            float(factor * self.values[k]),
+            float(factor * self.U[k]),
+            "deg" if unit == "rad" else unit,
+            f"{100.0 * self.data_share[k]:.0f} %",
+        ]
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """Vectors (before_mm: [x, y, z]) as a column each (before_x_mm, ...)."""
+    flat: dict[str, Any] = {}
+    for key, value in row.items():
+        if isinstance(value, list):
+            flat.update({key.replace("_mm", f"_{axis}_mm"): one for axis, one in zip("xyz", value)})
+        else:
+            flat[key] = value
+    return flat
+
+
+def calibrate(
+    robot: Robot,
+    measurements: Measurements,
+    *,
+    stage: str = "auto",
+    method: str = "best",
+    sigma_mm: float | None = None,
+    height_sigma_mm: float | None = None,
+    sigma_rad: float | None = None,
+    sigma_known: bool = False,
+    tracker_um: Iterable[float] | None = None,
+    distance_bias_mm: float = 0.0,
+    dial_angle_rad: float | None = None,
+    scale_ppm: float = 15.0,
+    frame: str = "unknown",
+    rotation: str = "relative",
+    reflectors: str = "plate",
+    tolerances: Tolerances | None = None,
+    fixed: Iterable[str] = (),
+    free: Iterable[str] = (),
+    keep_outliers: bool = False,
+    limit_mm: float | None = None,
+    limit_aligned_mm: float | None = None,
+    limit_rad: float | None = None,
+) -> Calibration:
+    """Identifies the source errors of a machine from any mix of readings; releases the interpreter
+    meanwhile.
+
+    stage: "rough": the encoder offsets; "fine": everything; "auto": as far as the readings carry.
+    method: "best": exact model, every reading with its covariance, tolerances as priors; "paper":
+        as [huang2016, Eqs. (16)-(21)].
+    sigma_mm, height_sigma_mm: standard deviation of points and distances, of heights and dials, mm.
+    sigma_rad: of rotations that an encoder reads, rad; default: 0.3 deg.
+    sigma_known: these are facts, which the scatter of the residuals does not correct.
+    tracker_um: instead of sigma_mm for points: transverse um, um per m, radial um, um per m.
+    distance_bias_mm: standard deviation of an error that all distances, or all of a ball bar,
+        share, mm.
+    dial_angle_rad: of the angles by which a dial is set up askew, rad; default: half a degree,
+        assumed.
+    scale_ppm: of the scale of the readings against the machine, one standard deviation.
+    frame: of measured points: "unknown" or "robot".
+    rotation: zero of measured rotations: "relative" (unknown) or "absolute".
+    reflectors: what carries the second reflector: "plate", "end-effector" or
+        "end-effector-reversed".
+    tolerances: priors; default: the robot's own, or generous ones.
+    fixed, free: source errors held at zero, or sought without a prior: "alpha0" of all limbs,
+        "e_x2" of limb 2.
+    keep_outliers: name readings that contradict the others, but use them.
+    limit_mm, limit_aligned_mm, limit_rad: what U in use must keep for a calibration to be accepted.
+
+    Raises InvalidArgument for options and readings that make no sense, Unreachable for a station
+    out of reach, InputFileError where the measurements say that they are of another robot. A
+    doubtful fit is a verdict.
+    """
+    given = {key: value for key, value in locals().items() if key not in ("robot", "measurements")}
+    return Calibration(_paracal.calibrate(robot._native, measurements._native, keywords(given)))

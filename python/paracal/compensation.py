@@ -1,0 +1,65 @@
+"""Commands and targets that bring a calibrated machine to where it is wanted."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _paracal
+from ._arrays import BoolArray, CodeArray, FloatArray, as_poses, shaped
+from .calibration import Calibration
+from .known import KnownMachine
+from .robots import Machine
+from .validation import native_known
+
+
+class CompensationStatus(IntEnum):
+    """What became of a wanted pose."""
+
+    ok = 0
+    unreachable = 1  #: an arm and its rods do not meet there, or a rigid plate is asked to turn
+    not_finite = 2  #: the pose holds NaN or infinity
+    singular = (
+        3  #: the machine does not hold the plate there, or no nominal target has these joints
+    )
+
+
+class Compensation(NamedTuple):
+    """What to tell a controller; all NaN where the status is not ok."""
+
+    joints: FloatArray  #: (..., limbs) to command, rad (mm of linear actuators)
+    targets: FloatArray  #: (..., 4) for a controller that computes with the nominal robot: mm, rad
+    remaining_tilt: FloatArray  #: (..., 2) about x and y, rad: what no joint removes
+    U: FloatArray  #: (..., 4) of x, y, z (mm), phi (rad), about 95 %; NaN without covariance
+    status: CodeArray  #: (...), codes of CompensationStatus
+
+    @property
+    def ok(self) -> BoolArray:
+        """(...): there is an answer."""
+        return np.asarray(self.status == CompensationStatus.ok)
+
+
+def compensate(
+    machine: Union[Calibration, KnownMachine, Machine], poses: npt.ArrayLike, way: str = "exact"
+) -> Compensation:
+    """Corrected joint coordinates and targets for wanted poses.
+
+    machine: a Calibration, what read_calibration() knows, or a Machine (then without uncertainty).
+    poses: (..., 4) of x, y, z in mm, phi in rad; or (..., 3) with phi = 0: where the plate is
+        wanted.
+    way: "exact", or as in the paper: "linear" [huang2016, Eqs. (22), (23)], "tilt-aware" [Eq. (8)].
+    Raises InvalidArgument for another shape, dtype or way; poses out of reach, or NaN, have a
+    status.
+    """
+    native = (
+        _paracal.exactly_known(machine._native)
+        if isinstance(machine, Machine)
+        else native_known(machine)
+    )
+    rows, lead = as_poses(poses)
+    return Compensation(
+        *(shaped(one, lead) for one in _paracal.compensate(native, rows, {"way": way}))
+    )

@@ -1,0 +1,297 @@
+"""Before measuring: which poses, what they will reveal, and what a virtual machine would show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterable, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _html, _paracal, _tables
+from ._arrays import FloatArray, as_doubles, as_poses
+from ._keywords import keywords
+from ._tables import Table
+from .errors import InvalidArgument
+from .known import NullDirection
+from .measurements import Measurements, read_poses
+from .robots import Machine, Robot, parameter_names
+
+if TYPE_CHECKING:
+    import os
+
+    import pandas
+
+    from .tolerances import Tolerances
+
+#: 270 deg: the azimuth of the first point on each circle that reproduces [huang2016, Table 3].
+START_AZIMUTH_RAD = 270.0 * (np.pi / 180.0)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Poses to measure."""
+
+    robot: Robot
+    names: list[str]  #: of the poses
+    poses: FloatArray  #: (n, 4) x, y, z in mm, phi in rad; home first
+    curve: list[dict[str, Any]]  #: what fewer and more poses would give
+    details: dict[str, Any]  #: how it was found
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The poses as a table of commanded poses, with columns as files have them (mm and deg)."""
+        return _tables.frame(self._columns())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the poses as a file that read_poses() and the program read."""
+        columns = self._columns()
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(
+                f"# robot: {self.robot.name}\n" if self.robot.name in _paracal.catalogue() else ""
+            )
+            file.write(_tables.text_of(columns))
+
+    def _columns(self) -> dict[str, Any]:
+        axes = ("x_cmd_mm", "y_cmd_mm", "z_cmd_mm")
+        return {
+            "pose": self.names,
+            **{axis: self.poses[:, k] for k, axis in enumerate(axes)},
+            "phi_cmd_deg": self.poses[:, 3] * (180.0 / np.pi),
+        }
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [name, *map(float, row[:3]), float(np.degrees(row[3]))]
+            for name, row in zip(self.names, self.poses)
+        ]
+        return _html.heading(f"{len(self)} poses for {self.robot.name}") + _html.table(
+            ["pose", "x, mm", "y, mm", "z, mm", "phi, deg"], rows
+        )
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What readings at the poses of a plan tell of the source errors, whatever they turn out to
+    be."""
+
+    names: list[str]  #: of the parameters: "e_x.2" is e_x of limb 2
+    units: list[str]  #: "mm" or "rad"
+    rank: int  #: how many directions the readings see
+    rows: int  #: of readings
+    prior_std: FloatArray  #: (n) before measuring, from the tolerances, mm or rad
+    std: FloatArray  #: (n) after measuring, mm or rad
+    null_space: list[NullDirection]  #: what is not seen
+    singular_values: FloatArray  #: of the Jacobian, columns scaled to mm  [huang2016, Eq. (4)]
+    indices: dict[str, float]  #: observability O1 ... O5  [sun-hollerbach2008]
+    workspace_std: dict[str, float]  #: standard deviations in use, mm and rad as the keys say
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row a parameter: prior_std and std, mm or rad."""
+        return _tables.frame(
+            {"unit": self.units, "prior_std": self.prior_std, "std": self.std}, self.names
+        )
+
+    def _repr_html_(self) -> str:
+        text = f"{self.rank} of {len(self.names)} parameters are determined by {self.rows} readings"
+        rows = zip(self.names, map(float, self.prior_std), map(float, self.std), self.units)
+        return "".join(
+            [
+                _html.heading(text),
+                _html.items("not seen", [one.text for one in self.null_space]),
+                _html.table(["parameter", "std before", "std after", "unit"], rows),
+                _html.pairs(self.workspace_std),
+            ]
+        )
+
+
+def paper_plan(
+    robot: Robot,
+    stage: str = "fine",
+    start_azimuth_rad: float = START_AZIMUTH_RAD,
+    threshold: float = 0.01,
+) -> Plan:
+    """A scheme of [huang2016, section 4.2], carried to the number of points a circle at which O2
+    settles.
+
+    stage: "rough": a circle of the middle layer, for the encoder offsets; "fine": circles on top
+        and bottom.
+    threshold: relative change of O2 that counts as settled.
+    details: {"n": points a circle; 0: never settled}; curve: n, O1 ... O5, change.
+    """
+    if stage not in ("rough", "fine"):
+        raise InvalidArgument(f"stage: expected rough or fine, got {stage}")
+    if not (np.isfinite(start_azimuth_rad) and threshold > 0.0):
+        raise InvalidArgument(
+            "start_azimuth_rad, threshold: expected a finite angle and a share above 0"
+        )
+    found = _paracal.paper_plan(robot._native, stage, start_azimuth_rad, threshold)
+    names, poses = found["poses"]
+    return Plan(robot, names, poses, found["curve"], {"n": found["n"]})
+
+
+def select_poses(
+    robot: Robot,
+    poses: int = 20,
+    *,
+    criterion: str = "pose",
+    candidates: int = 10000,
+    seed: int = 1,
+    measure: str = "coordinates",
+    at: Sequence[float] | None = None,
+    read_rotation: bool = False,
+    second: bool = False,
+    sigma_mm: float | None = None,
+    height_sigma_mm: float | None = None,
+    sigma_rad: float | None = None,
+    tracker_um: Iterable[float] | None = None,
+    tolerances: Tolerances | None = None,
+) -> Plan:
+    """The best poses, home included, chosen by exchange (Fedorov 1972) and ordered along a short
+    way.
+
+    criterion: what they make small: "pose" (mean variance of position and rotation in use), "D" or
+        "O1" (volume), "A" (mean variance of the errors), "O3" (worst direction).
+    measure: "coordinates", "home-distance", "height", "ball-bar" or "dial"; at: x, y, z in mm of
+        what is known of its set-up. read_rotation, second: phi, a second reflector are read, too.
+    The noise is said as in calibrate(). Raises InvalidArgument for what does not go together.
+    details: value of the criterion, sweeps, exchanges, travel (rad, mm of rails), workspace_std;
+        curve: what 2, 3, ...
+    poses would give. The same numbers as `paracal poses --optimal`.
+    """
+    if not 2 <= poses <= candidates:
+        raise InvalidArgument(f"poses: expected 2 to the {candidates} candidates, got {poses}")
+    given = {
+        key: value
+        for key, value in locals().items()
+        if key not in ("robot", "poses", "candidates", "seed")
+    }
+    found = _paracal.select_poses(robot._native, poses, candidates, seed, keywords(given))
+    names, chosen = found.pop("poses")
+    return Plan(robot, names, chosen, found.pop("curve"), found)
+
+
+def identifiability(
+    robot: Robot,
+    poses: Union[Plan, Table, npt.ArrayLike],
+    *,
+    measure: str = "coordinates",
+    at: Sequence[float] | None = None,
+    read_rotation: bool = False,
+    second: bool = False,
+    frame: str = "unknown",
+    rotation: str = "relative",
+    sigma_mm: float | None = None,
+    height_sigma_mm: float | None = None,
+    sigma_rad: float | None = None,
+    tracker_um: Iterable[float] | None = None,
+    tolerances: Tolerances | None = None,
+) -> Identifiability:
+    """What readings at these poses will reveal and what they cannot, before measuring.
+
+    poses: a Plan, a pose table, or (n, 4) in mm and rad; the first is home.
+    measure: "coordinates", "distance" (all pairs), "home-distance", "height", "ball-bar", "dial";
+        the rest as in select_poses() and calibrate(). frame and rotation: whether they are known:
+        "robot", "absolute".
+    Raises InvalidArgument for what does not go together, Unreachable for a pose out of reach.
+    """
+    if rotation == "absolute" and measure in ("distance", "home-distance"):
+        raise InvalidArgument(
+            "rotation: expected relative with distances, which only tell poses from each other"
+        )
+    names, rows = named_poses(poses)
+    given = {
+        key: value
+        for key, value in locals().items()
+        if key not in ("robot", "poses", "names", "rows")
+    }
+    found = _paracal.identifiability(robot._native, names, rows, keywords(given))
+    parameters = found["parameters"]
+    return Identifiability(
+        names=parameter_names([one[:3] for one in parameters]),
+        units=[one[2] for one in parameters],
+        rank=found["rank"],
+        rows=found["rows"],
+        prior_std=np.array([one[3] for one in parameters]),
+        std=np.array([one[4] for one in parameters]),
+        null_space=[NullDirection(*one) for one in found["null_space"]],
+        singular_values=found["singular_values"],
+        indices=found["indices"],
+        workspace_std=found["workspace_std"],
+    )
+
+
+def simulate(
+    machine: Union[Robot, Machine],
+    poses: Union[Plan, Table, npt.ArrayLike],
+    *,
+    measure: str = "coordinates",
+    at: Sequence[float] | None = None,
+    noise_mm: float = 0.0,
+    repeatability_mm: float = 0.0,
+    repeats: int = 1,
+    read_rotation: bool = False,
+    rotation_noise_rad: float = 0.0,
+    second_mm: Sequence[float] | None = None,
+    frame: npt.ArrayLike | None = None,
+    seed: int = 1,
+    stream: int = 0,
+) -> Measurements:
+    """What a virtual machine would be measured to do when its controller believes the nominal
+    robot.
+
+    poses: as in identifiability(). measure, at: as in select_poses().
+    noise_mm: standard deviation of a coordinate, distance or length; repeatability_mm: of the
+        machine.
+    repeats: visits of every pose. read_rotation: an encoder reads phi, with rotation_noise_rad.
+    second_mm: x, y, z of a second reflector from the first. frame: (4, 4) homogeneous matrix, mm:
+        instrument = frame @ robot; default: the robot's own.
+    seed, stream: of the noise. Without them changed the numbers are the same every time.
+    Raises Unreachable where the machine does not reach a pose, InvalidArgument for what does not go
+    together.
+    """
+    names, rows = named_poses(poses)
+    matrix = None if frame is None else as_doubles("frame", frame)
+    given = {
+        "measure": measure,
+        "at": at,
+        "noise_mm": noise_mm,
+        "repeatability_mm": repeatability_mm,
+        "read_rotation": read_rotation,
+        "rotation_noise_rad": rotation_noise_rad,
+        "second_mm": second_mm,
+        "frame": matrix,
+    }
+    built = machine if isinstance(machine, Machine) else Machine(machine)
+    native = _paracal.simulate(built._native, names, rows, repeats, seed, stream, keywords(given))
+    return Measurements(native, built.robot)
+
+
+def validation_poses(robot: Robot) -> Plan:
+    """Home and 120 poses on circles in three layers, without rotation  [huang2016, section
+    5.2.2]."""
+    names, poses = _paracal.validation_poses(robot._native)
+    return Plan(robot, names, poses, [], {})
+
+
+def workspace_poses(robot: Robot) -> Plan:
+    """The same positions, turned in turn to the smallest, no and the largest rotation."""
+    names, poses = _paracal.workspace_poses(robot._native)
+    return Plan(robot, names, poses, [], {})
+
+
+def named_poses(poses: Any) -> tuple[list[str], FloatArray]:
+    """Names and (n, 4) of a plan, a pose table or an array; poses of an array are named P0, P1,
+    ..."""
+    if isinstance(poses, Plan):
+        return poses.names, np.ascontiguousarray(poses.poses)
+    if isinstance(poses, str) or hasattr(poses, "__fspath__") or hasattr(poses, "keys"):
+        return read_poses(poses)
+    rows, lead = as_poses(poses)
+    if len(lead) != 1 or lead[0] == 0:
+        raise InvalidArgument(
+            f"poses: expected an array of shape (n, 4), at least one pose, got {np.shape(poses)}"
+        )
+    return [f"P{k}" for k in range(len(rows))], rows
