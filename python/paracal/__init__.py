@@ -17,7 +17,7 @@ the result. Everything that takes long releases the interpreter, so threads run 
 are those of the program to the bit.
 """
 
-from . import _paracal
+from . import _paracal, tolerance
 from .calibration import Calibration, calibrate
 from .compensation import Compensation, CompensationStatus, compensate
 from .errors import Error, InputFileError, InvalidArgument, Unreachable
@@ -106,6 +106,7 @@ __all__ = [
     "robot_of_toml",
     "select_poses",
     "simulate",
+    "tolerance",
     "validate",
     "validation_poses",
     "workspace_poses",

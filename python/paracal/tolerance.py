@@ -1,0 +1,252 @@
+"""Tolerance design: what errors within their tolerances do, and how wide tolerances may be.
+
+Tolerances are half-widths, T = 3 sigma, one number a source error, equal for all limbs; mm and rad.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _html, _paracal, _tables
+from ._arrays import FloatArray
+from .errors import InvalidArgument
+from .plans import named_poses, workspace_poses
+from .robots import SOURCES, Robot
+from .tolerances import Tolerances
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What tolerances do to requirements; mm and rad."""
+
+    robot: Robot
+    machines: int  #: drawn
+    converged: bool  #: every sigma is known as well as asked
+    not_closed: int  #: machines that do not close somewhere (exact model); they fail everything
+    passed: int  #: machines that keep all limits
+    confidence: float  #: of the intervals
+    yield_: float  #: share of the machines that keep all limits
+    yield_interval: tuple[float, float]
+    dpmo: float  #: defects per million machines
+    #: One a requirement: quantity, unit, limit, worst_case, rss_3sigma, monte_carlo_3sigma (and
+    #: where each is: *_pose), monte_carlo_3sigma_interval, cpk, passed, largest_on_a_machine,
+    #: contributors [(name, share of the variance)].
+    requirements: list[dict[str, Any]]
+    assumed: list[str]
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row a requirement: limit, worst_case, rss_3sigma, monte_carlo_3sigma, cpk; mm or rad,
+        see unit."""
+        keys = ("unit", "limit", "worst_case", "rss_3sigma", "monte_carlo_3sigma", "cpk")
+        return _tables.frame(
+            {key: [one[key] for one in self.requirements] for key in keys},
+            [one["quantity"] for one in self.requirements],
+        )
+
+    def _repr_html_(self) -> str:
+        keys = (
+            "quantity",
+            "unit",
+            "limit",
+            "worst_case",
+            "rss_3sigma",
+            "monte_carlo_3sigma",
+            "cpk",
+        )
+        low, high = self.yield_interval
+        return "".join(
+            [
+                _html.heading(
+                    f"tolerances of {self.robot.name}: {self.machines} machines, "
+                    f"yield {100 * self.yield_:.3f} % [{100 * low:.3f}, {100 * high:.3f}]"
+                ),
+                _html.table(keys, ([one[key] for key in keys] for one in self.requirements)),
+                _html.table(
+                    ["what contributes to the first", "share"], self.requirements[0]["contributors"]
+                ),
+                _html.items("assumed", self.assumed),
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """The widest tolerances that keep every requirement; mm and rad."""
+
+    status: str  #: "optimal", "feasible", "infeasible" or "not converged"
+    ok: bool  #: every requirement holds
+    reason: str  #: why not optimal
+    tolerances: Tolerances
+    cost: float
+    #: One a requirement: quantity, criterion, limit, worst (and worst_pose), price: cost saved per
+    #: mm or rad of a wider limit.
+    requirements: list[dict[str, Any]]
+
+    def _repr_html_(self) -> str:
+        keys = ("quantity", "criterion", "limit", "worst", "price")
+        return (
+            _html.heading(f"allocation: {self.status}, cost {self.cost:.6g}")
+            + _html.items("because", [self.reason] if self.reason else [])
+            + _html.table(keys, ([one[key] for key in keys] for one in self.requirements))
+            + self.tolerances._repr_html_()
+        )
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How much each source error (of all limbs) matters to a quantity, over the workspace."""
+
+    quantity: str
+    unit: str  #: of the quantity, "mm" or "rad"
+    mean: dict[str, float]  #: mean over the workspace, unit per mm or rad of the error
+    error: dict[str, float]  #: of the quadrature
+    largest: dict[str, float]
+    in_paper_units: dict[
+        str, float
+    ]  #: mean; rod and width differences over the parallelogram's width  [huang2016]
+    poses: int  #: of the quadrature
+    worst_3sigma: float  #: with the tolerances, where it is largest
+    worst_pose: FloatArray  #: (4) mm, rad
+    contributors: list[tuple[str, float]]  #: to the variance there, largest first
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row a source error: mean, error, largest."""
+        columns = {"mean": self.mean, "error": self.error, "largest": self.largest}
+        return _tables.frame({key: list(of.values()) for key, of in columns.items()}, list(SOURCES))
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [name, self.mean[name], self.largest[name]]
+            for name in SOURCES
+            if self.largest[name] != 0.0
+        ]
+        return (
+            _html.heading(f"sensitivity of {self.quantity}, {self.unit} per mm or rad")
+            + _html.table(["source error", "mean", "largest"], rows)
+            + _html.table(["what makes 3 sigma", "share"], self.contributors)
+        )
+
+
+def analyze(
+    robot: Robot,
+    tolerances: Tolerances | None = None,
+    requirements: Mapping[str, float] | None = None,
+    *,
+    problem: str | os.PathLike[str] | None = None,
+    poses: npt.ArrayLike | None = None,
+    model: str = "linear",
+    seed: int = 1,
+    sigma_error: float = 0.01,
+    confidence: float = 0.95,
+    max_machines: int = 1_000_000,
+    threads: int = 0,
+) -> Analysis:
+    """Worst case, root of the sum of squares and Monte Carlo; what contributes; yield. Ctrl-C ends
+    the drawing.
+
+    tolerances: default: the robot's own.
+    requirements: limits (mm or rad) by quantity: "tilt", "twist", "position", "distance",
+        "rotation", each also with "-compensated" behind it; default: {"tilt": 1e-3}. problem:
+        instead: the requirements of this file (TOML).
+    poses: (n, 4) in mm and rad where machines are held against the limits; default:
+        workspace_poses() and each requirement's worst, as `paracal tolerance analyze`.
+    model: of the Monte Carlo: "linear" or "exact". Draws machines until every sigma is known to
+        sigma_error at
+    `confidence`, at most max_machines. threads: 0: all; the numbers do not depend on it.
+    Raises InvalidArgument for what makes no sense.
+    """
+    of = tolerances or Tolerances.of(robot)
+    if requirements is not None and problem is not None:
+        raise InvalidArgument("requirements, problem: expected one of them, got both")
+    wanted = list((requirements if requirements is not None else {"tilt": 1e-3}).items())
+    if problem is not None:
+        wanted = _paracal.problem_requirements(robot._native, of._native, _tables.path_of(problem))
+    at = workspace_poses(robot).poses if poses is None else named_poses(poses)[1]
+    found = _paracal.analyze(
+        robot._native,
+        of._native,
+        [(name, float(limit)) for name, limit in wanted],
+        at,
+        {
+            "model": model,
+            "seed": seed,
+            "sigma_error": sigma_error,
+            "confidence": confidence,
+            "max_machines": max_machines,
+            "threads": threads,
+        },
+    )
+    return Analysis(robot=robot, assumed=of.assumed, **found)
+
+
+def allocate(
+    robot: Robot,
+    *,
+    max_tilt_rad: float = 1e-3,
+    bound: str = "sum-of-maxima",
+    least_rad: float | None = None,
+    least_is: str = "tolerance",
+    problem: str | os.PathLike[str] | None = None,
+    rest: Tolerances | None = None,
+) -> Allocation:
+    """The widest tolerances that keep a limit on the plate's tilt  [huang2016, Eqs. (12), (13)], or
+    any limits.
+
+    max_tilt_rad: 3 sigma of tilt, rad. bound: "sum-of-maxima" reproduces Table 2, "true-maximum" is
+        about 10 % wider.
+    least_rad: tightest tolerance that can be made; least_is: whether that is of "tolerance" (3
+        sigma) or "sigma".
+    problem: instead: requirements, costs and bounds of a file (TOML; docs/tolerance.md).
+    rest: of the source errors that are not chosen; default: the robot's own.
+    Raises InvalidArgument, or InputFileError of the file.
+    """
+    native = (rest or Tolerances.of(robot))._native
+    if problem is not None:
+        found = _paracal.allocate(robot._native, native, _tables.path_of(problem))
+    else:
+        found = _paracal.equal_influence(
+            robot._native,
+            native,
+            {
+                "max_tilt_rad": max_tilt_rad,
+                "bound": bound,
+                "least_rad": least_rad,
+                "least_is": least_is,
+            },
+        )
+    found["tolerances"] = Tolerances(found["tolerances"], robot)
+    return Allocation(**found)
+
+
+def sensitivity(
+    robot: Robot,
+    quantity: str = "tilt",
+    tolerances: Tolerances | None = None,
+    all_rotations: bool = False,
+    relative_error: float = 1e-3,
+) -> Sensitivity:
+    """Mean local sensitivities over the workspace  [huang2016, Eq. (11)], by quadrature to
+    `relative_error`.
+
+    quantity: as in analyze(). tolerances: for worst_3sigma and contributors; default: the robot's
+        own.
+    all_rotations: mean over phi, too; the paper's is at phi = 0.
+    Raises InvalidArgument for another quantity.
+    """
+    if not relative_error > 0.0:
+        raise InvalidArgument(f"relative_error: expected above 0, got {relative_error}")
+    native = (tolerances or Tolerances.of(robot))._native
+    found = _paracal.sensitivity(robot._native, native, quantity, all_rotations, relative_error)
+    units = found.pop("paper_units")
+    in_paper_units = dict(zip(SOURCES, (found["mean"] * np.asarray(units)).tolist()))
+    for key in ("mean", "error", "largest"):
+        found[key] = dict(zip(SOURCES, found[key].tolist()))
+    return Sensitivity(quantity=quantity, in_paper_units=in_paper_units, **found)

@@ -1,0 +1,70 @@
+"""What takes long lets other threads of Python run."""
+
+import sys
+import threading
+import time
+import unittest
+
+import numpy as np
+from support import DISTANCES, POSES, TestCase
+
+import paracal as pc
+
+
+class Threads(TestCase):
+    def beats_during(self, work):
+        """How often another thread of Python runs while something is computed: three times or,
+        after 5 s, less often.
+
+        The interpreter takes no turns by itself meanwhile: the other thread runs where it is let.
+        """
+        stop, beats = threading.Event(), []
+
+        def beat():
+            while not stop.wait(0.001):
+                beats.append(time.perf_counter())
+
+        other = threading.Thread(target=beat)
+        usual = sys.getswitchinterval()
+        other.start()
+        try:
+            sys.setswitchinterval(100.0)
+            beats.clear()
+            begin = time.perf_counter()
+            while len(beats) < 3 and time.perf_counter() < begin + 5.0:
+                work()
+            counted = len(beats)
+        finally:
+            sys.setswitchinterval(usual)
+            stop.set()
+            other.join()
+        return counted
+
+    def test_other_threads_run_meanwhile(self):
+        robot = pc.robot("huang2016")
+        measured = pc.read_measurements(DISTANCES, poses=POSES, robot=robot)
+        poses = np.tile([200.0, -130.0, -930.0, 0.5], (20000, 1))
+        machine = pc.Machine(robot, pc.draw_errors(robot))
+        joints = pc.inverse(machine, poses).joints
+        known = pc.calibrate(robot, measured).known
+        works = {
+            "inverse": lambda: pc.inverse(machine, poses),
+            "forward": lambda: pc.forward(machine, joints),
+            "jacobian": lambda: pc.jacobian(machine, joints),
+            "draw": lambda: pc.draw_errors(robot, 20000),
+            "predict": lambda: known.predict(joints[:5000]),
+            "compensate": lambda: pc.compensate(machine, poses),
+            "calibrate": lambda: pc.calibrate(robot, measured, stage="fine"),
+            "validate": lambda: pc.validate(known, measured),
+            "select": lambda: pc.select_poses(robot, 8, candidates=200),
+            "identifiability": lambda: pc.identifiability(robot, pc.validation_poses(robot)),
+            "analyze": lambda: pc.tolerance.analyze(robot),
+            "sensitivity": lambda: pc.tolerance.sensitivity(robot),
+        }
+        for name, work in works.items():
+            with self.subTest(name):
+                self.assertGreaterEqual(self.beats_during(work), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()
