@@ -1,0 +1,271 @@
+"""What a user meets: notebooks, docstrings, types, no pandas, examples, an installation."""
+
+import inspect
+import os
+import re
+import subprocess
+import sys
+import unittest
+from html.parser import HTMLParser
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from support import DISTANCES, POSES, SOURCE, TestCase
+
+import paracal as pc
+from paracal import _html
+
+
+class Page(HTMLParser):
+    """Tags that are open, and the text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.text = [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        self.text += data + " "
+
+
+class Notebooks(TestCase):
+    def shown(self, result):
+        page = Page(result._repr_html_())
+        self.assertEqual(page.open, [])
+        return page.text
+
+    def test_results_show_themselves(self):
+        robot = pc.robot("huang2016")
+        measured = pc.read_measurements(DISTANCES, poses=POSES)
+        calibration = pc.calibrate(robot, measured)
+        text = self.shown(calibration)
+        for part in (
+            "huang2016: accepted",
+            "theta_offset",
+            "0.206",
+            "0.8447",
+            "deg",
+            "note:",
+            "assumed:",
+        ):
+            self.assertIn(part, text)
+        rejected = self.shown(pc.calibrate(robot, measured, limit_mm=0.01))
+        self.assertIn("rejected", rejected)
+        self.assertIn("because:", rejected)
+        self.assertIn("distances 6", self.shown(measured))
+        self.assertIn("rod_mm 950", self.shown(robot))
+        plan = pc.paper_plan(robot, "rough")
+        self.assertIn("-888", self.shown(plan))
+        self.assertIn("are determined by", self.shown(pc.identifiability(robot, plan)))
+        self.assertIn("theta_offset 0.02618 rad", self.shown(pc.Tolerances.of(robot)))
+        self.assertIn("yield", self.shown(pc.tolerance.analyze(robot, sigma_error=0.2)))
+        self.assertIn("optimal", self.shown(pc.tolerance.allocate(robot)))
+        self.assertIn(
+            "rod_difference", self.shown(pc.tolerance.sensitivity(robot, relative_error=0.1))
+        )
+        validation = self.shown(pc.validate(calibration, measured, limit_mm=1.0))
+        self.assertIn("not accepted", validation)
+        self.assertIn("confirms nothing", validation)
+
+    def test_names_cannot_be_markup(self):
+        text = pc.robot("huang2016").to_toml().replace("huang2016", "<script>alert(1)</script>")
+        self.assertNotIn("<script>", pc.robot_of_toml(text)._repr_html_())
+
+    def test_cells_and_notes_cannot_be_markup(self):
+        plan = pc.Plan(pc.robot("huang2016"), ["<b>P0</b>"], np.zeros((1, 4)), [], {})
+        self.assertNotIn("<b>P0", plan._repr_html_())
+        self.assertIn("&lt;b&gt;P0", plan._repr_html_())
+        self.assertEqual(_html.items("note", ["<i>"]), "<ul><li>note: &lt;i&gt;</li></ul>")
+
+    def test_short_forms_say_what_they_are(self):
+        robot = pc.robot("linear_delta")
+        self.assertEqual(repr(robot), "<paracal.Robot linear_delta: 3 limbs, joints in mm>")
+        self.assertEqual(
+            repr(pc.Machine(robot, robot.errors(rod_mean=0.1))),
+            "<paracal.Machine linear_delta with 3 source errors>",
+        )
+
+
+class Frames(TestCase):
+    def test_results_become_frames(self):
+        robot = pc.robot("huang2016")
+        measured = pc.read_measurements(DISTANCES, poses=POSES)
+        calibration = pc.calibrate(robot, measured)
+        frame = calibration.to_frame()
+        self.assertEqual(list(frame.index), calibration.names)
+        self.same(frame["U"], calibration.U)
+        residuals = calibration.residuals()
+        self.assertEqual(len(residuals), 6)
+        self.same(residuals["distance_mm"], measured.to_frame()["distance_mm"])
+        errors = pc.errors_frame(robot, calibration.errors)
+        self.same(errors["theta_offset_rad"], calibration.values[~calibration.held])
+        self.assertEqual(list(errors)[:2], ["theta_offset_rad", "e_x_mm"])
+        self.assertEqual(len(pc.validate(calibration, measured).to_frame()), 6)
+        plan = pc.paper_plan(robot, "rough")
+        turned = pc.paper_plan(robot, "fine")
+        self.close(pc.read_poses(turned.to_frame())[1], turned.poses, 1e-12)
+        self.assertGreater(np.ptp(turned.poses[:, 3]), 1.0)
+        self.same(
+            pc.tolerance.sensitivity(robot, relative_error=0.1).to_frame()["mean"],
+            list(pc.tolerance.sensitivity(robot, relative_error=0.1).mean.values()),
+        )
+        self.assertEqual(pc.tolerance.analyze(robot, sigma_error=0.2).to_frame().index[0], "tilt")
+        self.assertEqual(pc.identifiability(robot, plan).to_frame().shape[1], 3)
+        self.assertEqual(pc.Tolerances.of(robot).to_frame().shape, (14, 3))
+
+    def test_without_pandas_everything_else_works(self):
+        with mock.patch.dict(sys.modules, {"pandas": None}):
+            robot = pc.robot("huang2016")
+            measured = pc.read_measurements(DISTANCES, poses=POSES)
+            self.assertTrue(pc.calibrate(robot, measured).accepted)
+            with self.assertRaisesRegex(ImportError, "python3-pandas"):
+                measured.to_frame()
+        code = (
+            "import sys; sys.modules['pandas'] = None; import paracal; print(paracal.__version__)"
+        )
+        self.assertEqual(run("-c", code).strip(), pc.__version__)
+
+
+def run(*arguments, **keywords):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        **keywords,
+    )
+    if done.returncode != 0:
+        raise AssertionError(f"{arguments}\n{done.stdout}\n{done.stderr}")
+    return done.stdout
+
+
+class Docstrings(TestCase):
+    def public(self):
+        for name in pc.__all__:
+            one = getattr(pc, name)
+            if inspect.ismodule(one):
+                yield from (
+                    (f"{name}.{key}", value)
+                    for key, value in vars(one).items()
+                    if getattr(value, "__module__", "") == one.__name__ and not key.startswith("_")
+                )
+            elif callable(one):
+                yield name, one
+                for key, value in vars(one).items() if inspect.isclass(one) else ():
+                    if not key.startswith("_") and (
+                        inspect.isfunction(value) or isinstance(value, property)
+                    ):
+                        yield f"{name}.{key}", value
+
+    def test_everything_public_has_one(self):
+        for name, one in self.public():
+            self.assertTrue(inspect.getdoc(one), name)
+
+    def test_lengths_and_angles_name_their_units(self):
+        """Arguments end in a unit, or the docstring names it."""
+        for name, one in self.public():
+            if not inspect.isfunction(one) or name.split(".")[0][0].isupper():
+                continue
+            arguments = set(inspect.signature(one).parameters)
+            if arguments & {"poses", "joints", "errors"} and name != "read_measurements":
+                self.assertRegex(
+                    inspect.getdoc(one),
+                    r"(?=[\s\S]*\bmm\b)(?=[\s\S]*\brad\b)|_mm|as in|as forward|Plan",
+                    name,
+                )
+            for argument in arguments & {"noise", "sigma", "limit", "threshold_mm", "max_tilt"}:
+                self.fail(f"{name}: {argument} has no unit")
+
+    def test_every_name_is_there(self):
+        self.assertEqual(sorted(set(pc.__all__)), sorted(pc.__all__))
+        for name in ("calibrate", "inverse", "read_measurements", "compensate"):
+            self.assertIn(name, pc.__all__)
+
+
+class Types(TestCase):
+    def test_stubs_are_the_module(self):
+        # What pybind11 makes of every class, and mypy cannot know.
+        allowed = self.file("allowed.txt", r"paracal\._paracal\.[A-Z]\w+(\.__init__)?")
+        run(
+            "-m",
+            "mypy.stubtest",
+            "paracal._paracal",
+            "--ignore-missing-stub",
+            "--allowlist",
+            allowed,
+        )
+
+    def test_the_package_is_typed(self):
+        package = Path(pc.__file__).parent
+        self.assertTrue((package / "py.typed").exists())
+        run(
+            "-m",
+            "mypy",
+            "--strict",
+            "--ignore-missing-imports",
+            "--python-version",
+            "3.11",
+            "-p",
+            "paracal",
+            cwd=package.parent,
+            env={**os.environ, "PYTHONPATH": ""},
+        )
+
+
+class Installed(TestCase):
+    def test_what_is_installed_is_found(self):
+        build = Path(os.environ["PARACAL"]).parents[1]
+        command = ["cmake", "--install", build, "--prefix", self.folder, "--component", "python"]
+        subprocess.run([str(one) for one in command], check=True, capture_output=True)
+        (package,) = self.folder.glob("lib/python3*/dist-packages/paracal")
+        files = {path.name for path in package.iterdir()}
+        self.assertLessEqual({"py.typed", "_paracal.pyi", "__init__.py"}, files)
+        self.assertNotIn("__pycache__", files)
+        code = "import paracal; print(paracal.__file__)"
+        printed = run("-c", code, env={**os.environ, "PYTHONPATH": str(package.parent)})
+        self.assertEqual(printed.strip(), str(package / "__init__.py"))
+
+
+class Examples(TestCase):
+    def test_they_run(self):
+        scripts = sorted((SOURCE / "python" / "examples").glob("*.py"))
+        self.assertGreaterEqual(len(scripts), 3)
+        for script in scripts:
+            with self.subTest(script.name):
+                text = script.read_text(encoding="utf-8")
+                self.assertIn("# %%", text)
+                printed = run(
+                    script,
+                    cwd=self.folder,
+                    env={**os.environ, "PARACAL_DATA": str(SOURCE / "data")},
+                )
+                expected = re.findall(r"^# prints: (.*)$", text, re.MULTILINE)
+                self.assertTrue(expected, script.name)
+                for line in expected:
+                    self.assertIn(line, printed, script.name)
+
+    def test_the_page_shows_what_comes_out(self):
+        page = (SOURCE / "docs" / "python.md").read_text(encoding="utf-8")
+        program, output = re.search(
+            r"```python\n(.*?)```\n\n```\n(.*?)```", page, re.DOTALL
+        ).groups()
+        self.assertEqual(run("-c", program, cwd=SOURCE), output)
+
+    def test_calls_of_the_page_exist(self):
+        page = (SOURCE / "docs" / "python.md").read_text(encoding="utf-8")
+        calls = set(re.findall(r"\bpc\.([a-z_]+(?:\.[a-z_]+)?)\(", page))
+        self.assertGreater(len(calls), 15)
+        for call in calls:
+            of = pc
+            for part in call.split("."):
+                of = getattr(of, part)
+
+
+if __name__ == "__main__":
+    unittest.main()
