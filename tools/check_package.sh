@@ -29,6 +29,13 @@ for page in paracal paracal-demo paracal-tolerance-allocate; do zcat "$root/usr/
 bash -c 'source "$1"; complete -p paracal' _ "$root/usr/share/bash-completion/completions/paracal" >/dev/null
 for file in zsh/vendor-completions/_paracal fish/vendor_completions.d/paracal.fish; do [[ -s $root/usr/share/$file ]] || fail "expected $file"; done
 
+# The Python module.
+(cd "$work" && PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 -c '
+import paracal
+calibration = paracal.calibrate(paracal.robot("huang2016"), paracal.read_measurements("measured.csv"))
+assert calibration.accepted, calibration.verdict') || fail "expected a calibration in Python"
+[[ $(dpkg-deb -f build/packages/python3-paracal_*.deb Depends) == *python3-numpy* ]] || fail "expected python3-paracal to depend on python3-numpy"
+
 # The library.
 headers=$(dpkg-deb -f build/packages/libparacal-dev_*.deb Depends)
 for needed in libeigen3-dev libfmt-dev libtbb-dev libnlopt-dev libmd-dev libcsv-dev libtomlplusplus-dev nlohmann-json3-dev; do
@@ -42,4 +49,4 @@ c++ -std=c++20 "$example" "${flags[@]}" -o "$root/by-pkg-config"
 for program in by-cmake/consumer by-pkg-config; do
   "$root/$program" "$work/distances.csv" "$work/poses.csv" | grep -q '^calibration of huang2016: accepted$' || fail "expected an accepted calibration of $program"
 done
-echo "packages: the program runs, its Depends are complete, the library is found by CMake and pkg-config"
+echo "packages: program and Python module run, the Depends are complete, the library is found by CMake and pkg-config"

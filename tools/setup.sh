@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|package|test]. The Debian packages of packages.txt, of the group and those above it (test: all), then the
+# Installs what is missing: setup.sh [run|python|package|test]. The Debian packages of packages.txt, of the group and those above it (test: all), then the
 # npm packages that web/package-lock.json pins, those of tests with the group test alone. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 group=${1:-test}
-grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, package or test, got $group" >&2; exit 2; }
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package or test, got $group" >&2; exit 2; }
 mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
