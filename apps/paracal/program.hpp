@@ -8,9 +8,9 @@
 namespace paracal::app {
 
 /// One command line of paracal, up to the outputs that replace earlier ones.
-/// @param arguments        what follows the program's name.
+/// @param words            what follows the program's name.
 /// @param standard_output  takes what the command prints (help, version and licences go to the real one).
 /// @returns the exit code; throws what main() makes the others of.
-int run_program(const std::vector<std::string>& arguments, const io::TextSink& standard_output);
+int run_program(const std::vector<std::string>& words, const io::TextSink& standard_output);
 
 }  // namespace paracal::app

@@ -37,7 +37,7 @@ struct Symbol {
   int index = -1;         ///< -1: a single number
   double value = 0.0;     ///< of a constant
 
-  auto operator<=>(const Symbol&) const = default;
+  auto operator<=>(const Symbol&) const = default;  // NOLINT(modernize-use-nullptr): takes its 0 for a pointer
 };
 
 class Expression {

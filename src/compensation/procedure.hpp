@@ -64,7 +64,7 @@ class Procedure {
   class Numbering;
   class Writer;
 
-  bool is_never_negative(std::size_t value) const;
+  bool is_never_negative(std::size_t number) const;
   bool replaces_input(const Result& result) const;
 
   std::vector<Result> results_;

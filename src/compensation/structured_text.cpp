@@ -22,7 +22,7 @@ class StructuredText : public Language {
     if (symbol.limb < 0) {
       return symbol.index < 0 ? std::string(symbol.name) : fmt::format("{}[{}]", symbol.name, symbol.index);
     }
-    const std::string text = fmt::format("limb_{}_{}", symbol.limb + 1, symbol.name);
+    std::string text = fmt::format("limb_{}_{}", symbol.limb + 1, symbol.name);
     if (symbol.index < 0) return text;
     return symbol.name == "rod" ? fmt::format("{}_{}", text, symbol.index + 1)
                                 : fmt::format("{}_{}", text, "xyz"[symbol.index]);
@@ -110,6 +110,7 @@ std::string array_entries(const std::vector<std::vector<double>>& rows) {
   std::vector<std::string> lines;
   for (const std::vector<double>& row : rows) {
     std::vector<std::string> texts;
+    texts.reserve(row.size());
     for (const double number : row) texts.push_back(decimal(number));
     lines.push_back(fmt::format("    {}", fmt::join(texts, ", ")));
   }

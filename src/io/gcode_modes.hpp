@@ -93,7 +93,7 @@ class GcodeModes {
   void state(const Axes& axes, TargetLine& target) const;
   DividedLine divided(const GcodeBlock& block, const Request& request, bool is_rapid);
   void restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const;
-  bool is_arc(Motion motion) const { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
+  static bool is_arc(Motion motion) { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
 
   std::size_t axis_count_;
   Motion motion_ = Motion::none;

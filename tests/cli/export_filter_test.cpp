@@ -159,7 +159,7 @@ TEST_F(ExportFilter, ACheckWritesNoProgram) {
 }
 
 TEST_F(ExportFilter, MacrosCanBeSaidToBeHarmless) {
-  folder.write("part.ngc", "G0 X0 Y0 Z-888\nSNAP\nG1 X9\nPAUSE\nG1 X1\n");
+  folder.write("part.ngc", "G0 X0 Y0 Z-888\nSNAP\nG1 X9\nPAUSE\nG90 G21 G1 X1 Y0 Z-888\n");
   EXPECT_EQ(folder.run(kGcode + " --harmless SNAP").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run(kGcode + " --harmless SNAP --harmless pause").exit_code, kDone);
 }

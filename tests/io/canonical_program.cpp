@@ -123,10 +123,14 @@ double CanonicalMove::distance(const Eigen::Vector3d& point) const {
   return nearest;
 }
 
-CanonicalProgram interpreted(const std::string& interpreter, const std::filesystem::path& path) {
+CanonicalProgram interpreted(const std::string& interpreter, const std::filesystem::path& folder,
+                             const std::filesystem::path& path) {
   CanonicalProgram program;
   Interpreter reader(program);
-  FILE* const pipe = popen(("'" + interpreter + "' -g '" + path.string() + "' 2>&1 < /dev/null").c_str(), "r");
+  FILE* const pipe =
+      popen(("cd '" + folder.string() + "' && HOME=. '" + interpreter + "' -g '" + path.string() + "' 2>&1 < /dev/null")
+                .c_str(),
+            "r");
   if (pipe == nullptr) throw std::runtime_error("rs274 does not start");
   std::array<char, 4096> buffer{};
   while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe) != nullptr) {

@@ -35,6 +35,8 @@ struct CanonicalProgram {
 };
 
 /// @param interpreter  rs274 of Debian's linuxcnc-uspace.
-CanonicalProgram interpreted(const std::string& interpreter, const std::filesystem::path& program);
+/// @param folder       where it keeps parameters and its tool table: no other interpreter's.
+CanonicalProgram interpreted(const std::string& interpreter, const std::filesystem::path& folder,
+                             const std::filesystem::path& program);
 
 }  // namespace paracal::test

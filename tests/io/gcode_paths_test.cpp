@@ -103,8 +103,8 @@ TEST_P(GcodePaths, TheMachineFollowsThePathOfTheProgram) {
       const FilterSummary summary = filtered(program, output, chord);
       EXPECT_TRUE(summary.whole());
       EXPECT_GT(summary.corrected, 0);
-      const test::CanonicalProgram before = test::interpreted(PARACAL_RS274, program);
-      const test::CanonicalProgram after = test::interpreted(PARACAL_RS274, output);
+      const test::CanonicalProgram before = test::interpreted(PARACAL_RS274, folder, program);
+      const test::CanonicalProgram after = test::interpreted(PARACAL_RS274, folder, output);
       ASSERT_TRUE(before.is_accepted) << before.complaint;
       ASSERT_TRUE(after.is_accepted) << after.complaint;
       ASSERT_EQ(before.others, after.others);

@@ -328,7 +328,7 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"no_number", "G1 X-", "not a block", kAll, "unclear"},
         Passed{"split_number", "G1 X1. 2", "not a block", kAll, "unclear"},
         Passed{"open_comment", "G1 (X1", "not a block", kAll, "unclear"},
-        Passed{"no_code", "hello there!", "not a block", kAll, "unclear"},
+        Passed{"no_code", "hello, there!", "not a block", kAll, "unclear"},
         Passed{"message", "M117 it's X1 (!", "", "G1 X1", ""}, Passed{"comment", "; X1 Y2", "", "G1 X1", ""},
         Passed{"no_motion_mode", "G80", "", "X1", "unclear"},
         Passed{"out_of_reach", "G1 X4000", "out of reach", "G1 X1", ""},

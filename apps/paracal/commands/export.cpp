@@ -97,12 +97,9 @@ void add_export(Command& program, Session& session) {
       "--chord-mm", options->filter.chord_mm,
       "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
       "the correction bends, which is divided; default 0.01");
-  command
-      ->add_option(
-          "--harmless", options->filter.harmless,
-          "gcode: a macro that leaves plate, origin and modes as they are, such as TIMELAPSE_TAKE_FRAME; may be "
-          "given again")
-      ->take_all();
+  command->add_option("--harmless", options->filter.harmless,
+                      "gcode: a macro that leaves plate, origin and modes as they are, such as TIMELAPSE_TAKE_FRAME; "
+                      "may be given again");
   command->add_flag("--check", options->filter.check,
                     "gcode, csv: write no text, but what would happen and which targets move farthest; exit code 1 "
                     "where the file would be refused or left in parts");
