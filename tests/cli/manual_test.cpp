@@ -1,6 +1,7 @@
 // Manual pages and completions are made from the options: they say what --help says, and shells take them.
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <sstream>
@@ -34,8 +35,8 @@ std::string plain(std::string text) {
 
 std::string squeezed(std::string text) {
   std::ranges::replace(text, '\n', ' ');
-  const auto twice = std::ranges::unique(text, [](char one, char other) { return one == ' ' && other == ' '; });
-  text.erase(twice.begin(), twice.end());
+  const auto is_second = [](char one, char other) { return one == ' ' && other == ' '; };
+  text.erase(std::unique(text.begin(), text.end(), is_second), text.end());
   return text;
 }
 
