@@ -105,6 +105,7 @@ Progress watched() {
 
 std::vector<Pose> drawn_poses(const std::vector<RequirementAnalysis>& analyses, const Rows& poses) {
   std::vector<Pose> all;
+  all.reserve(analyses.size());
   for (const RequirementAnalysis& one : analyses) all.push_back(one.three_sigma.pose);
   for (std::size_t k = 0; k < poses.count(); ++k) all.push_back(pose_of(poses[k]));
   return all;
