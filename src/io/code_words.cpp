@@ -7,19 +7,18 @@
 #include <optional>
 
 #include "columns.hpp"
+#include "letters.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
 namespace {
-
-char upper(char one) { return static_cast<char>(std::toupper(static_cast<unsigned char>(one))); }
 
 bool is_alphanumeric(char one) { return std::isalnum(static_cast<unsigned char>(one)) != 0; }
 
 /// What stands behind a code in a line, before comment and checksum; empty where the code does not.
 std::optional<std::string_view> behind(std::string_view line, std::string_view code) {
   line = line.substr(0, line.find_first_of(";*\r"));
-  const auto same = [](char one, char other) { return upper(one) == other; };
+  const auto same = [](char one, char other) { return upper_case(one) == other; };
   for (auto from = line.begin();;) {
     const auto found = std::search(from, line.end(), code.begin(), code.end(), same);
     if (found == line.end()) return std::nullopt;
@@ -60,7 +59,7 @@ CodeWords::CodeWords(const TextFile& file, std::string_view name, std::string_vi
     if (!rest) continue;
     line_ = number;
     for (const std::string_view word : words_of(*rest)) {
-      const char letter = upper(word.front());
+      const char letter = upper_case(word.front());
       if (letters.find(letter) == std::string_view::npos) {
         fail(fmt::format("expected {} with words of {}, got \"{}\": is it of another firmware?", name, letters, word));
       }

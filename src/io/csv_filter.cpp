@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "columns.hpp"
+#include "letters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "target_line.hpp"
@@ -22,8 +23,6 @@ struct Field {
 
   std::string_view of(std::string_view line) const { return line.substr(begin, end - begin); }
 };
-
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
 /// Fields of a line as CsvTable takes them.
 /// @returns false where a quotation mark is not closed.

@@ -7,13 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "letters.hpp"
+
 namespace paracal::io {
 namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-char upper_case(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
-bool is_letter(char c) { return upper_case(c) >= 'A' && upper_case(c) <= 'Z'; }
 
 /// Takes a line apart from left to right; every step says whether it found what may stand there.
 class BlockParser {
@@ -219,9 +216,7 @@ std::string macro_at(std::string_view text) {
   if (text.size() < 2 || !begins_name(text[0]) || !begins_name(text[1])) return {};  // as hardly any line
   const auto length = static_cast<std::size_t>(std::ranges::find_if_not(text, in_name) - text.begin());
   if (length < text.size() && !is_blank(text[length])) return {};
-  std::string name(text.substr(0, length));
-  std::ranges::transform(name, name.begin(), upper_case);
-  return name;
+  return upper_case(text.substr(0, length));
 }
 
 bool is_among(std::string_view name, const auto& names) { return std::ranges::find(names, name) != names.end(); }

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "letters.hpp"
+
 namespace paracal::io {
 namespace {
 
@@ -71,16 +73,6 @@ const std::array kFunctions{
     Function{"SQRT", [](double a) { return std::sqrt(a); }},
     Function{"TAN", [](double a) { return std::tan(a * kDegree); }},
 };
-
-/// Without blanks, in upper case: neither counts for RS-274.
-std::string plain(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == ' ' || c == '\t') continue;
-    result += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -202,13 +194,13 @@ class ExpressionReader {
 };
 
 std::optional<double> GcodeParameters::value(std::string_view text) const {
-  const std::string written = plain(text);
+  const std::string written = without_blanks_in_upper_case(text);
   const double result = ExpressionReader(written, *this).all();
   return std::isfinite(result) ? std::optional(result) : std::nullopt;
 }
 
 std::string GcodeParameters::name_of(std::string_view text) const {
-  const std::string written = plain(text);
+  const std::string written = without_blanks_in_upper_case(text);
   return ExpressionReader(written, *this).name();
 }
 

@@ -16,8 +16,8 @@ struct Extruder {
 
   void forget() { *this = {.is_relative = std::nullopt}; }
   void set_distance(bool axes_are_relative);
-  /// @returns what a motion with this word does; nothing where that is unknown.
-  std::optional<ExtrusionOfLine> move(const GcodeWord& word);
+  /// @returns what a motion does; nothing where that is unknown.
+  std::optional<ExtrusionOfLine> move(const GcodeBlock& block);
 };
 
 }  // namespace paracal::io

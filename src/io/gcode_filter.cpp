@@ -1,10 +1,8 @@
-#include <algorithm>
-
 #include "gcode_block.hpp"
 #include "gcode_expression.hpp"
 #include "gcode_lines.hpp"
 #include "gcode_modes.hpp"
-#include "paracal/units.hpp"
+#include "letters.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {
@@ -12,17 +10,14 @@ namespace {
 
 std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
   if (!pose) return std::nullopt;
-  const Eigen::Vector3d& r = pose->position;
-  return AxisValues{r.x(), r.y(), r.z(), to_degrees(pose->rotation)};
+  return place_of(*pose, Eigen::Vector3d::Zero());
 }
-
-char upper_case(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
 class Gcode : public TargetFormat {
  public:
   Gcode(const GcodeLines& lines, std::size_t axis_count, const GcodeOptions& options)
-      : lines_(lines), harmless_(options.harmless), modes_(axis_count, axis_values(options.start)) {
-    for (std::string& name : harmless_) std::ranges::transform(name, name.begin(), upper_case);
+      : lines_(lines), modes_(axis_count, axis_values(options.start)) {
+    for (const std::string& name : options.harmless) harmless_.push_back(upper_case(name));
   }
 
   std::string_view read(std::string_view text, TargetLine& target) override {
@@ -51,16 +46,15 @@ class Gcode : public TargetFormat {
   /// Words are added as the last axis word is written: behind it, in its case, after a blank if it stands after one;
   /// where there is none, as the words of the arc. With these go the blanks before them.
   void add_style(std::string_view text, TargetLine& target) const {
-    const auto is_blank = [text](std::size_t at) { return text[at] == ' ' || text[at] == '\t'; };
     for (const GcodeWord& word : block_.words) {
       if (target.insert_at != 0 && word.end < target.insert_at) continue;
       target.in_lower_case = text[word.at] != word.letter;
-      target.with_blank = word.at > 0 && is_blank(word.at - 1);
+      target.with_blank = word.at > 0 && is_blank(text[word.at - 1]);
       if (word.end == target.insert_at && word.letter != 'G') break;
     }
     target.checksum_at = block_.checksum_at;
     for (TextRange& word : target.divided.arc_words) {
-      while (word.end > 0 && word.begin > 0 && is_blank(word.begin - 1)) --word.begin;
+      while (word.end > 0 && word.begin > 0 && is_blank(text[word.begin - 1])) --word.begin;
     }
   }
 

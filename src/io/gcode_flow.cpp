@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "columns.hpp"
+#include "letters.hpp"
 
 namespace paracal::io {
 namespace {
@@ -23,21 +24,6 @@ constexpr std::string_view kTooDeep = "subprograms, jumps and loops: more than 5
 constexpr std::size_t kMostSteps = 1'000'000;
 constexpr int kDeepest = 50;
 constexpr int kArguments = 30;
-
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-std::string lower(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (!is_blank(c)) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return result;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  return text;
-}
 
 /// [...] at the beginning of a text, brackets within included; empty where there is none.
 std::string_view brackets_at(std::string_view text) {
@@ -62,47 +48,51 @@ std::string written(double value) {
 
 }  // namespace
 
+constexpr std::array<std::pair<std::string_view, GcodeFlow::Word>, 15> GcodeFlow::kWords{
+    {{"SUB", Word::sub},
+     {"ENDSUB", Word::endsub},
+     {"CALL", Word::call},
+     {"RETURN", Word::returns},
+     {"IF", Word::when},
+     {"ELSEIF", Word::elsewhen},
+     {"ELSE", Word::otherwise},
+     {"ENDIF", Word::endif},
+     {"WHILE", Word::loop},
+     {"ENDWHILE", Word::endloop},
+     {"DO", Word::once},
+     {"REPEAT", Word::repeat},
+     {"ENDREPEAT", Word::endrepeat},
+     {"BREAK", Word::leave},
+     {"CONTINUE", Word::again}}};
+
 GcodeFlow::GcodeFlow(std::vector<std::string_view> lines, std::int64_t first, GcodeParameters& parameters)
     : lines_(std::move(lines)), first_(first), parameters_(parameters) {
   flows_.reserve(lines_.size());
-  for (const std::string_view line : lines_) flows_.push_back(flow_of(without_end(line)));
+  for (const std::string_view line : lines_) {
+    flows_.push_back(flow_of(without_end(line)));
+    if (flows_.back().word == Word::sub) subs_.try_emplace(flows_.back().label, flows_.size() - 1);
+  }
 }
 
 /// o100 call [1] [2], N10 O<name> sub; what stands in brackets is left as it is.
 GcodeFlow::Flow GcodeFlow::flow_of(std::string_view line) {
-  std::string_view text = without_blanks(line);
-  if (!text.empty() && (text.front() == 'N' || text.front() == 'n')) {
-    text = without_blanks(text.substr(1));
-    text = without_blanks(text.substr(std::min(text.find_first_not_of("0123456789"), text.size())));
+  std::string_view text = trimmed(line);
+  if (!text.empty() && upper_case(text.front()) == 'N') {
+    text = trimmed(text.substr(1));
+    text = trimmed(text.substr(std::min(text.find_first_not_of("0123456789"), text.size())));
   }
-  if (text.empty() || (text.front() != 'O' && text.front() != 'o')) return {};
-  text = without_blanks(text.substr(1));
+  if (text.empty() || upper_case(text.front()) != 'O') return {};
+  text = trimmed(text.substr(1));
   const std::size_t end = text.starts_with('<') ? text.find('>') : text.find_first_not_of("0123456789");
   if (end == std::string_view::npos || end == 0) return {Word::unknown};
   const std::size_t label_size = text.starts_with('<') ? end + 1 : end;
-  Flow flow{Word::unknown, lower(text.substr(0, label_size))};
-  text = without_blanks(text.substr(label_size));
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  Flow flow{Word::unknown, without_blanks_in_upper_case(text.substr(0, label_size))};
+  text = trimmed(text.substr(label_size));
   const auto word_size = static_cast<std::size_t>(std::ranges::find_if_not(text, is_letter) - text.begin());
-  constexpr std::array<std::pair<std::string_view, Word>, 15> kWords{{{"sub", Word::sub},
-                                                                      {"endsub", Word::endsub},
-                                                                      {"call", Word::call},
-                                                                      {"return", Word::returns},
-                                                                      {"if", Word::when},
-                                                                      {"elseif", Word::elsewhen},
-                                                                      {"else", Word::otherwise},
-                                                                      {"endif", Word::endif},
-                                                                      {"while", Word::loop},
-                                                                      {"endwhile", Word::endloop},
-                                                                      {"do", Word::once},
-                                                                      {"repeat", Word::repeat},
-                                                                      {"endrepeat", Word::endrepeat},
-                                                                      {"break", Word::leave},
-                                                                      {"continue", Word::again}}};
-  const std::string name = lower(text.substr(0, word_size));
-  const auto* const known = std::ranges::find(kWords, name, &std::pair<std::string_view, Word>::first);
+  const auto* const known =
+      std::ranges::find(kWords, upper_case(text.substr(0, word_size)), &std::pair<std::string_view, Word>::first);
   if (known != kWords.end()) flow.word = known->second;
-  flow.rest = without_blanks(text.substr(word_size));
+  flow.rest = trimmed(text.substr(word_size));
   return flow;
 }
 
@@ -266,8 +256,9 @@ GcodeFlow::End GcodeFlow::take_repeat(std::size_t& at, int depth) {
 
 /// Arguments are #1 to #30 of the subprogram; these and named ones without underscore are its own.
 GcodeFlow::End GcodeFlow::call(std::size_t at, int depth) {
-  const std::size_t sub = find(0, flows_[at].label, {Word::sub});
-  if (sub == flows_.size()) return fail(at, kNoSub);
+  const auto found = subs_.find(flows_[at].label);
+  if (found == subs_.end()) return fail(at, kNoSub);
+  const std::size_t sub = found->second;
   const std::size_t end = find(sub + 1, flows_[at].label, {Word::endsub});
   if (end == flows_.size()) return fail(sub, kNoEnd);
   std::vector<double> arguments;
@@ -276,7 +267,7 @@ GcodeFlow::End GcodeFlow::call(std::size_t at, int depth) {
     const std::optional<double> value = parameters_.value(one);
     if (!value) return fail(at, kUnknownValue);
     arguments.push_back(*value);
-    rest = without_blanks(rest.substr(one.size()));
+    rest = trimmed(rest.substr(one.size()));
   }
   if (arguments.size() > kArguments || !is_end_of_words(rest)) return fail(at, kNotUnderstood);
   if (!is_end_of_words(flows_[end].rest)) return fail(end, kNotUnderstood);

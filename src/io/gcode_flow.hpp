@@ -2,9 +2,14 @@
 
 // Private to io: O words of RS-274, subprograms and loops of one file, carried out.
 
+#include <array>
 #include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gcode_expression.hpp"
@@ -60,6 +65,8 @@ class GcodeFlow {
     std::string_view rest = {};
   };
 
+  static const std::array<std::pair<std::string_view, Word>, 15> kWords;
+
   static Flow flow_of(std::string_view line);
   End run(std::size_t from, std::size_t to, int depth);
   End take(std::size_t& at, std::size_t to, int depth);
@@ -76,7 +83,8 @@ class GcodeFlow {
   std::vector<std::string_view> lines_;
   std::int64_t first_;
   GcodeParameters& parameters_;
-  std::vector<Flow> flows_;  ///< of each line
+  std::vector<Flow> flows_;                  ///< of each line
+  std::map<std::string, std::size_t> subs_;  ///< where the subprogram of a label begins
   std::vector<CarriedOut>* into_ = nullptr;
   std::string leaving_ = {};  ///< label of the loop that is left or begun again
   std::int64_t unfollowed_line_ = 0;

@@ -60,27 +60,25 @@ void GcodeLines::learn(const Line& line) {
 
 /// @returns whether there is room for them.
 bool GcodeLines::hold(std::span<const Line> lines) {
+  std::string& held = held_.emplace_back();
+  for (const Line& line : lines) held += line.text;
+  held_size_ += held.size();
+  std::string_view left = held;
   bool is_whole = true;
   for (const Line& line : lines) {
-    held_ += line.text;
-    rest_.push_back({{}, line.part, line.number});
-    sizes_.push_back(line.text.size());
+    rest_.push_back({left.substr(0, line.text.size()), line.part, line.number});
+    left.remove_prefix(line.text.size());
     is_whole &= line.part == Line::Part::whole;
   }
-  return is_whole && held_.size() <= kMostHeld;
+  return is_whole && held_size_ <= kMostHeld;
 }
 
 void GcodeLines::carry_out() {
   unfollowed_line_ = from_flow_.front().number;
   why_ = kTooMuch;
-  bool is_held = hold(std::exchange(from_flow_, {}));
-  for (auto lines = is_held ? reader_.next() : std::span<const Line>(); !lines.empty() && is_held;
-       lines = is_held ? reader_.next() : std::span<const Line>()) {
-    is_held = hold(lines);
+  for (auto lines = std::exchange(from_flow_, {}); !lines.empty(); lines = reader_.next()) {
+    if (!hold(lines)) return;
   }
-  std::string_view left = held_;
-  for (std::size_t k = 0; k < rest_.size(); left.remove_prefix(sizes_[k++])) rest_[k].text = left.substr(0, sizes_[k]);
-  if (!is_held) return;
   std::vector<std::string_view> texts;
   for (const Line& line : rest_) texts.push_back(line.text);
   GcodeFlow flow(std::move(texts), unfollowed_line_, parameters_);

@@ -2,6 +2,7 @@
 
 // Private to io: the lines of a program in the order in which a controller takes them.
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,9 @@ class GcodeLines : public LineSource {
   LineReader reader_;
   GcodeParameters parameters_;
   std::span<const Line> from_flow_ = {};  ///< of the lines that were read last
-  std::string held_;                      ///< of the file, from the first O word on
-  std::vector<Line> rest_;                ///< the same as lines, or what is carried out
-  std::vector<std::size_t> sizes_;        ///< of these
+  std::deque<std::string> held_;          ///< of the file, from the first O word on
+  std::size_t held_size_ = 0;
+  std::vector<Line> rest_;  ///< the same as lines, or what is carried out
   std::size_t next_of_rest_ = 0;
   std::vector<CarriedOut> carried_out_;
   bool is_unrolled_ = false;

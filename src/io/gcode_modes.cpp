@@ -10,12 +10,10 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 
-constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
 constexpr std::string_view kMacro = "a macro (--harmless NAME, if it leaves plate, origin and modes as they are)";
 constexpr std::string_view kFlow = "subprograms, jumps and loops";
 constexpr std::string_view kOptional = "block delete (/)";
 constexpr std::string_view kUnknownCode = "a G code that is not known here";
-constexpr std::string_view kExpression = "parameters and expressions";
 constexpr std::string_view kLateRotation = "C is stated after motions for which it was taken as 0 (--start)";
 
 /// 10 times the code; -1 for what no code is.

@@ -15,6 +15,10 @@
 
 namespace paracal::io {
 
+// Reasons that modes and motions share.
+inline constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
+inline constexpr std::string_view kExpression = "parameters and expressions";
+
 /// Modal state of a program. What a line does not let know for certain is unknown until the program states it again.
 class GcodeModes {
  public:

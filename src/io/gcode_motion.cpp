@@ -8,10 +8,8 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
 constexpr std::string_view kElsewhere = "homing, probing, threads and cycles";
 constexpr std::string_view kMCode = "axis words of an M code";
-constexpr std::string_view kExpression = "parameters and expressions";
 constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
 constexpr std::string_view kPlane = "an arc, and unclear in which plane (G17) and how its centre is stated (G91.1)";
 constexpr std::string_view kArcStart = "an arc from a place that is not known";
@@ -49,7 +47,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, con
   const Motion motion = request.motion.value_or(motion_);
   const bool is_full_circle = is_arc(motion) && block.has_letter("IJKR");
   if (axes.count == 0 && !is_full_circle) {
-    if (!request.has_m_code || request.motion) static_cast<void>(divided(block, request, false));  // of the extruder
+    if (!request.has_m_code || request.motion) extruder_.move(block);
     return {};
   }
   if (axes.has_flag) {
@@ -138,22 +136,20 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, bool is_clockwise,
   return make_arc(words, *normal_, is_clockwise, path);
 }
 
-/// What the line would need if it became several, and what it does to the extruder.
+/// What the line would need if it became several.
 DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request, bool is_rapid) {
   DividedLine line{.motion = request.motion_word, .is_rapid = is_rapid, .stands_last = request.acts_after};
+  const std::optional<ExtrusionOfLine> extrusion = extruder_.move(block);
+  line.extrusion = extrusion.value_or(ExtrusionOfLine{});
   if (block.checksum_at != 0) line.hindrance = kNumbered;
   if (block.has_letter("ABUVW")) line.hindrance = kOtherAxes;
   if (inverse_time_ != false) line.hindrance = kInverseTime;
+  if (!extrusion) line.hindrance = kExtrusion;
   std::size_t arc_words = 0;
   const auto first = std::ranges::find_if(block.words, [](const GcodeWord& word) { return word.letter != 'N'; });
   if (line.motion.is_empty() && first != block.words.end()) line.motion = {first->at, first->at};
   for (const GcodeWord& word : block.words) {
     if (word.letter == 'F') line.feed = {word.at, word.end};
-    if (word.letter == 'E') {
-      const auto extrusion = extruder_.move(word);
-      if (!extrusion) line.hindrance = kExtrusion;
-      line.extrusion = extrusion.value_or(ExtrusionOfLine{});
-    }
     if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
       line.arc_words[arc_words++] = {word.at, word.end};
     }

@@ -44,10 +44,8 @@ std::vector<AxisValues> samples(const Robot& robot, const Eigen::Vector3d& origi
   }
   poses.push_back({robot.workspace().centre(), 0.0});
   std::vector<AxisValues> places;
-  for (const Pose& pose : poses) {
-    const Eigen::Vector3d r = pose.position - origin;
-    places.push_back({r.x(), r.y(), r.z(), to_degrees(pose.rotation)});
-  }
+  places.reserve(poses.size());
+  for (const Pose& pose : poses) places.push_back(place_of(pose, origin));
   return places;
 }
 
@@ -77,15 +75,16 @@ double straight_length(const TargetCorrection& correction, const FilterSettings&
 }
 
 /// The farthest that pieces bend, of a line that is probed at even steps; nothing where a probe cannot be corrected.
-std::optional<double> farthest_bend(const TargetPath& path, std::span<const std::optional<AxisValues>> targets) {
-  const std::size_t steps = targets.size() - 1;
+std::optional<double> farthest_bend(std::span<const AxisValues> places,
+                                    std::span<const std::optional<AxisValues>> targets) {
   std::vector<AxisValues> corrections;
-  for (std::size_t j = 0; j <= steps; ++j) {
+  corrections.reserve(places.size());
+  for (std::size_t j = 0; j < places.size(); ++j) {
     if (!targets[j]) return std::nullopt;
-    corrections.push_back(correction_of(*targets[j], path.at(static_cast<double>(j) / static_cast<double>(steps))));
+    corrections.push_back(correction_of(*targets[j], places[j]));
   }
   double farthest = 0.0;
-  for (std::size_t j = 0; j < steps; ++j) {
+  for (std::size_t j = 0; j + 1 < places.size(); ++j) {
     const std::size_t inside = j % kProbes, start = j - inside;
     farthest = std::max(farthest, bend(corrections[start], corrections[j], corrections[start + kProbes],
                                        static_cast<double>(inside) / kProbes));
@@ -99,16 +98,12 @@ std::vector<std::optional<AxisValues>> corrected(const TargetCorrection& correct
                                                  std::span<const AxisValues> places) {
   std::vector<Pose> wanted;
   wanted.reserve(places.size());
-  for (const AxisValues& place : places) {
-    wanted.push_back({settings.origin + Eigen::Vector3d(place[0], place[1], place[2]), to_radians(place[kRotation])});
-  }
+  for (const AxisValues& place : places) wanted.push_back(pose_at(place, settings.origin));
   std::vector<std::optional<Pose>> poses(places.size());
   correction.targets(wanted, poses, settings.threads);
   std::vector<std::optional<AxisValues>> targets(places.size());
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!poses[k]) continue;
-    const Eigen::Vector3d r = poses[k]->position - settings.origin;
-    targets[k] = AxisValues{r.x(), r.y(), r.z(), to_degrees(poses[k]->rotation)};
+    if (poses[k]) targets[k] = place_of(*poses[k], settings.origin);
   }
   return targets;
 }
@@ -170,7 +165,8 @@ void PathDivision::cut_bent(std::span<const TargetLine> lines, std::vector<Trial
     for (const Trial& trial : together) {
       const std::size_t count = kProbes * trial.pieces + 1;
       const TargetLine& line = lines[trial.line];
-      const auto bent = farthest_bend(line.path, std::span(targets).subspan(first, count));
+      const auto bent =
+          farthest_bend(std::span(places).subspan(first, count), std::span(targets).subspan(first, count));
       first += count;
       cuts[trial.line] = {trial.pieces};
       if (!bent || *bent <= settings_.chord) continue;  // the target itself tells what cannot be corrected

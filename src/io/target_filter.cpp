@@ -5,7 +5,6 @@
 
 #include "columns.hpp"
 #include "line_reader.hpp"
-#include "paracal/units.hpp"
 #include "passed_tally.hpp"
 #include "path_division.hpp"
 #include "target_line.hpp"
@@ -39,7 +38,7 @@ class TargetAccount {
 
   void add(const TargetLine& line, const AxisValues& target) {
     ++summary_.corrected;
-    const CorrectedTarget one{line.number, pose_of(line.path.to), pose_of(target)};
+    const CorrectedTarget one{line.number, pose_at(line.path.to, origin_), pose_at(target, origin_)};
     if (!is_within(workspace_, one.wanted) && summary_.outside++ == 0) summary_.first_outside = line.number;
     auto& farthest = summary_.farthest;
     if (farthest.size() == kFarthest && one.distance() <= farthest.back().distance()) return;
@@ -50,10 +49,6 @@ class TargetAccount {
 
  private:
   static constexpr std::size_t kFarthest = 10;
-
-  Pose pose_of(const AxisValues& place) const {
-    return {origin_ + Eigen::Vector3d(place[0], place[1], place[2]), to_radians(place[kRotation])};
-  }
 
   const Workspace& workspace_;
   const Eigen::Vector3d& origin_;

@@ -3,7 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paracal/units.hpp"
+
 namespace paracal::io {
+
+Pose pose_at(const AxisValues& place, const Eigen::Vector3d& origin) {
+  return {origin + Eigen::Vector3d(place[0], place[1], place[2]), to_radians(place[kRotation])};
+}
+
+AxisValues place_of(const Pose& pose, const Eigen::Vector3d& origin) {
+  const Eigen::Vector3d r = pose.position - origin;
+  return {r.x(), r.y(), r.z(), to_degrees(pose.rotation)};
+}
 
 AxisValues TargetPath::at(double t) const {
   if (t <= 0.0) return from;

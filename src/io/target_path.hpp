@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "paracal/mechanism/pose.hpp"
+
 namespace paracal::io {
 
 inline constexpr std::size_t kAxes = 4;
@@ -12,6 +14,10 @@ inline constexpr std::size_t kRotation = 3;  ///< C, phi; before it X, Y, Z
 
 /// Coordinates as files state them: x, y, z and phi, mm and deg.
 using AxisValues = std::array<double, kAxes>;
+
+/// A place and the pose that it is in {O}; `origin` of places in {O}, mm.
+Pose pose_at(const AxisValues& place, const Eigen::Vector3d& origin);
+AxisValues place_of(const Pose& pose, const Eigen::Vector3d& origin);
 
 /// A turn about an axis of the frame, in the plane of two others, mm and rad. Its radius may change evenly from end to
 /// end: what the rounding of a centre leaves.

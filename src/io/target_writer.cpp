@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gcode_block.hpp"
+#include "letters.hpp"
 
 namespace paracal::io {
 namespace {
@@ -78,7 +79,7 @@ double as_place(std::size_t axis, double stated, double from, const TargetLine& 
 
 }  // namespace
 
-/// The last of `count` pieces up to here.
+/// One of the pieces of a way, from the end of the one before to its target.
 struct TargetWriter::Piece {
   const AxisValues& target;
   std::size_t number, count;  ///< from 0
@@ -102,13 +103,12 @@ std::size_t TargetWriter::write(std::string_view text, std::string_view end, con
     told_ = line.path.to;
     return 0;
   }
-  const bool is_divided = targets.size() > 1 || line.path.is_arc();
   const std::size_t own = line.divided.stands_last ? targets.size() - 1 : 0;
   const std::string_view line_end = end.empty() ? "\n" : end;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const Piece piece{targets[k], k, targets.size()};
     if (k > own) out_ += line_end;
-    k == own ? edit_line(text, line, piece, is_divided) : append_piece(text, line, piece, k == 0);
+    k == own ? edit_line(text, line, piece) : append_piece(text, line, piece, k == 0);
     if (k < own) out_ += line_end;
   }
   return targets.size() - 1;
@@ -170,8 +170,8 @@ bool TargetWriter::is_moved(std::size_t axis, const AxisValues& target, const Ta
   return differs(target[axis] / unit, told_[axis] / unit, decimals_for(axis, line.mm_per_unit).least);
 }
 
-void TargetWriter::edit_line(std::string_view text, const TargetLine& line, const Piece& piece, bool is_divided) {
-  edit_motion(line, is_divided);
+void TargetWriter::edit_line(std::string_view text, const TargetLine& line, const Piece& piece) {
+  if (line.path.is_arc()) drop_arc(line);
   edit_axes(text, line, piece.target);
   if (piece.count > 1) edit_extrusion(text, line, piece);
   if (piece.number > 0) drop_feed(text, line);
@@ -179,8 +179,7 @@ void TargetWriter::edit_line(std::string_view text, const TargetLine& line, cons
 }
 
 /// An arc's chords are straight lines, and have no centre.
-void TargetWriter::edit_motion(const TargetLine& line, bool is_divided) {
-  if (!line.path.is_arc() || !is_divided) return;
+void TargetWriter::drop_arc(const TargetLine& line) {
   const TextRange motion = line.divided.motion;
   begin_edit(motion.begin, motion.end);
   edited_ += in_case_of('G', line);
@@ -221,18 +220,24 @@ void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, cons
 void TargetWriter::drop_feed(std::string_view text, const TargetLine& line) {
   TextRange feed = line.divided.feed;
   if (feed.is_empty()) return;
-  while (feed.begin > 0 && (text[feed.begin - 1] == ' ' || text[feed.begin - 1] == '\t')) --feed.begin;
+  while (feed.begin > 0 && is_blank(text[feed.begin - 1])) --feed.begin;
   begin_edit(feed.begin, feed.end);
   end_edit();
 }
 
 void TargetWriter::edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece) {
-  const ExtrusionOfLine& extrusion = line.divided.extrusion;
-  if (!extrusion.stated.is_stated()) return;
-  const int decimals = kExtrusionDecimals.of(text_of(text, extrusion.stated));
-  begin_edit(extrusion.stated.begin, extrusion.stated.end);
-  append_number(edited_, piece.extrusion(extrusion, decimals), decimals);
+  const StatedNumber& stated = line.divided.extrusion.stated;
+  if (!stated.is_stated()) return;
+  begin_edit(stated.begin, stated.end);
+  append_extrusion(edited_, text, line, piece);
   end_edit();
+}
+
+void TargetWriter::append_extrusion(std::string& to, std::string_view text, const TargetLine& line,
+                                    const Piece& piece) {
+  const ExtrusionOfLine& extrusion = line.divided.extrusion;
+  const int decimals = kExtrusionDecimals.of(text_of(text, extrusion.stated));
+  append_number(to, piece.extrusion(extrusion, decimals), decimals);
 }
 
 /// A line of its own for a piece of the way.
@@ -246,11 +251,9 @@ void TargetWriter::append_piece(std::string_view text, const TargetLine& line, c
     const int decimals = decimals_for(axis, line.mm_per_unit).of(text_of(text, line.stated[axis]));
     told_[axis] = as_place(axis, append_number(out_, value, decimals), told_[axis], line);
   }
-  const ExtrusionOfLine& extrusion = line.divided.extrusion;
-  if (extrusion.stated.is_stated()) {
-    const int decimals = kExtrusionDecimals.of(text_of(text, extrusion.stated));
+  if (line.divided.extrusion.stated.is_stated()) {
     append_word(out_, 'E', line);
-    append_number(out_, piece.extrusion(extrusion, decimals), decimals);
+    append_extrusion(out_, text, line, piece);
   }
   const TextRange feed = line.divided.feed;
   if (with_feed && !feed.is_empty()) {

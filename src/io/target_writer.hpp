@@ -35,11 +35,12 @@ class TargetWriter {
   };
   struct Piece;
 
-  void edit_line(std::string_view text, const TargetLine& line, const Piece& piece, bool is_divided);
-  void edit_motion(const TargetLine& line, bool is_divided);
+  void edit_line(std::string_view text, const TargetLine& line, const Piece& piece);
+  void drop_arc(const TargetLine& line);
   void edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target);
   void drop_feed(std::string_view text, const TargetLine& line);
   void edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece);
+  static void append_extrusion(std::string& to, std::string_view text, const TargetLine& line, const Piece& piece);
   void append_piece(std::string_view text, const TargetLine& line, const Piece& piece, bool with_feed);
   void begin_edit(std::size_t begin, std::size_t end);
   void end_edit();

@@ -1,0 +1,30 @@
+#pragma once
+
+// Private to io: letters, blanks and digits of ASCII, which programs and configurations are written in, whatever the
+// locale.
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace paracal::io {
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr char upper_case(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+constexpr bool is_letter(char c) { return upper_case(c) >= 'A' && upper_case(c) <= 'Z'; }
+
+inline std::string upper_case(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(), [](char c) { return upper_case(c); });
+  return result;
+}
+
+/// Blanks count for nothing in RS-274, nor does case.
+inline std::string without_blanks_in_upper_case(std::string_view text) {
+  std::string result = upper_case(text);
+  std::erase_if(result, is_blank);
+  return result;
+}
+
+}  // namespace paracal::io
