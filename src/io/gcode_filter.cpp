@@ -24,7 +24,7 @@ class Gcode : public TargetFormat {
     block_.parse(text, harmless_);
     if (parameters_.apply(block_)) modes_.move_origin();
     std::string_view passed = modes_.take(block_, target);
-    if (!passed.empty() && target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
+    if (target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
     if (modes_.has_forgotten()) parameters_.forget();
     if (target.kind != TargetLine::Kind::none) add_style(text, target);
     return passed;

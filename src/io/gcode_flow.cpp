@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::string_view kUnknownValue = "subprograms, jumps and loops: a value here is not known";
 constexpr std::string_view kUnknownCondition = "subprograms, jumps and loops: a condition here is not known";
+constexpr std::string_view kControllers =
+    "subprograms, jumps and loops: a parameter of the controller is assigned here";
 constexpr std::string_view kNoSub = "subprograms, jumps and loops: no such subprogram in this file";
 constexpr std::string_view kNoEnd = "subprograms, jumps and loops: this one has no end";
 constexpr std::string_view kNotUnderstood = "subprograms, jumps and loops: a line that is not understood";
@@ -174,7 +176,7 @@ GcodeFlow::End GcodeFlow::take_line(std::size_t at) {
   }
   const std::vector<GcodeWord> as_written = block.words;
   const auto assignments = block.assignments;
-  parameters_.apply(block);
+  if (parameters_.apply(block)) return fail(at, kControllers);
   std::string text;
   std::size_t copied = 0;
   for (std::size_t k = 0; k < as_written.size(); ++k) {

@@ -334,6 +334,18 @@ TEST_F(GcodeLines, FlowThatHangsOnWhatIsNotKnownIsLeft) {
   }
 }
 
+/// An assignment that the controller needs must not get lost: it may move the origin.
+TEST_F(GcodeLines, FlowThatAssignsParametersOfTheControllerIsLeft) {
+  for (const char* assigned : {"#5221 = 10", "#[#9] = 10"}) {
+    const std::string program = fmt::format("G0 X0 Y0 Z-900\no1 repeat [1]\n{}\no1 endrepeat\n", assigned);
+    const Filtered result = filtered(program, none);
+    EXPECT_EQ(result.text, program);
+    const auto found = std::ranges::find(result.summary.passed, 3, &PassedThrough::first_line);
+    ASSERT_NE(found, result.summary.passed.end()) << assigned;
+    EXPECT_THAT(std::string(found->reason), HasSubstr("a parameter of the controller is assigned here"));
+  }
+}
+
 /// What is carried out says so; lines are counted as the file has them.
 TEST_F(GcodeLines, FlowIsCarriedOut) {
   const Filtered known = filtered(
