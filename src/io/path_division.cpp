@@ -121,14 +121,15 @@ PathDivision::Cut PathDivision::cut_arc(const TargetLine& line) const {
   const double radius = std::max(arc.start_radius, arc.end_radius);
   const double cosine = std::max(1.0 - kSagittaShare * settings_.chord / radius, std::numbers::sqrt2 / 2.0);
   const double turns = std::abs(arc.sweep) / (2.0 * std::acos(cosine));
-  const double pieces = std::ceil(std::max({1.0, turns, line.path.length() / straight_length_}));
+  const double pieces = std::ceil(std::max(1.0, turns));
   if (!(pieces <= kMostPieces)) return {1, kTooFine};
   return {static_cast<std::uint32_t>(pieces)};
 }
 
-bool PathDivision::may_bend(const TargetLine& line) const {
+/// @param pieces  as which the line is short enough not to be looked at for its length.
+bool PathDivision::may_bend(const TargetLine& line, std::uint32_t pieces) const {
   return settings_.chord > 0.0 && line.starts_known &&
-         (line.path.length() > straight_length_ ||
+         (line.path.length() > pieces * straight_length_ ||
           std::abs(line.path.to[kRotation] - line.path.from[kRotation]) > kFreeTurn);
 }
 
@@ -137,17 +138,14 @@ std::vector<PathDivision::Cut> PathDivision::cut(std::span<const TargetLine> lin
   std::vector<Trial> trials;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (lines[k].kind != TargetLine::Kind::target) continue;
-    if (lines[k].path.is_arc()) {
-      cuts[k] = cut_arc(lines[k]);
-    } else if (may_bend(lines[k])) {
-      trials.push_back({k});
-    }
+    if (lines[k].path.is_arc()) cuts[k] = cut_arc(lines[k]);
+    if (cuts[k].hindrance.empty() && may_bend(lines[k], cuts[k].pieces)) trials.push_back({k, cuts[k].pieces});
   }
   cut_bent(lines, std::move(trials), cuts);
   return cuts;
 }
 
-/// Straight lines, finer until none bends farther than the chord.
+/// Finer until none bends farther than the chord, or what the sagitta of an arc leaves of it.
 void PathDivision::cut_bent(std::span<const TargetLine> lines, std::vector<Trial> trials,
                             std::vector<Cut>& cuts) const {
   while (!trials.empty()) {
@@ -168,9 +166,10 @@ void PathDivision::cut_bent(std::span<const TargetLine> lines, std::vector<Trial
       const auto bent =
           farthest_bend(std::span(places).subspan(first, count), std::span(targets).subspan(first, count));
       first += count;
+      const double most = line.path.is_arc() ? (1.0 - kSagittaShare) * settings_.chord : settings_.chord;
       cuts[trial.line] = {trial.pieces};
-      if (!bent || *bent <= settings_.chord) continue;  // the target itself tells what cannot be corrected
-      const double pieces = std::ceil(trial.pieces * std::max(1.1, std::sqrt(*bent / settings_.chord)));
+      if (!bent || *bent <= most) continue;  // the target itself tells what cannot be corrected
+      const double pieces = std::ceil(trial.pieces * std::max(1.1, std::sqrt(*bent / most)));
       if (!line.divided.hindrance.empty() || pieces > kMostPieces) {
         cuts[trial.line] = {1, line.divided.hindrance.empty() ? kTooFine : line.divided.hindrance};
       } else {

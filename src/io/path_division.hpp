@@ -41,7 +41,7 @@ class PathDivision {
   };
 
   Cut cut_arc(const TargetLine& line) const;
-  bool may_bend(const TargetLine& line) const;
+  bool may_bend(const TargetLine& line, std::uint32_t pieces) const;
   void cut_bent(std::span<const TargetLine> lines, std::vector<Trial> trials, std::vector<Cut>& cuts) const;
 
   const TargetCorrection& correction_;

@@ -8,6 +8,8 @@
 #include <sstream>
 
 #include "paracal/io/target_filter.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
@@ -282,6 +284,55 @@ TEST(GcodeRotation, ThatIsNeverStatedIsZeroAndSaid) {
   EXPECT_TRUE(filtered("G1 C5\n" + motion, correction).summary.whole());
   EXPECT_FALSE(filtered("G1 C5\n" + motion, correction).has("C is stated after"));
   EXPECT_TRUE(filtered(motion + "G1 C5\n", correction, {.start = Pose{{0, 0, -900}, 0.0}}).summary.complete());
+}
+
+/// The places that the lines of an output state, each axis as it was told last; mm and rad.
+std::vector<Pose> told_in(const Filtered& result) {
+  std::vector<Pose> poses;
+  Pose held;
+  for (const std::string& line : result.lines()) {
+    const Eigen::Vector3d& r = held.position;
+    held = {{word(line, 'X').value_or(r.x()), word(line, 'Y').value_or(r.y()), word(line, 'Z').value_or(r.z())},
+            to_radians(word(line, 'C').value_or(to_degrees(held.rotation)))};
+    poses.push_back(held);
+  }
+  return poses;
+}
+
+/// While C turns on an arc or on the spot the correction bends, too: the plate's place stays within the chord of the
+/// way, and its rotation by as much at 100 mm from its axis.
+TEST(GcodeRotation, BendsWhatItTurnsWith) {
+  const Robot robot = catalogue::find("huang2016");
+  SourceErrors errors = test::table4_machine(robot, 1);
+  for (std::size_t limb = 0; limb < 4; ++limb) errors(limb, Source::theta_offset) = limb % 2 == 0 ? 0.02 : -0.015;
+  const TargetCorrection correction(robot, errors);
+  const Machine machine = build(robot, errors);
+  for (const auto& [radius, sweep] : {std::pair{5.0, 3.0}, {100.0, 0.02}, {0.0, 0.0}}) {
+    const auto wanted_at = [&, radius = radius, sweep = sweep](double t) {
+      return Eigen::Vector3d(300 + radius * (std::cos(sweep * t) - 1), radius * std::sin(sweep * t), -900);
+    };
+    const std::string turning =
+        radius > 0.0 ? fmt::format("G3 X{:.9f} Y{:.9f} C170 I-{}\n", wanted_at(1).x(), wanted_at(1).y(), radius)
+                     : std::string("G1 C170\n");
+    for (const double chord : {0.002, 0.02}) {
+      const Filtered result = filtered("G0 X300 Y0 Z-900 C-100\n" + turning, correction, {.chord = chord});
+      ASSERT_TRUE(result.summary.complete());
+      const std::vector<Pose> told = told_in(result);
+      const double pieces = static_cast<double>(told.size()) - 1;
+      for (std::size_t k = 1; k < told.size(); ++k) {
+        for (const double part : {0.25, 0.5, 0.75}) {
+          const Pose asked{told[k - 1].position + part * (told[k].position - told[k - 1].position),
+                           told[k - 1].rotation + part * (told[k].rotation - told[k - 1].rotation)};
+          const ForwardResult reached = forward(machine, inverse(robot.nominal(), asked).joints);
+          ASSERT_TRUE(reached.ok());
+          const double t = (static_cast<double>(k) - 1 + part) / pieces;
+          EXPECT_LE((reached.plate.position - wanted_at(t)).norm(), chord + 2e-4) << radius << " " << pieces;
+          const double rotation = machine.rotation_of(reached.plate.slide);
+          EXPECT_LE(100 * std::abs(rotation - to_radians(-100 + 270 * t)), chord + 2e-4) << radius << " " << pieces;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(GcodeLines, ParametersThatTheProgramGivesAreKnown) {
