@@ -14,8 +14,8 @@ struct TriangleArguments {
   Scalar radicand, y, x;
 };
 
-/// The lines of close_triangle, over any scalar; they follow include/paracal/mechanism/limb.hpp by
-/// hand.
+/// The lines of close_triangle, over any scalar; they follow
+/// include/paracal/mechanism/limb_closure.hpp by hand.
 template <typename Scalar>
 TriangleArguments<Scalar> triangle_arguments(const BasicLimb<Scalar>& limb, const Vector3<Scalar>& joint_at_plate) {
   using std::sqrt;

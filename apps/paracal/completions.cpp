@@ -3,22 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
 #include <string_view>
-#include <utility>
 
 namespace paracal::app {
 namespace {
-
-/// The text with some characters written otherwise.
-std::string escaped(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> others) {
-  std::string result;
-  for (const char c : text) {
-    const auto* const other = std::ranges::find(others, c, &std::pair<char, std::string_view>::first);
-    other == others.end() ? result += c : result += other->second;
-  }
-  return result;
-}
 
 std::string joined(const std::vector<std::string>& words, std::string_view separator) {
   return fmt::format("{}", fmt::join(words, separator));

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace paracal::app {
@@ -29,5 +32,8 @@ struct CommandText {
 
 /// Its last word.
 std::string word_of(const CommandText& command);
+
+/// The text with some characters written otherwise.
+std::string escaped(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> others);
 
 }  // namespace paracal::app

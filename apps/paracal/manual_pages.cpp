@@ -10,35 +10,10 @@ namespace {
 
 /// Text as roff prints it: every character as it stands, and no line taken for a request.
 std::string roff(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '\\':
-        escaped += "\\(rs";
-        break;
-      case '-':
-        escaped += "\\-";
-        break;
-      case '\'':
-        escaped += "\\(aq";
-        break;
-      case '"':
-        escaped += "\\(dq";
-        break;
-      case '~':
-        escaped += "\\(ti";
-        break;
-      case '^':
-        escaped += "\\(ha";
-        break;
-      case '`':
-        escaped += "\\(ga";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped.starts_with('.') ? "\\&" + escaped : escaped;
+  const std::string plain = escaped(
+      text,
+      {{'\\', "\\(rs"}, {'-', "\\-"}, {'\'', "\\(aq"}, {'"', "\\(dq"}, {'~', "\\(ti"}, {'^', "\\(ha"}, {'`', "\\(ga"}});
+  return plain.starts_with('.') ? "\\&" + plain : plain;
 }
 
 std::string page_name(const CommandText& command) {

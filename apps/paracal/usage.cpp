@@ -110,4 +110,13 @@ CommandText description(const CLI::App& command) {
 
 std::string word_of(const CommandText& command) { return command.name.substr(command.name.rfind(' ') + 1); }
 
+std::string escaped(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> others) {
+  std::string result;
+  for (const char c : text) {
+    const auto* const other = std::ranges::find(others, c, &std::pair<char, std::string_view>::first);
+    other == others.end() ? result += c : result += other->second;
+  }
+  return result;
+}
+
 }  // namespace paracal::app

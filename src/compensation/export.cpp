@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <vector>
 
 #include "export_text.hpp"
@@ -59,25 +58,12 @@ class C99 : public Language {
     return symbol.index < 0 ? text : fmt::format("{}[{}]", text, symbol.index);
   }
 
-  std::string call(Operation operation, const std::vector<std::string>& operands) const override {
-    switch (operation) {
-      case Operation::where_negative:
-        return fmt::format("(({} < 0.0) ? {} : {})", operands[0], operands[1], operands[2]);
-      case Operation::square_root:
-        return fmt::format("sqrt({})", operands[0]);
-      case Operation::sine:
-        return fmt::format("sin({})", operands[0]);
-      case Operation::cosine:
-        return fmt::format("cos({})", operands[0]);
-      case Operation::arctangent:
-        return fmt::format("atan2({}, {})", operands[0], operands[1]);
-      case Operation::turn_cosine:
-        return fmt::format("paracal_turn_cosine({})", operands[0]);
-      case Operation::turn_sine:
-        return fmt::format("paracal_turn_sine({})", operands[0]);
-      default:
-        throw std::logic_error("no function of C");
-    }
+  FunctionNames functions() const override {
+    return {.square_root = "sqrt", .sine = "sin", .cosine = "cos", .arctangent = "atan2"};
+  }
+
+  std::string choice(const std::string& number, const std::string& negative, const std::string& other) const override {
+    return fmt::format("(({} < 0.0) ? {} : {})", number, negative, other);
   }
 
   std::string define(const std::string& local, const std::string& formula) const override {

@@ -1,9 +1,11 @@
 #include "procedure.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -181,6 +183,25 @@ class Procedure::Writer {
     return {fmt::format("{} {} {}", left(value.operands[0]), sign, within(value.operands[1], right)), own};
   }
 
+  std::string_view function_of(Operation operation) const {
+    const FunctionNames names = language_.functions();
+    switch (operation) {
+      case Operation::square_root:
+        return names.square_root;
+      case Operation::sine:
+        return names.sine;
+      case Operation::cosine:
+        return names.cosine;
+      case Operation::arctangent:
+        return names.arctangent;
+      case Operation::turn_cosine:
+        return names.turn_cosine;
+      default:
+        assert(operation == Operation::turn_sine);
+        return names.turn_sine;
+    }
+  }
+
   Formula formula_of(const Value& value) const {
     if (value.operation == Operation::constant) {
       return {language_.number(value.constant), value.constant < 0.0 ? Strength::sum : Strength::atom};
@@ -191,7 +212,10 @@ class Procedure::Writer {
     if (is_arithmetic(value.operation)) return arithmetic(value);
     std::vector<std::string> operands;
     for (const std::size_t operand : value.operands) operands.push_back(formulas_[operand].text);
-    return {language_.call(value.operation, operands)};
+    if (value.operation == Operation::where_negative) {
+      return {language_.choice(operands[0], operands[1], operands[2])};
+    }
+    return {fmt::format("{}({})", function_of(value.operation), fmt::join(operands, ", "))};
   }
 
   /// Statements that keep an operation from what has no answer; its operand gets a name to be changed by.

@@ -22,6 +22,13 @@ struct OperationCount {
   std::size_t turns = 0;  ///< by series, whose own operations come on top
 };
 
+/// What a language calls functions of numbers.
+struct FunctionNames {
+  std::string_view square_root, sine, cosine, arctangent;
+  // Functions of the template, the same in each.
+  std::string_view turn_cosine = "paracal_turn_cosine", turn_sine = "paracal_turn_sine";
+};
+
 /// How formulas are written in one language.
 class Language {
  public:
@@ -31,8 +38,10 @@ class Language {
   virtual bool states_precedence() const { return false; }
   virtual std::string number(double value) const = 0;
   virtual std::string symbol(const Symbol& symbol) const = 0;
-  /// An operation that is no arithmetic on two numbers.
-  virtual std::string call(Operation operation, const std::vector<std::string>& operands) const = 0;
+  virtual FunctionNames functions() const = 0;
+  /// number < 0 ? negative : other
+  virtual std::string choice(const std::string& number, const std::string& negative,
+                             const std::string& other) const = 0;
   /// A statement that gives a local number its value.
   virtual std::string define(const std::string& local, const std::string& formula) const = 0;
   virtual std::string assign(const std::string& target, const std::string& formula) const = 0;

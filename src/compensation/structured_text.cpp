@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
-#include <stdexcept>
 
 #include "export_text.hpp"
 
@@ -28,25 +27,12 @@ class StructuredText : public Language {
                                 : fmt::format("{}_{}", text, "xyz"[symbol.index]);
   }
 
-  std::string call(Operation operation, const std::vector<std::string>& operands) const override {
-    switch (operation) {
-      case Operation::where_negative:
-        return fmt::format("SEL({} < 0.0, {}, {})", operands[0], operands[2], operands[1]);
-      case Operation::square_root:
-        return fmt::format("SQRT({})", operands[0]);
-      case Operation::sine:
-        return fmt::format("SIN({})", operands[0]);
-      case Operation::cosine:
-        return fmt::format("COS({})", operands[0]);
-      case Operation::arctangent:
-        return fmt::format("paracal_atan2({}, {})", operands[0], operands[1]);
-      case Operation::turn_cosine:
-        return fmt::format("paracal_turn_cosine({})", operands[0]);
-      case Operation::turn_sine:
-        return fmt::format("paracal_turn_sine({})", operands[0]);
-      default:
-        throw std::logic_error("no function of Structured Text");
-    }
+  FunctionNames functions() const override {
+    return {.square_root = "SQRT", .sine = "SIN", .cosine = "COS", .arctangent = "paracal_atan2"};
+  }
+
+  std::string choice(const std::string& number, const std::string& negative, const std::string& other) const override {
+    return fmt::format("SEL({} < 0.0, {}, {})", number, other, negative);
   }
 
   std::string define(const std::string& local, const std::string& formula) const override {

@@ -19,8 +19,9 @@ class Plain : public Language {
   std::string symbol(const Symbol& symbol) const override {
     return symbol.index < 0 ? std::string(symbol.name) : fmt::format("{}{}", symbol.name, symbol.index);
   }
-  std::string call(Operation, const std::vector<std::string>& operands) const override {
-    return fmt::format("f({})", fmt::join(operands, ", "));
+  FunctionNames functions() const override { return {"f", "f", "f", "f", "f", "f"}; }
+  std::string choice(const std::string& number, const std::string& negative, const std::string& other) const override {
+    return fmt::format("f({}, {}, {})", number, negative, other);
   }
   std::string define(const std::string& local, const std::string& formula) const override {
     return fmt::format("{} = {}", local, formula);
