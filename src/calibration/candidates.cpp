@@ -37,12 +37,6 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
 /// So that it can be typed.
 Eigen::Vector3d to_micrometres(const Eigen::Vector3d& position) { return (position * 1e3).array().round() / 1e3 + 0.0; }
 
-bool is_inside(const Workspace& workspace, const Eigen::Vector3d& place) {
-  constexpr double kRounded = 1e-3;  // mm
-  return place.head<2>().norm() <= workspace.radius + kRounded && place.z() <= workspace.top_z + kRounded &&
-         place.z() >= workspace.top_z - workspace.height - kRounded;
-}
-
 double largest_motion(const Joints& from, const Joints& to) { return (to - from).cwiseAbs().maxCoeff(); }
 
 /// A closed way through points, as their order.
@@ -125,7 +119,8 @@ std::vector<Station> within_range(const Robot& robot, const std::vector<Station>
     const double wanted = range.shortest + share * (range.longest - range.shortest);
     place += (wanted - lengths[k]) * model.shown(place, set_up, series).by_place.transpose();  // a unit vector
     place = to_micrometres(place);
-    if (is_inside(robot.workspace(), place) && error_model(robot, moved.commanded).ok()) kept.push_back(moved);
+    constexpr double kRounded = 1e-3;  // mm
+    if (robot.workspace().contains(place, kRounded) && error_model(robot, moved.commanded).ok()) kept.push_back(moved);
   }
   return kept;
 }

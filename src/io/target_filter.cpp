@@ -21,13 +21,8 @@ constexpr std::size_t kTargetsAtOnce = std::size_t{1} << 15U;
 
 bool is_within(const Workspace& workspace, const Pose& pose) {
   constexpr double kSlack = 1e-6;  // mm and rad
-  const auto is_between = [](double value, double low, double high) {
-    return value >= low - kSlack && value <= high + kSlack;
-  };
-  const Eigen::Vector3d& r = pose.position;
-  return r.head<2>().norm() <= workspace.radius + kSlack &&
-         is_between(r.z(), workspace.top_z - workspace.height, workspace.top_z) &&
-         is_between(pose.rotation, workspace.min_rotation, workspace.max_rotation);
+  return workspace.contains(pose.position, kSlack) && pose.rotation <= workspace.max_rotation + kSlack &&
+         pose.rotation >= workspace.min_rotation - kSlack;
 }
 
 /// What is told of a program as a whole.

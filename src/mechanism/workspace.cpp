@@ -5,6 +5,10 @@
 
 namespace paracal {
 
+bool Workspace::contains(const Eigen::Vector3d& place, double slack) const {
+  return place.head<2>().norm() <= radius + slack && place.z() <= top_z + slack && place.z() >= top_z - height - slack;
+}
+
 Eigen::Vector3d Workspace::on_circle(double circle_radius, double azimuth, double z) {
   return {circle_radius * std::cos(azimuth), circle_radius * std::sin(azimuth), z};
 }

@@ -19,6 +19,9 @@ struct Workspace {
   /// P_0: the centre of the cylinder, the home position of calibrations.
   Eigen::Vector3d centre() const { return {0.0, 0.0, top_z - 0.5 * height}; }
 
+  /// Whether a place lies in the cylinder, or within `slack` (mm) of it.
+  bool contains(const Eigen::Vector3d& place, double slack) const;
+
   /// Point on the axis-parallel circle of a layer: azimuth in rad from x towards y.
   static Eigen::Vector3d on_circle(double circle_radius, double azimuth, double z);
 
