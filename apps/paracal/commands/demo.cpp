@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "interruption.hpp"
+#include "output_folder.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "program.hpp"
 #include "scratch_folder.hpp"
@@ -101,38 +102,6 @@ Demonstration demonstrate(const std::vector<Step>& steps, const std::atomic<bool
   return all;
 }
 
-/// @throws WrongUsage unless the folder is empty, or can be made.
-void require_empty(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(folder, error)) {
-    const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
-    if (fs::is_directory(parent, error)) return;
-    throw WrongUsage(
-        fmt::format("demo: {}: expected a folder to make it in, got none: {}", folder.string(), parent.string()));
-  }
-  if (!fs::is_directory(folder, error)) {
-    throw WrongUsage(fmt::format("demo: expected a folder, got a file: {}", folder.string()));
-  }
-  const fs::directory_iterator entries(folder);
-  if (entries == fs::directory_iterator()) return;
-  throw WrongUsage(fmt::format("demo: expected an empty or a new folder, got {}, which has {}", folder.string(),
-                               entries->path().filename().string()));
-}
-
-/// All files, or neither files nor folder.
-void write(const std::map<std::string, std::string>& files, const fs::path& folder) {
-  const bool is_new = fs::create_directory(folder);
-  try {
-    Outputs outputs;  // gone before the folder goes: until then it may hold what has no name yet
-    for (const auto& [name, text] : files) outputs.write(folder / name, text);
-    outputs.commit();
-  } catch (...) {
-    std::error_code ignored;
-    if (is_new) fs::remove(folder, ignored);
-    throw;
-  }
-}
-
 bool tells(const Step& step, const std::string& line) {
   return std::ranges::any_of(step.telling, [&](const std::string& start) { return line.starts_with(start); });
 }
@@ -174,13 +143,12 @@ std::string robot_of(const Command& command) {
 }
 
 void run(const std::string& folder_name, const std::string& robot, Session& session) {
-  const fs::path typed = folder_name, folder = typed.has_filename() ? typed : typed.parent_path();
-  require_empty(folder);
+  const OutputFolder folder("demo", folder_name);
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Demonstration all = demonstrate(steps_of(robot, session.seed()), interrupted);
   if (interrupted) end_by_interruption();
-  session.json() ? session.print_json(json_of(all, folder)) : session.print(text_of(all, folder));
-  write(all.files, folder);
+  session.json() ? session.print_json(json_of(all, folder.path())) : session.print(text_of(all, folder.path()));
+  folder.write(all.files);
 }
 
 }  // namespace

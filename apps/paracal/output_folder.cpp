@@ -1,0 +1,51 @@
+#include "output_folder.hpp"
+
+#include <fmt/format.h>
+
+#include "outputs.hpp"
+#include "paracal/io/signals_wait.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What speaks against filling it; empty: nothing.
+std::string complaint(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) {
+    const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
+    if (fs::is_directory(parent, error)) return {};
+    return fmt::format("{}: expected a folder to make it in, got none: {}", folder.string(), parent.string());
+  }
+  if (!fs::is_directory(folder, error)) return fmt::format("expected a folder, got a file: {}", folder.string());
+  const fs::directory_iterator entries(folder);
+  if (entries == fs::directory_iterator()) return {};
+  return fmt::format("expected an empty or a new folder, got {}, which has {}", folder.string(),
+                     entries->path().filename().string());
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& who, const std::string& name) : path_(name) {
+  if (!path_.has_filename()) path_ = path_.parent_path();
+  const std::string against = complaint(path_);
+  if (!against.empty()) throw WrongUsage(fmt::format("{}: {}", who, against));
+}
+
+void OutputFolder::write(const std::map<std::string, std::string>& files) const {
+  const io::SignalsWait together;  // a folder without its files is neither
+  const bool is_new = fs::create_directory(path_);
+  try {
+    Outputs outputs;  // gone before the folder goes: until then it may hold what has no name yet
+    for (const auto& [name, text] : files) outputs.write(path_ / name, text);
+    outputs.commit();
+  } catch (...) {
+    std::error_code ignored;
+    if (is_new) fs::remove(path_, ignored);
+    throw;
+  }
+}
+
+}  // namespace paracal::app
