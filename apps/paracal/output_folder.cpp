@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 /// What speaks against filling it; empty: nothing.
 std::string complaint(const fs::path& folder) {
   std::error_code error;
+  if (folder.empty()) return "expected a folder, got \"\"";
   if (!fs::exists(folder, error)) {
     const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
     if (fs::is_directory(parent, error)) return {};

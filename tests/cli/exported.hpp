@@ -13,6 +13,8 @@
 
 namespace paracal::test {
 
+const std::string kConfigure = "export --calibration calibration.json --target linuxcnc --config machine";
+
 class Export : public CalibratedMachine {
  protected:
   /// Exit status of a command of the shell in the folder.
@@ -26,9 +28,19 @@ class Export : public CalibratedMachine {
         kDone);
   }
 
-  nlohmann::json library_joints(const std::vector<PoseNumbers>& poses) const {
+  /// calibration.json of a robot of the catalogue, with errors of both groups.
+  void calibrate(const std::string& robot) const {
+    folder.write("calibration.json", R"({"accepted": true, "parameters": [
+      {"name": "e_z", "limb": 3, "value": 0.4, "unit": "mm"},
+      {"name": "rod_difference", "limb": 1, "value": 0.3, "unit": "mm"}], "robot": )" +
+                                         folder.run("robot --json --robot " + robot).out + "}");
+  }
+
+  /// Of the robot's calibration.json; deg, of rails mm.
+  nlohmann::json library_joints(const std::vector<PoseNumbers>& poses, const std::string& robot = "huang2016") const {
     folder.write("poses.csv", lines(poses, ",").insert(0, "x_mm,y_mm,z_mm,phi_deg\n"));
-    return json_from(kCompensate).at("joints_deg");
+    const nlohmann::json all = json_from(kCompensate + " --robot " + robot);
+    return all.at(all.contains("joints_mm") ? "joints_mm" : "joints_deg");
   }
 };
 

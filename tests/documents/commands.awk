@@ -1,7 +1,7 @@
 # The commands of a Markdown document, one a line, as LINE<tab>COMMAND: of its sh blocks, of indented blocks, and of code within its text,
 # which is a command where it begins with paracal. A line of a block that names the program and is no command is an error.
 function is_command(text) {
-  return text ~ /^(paracal|cmake|ctest|npm|node|sudo|mpirun|srun|apt|cat|cd|sh|man)( |$)/ || text ~ /^(\.\/|\.ci\/|tools\/|build\/)/ || text ~ /^[A-Z_]+=[^ ]* /
+  return text ~ /^(paracal|cmake|ctest|npm|node|linuxcnc|sudo|mpirun|srun|apt|cat|cd|sh|man)( |$)/ || text ~ /^(\.\/|\.ci\/|tools\/|build\/)/ || text ~ /^[A-Z_]+=[^ ]* /
 }
 function emit(text) { sub(/^ +/, "", text); print NR "\t" text }
 function complain(text) {

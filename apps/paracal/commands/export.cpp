@@ -1,10 +1,14 @@
 #include "paracal/compensation/export.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "export_filter.hpp"
+#include "output_folder.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "session.hpp"
 
@@ -14,6 +18,7 @@ namespace {
 struct Options {
   std::string calibration;
   std::string target;
+  std::optional<std::string> folder = {};  ///< of a whole configuration; without it the exported text alone
   FilterOptions filter;
 };
 
@@ -32,6 +37,26 @@ void export_text(const std::string& target, const Robot& robot, const SourceErro
   session.print_json(json);
 }
 
+/// The folder of a controller's whole configuration, and what is to be done in it.
+void export_configuration(const OutputFolder& folder, const Robot& robot, const SourceErrors& errors,
+                          const ExportOrigin& origin, Session& session) {
+  const std::map<std::string, std::string> files = linuxcnc_configuration(robot, errors, origin);
+  const std::string name = folder.path().string();
+  if (session.json()) {
+    io::Json json{{"target", "linuxcnc"}};
+    json.update(io::to_json(robot, origin));
+    json["folder"] = name;
+    for (const auto& [file, text] : files) json["files"].push_back(file);
+    session.print_json(json);
+  } else {
+    session.print(
+        fmt::format("{} files are in {}; README.md there says what to change.\nTo start it: cd {} && sudo "
+                    "halcompile --install paracal_kins.comp && linuxcnc paracal.ini\n",
+                    files.size(), name, shell_word(name)));
+  }
+  folder.write(files);
+}
+
 void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
@@ -43,7 +68,21 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   session.print_json(json);
 }
 
+/// What --config asks for.
+/// @throws WrongUsage where another target was, or a file for it, too.
+std::optional<OutputFolder> configuration_folder(const Options& options, const Session& session) {
+  if (!options.folder) return std::nullopt;
+  if (options.target != "linuxcnc") {
+    throw WrongUsage(fmt::format("--config: expected with --target linuxcnc, got --target {}", options.target));
+  }
+  if (!session.out().empty()) {
+    throw WrongUsage("--config: the folder holds the component, too: expected no --out, got " + session.out());
+  }
+  return OutputFolder("--config", *options.folder);
+}
+
 void run(const Options& options, Session& session) {
+  const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
@@ -59,6 +98,7 @@ void run(const Options& options, Session& session) {
         "gcode or csv "
         "alone");
   }
+  if (folder) return export_configuration(*folder, robot, errors, origin, session);
   options.target == "json" ? export_json(robot, errors, origin, session)
                            : export_text(options.target, robot, errors, origin, session);
 }
@@ -78,6 +118,12 @@ void add_export(Command& program, Session& session) {
           "pose table with corrected targets")
       ->required()
       ->check(one_of({"c99", "linuxcnc", "st", "json", "gcode", "csv"}));
+  command
+      ->add_choice(
+          "--config", [options](const std::string& folder) { options->folder = folder; },
+          "linuxcnc: a folder, empty or not there yet, for a whole configuration with simulated motors: "
+          "component, INI, HAL, tools, README.md")
+      ->takes("FOLDER");
   command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
   command
       ->add_option("--origin", options->filter.origin,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "paracal/mechanism/robot.hpp"
@@ -28,7 +29,15 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 /// @throws as c99_header.
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 
-/// The same as IEC 61131-3 Structured Text for programmable controllers: function blocks paracal_compensator,
+/// A sample machine of LinuxCNC around that component: the files of a folder by their names, with INI, HAL, tools, work
+/// offsets, a program and README.md. Its motors are loops in HAL. Joints are homed where they take the plate to the
+/// centre of the workspace; their limits are what the whole workspace asks of the identified machine and 1 deg, or 5 mm
+/// of rails, more on each side. Speeds are sample values.
+/// @throws as c99_header.
+std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, const SourceErrors& errors,
+                                                          const ExportOrigin& origin);
+
+/// The compensator as IEC 61131-3 Structured Text for programmable controllers: function blocks paracal_compensator,
 /// paracal_forward and paracal_self_test, in what CODESYS, TwinCAT and matiec have in common. It asks for no root of a
 /// negative number and for no division by zero.
 /// @throws as c99_header.
