@@ -1,4 +1,5 @@
-// The component of LinuxCNC, built by halcompile and run by HAL.
+// What is exported for LinuxCNC: its component, built by halcompile and run by HAL, and its configuration, with which
+// the whole of LinuxCNC is started.
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <sstream>
 
@@ -107,27 +109,46 @@ class LinuxcncExport : public Export {
   }
 
   void TearDown() override {
+    end_what_still_runs();
     for (const char* module : {"paracal_trial.so", "paracal_probe.so"}) std::filesystem::remove(kModules / module);
     ::close(lock_);
+  }
+
+  /// A copy of the component under the name that is installed.
+  void write_trial(const std::string& component) const {
+    folder.write("paracal_trial.comp", replaced(component, "component paracal_kins ", "component paracal_trial "));
   }
 
   int install(const char* component) const {
     return shell(fmt::format("{} --install {}.comp > halcompile.log 2>&1", PARACAL_HALCOMPILE, component));
   }
 
-  int halrun() const {
-    return shell(fmt::format("{} RTAPI_FIFO_PATH=$PWD/socket timeout 120 halrun trial.hal > halrun.log 2>&1",
-                             ::geteuid() == 0 ? "RTAPI_UID=65534" : ""));
+  int halrun() const { return in_hal("timeout 120 halrun trial.hal > halrun.log 2>&1"); }
+
+  /// Exit status of a command that starts HAL; its socket lies in the folder.
+  int in_hal(const std::string& command) const {
+    const char* const user = ::geteuid() == 0 ? "RTAPI_UID=65534" : "";
+    return shell(fmt::format("HOME=$PWD {} RTAPI_FIFO_PATH=$PWD/socket {}", user, command));
   }
 
  private:
+  /// Nothing of LinuxCNC outlives its test: whatever still works in the folder is a failure, and ended.
+  void end_what_still_runs() const {
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::error_code gone;
+      const std::string where = std::filesystem::read_symlink(process.path() / "cwd", gone);
+      if (!where.starts_with(folder.path().string())) continue;
+      ADD_FAILURE() << "still runs: " << read_text(process.path() / "comm");
+      ::kill(std::stoi(process.path().filename()), SIGKILL);
+    }
+  }
+
   int lock_ = -1;
 };
 
 TEST_F(LinuxcncExport, GivesTheLibrarysJointsAndFindsTheWayBack) {
   export_to("linuxcnc", "paracal_kins.comp");
-  folder.write("paracal_trial.comp",
-               replaced(folder.read("paracal_kins.comp"), "component paracal_kins ", "component paracal_trial "));
+  write_trial(folder.read("paracal_kins.comp"));
   folder.write("paracal_probe.comp", kProbe);
   for (const char* component : {"paracal_trial", "paracal_probe"}) {
     ASSERT_EQ(install(component), 0) << folder.read("halcompile.log");
@@ -168,15 +189,135 @@ TEST_F(LinuxcncExport, GivesTheLibrarysJointsAndFindsTheWayBack) {
 /// The component is what a machine runs, so it must not load with constants that were damaged on the way.
 TEST_F(LinuxcncExport, ADamagedConstantIsRefusedWhileLoading) {
   export_to("linuxcnc", "paracal_kins.comp");
-  std::string text = replaced(folder.read("paracal_kins.comp"), "component paracal_kins ", "component paracal_trial ");
+  std::string text = folder.read("paracal_kins.comp");
   const std::size_t arm = text.find("375.15");  // arm of limb 3
   ASSERT_NE(arm, std::string::npos);
   text.replace(arm, 6, "375.16");
-  folder.write("paracal_trial.comp", text);
+  write_trial(text);
   ASSERT_EQ(install("paracal_trial"), 0);
   folder.write("trial.hal", "loadrt paracal_trial\n");
   EXPECT_NE(halrun(), 0);
   EXPECT_THAT(folder.read("halrun.log"), HasSubstr("of the self-test failed"));
+}
+
+// ---- The whole of LinuxCNC: task, interpreter, motion, HAL; linuxcnc_trial.py in place of a screen
+
+class LinuxcncMachine : public LinuxcncExport, public testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    LinuxcncExport::SetUp();
+    if (IsSkipped()) return;
+    calibrate(GetParam());
+    const json robot = json_from(fmt::format("robot --robot {}", GetParam()));
+    const json& workspace = robot.at("workspace");
+    radius = workspace.at("radius_mm");
+    height = workspace.at("height_mm");
+    floor = workspace.at("top_z_mm").get<double>() - height;
+    turns = robot.contains("plate");
+    ASSERT_EQ(folder.run(fmt::format("{} --robot {}", kConfigure, GetParam())).exit_code, kDone);
+    write_trial(folder.read("machine/paracal_kins.comp"));
+    ASSERT_EQ(install("paracal_trial"), 0) << folder.read("halcompile.log");
+  }
+
+  void write_program(const std::string& name, const std::string& blocks) const {
+    folder.write("machine/" + name, fmt::format("G21 G90 G17 G94 F20000\nG54 G49 {}\nM2\n", blocks));
+  }
+
+  /// Lets LinuxCNC run programs of the configuration's folder.
+  json seen_while_running(const std::string& programs) const {
+    const std::string ini =
+        replaced(folder.read("machine/paracal.ini"), "DISPLAY = axis", "DISPLAY = ./linuxcnc_trial.py -- " + programs);
+    folder.write("machine/paracal.ini", replaced(ini, "KINEMATICS = paracal_kins", "KINEMATICS = paracal_trial"));
+    std::filesystem::copy(PARACAL_LINUXCNC_TRIAL, folder.path() / "machine");
+    EXPECT_EQ(in_hal("DISPLAY= timeout -k 10 120 linuxcnc -r machine/paracal.ini > linuxcnc.log 2>&1 < /dev/null"), 0);
+    EXPECT_TRUE(exists(folder.path() / "machine/result.json")) << folder.read("linuxcnc.log");
+    return json::parse(folder.read("machine/result.json"));
+  }
+
+  /// Where the joints of the library are for these poses, against where LinuxCNC had them.
+  void expect_joints(const json& found, const std::vector<PoseNumbers>& poses) const {
+    const json expected = library_joints(poses, GetParam());
+    ASSERT_EQ(found.size(), poses.size());
+    double worst = 0.0;
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      ASSERT_EQ(found[k].size(), expected[k].size());
+      for (std::size_t i = 0; i < expected[k].size(); ++i) {
+        worst = std::max(worst, std::abs(found[k][i].get<double>() - expected[k][i].get<double>()));
+      }
+    }
+    EXPECT_LT(worst, 1e-9);  // deg, mm
+  }
+
+  PoseNumbers home() const { return {0.0, 0.0, floor + 0.5 * height, 0.0}; }
+  /// A place about home, in quarters of the workspace's radius, mm and deg.
+  PoseNumbers about_home(double x, double y, double z, double phi) const {
+    return {0.25 * radius * x, 0.25 * radius * y, home()[2] + z, turns ? phi : 0.0};
+  }
+  /// Words of a place, with C where there is one.
+  std::string words_of(const PoseNumbers& pose) const {
+    const auto& [x, y, z, phi] = pose;
+    return fmt::format("X{} Y{} Z{}{}", x, y, z, turns ? fmt::format(" C{}", phi) : "");
+  }
+
+  /// To two places, along an arc, and with the tip of a tool to a place above the table.
+  void write_motions() const {
+    write_program("motions.ngc", fmt::format("G0 {}\nM0\nG1 {}\nM0\nG3 X0 Y{} I{} J0\nM0\nT2 M6 G43\nG55 G1 {}",
+                                             words_of(about_home(2, 1, 20, 30)), words_of(about_home(-1, -1, -15, -30)),
+                                             -0.5 * radius, 0.25 * radius, words_of({10, 20, 30, 0})));
+  }
+  /// From homing to the end of programs the joints are the library's.
+  void expect_motions(const json& seen) const {
+    const PoseNumbers jogged = seen.at("jogged").at("place");
+    EXPECT_NEAR(jogged[0], 10.0, 1e-4);
+    json joints{seen.at("homed"), seen.at("jogged").at("joints")};
+    for (const char* program : {"motions.ngc", "first_motions.ngc"}) {
+      EXPECT_THAT(seen.at(program).at("messages"), testing::IsEmpty()) << program;
+      for (const json& rest : seen.at(program).at("rests")) joints.push_back(rest);
+    }
+    expect_joints(joints, {home(),
+                           jogged,
+                           about_home(2, 1, 20, 30),
+                           about_home(-1, -1, -15, -30),
+                           about_home(0, -2, -15, -30),
+                           {10, 20, floor + 30 + 50, 0},
+                           about_home(0, 0, 0.25 * height, 0)});
+  }
+
+  /// Home, and from there to what cannot be taken.
+  void write_refused(const std::string& name, const std::string& blocks) const {
+    write_program(name, fmt::format("G0 {}\nM0\n{}\nG0 X1 Y1", words_of(home()), blocks));
+  }
+  /// Nothing moved towards it, nor to what stands behind it.
+  void expect_refused(const json& program, const std::string& message) const {
+    EXPECT_THAT(program.at("messages"), testing::Contains(testing::ContainsRegex(message)));
+    expect_joints(program.at("rests"), {home(), home()});
+  }
+  /// It left where it paused for the second time, and came to rest on its way; NaN would be no JSON.
+  static void expect_stopped(const json& program) {
+    EXPECT_THAT(program.at("messages"),
+                testing::Contains(testing::ContainsRegex("^Exceeded [A-Z]+ soft limit .* joint")));
+    ASSERT_EQ(program.at("rests").size(), 3u);
+    EXPECT_NE(program.at("rests")[2], program.at("rests")[1]);
+    for (const json& joint : program.at("rests")[2]) EXPECT_TRUE(joint.is_number_float()) << joint;
+  }
+
+  double radius = 0.0, height = 0.0, floor = 0.0;
+  bool turns = false;
+};
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, LinuxcncMachine, testing::Values("huang2016", "rotary_delta", "linear_delta"),
+                         [](const auto& one) { return std::string(one.param); });
+
+TEST_P(LinuxcncMachine, MovesAsTheLibrarySaysAndRefusesTheRest) {
+  write_motions();
+  write_refused("box.ngc", fmt::format("G1 X{}", radius + 1.0));
+  write_refused("corner.ngc", fmt::format("G1 X{0} Y{0} Z{1}", radius, floor));
+  write_refused("on_the_way.ngc", fmt::format("G0 X{0} Z{1}\nM0\nG2 X{0} I{2}", 0.9 * radius, floor, radius));
+  const json seen = seen_while_running("motions.ngc first_motions.ngc box.ngc corner.ngc on_the_way.ngc");
+  expect_motions(seen);
+  expect_refused(seen.at("box.ngc"), "^Linear move on line 4 would exceed X's positive limit$");
+  expect_refused(seen.at("corner.ngc"), "^Linear move on line 4 (fails kinematicsInverse|would exceed joint)");
+  expect_stopped(seen.at("on_the_way.ngc"));
 }
 
 }  // namespace
