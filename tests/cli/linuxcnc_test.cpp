@@ -10,6 +10,7 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <regex>
 #include <sstream>
 
 #include "broken_input.hpp"
@@ -223,7 +224,7 @@ class LinuxcncMachine : public LinuxcncExport, public testing::WithParamInterfac
     folder.write("machine/" + name, fmt::format("G21 G90 G17 G94 F20000\nG54 G49 {}\nM2\n", blocks));
   }
 
-  /// Lets LinuxCNC run programs of the configuration's folder.
+  /// Lets LinuxCNC run programs of the configuration's folder; with none of them it homes.
   json seen_while_running(const std::string& programs) const {
     const std::string ini =
         replaced(folder.read("machine/paracal.ini"), "DISPLAY = axis", "DISPLAY = ./linuxcnc_trial.py -- " + programs);
@@ -318,6 +319,29 @@ TEST_P(LinuxcncMachine, MovesAsTheLibrarySaysAndRefusesTheRest) {
   expect_refused(seen.at("box.ngc"), "^Linear move on line 4 would exceed X's positive limit$");
   expect_refused(seen.at("corner.ngc"), "^Linear move on line 4 (fails kinematicsInverse|would exceed joint)");
   expect_stopped(seen.at("on_the_way.ngc"));
+}
+
+class LinuxcncEncoders : public LinuxcncMachine {};
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, LinuxcncEncoders, testing::Values("huang2016"),
+                         [](const auto& one) { return std::string(one.param); });
+
+/// Changed as README.md says for absolute encoders, the machine is where these show it, however often it is homed.
+TEST_P(LinuxcncEncoders, SayWhereTheMachineStands) {
+  const PoseNumbers place = about_home(1, 2, 30, 40);
+  const json shown = library_joints({place}, GetParam()).at(0);
+  std::string hal = std::regex_replace(folder.read("machine/paracal.hal"), std::regex("net joint-(.) .*"),
+                                       "net joint-$1 joint.$1.motor-pos-fb");
+  for (std::size_t i = 0; i < shown.size(); ++i) hal += fmt::format("sets joint-{} {}\n", i, shown[i].get<double>());
+  folder.write("machine/paracal.hal", hal);
+  folder.write("machine/paracal.ini",
+               std::regex_replace(folder.read("machine/paracal.ini"), std::regex("HOME_OFFSET = .*"),
+                                  "HOME_ABSOLUTE_ENCODER = 2\nHOME_OFFSET = 0"));
+  const json seen = seen_while_running("");
+  expect_joints({seen.at("homed"), seen.at("homed_again")}, {place, place});
+  for (const char* said : {"`HOME_ABSOLUTE_ENCODER = 2`", "`HOME_OFFSET = 0`"}) {
+    EXPECT_THAT(folder.read("machine/README.md"), HasSubstr(said));
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""LinuxCNC's user in the tests, in place of a screen: switches the machine on, homes it, jogs it in world coordinates and runs the
-programs named behind it. What it saw goes to result.json, in full digits: where the joints were commanded to rest, and LinuxCNC's messages."""
+"""LinuxCNC's user in the tests, in place of a screen: switches the machine on, homes it twice, and, where programs are named behind --,
+jogs it in world coordinates and runs them. What it saw goes to result.json, in full digits: where the joints were commanded to rest, and
+LinuxCNC's messages."""
 
 import json
 import os
@@ -48,9 +49,15 @@ def joints():
     return list(state.joint_position[: state.joints])
 
 
-def homed():
+def switch_on():
     tell(command.state, linuxcnc.STATE_ESTOP_RESET)
     tell(command.state, linuxcnc.STATE_ON)
+
+
+def homed():
+    tell(command.teleop_enable, 0)  # in joint mode, as the first time
+    tell(command.unhome, -1)
+    until("unhoming", lambda: not any(state.homed[: state.joints]))
     tell(command.home, -1)
     until("homing", lambda: all(state.homed[: state.joints]))
     return joints()
@@ -84,8 +91,12 @@ def carried_out(program):
 
 
 def main():
-    result = {"homed": homed(), "jogged": jogged()}
-    for program in sys.argv[sys.argv.index("--") + 1 :]:
+    programs = sys.argv[sys.argv.index("--") + 1 :]
+    switch_on()
+    result = {"homed": homed(), "homed_again": homed()}
+    if programs:
+        result["jogged"] = jogged()
+    for program in programs:
         result[program] = carried_out(program)
     with open("result.json", "w", encoding="ascii") as file:
         json.dump(result, file)
