@@ -18,6 +18,7 @@ namespace paracal::io {
 // Reasons that modes and motions share.
 inline constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
 inline constexpr std::string_view kExpression = "parameters and expressions";
+inline constexpr std::string_view kFlow = "subprograms, jumps and loops";
 
 /// Modal state of a program. What a line does not let know for certain is unknown until the program states it again.
 class GcodeModes {

@@ -1,0 +1,201 @@
+// What the codes of a block do to what a controller remembers.
+
+#include <cmath>
+
+#include "gcode_codes.hpp"
+#include "gcode_modes.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr double kMmPerInch = 25.4;
+
+constexpr std::string_view kUnknownCode = "a G code that is not known here";
+
+/// 10 times the code; -1 for what no code is.
+int tenths_of(double code) {
+  const double tenths = std::round(10.0 * code);
+  return std::abs(10.0 * code - tenths) < 1e-6 && tenths >= 0.0 && tenths < 1e5 ? static_cast<int>(tenths) : -1;
+}
+
+}  // namespace
+
+void GcodeModes::shift_origin() {
+  ++origin_.shifts;
+  lose_all();
+}
+
+/// Where the place is known its new name is, too.
+void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
+  request.takes_axes = true;
+  bool is_known = first_origin_ && origin_ == *first_origin_ && mm_per_unit_ && transforms_ == 0 && axes.count > 0;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    const GcodeWord* const word = axes.word[axis];
+    is_known &= word == nullptr || (word->is_number() && place_[axis]);
+  }
+  request.calls_here = is_known;
+  if (!is_known) shift_origin();
+}
+
+void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request) {
+  const auto start_motion = [&](Motion motion) {
+    if (request.motion) request.refused = kMalformed;
+    request.motion = motion_ = motion;
+  };
+  const Code* const code = find_code(tenths);
+  if (code == nullptr) {
+    request.refused = kUnknownCode;
+    return;
+  }
+  switch (code->effect) {
+    case Effect::none:
+      return;
+    case Effect::rapid:
+      return start_motion(Motion::rapid);
+    case Effect::straight:
+      return start_motion(Motion::straight);
+    case Effect::clockwise:
+      return start_motion(Motion::clockwise);
+    case Effect::anticlockwise:
+      return start_motion(Motion::anticlockwise);
+    case Effect::spline:
+      return start_motion(Motion::spline);
+    case Effect::plane:
+      normal_ = code->normal;
+      return;
+    case Effect::centre_is_place:
+      centre_is_place_ = true;
+      return;
+    case Effect::centre_from_start:
+      centre_is_place_ = false;
+      return;
+    case Effect::inverse_time:
+      inverse_time_ = true;
+      return;
+    case Effect::feed_per_time:
+      inverse_time_ = false;
+      return;
+    case Effect::cycle:
+      return start_motion(Motion::cycle);
+    case Effect::no_motion:
+      if (!request.motion) motion_ = Motion::none;  // beside another it says nothing
+      return;
+    case Effect::probe:
+      request.goes_elsewhere = true;
+      return start_motion(Motion::unknown);
+    case Effect::home:
+      request.goes_elsewhere = request.takes_axes = true;
+      return;
+    case Effect::dwell:
+      request.takes_axes = true;
+      return;
+    case Effect::absolute:
+      distance_ = Distance::absolute;
+      return extruder_.set_distance(false);
+    case Effect::incremental:
+      distance_ = Distance::incremental;
+      return extruder_.set_distance(true);
+    case Effect::inch:
+      mm_per_unit_ = kMmPerInch;
+      return;
+    case Effect::mm:
+      mm_per_unit_ = 1.0;
+      return;
+    case Effect::in_machine:
+      request.in_machine = true;
+      return;
+    case Effect::system:
+      if (origin_.system != tenths) lose_all();
+      origin_.system = tenths;
+      return;
+    case Effect::tool_length:
+      origin_.tool_length = true;
+      return shift_origin();
+    case Effect::no_tool_length:
+      origin_.tool_length = false;  // another origin than with it, and than any before it: G43 has counted a shift
+      return;
+    case Effect::shift_if_stated:
+      if (!block.has_letter("LP")) return;
+      request.takes_axes = true;
+      return shift_origin();
+    case Effect::shift_axes:
+      for (const GcodeWord& word : block.words) {
+        if (word.letter == 'E') extruder_.place = word.is_number() ? std::optional(word.value) : std::nullopt;
+      }
+      if (axes.count == 0 && block.has_letter("ABEUVW")) return;
+      return call_here_or_shift(axes, request);
+    case Effect::shift:
+      request.takes_axes = true;
+      return shift_origin();
+    case Effect::flow:
+      request.refused = kFlow;
+      return;
+    case Effect::transform_by_axes:
+      request.takes_axes = true;
+      [[fallthrough]];
+    case Effect::transform:
+      transforms_ |= code->transform;
+      return lose_all();
+    case Effect::no_transform:
+      if ((transforms_ & code->transform) != 0) lose_all();
+      transforms_ &= ~code->transform;
+      return;
+  }
+}
+
+void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) {
+  request.has_m_code |= takes_axis_words(tenths);
+  switch (effect_of_m(tenths)) {
+    case MEffect::none:
+      return;
+    case MEffect::pause:
+      request.acts_after = true;
+      return;
+    case MEffect::end:
+      request.acts_after = request.then_unknown = true;
+      return;
+    case MEffect::absolute_extrusion:
+      extruder_ = {.is_relative = false};
+      return;
+    case MEffect::relative_extrusion:
+      extruder_ = {.is_relative = true};
+      return;
+    case MEffect::end_of_modes:
+      request.then_unknown = true;
+      return;
+    case MEffect::end_of_modes_if_bare:
+      if (!block.has_letter("PRCD")) request.then_unknown = true;
+      return;
+    case MEffect::tool_change:
+      request.then_lost = true;
+      return;
+    case MEffect::flow:
+      request.refused = kFlow;
+      return;
+    case MEffect::setting:
+      request.is_setting = true;
+      return;
+    case MEffect::shift:
+      return shift_origin();
+  }
+}
+
+GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {
+  Request request;
+  if (axes.has_duplicate) request.refused = kMalformed;
+  for (const GcodeWord& word : block.words) {
+    if (word.letter == 'T') request.then_lost = true;  // RepRap changes the tool at once
+    if (word.letter != 'G' && word.letter != 'M') continue;
+    if (word.is_number()) {
+      const int tenths = tenths_of(word.value);
+      const auto stated_before = request.motion;
+      word.letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
+      if (request.motion && !stated_before) request.motion_word = {word.at, word.end};
+    } else {
+      request.refused = word.kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
+    }
+  }
+  return request;
+}
+
+}  // namespace paracal::io
