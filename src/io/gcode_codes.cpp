@@ -68,9 +68,9 @@ constexpr std::array kCodes{
     Code{591, Effect::system},
     Code{592, Effect::system},
     Code{593, Effect::system},
-    Code{610, Effect::none},
-    Code{611, Effect::none},
-    Code{640, Effect::none},
+    Code{610, Effect::path_mode},
+    Code{611, Effect::path_mode},
+    Code{640, Effect::path_mode},
     Code{650, Effect::flow},
     Code{680, Effect::transform_by_axes, kTurn},
     Code{690, Effect::no_transform, kTurn},
@@ -99,8 +99,8 @@ constexpr std::array kCodes{
     Code{950, Effect::feed_per_time},
     Code{960, Effect::none},
     Code{970, Effect::none},
-    Code{980, Effect::none},
-    Code{990, Effect::none},
+    Code{980, Effect::return_to_start},
+    Code{990, Effect::return_to_clearance},
 };
 static_assert(std::ranges::is_sorted(kCodes, {}, &Code::tenths));
 

@@ -10,7 +10,7 @@ namespace paracal::io {
 
 /// What a G code does to targets.
 enum class Effect : std::uint8_t {
-  none,  ///< path modes, exact stop, spindle modes, return of cycles
+  none,  ///< spindle modes, speeds
   rapid,
   straight,
   clockwise,
@@ -22,6 +22,9 @@ enum class Effect : std::uint8_t {
   inverse_time,
   feed_per_time,
   cycle,
+  path_mode,
+  return_to_start,  ///< of cycles
+  return_to_clearance,
   no_motion,
   probe,  ///< probing and threads
   home,   ///< homing, stored places, levelling

@@ -41,6 +41,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
   const auto start_motion = [&](Motion motion) {
     if (request.motion) request.refused = kMalformed;
     request.motion = motion_ = motion;
+    lost_rewritten_mode_ = false;
   };
   const Code* const code = find_code(tenths);
   if (code == nullptr) {
@@ -76,8 +77,16 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       inverse_time_ = false;
       return;
     case Effect::cycle:
+      cycle_.choose(tenths, motion_ == Motion::cycle);
       return start_motion(Motion::cycle);
+    case Effect::path_mode:
+      return cycle_.choose_path_mode(block, tenths);
+    case Effect::return_to_start:
+      return cycle_.choose_return(false);
+    case Effect::return_to_clearance:
+      return cycle_.choose_return(true);
     case Effect::no_motion:
+      lost_rewritten_mode_ = false;
       if (!request.motion) motion_ = Motion::none;  // beside another it says nothing
       return;
     case Effect::probe:

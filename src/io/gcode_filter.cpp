@@ -27,7 +27,13 @@ class Gcode : public TargetFormat {
     if (target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
     if (modes_.has_forgotten()) parameters_.forget();
     if (target.kind != TargetLine::Kind::none) add_style(text, target);
+    if (unread_ > 0 && --unread_ == 0) modes_.resume_cycle();
     return passed;
+  }
+  std::vector<std::string> instead() override {
+    std::vector<std::string> lines = modes_.instead();
+    unread_ += lines.size();
+    return lines;
   }
   void skip() override {
     modes_.forget();
@@ -36,6 +42,9 @@ class Gcode : public TargetFormat {
   std::vector<std::string> assumed() const override {
     std::vector<std::string> sentences;
     if (modes_.took_rotation_as_zero()) sentences.emplace_back("C, which the program never states, stays at 0 deg");
+    if (modes_.has_pecked()) {
+      sentences.emplace_back("G73 and G83 go back to 0.254 mm above where they were, as LinuxCNC does by default");
+    }
     if (lines_.is_unrolled()) {
       sentences.emplace_back("parameters and subprograms are those of this file: its O words have been carried out");
     }
@@ -63,6 +72,7 @@ class Gcode : public TargetFormat {
   GcodeBlock block_;
   GcodeParameters parameters_;
   GcodeModes modes_;
+  std::size_t unread_ = 0;  ///< lines that stand for a canned cycle
 };
 
 }  // namespace

@@ -20,6 +20,8 @@ GcodeModes::GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& 
 
 void GcodeModes::forget() {
   forgotten_ = true;
+  lost_rewritten_mode_ |= (arcs_are_lines_ && is_arc(motion_)) || (cycle_.is_expanded() && motion_ == Motion::cycle);
+  cycle_.forget();
   motion_ = Motion::unknown;
   distance_ = Distance::unknown;
   mm_per_unit_.reset();

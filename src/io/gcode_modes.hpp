@@ -5,11 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "gcode_arc.hpp"
 #include "gcode_block.hpp"
+#include "gcode_cycle.hpp"
 #include "gcode_extruder.hpp"
 #include "target_line.hpp"
 
@@ -38,6 +41,12 @@ class GcodeModes {
   void move_origin() { shift_origin(); }
   /// @returns whether anything was forgotten since it was last asked.
   bool has_forgotten() { return std::exchange(forgotten_, false); }
+
+  /// Lines that stand for the block which was taken last; none: it stands for itself. They are to be taken next.
+  std::vector<std::string> instead() { return std::exchange(instead_, {}); }
+  /// All of them have been taken: for the program, the motion is still the cycle's.
+  void resume_cycle() { motion_ = Motion::cycle; }
+  bool has_pecked() const { return cycle_.has_pecked(); }
 
   /// Whether targets were stated while C never was: it is taken as 0.
   bool took_rotation_as_zero() const { return rotation_ == Rotation::taken_as_zero; }
@@ -91,6 +100,8 @@ class GcodeModes {
   std::string_view take_rotation(const Axes& axes);
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes);
   std::string_view move(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
+  std::string_view expand_cycle(const GcodeBlock& block, const Axes& axes, const Request& request,
+                                std::string_view passed, TargetLine& target);
   std::string_view move_to(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
   std::string_view why_unknown(const Places& from, Motion motion) const;
   void call_here(const Axes& axes, TargetLine& target);
@@ -116,7 +127,10 @@ class GcodeModes {
   std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
   Rotation rotation_ = Rotation::stated;
   bool forgotten_ = false;
-  bool arcs_are_lines_ = false;  ///< the controller may be in another motion mode than the program
+  bool arcs_are_lines_ = false;       ///< the controller may be in another motion mode than the program
+  bool lost_rewritten_mode_ = false;  ///< was it, when something unknown came?
+  GcodeCycle cycle_;
+  std::vector<std::string> instead_ = {};
 };
 
 }  // namespace paracal::io

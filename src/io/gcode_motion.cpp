@@ -8,7 +8,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kElsewhere = "homing, probing, threads and cycles";
+constexpr std::string_view kElsewhere = "homing, probing and threads";
 constexpr std::string_view kMCode = "axis words of an M code";
 constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
 constexpr std::string_view kPlane = "an arc, and unclear in which plane (G17) and how its centre is stated (G91.1)";
@@ -25,6 +25,13 @@ constexpr std::string_view kNumbered = "a line to divide that has a checksum";
 constexpr std::string_view kOtherAxes = "a line to divide that moves other axes (A, B, U, V, W), too";
 constexpr std::string_view kInverseTime = "a line to divide whose feed is an inverse time (G93), or may be";
 constexpr std::string_view kExtrusion = "a line to divide, and unclear whether extrusion is absolute (M82, M83)";
+
+constexpr std::string_view kCycleWords =
+    "a canned cycle on a line that turns C, moves other axes, assigns parameters, stops, ends, changes the tool or has "
+    "a checksum";
+constexpr std::string_view kCycleStart = "a canned cycle from a place that is not known";
+constexpr std::string_view kRewrittenMode =
+    "a line without its motion (G2, G3, G81 to G89) behind one that was rewritten and one that may have changed it";
 
 constexpr std::string_view kCentreLetters = "IJK";
 
@@ -60,17 +67,51 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, con
     return why;
   };
   if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
+  if (motion == Motion::unknown && lost_rewritten_mode_) {
+    target.breaks = true;
+    return give_up(kRewrittenMode);
+  }
   if (motion == Motion::unknown || motion == Motion::none || distance_ == Distance::unknown || !mm_per_unit_) {
     return give_up(kModes);
   }
-  if (motion == Motion::cycle) {
-    place_[2].reset();
-    return give_up(kElsewhere);
+  if (motion == Motion::cycle && normal_) cycle_.take(block, *normal_);
+  std::string_view passed;
+  if (request.in_machine) passed = kOtherOrigin;
+  if (transforms_ != 0) passed = kTransformed;
+  if (first_origin_ && !(origin_ == *first_origin_)) passed = kOtherOrigin;
+  if (motion == Motion::cycle) return expand_cycle(block, axes, request, passed, target);
+  return passed.empty() ? move_to(block, axes, request, target) : give_up(passed);
+}
+
+/// @param passed  why it cannot be taken, whatever it is; else empty.
+std::string_view GcodeModes::expand_cycle(const GcodeBlock& block, const Axes& axes, const Request& request,
+                                          std::string_view passed, TargetLine& target) {
+  const bool is_known = normal_ && place_[*normal_];
+  if (passed.empty() && !is_known) passed = kCycleStart;
+  if (passed.empty() && axes.has_expression) passed = kExpression;
+  if (passed.empty() && inverse_time_ != false) passed = kInverseTime;
+  const bool acts_after = request.acts_after || request.then_lost || request.then_unknown;
+  const bool is_simple = !acts_after && block.checksum_at == 0 && block.assignments.empty();
+  if (passed.empty() && !(is_simple && !block.has_letter("ABCUVWE"))) passed = kCycleWords;
+  if (passed.empty()) {
+    const CycleStart start{.normal = *normal_,
+                           .place = *place_[*normal_],
+                           .shift = shift_[*normal_],
+                           .mm_per_unit = *mm_per_unit_,
+                           .is_incremental = distance_ == Distance::incremental};
+    const TextRange word = request.motion_word;
+    passed = cycle_.expand(block, word.is_empty() ? std::nullopt : std::optional(word.begin), start, instead_);
+    if (passed.empty()) return {};
+    instead_.clear();
   }
-  if (request.in_machine) return give_up(kOtherOrigin);
-  if (transforms_ != 0) return give_up(kTransformed);
-  if (first_origin_ && !(origin_ == *first_origin_)) return give_up(kOtherOrigin);
-  return move_to(block, axes, request, target);
+  if (cycle_.is_expanded()) {
+    target.breaks = !normal_ || !block.assignments.empty();  // taken twice, these would count twice
+    if (!target.breaks) instead_ = cycle_.restated(block, *normal_);
+  }
+  lose(axes);
+  if (normal_) place_[*normal_].reset();
+  extruder_.place.reset();
+  return instead_.empty() ? passed : std::string_view();
 }
 
 /// A motion in the origin's frame: axes that it states as numbers are known from now on.

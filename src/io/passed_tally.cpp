@@ -18,6 +18,10 @@ void PassedTally::pass(std::string_view reason, std::int64_t line) {
 
 void PassedTally::correct() {
   corrected_ = true;
+  break_off();
+}
+
+void PassedTally::break_off() {
   if (!std::exchange(passes_since_, false)) return;
   for (std::size_t k = 0; k < passed_.size(); ++k) {
     const Since since = std::exchange(since_[k], {});

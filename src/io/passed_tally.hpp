@@ -16,6 +16,8 @@ class PassedTally {
   void pass(std::string_view reason, std::int64_t line);
   /// What was passed since the last corrected target stands between two.
   void correct();
+  /// What was passed last is not what it was: as if a corrected target followed.
+  void break_off();
   /// In the order of their first lines.
   std::vector<PassedThrough> sorted() const;
 

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <limits>
+#include <deque>
 #include <optional>
 #include <utility>
 
@@ -73,22 +73,12 @@ struct Filtering {
 /// Lines that were read together, and those of them that state targets.
 class Passage {
  public:
-  Passage(std::span<const Line> lines, Filtering& filtering) : lines_(lines), filtering_(filtering) {}
+  explicit Passage(Filtering& filtering) : filtering_(filtering) {}
 
-  void read(TargetFormat& format) {
-    stated_.reserve(lines_.size());
-    for (std::size_t index = 0; index < lines_.size(); ++index) {
-      if (lines_[index].part == Line::Part::rest_of_long) continue;
-      TargetLine line{.index = index, .number = lines_[index].number};
-      std::string_view passed = kTooLong;
-      if (lines_[index].part == Line::Part::start_of_long) {
-        format.skip();
-      } else {
-        passed = format.read(without_end(lines_[index].text), line);
-        if (line.kind != TargetLine::Kind::none) stated_.push_back(line);
-      }
-      if (!passed.empty()) passed_.emplace_back(passed, line.number);
-    }
+  void read(std::span<const Line> lines, TargetFormat& format) {
+    lines_.reserve(lines.size());
+    stated_.reserve(lines.size());
+    for (const Line& line : lines) take(line, format);
   }
 
   void write() {
@@ -105,11 +95,45 @@ class Passage {
       filtering_.flush();
     }
     for (; next_ < lines_.size(); ++next_) filtering_.text += lines_[next_].text;
-    pass_before(std::numeric_limits<std::int64_t>::max());
+    pass_before(lines_.size());
     filtering_.flush();
   }
 
  private:
+  /// A line that was passed through.
+  struct Passed {
+    std::string_view reason;
+    std::size_t index;  ///< of lines_
+    bool breaks;
+  };
+
+  void take(const Line& line, TargetFormat& format) {
+    TargetLine stated{.index = lines_.size(), .number = line.number};
+    std::string_view passed;
+    if (line.part == Line::Part::start_of_long) {
+      format.skip();
+      passed = kTooLong;
+    } else if (line.part == Line::Part::whole) {
+      passed = format.read(without_end(line.text), stated);
+      if (take_instead(line, format)) return;
+      if (stated.kind != TargetLine::Kind::none) stated_.push_back(stated);
+    }
+    if (!passed.empty()) passed_.push_back({passed, lines_.size(), stated.breaks});
+    lines_.push_back(line);
+  }
+
+  /// The lines that stand for one.
+  bool take_instead(const Line& line, TargetFormat& format) {
+    std::vector<std::string> instead = format.instead();
+    const std::string_view end = line.text.substr(without_end(line.text).size());
+    for (std::string& text : instead) {
+      text += end.empty() && &text != &instead.back() ? "\n" : end;
+      take({held_.emplace_back(std::move(text)), Line::Part::whole, line.number}, format);
+    }
+    if (!instead.empty()) filtering_.summary.added += static_cast<std::int64_t>(instead.size()) - 1;
+    return !instead.empty();
+  }
+
   static void add_places(const TargetLine& line, std::uint32_t pieces, std::vector<AxisValues>& places) {
     if (line.kind != TargetLine::Kind::target) return;
     for (std::uint32_t k = 1; k <= pieces; ++k) {
@@ -117,14 +141,15 @@ class Passage {
     }
   }
 
-  void pass_before(std::int64_t line) {
-    for (; pass_ < passed_.size() && passed_[pass_].second < line; ++pass_) {
-      filtering_.tally.pass(passed_[pass_].first, passed_[pass_].second);
+  void pass_before(std::size_t index) {
+    for (; pass_ < passed_.size() && passed_[pass_].index < index; ++pass_) {
+      filtering_.tally.pass(passed_[pass_].reason, lines_[passed_[pass_].index].number);
+      if (passed_[pass_].breaks) filtering_.tally.break_off();
     }
   }
 
   void write_line(const TargetLine& line, const PathDivision::Cut& cut) {
-    pass_before(line.number);
+    pass_before(line.index);
     for (; next_ < line.index; ++next_) filtering_.text += lines_[next_].text;
     const std::string_view whole = lines_[next_++].text;
     const std::string_view content = without_end(whole), end = whole.substr(content.size());
@@ -158,11 +183,12 @@ class Passage {
     filtering_.tally.correct();
   }
 
-  std::span<const Line> lines_;
   Filtering& filtering_;
+  std::vector<Line> lines_;
+  std::deque<std::string> held_;  ///< texts of lines that stand for others
   std::vector<TargetLine> stated_;
-  std::vector<std::pair<std::string_view, std::int64_t>> passed_;  ///< why, and in which line
-  std::size_t next_ = 0, pass_ = 0, next_target_ = 0;              ///< of lines_, passed_, targets_
+  std::vector<Passed> passed_;
+  std::size_t next_ = 0, pass_ = 0, next_target_ = 0;  ///< of lines_, passed_, targets_
   std::vector<std::optional<AxisValues>> targets_;
   std::vector<AxisValues> reached_;  ///< of one line
 };
@@ -173,8 +199,8 @@ FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, 
                      const FilterSettings& settings) {
   Filtering filtering(correction, settings, out);
   for (auto lines = in.next(); !lines.empty(); lines = in.next()) {
-    Passage passage(lines, filtering);
-    passage.read(format);
+    Passage passage(filtering);
+    passage.read(lines, format);
     passage.write();
   }
   format.finish();

@@ -73,6 +73,9 @@ struct TargetLine {
   bool with_blank = false, in_lower_case = false;  ///< how added words are written
   std::size_t checksum_at = 0;                     ///< of '*', RepRap; 0: none
   std::string_view restated = {};                  ///< of a line that is left: "2", "3" of its motion's word
+  /// It is passed through, and what it does now is not what it did in the program, whether a corrected target follows
+  /// or not.
+  bool breaks = false;
   DividedLine divided = {};
 };
 
@@ -89,6 +92,8 @@ class TargetFormat {
   /// @param target  has its number; gets what the line states.
   /// @returns why not, if it may hold a target and none is stated; else empty.
   virtual std::string_view read(std::string_view text, TargetLine& target) = 0;
+  /// Lines, without ends, that stand for the one that was read last; to be read next. None: it stands for itself.
+  virtual std::vector<std::string> instead() { return {}; }
   /// A line too long to be read.
   virtual void skip() {}
   /// @throws InputFileError when something was missing.

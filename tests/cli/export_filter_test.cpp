@@ -65,7 +65,7 @@ TEST_F(ExportFilter, ProgramsKeepAllButTheTargets) {
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kDone);
   EXPECT_THAT(result.err, testing::MatchesRegex("part.ngc: 8 lines, 3 targets corrected\n"
-                                                "  [0-9]+ lines added: arcs in chords, divided lines\n"));
+                                                "  [0-9]+ lines added: arcs in chords, divided lines, cycles\n"));
   EXPECT_EQ(folder.run(kGcode + " --chord-mm 5").err, "part.ngc: 8 lines, 3 targets corrected\n");
   EXPECT_THAT(result.out, StartsWith("%\n(part)\nG21 G90\nG0 X"));
   EXPECT_THAT(result.out, HasSubstr(" ; home\r\nN20 G1 X"));
@@ -100,7 +100,7 @@ TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
     EXPECT_THAT(result.out, IsEmpty());
     EXPECT_THAT(result.err,
                 StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got splines (1 times) "
-                           "between targets that can; line 4: homing, probing, threads and cycles (1 times); "));
+                           "between targets that can; line 4: homing, probing and threads (1 times); "));
     EXPECT_THAT(result.err, HasSubstr("--partial corrects 3 targets"));
     EXPECT_EQ(folder.read("corrected.ngc"), "of yesterday");
   }

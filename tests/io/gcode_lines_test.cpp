@@ -17,7 +17,8 @@
 namespace paracal::io {
 namespace {
 
-using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs, testing::StartsWith;
+using testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs,
+    testing::StartsWith;
 
 struct Filtered {
   std::string text;
@@ -86,7 +87,8 @@ TEST_F(GcodeLines, ArcsBecomeAsManyChordsAsTheirSagittaAsks) {
 TEST_F(GcodeLines, AnArcThatNeedsNoCorrectionStays) {
   std::string all;
   for (const auto& entry : std::filesystem::directory_iterator(PARACAL_PROGRAMS)) {
-    if (entry.path().filename().string().starts_with("o_")) continue;  // carried out
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("o_") || name.starts_with("cycles")) continue;  // carried out
     std::ifstream in(entry.path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     EXPECT_EQ(filtered(text, none, {.origin = {0, 0, -900}}).text, text) << entry.path();
@@ -438,6 +440,59 @@ TEST_F(GcodeLines, ExpressionsHaveTheirValues) {
   for (const char* wrong : {"[1 +]", "sqrt[-1]", "[#9]", "atan[1]", "foo[1]", "[[1]", "#0"}) {
     EXPECT_FALSE(of(fmt::format("#5 = 1\n#5 = {}\nG90 G21 G0 X#5 Y0 Z-900\n", wrong)).summary.complete()) << wrong;
   }
+}
+
+/// Of a machine without errors: the motions, as LinuxCNC takes them (gcode_paths_test.cpp compares with it).
+TEST_F(GcodeLines, CyclesBecomeTheirMotions) {
+  const auto expanded = [this](const std::string& cycles) {
+    const Filtered result = filtered("G0 X0 Y0 Z-880\n" + cycles, none);
+    EXPECT_TRUE(result.summary.complete());
+    return result.text.substr(result.text.find('\n') + 1);
+  };
+  EXPECT_EQ(expanded("N5 G98 G81 X10 Z-910 R-900 F100 (drill)\nY5 S2\nG80"),
+            "N5 G98 F100 (drill)\nG61\nG0 X10\nG0 Z-900\nG1 Z-910\nG0 Z-880\nG64\n"
+            "S2\nG61\nG0 Y5\nG0 Z-900\nG1 Z-910\nG0 Z-880\nG64\nG80");
+  EXPECT_EQ(expanded("G61 G99\r\ng82x10z-910r-900p.5\r\n"),
+            "G61 G99\r\nG0 X10\r\nG0 Z-900\r\nG1 Z-910\r\nG4 P0.5\r\nG0 Z-900\r\n");
+  EXPECT_EQ(expanded("G91 G99 G81 X10 Z-10 R-20 L2"),
+            "G91 G99\nG61\nG0 X10\nG0 Z-20\nG1 Z-10\nG0 Z10\nG0 X10\nG1 Z-10\nG0 Z10\nG64");
+  EXPECT_THAT(expanded("G61.1 G99\nG81 X10 Z-910 R-900\n"), testing::EndsWith("\nG61.1\n"));
+  EXPECT_THAT(expanded("G64 P.1 Q.02 G99\nG81 X10 Z-910 R-900\n"), testing::EndsWith("\nG64 P0.1 Q0.02\n"));
+  EXPECT_THAT(expanded("G99 G81 X10 Z-910 R-870\n"), HasSubstr("G61\nG0 Z-870\nG0 X10\n"));
+}
+
+TEST_F(GcodeLines, CyclesSayHowFarTheyGoBack) {
+  const std::string start = "G0 X0 Y0 Z-880 C0\nG99 ";
+  EXPECT_THAT(of(start + "G81 X10 Z-910 R-900").summary.assumed, Not(Contains(HasSubstr("0.254"))));
+  EXPECT_THAT(of(start + "G83 X10 Z-910 R-900 Q20").summary.assumed, Not(Contains(HasSubstr("0.254"))));
+  EXPECT_THAT(of(start + "G83 X10 Z-910 R-900 Q2").summary.assumed, Contains(HasSubstr("0.254")));
+  const Filtered pecked = of(start + "G83 X10 Z-910 R-900 Q5");
+  EXPECT_EQ(pecked.summary.added, 9);  // G99, G61, way, down, peck, up, down, rest, up, G64
+  EXPECT_EQ(pecked.summary.corrected, 8);
+}
+
+/// The controller knows nothing of cycles that were carried out: one that is left to it is told all again.
+TEST_F(GcodeLines, CyclesThatAreLeftAreStated) {
+  const std::string start = "G0 X0 Y0 Z-880\nG99 G83 X10 Z-910 R-900 Q2\n";
+  EXPECT_THAT(of(start + "X#7\n").text, testing::EndsWith("\nG83 Z-910 R-900 Q2 X#7\n"));
+  EXPECT_THAT(of(start + "N9 X#7 R-890\nX3\n").text, testing::EndsWith("\nN9 G83 Z-910 Q2 X#7 R-890\nX3\n"));
+  EXPECT_THAT(of(start + "G83 X#7\n").text, testing::EndsWith("\nZ-910 R-900 Q2 G83 X#7\n"));
+  EXPECT_THAT(of(start + "G82 X#7 Z-3 R1 P1\n").text, testing::EndsWith("\nG82 X#7 Z-3 R1 P1\n"));
+  EXPECT_THAT(of("G0 X0 Y0 Z-880\nG81 X10 Z-910 R-900\nX3\n").text, testing::EndsWith("R-900\nX3\n"));
+}
+
+/// After something unknown nobody can say in which mode the controller would have been, and is not.
+TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
+  const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";
+  for (const std::string& start : {arc, cycle}) {
+    const Filtered relies = of(start + "MY_MACRO\nG90 G21 X5 Y5\n");
+    EXPECT_TRUE(relies.has("behind one that was rewritten"));
+    EXPECT_FALSE(relies.summary.whole());
+    EXPECT_TRUE(of(start + "MY_MACRO\nG90 G21 G1 X5 Y5\nX6\n").summary.whole());
+    EXPECT_TRUE(of(start + "MY_MACRO\nG80\nX5 Y5\n").summary.whole());
+  }
+  EXPECT_FALSE(of(cycle + "X5 #1=2\n").summary.whole());
+  EXPECT_TRUE(of("G0 X0 Y0 Z-880\nMY_MACRO\nG90 G21 X5 Y5\n").summary.whole());
 }
 
 }  // namespace

@@ -108,7 +108,8 @@ class HeaderSink {
 
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
-  if (summary.added > 0) text += fmt::format("  {} lines added: arcs in chords, divided lines\n", summary.added);
+  if (summary.added > 0)
+    text += fmt::format("  {} lines added: arcs in chords, divided lines, cycles\n", summary.added);
   for (const std::string& one : summary.assumed) text += fmt::format("  assumed: {}\n", one);
   if (summary.outside > 0) {
     text += fmt::format("  {} targets outside of the workspace, first in line {}: is --origin right?\n",
