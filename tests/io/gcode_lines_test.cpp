@@ -5,9 +5,8 @@
 
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
-#include "paracal/io/target_filter.hpp"
+#include "filtered_program.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
@@ -20,40 +19,12 @@ namespace {
 using testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs,
     testing::StartsWith;
 
-struct Filtered {
-  std::string text;
-  FilterSummary summary;
-
-  std::vector<std::string> lines() const {
-    std::vector<std::string> result;
-    std::istringstream stream(text);
-    for (std::string line; std::getline(stream, line);) result.push_back(line);
-    return result;
-  }
-  bool has(std::string_view reason) const {
-    return std::ranges::any_of(
-        summary.passed, [&](const PassedThrough& one) { return one.reason.find(reason) != std::string_view::npos; });
-  }
-};
-
-Filtered filtered(const std::string& text, const TargetCorrection& correction, const GcodeOptions& options = {}) {
-  std::istringstream stream(text);
-  Filtered result;
-  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
-  result.summary = filter_gcode({"part.ngc", stream}, sink, correction, options);
-  return result;
-}
-
-/// The number behind a letter of a line; nothing without one.
-std::optional<double> word(std::string_view line, char letter) {
-  const std::size_t at = line.find(letter);
-  return at == std::string_view::npos ? std::nullopt : std::optional(std::strtod(line.data() + at + 1, nullptr));
-}
+using test::Filtered, test::filtered_gcode, test::word;
 
 class GcodeLines : public testing::Test {
  protected:
   Filtered of(const std::string& text, const GcodeOptions& options = {}) const {
-    return filtered(text, correction, options);
+    return filtered_gcode(text, correction, options);
   }
   Pose target(double x, double y, double z, double phi_deg = 0.0) const {
     return *correction.target({{x, y, z}, to_radians(phi_deg)});
@@ -91,7 +62,7 @@ TEST_F(GcodeLines, AnArcThatNeedsNoCorrectionStays) {
     if (name.starts_with("o_") || name.starts_with("cycles")) continue;  // carried out
     std::ifstream in(entry.path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    EXPECT_EQ(filtered(text, none, {.origin = {0, 0, -900}}).text, text) << entry.path();
+    EXPECT_EQ(filtered_gcode(text, none, {.origin = {0, 0, -900}}).text, text) << entry.path();
     all += text;
   }
   EXPECT_GT(all.size(), 4000U);
@@ -275,17 +246,18 @@ TEST(GcodeRotation, ThatIsNeverStatedIsZeroAndSaid) {
   const Robot robot = catalogue::find("huang2016");
   const TargetCorrection correction(robot, test::table4_machine(robot, 1));
   const std::string motion = "G1 X10 Y0 Z-900\nG1 X20\n";
-  const Filtered never = filtered(motion, correction), stated = filtered("G1 X0 Y0 Z-900 C0\n" + motion, correction);
+  const Filtered never = filtered_gcode(motion, correction),
+                 stated = filtered_gcode("G1 X0 Y0 Z-900 C0\n" + motion, correction);
   EXPECT_EQ(never.summary.corrected, 2);
   EXPECT_THAT(never.summary.assumed, ElementsAre(HasSubstr("C")));
   EXPECT_THAT(stated.summary.assumed, IsEmpty());
   EXPECT_THAT(stated.text, testing::EndsWith(never.text.substr(never.text.rfind("G1"))));
-  const Filtered late = filtered(motion + "G1 C5\n" + motion, correction);
+  const Filtered late = filtered_gcode(motion + "G1 C5\n" + motion, correction);
   EXPECT_FALSE(late.summary.whole());
   EXPECT_TRUE(late.has("C is stated after"));
-  EXPECT_TRUE(filtered("G1 C5\n" + motion, correction).summary.whole());
-  EXPECT_FALSE(filtered("G1 C5\n" + motion, correction).has("C is stated after"));
-  EXPECT_TRUE(filtered(motion + "G1 C5\n", correction, {.start = Pose{{0, 0, -900}, 0.0}}).summary.complete());
+  EXPECT_TRUE(filtered_gcode("G1 C5\n" + motion, correction).summary.whole());
+  EXPECT_FALSE(filtered_gcode("G1 C5\n" + motion, correction).has("C is stated after"));
+  EXPECT_TRUE(filtered_gcode(motion + "G1 C5\n", correction, {.start = Pose{{0, 0, -900}, 0.0}}).summary.complete());
 }
 
 /// The places that the lines of an output state, each axis as it was told last; mm and rad.
@@ -317,7 +289,7 @@ TEST(GcodeRotation, BendsWhatItTurnsWith) {
         radius > 0.0 ? fmt::format("G3 X{:.9f} Y{:.9f} C170 I-{}\n", wanted_at(1).x(), wanted_at(1).y(), radius)
                      : std::string("G1 C170\n");
     for (const double chord : {0.002, 0.02}) {
-      const Filtered result = filtered("G0 X300 Y0 Z-900 C-100\n" + turning, correction, {.chord = chord});
+      const Filtered result = filtered_gcode("G0 X300 Y0 Z-900 C-100\n" + turning, correction, {.chord = chord});
       ASSERT_TRUE(result.summary.complete());
       const std::vector<Pose> told = told_in(result);
       const double pieces = static_cast<double>(told.size()) - 1;
@@ -375,7 +347,7 @@ TEST_F(GcodeLines, FlowThatHangsOnWhatIsNotKnownIsLeft) {
                           {"o1 sub\no1 endsub [5]\no1 call\n", 3, "not understood"},
                           {"o[#1] call\n", 2, "not understood"},
                           {"o1 repeat [1]\n" + std::string(70000, ' ') + "\no1 endrepeat\n", 2, "32 MiB"}}) {
-    const Filtered result = filtered(start + one.text + after, none);
+    const Filtered result = filtered_gcode(start + one.text + after, none);
     EXPECT_EQ(result.text, start + one.text + after) << one.text;
     EXPECT_FALSE(result.summary.whole()) << one.text;
     const auto found = std::ranges::find_if(result.summary.passed, [&](const PassedThrough& passed) {
@@ -391,7 +363,7 @@ TEST_F(GcodeLines, FlowThatHangsOnWhatIsNotKnownIsLeft) {
 TEST_F(GcodeLines, FlowThatAssignsParametersOfTheControllerIsLeft) {
   for (const char* assigned : {"#5221 = 10", "#[#9] = 10"}) {
     const std::string program = fmt::format("G0 X0 Y0 Z-900\no1 repeat [1]\n{}\no1 endrepeat\n", assigned);
-    const Filtered result = filtered(program, none);
+    const Filtered result = filtered_gcode(program, none);
     EXPECT_EQ(result.text, program);
     const auto found = std::ranges::find(result.summary.passed, 3, &PassedThrough::first_line);
     ASSERT_NE(found, result.summary.passed.end()) << assigned;
@@ -401,7 +373,7 @@ TEST_F(GcodeLines, FlowThatAssignsParametersOfTheControllerIsLeft) {
 
 /// What is carried out says so; lines are counted as the file has them.
 TEST_F(GcodeLines, FlowIsCarriedOut) {
-  const Filtered known = filtered(
+  const Filtered known = filtered_gcode(
       "#3 = 4\nG0 X0 Y0 Z-900\n(before)\no1 repeat [2]\n#3=[#3+1]\nG1 X#3 F[#3*100] (step)\no1 endrepeat\nM2\nafter\n",
       none);
   EXPECT_TRUE(known.summary.complete());
@@ -445,7 +417,7 @@ TEST_F(GcodeLines, ExpressionsHaveTheirValues) {
 /// Of a machine without errors: the motions, as LinuxCNC takes them (gcode_paths_test.cpp compares with it).
 TEST_F(GcodeLines, CyclesBecomeTheirMotions) {
   const auto expanded = [this](const std::string& cycles) {
-    const Filtered result = filtered("G0 X0 Y0 Z-880\n" + cycles, none);
+    const Filtered result = filtered_gcode("G0 X0 Y0 Z-880\n" + cycles, none);
     EXPECT_TRUE(result.summary.complete());
     return result.text.substr(result.text.find('\n') + 1);
   };

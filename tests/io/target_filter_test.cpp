@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 
+#include "filtered_program.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
@@ -20,34 +21,7 @@ namespace {
 
 using testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
 
-struct Filtered {
-  std::string text;
-  FilterSummary summary;
-
-  std::int64_t passed(std::string_view reason) const {
-    std::int64_t count = 0;
-    for (const PassedThrough& one : summary.passed) {
-      if (one.reason.find(reason) != std::string_view::npos) count += one.count;
-    }
-    return count;
-  }
-};
-
-Filtered filtered_gcode(const std::string& text, const TargetCorrection& correction, const GcodeOptions& frame = {}) {
-  std::istringstream stream(text);
-  Filtered result;
-  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
-  result.summary = filter_gcode({"part.ngc", stream}, sink, correction, frame);
-  return result;
-}
-
-Filtered filtered_table(const std::string& text, const TargetCorrection& correction) {
-  std::istringstream stream(text);
-  Filtered result;
-  const TextSink sink = [&result](std::string_view piece) { result.text += piece; };
-  result.summary = filter_pose_table({"targets.csv", stream}, sink, correction);
-  return result;
-}
+using test::Filtered, test::filtered_gcode, test::filtered_table, test::lines_in;
 
 /// X, Y, Z and C of a line, as far as they stand there; others from `held`.
 std::array<double, 4> axes_in(std::string_view line, std::array<double, 4> held) {
@@ -57,13 +31,6 @@ std::array<double, 4> axes_in(std::string_view line, std::array<double, 4> held)
     if (at != std::string_view::npos) held[axis] = std::strtod(line.data() + at + 1, nullptr);
   }
   return held;
-}
-
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
 }
 
 Pose pose_in(const std::array<double, 4>& axes) { return {{axes[0], axes[1], axes[2]}, to_radians(axes[3])}; }
