@@ -1,5 +1,6 @@
 // What the codes of a block do to what a controller remembers.
 
+#include <algorithm>
 #include <cmath>
 
 #include "gcode_codes.hpp"
@@ -18,17 +19,54 @@ int tenths_of(double code) {
   return std::abs(10.0 * code - tenths) < 1e-6 && tenths >= 0.0 && tenths < 1e5 ? static_cast<int>(tenths) : -1;
 }
 
+/// G54 to G59, G59.1 to G59.3: from 1.
+std::size_t system_of(int tenths) {
+  return static_cast<std::size_t>(tenths % 10 == 0 ? tenths / 10 - 53 : tenths % 10 + 6);
+}
+
 }  // namespace
 
 void GcodeModes::shift_origin() {
-  ++origin_.shifts;
+  origin_.move();
   lose_all();
+}
+
+void GcodeModes::move_origin() {
+  origin_.forget_offsets();
+  lose_all();
+}
+
+/// Places into the frame that holds from now on.
+void GcodeModes::carry(const GcodeOrigin::Change& change) {
+  if (!change) return lose_all();
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    if (place_[axis]) *place_[axis] += (*change)[axis];
+  }
+}
+
+/// G10 L2 P.
+void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
+  const auto number_behind = [&](char letter) -> std::optional<double> {
+    const auto word = std::ranges::find(block.words, letter, &GcodeWord::letter);
+    return word != block.words.end() && word->is_number() ? std::optional(word->value) : std::nullopt;
+  };
+  const std::optional<double> system = number_behind('P');
+  const bool is_known = number_behind('L') == 2.0 && system && *system >= 0.0 && *system <= WorkOffsets::kSystems &&
+                        *system == std::floor(*system) && !block.has_letter("R") && mm_per_unit_ &&
+                        !axes.has_expression && !axes.has_flag;
+  if (!is_known) return move_origin();
+  Places stated;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    if (axes.word[axis] != nullptr) stated[axis] = axes.word[axis]->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+  }
+  if (axis_count_ < kAxes) stated[kRotation] = 0.0;
+  carry(origin_.define_system(static_cast<std::size_t>(*system), stated));
 }
 
 /// Where the place is known its new name is, too.
 void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   request.takes_axes = true;
-  bool is_known = first_origin_ && origin_ == *first_origin_ && mm_per_unit_ && transforms_ == 0 && axes.count > 0;
+  bool is_known = origin_.is_fixed() && origin_.is_first() && mm_per_unit_ && transforms_ == 0 && axes.count > 0;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
     const GcodeWord* const word = axes.word[axis];
     is_known &= word == nullptr || (word->is_number() && place_[axis]);
@@ -114,19 +152,16 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.in_machine = true;
       return;
     case Effect::system:
-      if (origin_.system != tenths) lose_all();
-      origin_.system = tenths;
-      return;
+      return carry(origin_.choose_system(system_of(tenths)));
     case Effect::tool_length:
-      origin_.tool_length = true;
-      return shift_origin();
+      origin_.compensate_tool(true);
+      return lose_all();
     case Effect::no_tool_length:
-      origin_.tool_length = false;  // another origin than with it, and than any before it: G43 has counted a shift
-      return;
+      return origin_.compensate_tool(false);
     case Effect::shift_if_stated:
       if (!block.has_letter("LP")) return;
       request.takes_axes = true;
-      return shift_origin();
+      return define_system(block, axes);
     case Effect::shift_axes:
       for (const GcodeWord& word : block.words) {
         if (word.letter == 'E') extruder_.place = word.is_number() ? std::optional(word.value) : std::nullopt;

@@ -16,7 +16,7 @@ std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
 class Gcode : public TargetFormat {
  public:
   Gcode(const GcodeLines& lines, std::size_t axis_count, const GcodeOptions& options)
-      : lines_(lines), modes_(axis_count, axis_values(options.start)) {
+      : lines_(lines), modes_(axis_count, axis_values(options.start), options.offsets) {
     for (const std::string& name : options.harmless) harmless_.push_back(upper_case(name));
   }
 
@@ -42,6 +42,9 @@ class Gcode : public TargetFormat {
   std::vector<std::string> assumed() const override {
     std::vector<std::string> sentences;
     if (modes_.took_rotation_as_zero()) sentences.emplace_back("C, which the program never states, stays at 0 deg");
+    if (modes_.took_rotation_of_systems_as_zero()) {
+      sentences.emplace_back("C is 0 in the origin of systems that G10 L2 defines without it");
+    }
     if (modes_.has_pecked()) {
       sentences.emplace_back("G73 and G83 go back to 0.254 mm above where they were, as LinuxCNC does by default");
     }

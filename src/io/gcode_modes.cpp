@@ -11,7 +11,8 @@ constexpr std::string_view kLateRotation = "C is stated after motions for which 
 
 }  // namespace
 
-GcodeModes::GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start) : axis_count_(axis_count) {
+GcodeModes::GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start, const WorkOffsets& offsets)
+    : axis_count_(axis_count), origin_(offsets) {
   passed_.fill(true);
   if (!start && axis_count == kAxes) rotation_ = Rotation::unstated;
   lose_all();
@@ -68,7 +69,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   const Axes axes = axes_of(block);
   const std::string_view late = take_rotation(axes);
   if (block.is_optional) return take_optional(block, axes);
-  const Request request = apply_codes(block, axes);
+  Request request = apply_codes(block, axes);
   if (!request.refused.empty()) {
     forget();
     return request.refused;
@@ -93,10 +94,10 @@ std::string_view GcodeModes::take_rotation(const Axes& axes) {
 /// The operator decides whether it counts.
 std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& axes) {
   if (axes.count == 0 && !block.has_letter("GMT")) return {};
-  const Origin origin = origin_;
+  const GcodeOrigin origin = origin_;
   const unsigned transforms = transforms_;
   const Request request = apply_codes(block, axes);
-  if (!(origin_ == origin) || request.calls_here) shift_origin();
+  if (!(origin_ == origin) || request.calls_here) move_origin();
   transforms_ |= transforms;
   forget();
   return axes.count > 0 || !request.refused.empty() || request.goes_elsewhere ? kOptional : std::string_view();

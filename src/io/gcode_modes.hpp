@@ -14,6 +14,7 @@
 #include "gcode_block.hpp"
 #include "gcode_cycle.hpp"
 #include "gcode_extruder.hpp"
+#include "gcode_origin.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {
@@ -28,7 +29,7 @@ class GcodeModes {
  public:
   /// @param axis_count  3: X, Y, Z; 4: and C.
   /// @param start  where the program's coordinates stand before the first line, if that is known.
-  GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start);
+  GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start, const WorkOffsets& offsets);
 
   /// Takes the next block.
   /// @param target  gets what it states, if that is known in all axes.
@@ -37,8 +38,8 @@ class GcodeModes {
 
   /// A line that cannot be read may have done anything but move the origin.
   void forget();
-  /// Something but a code has moved it.
-  void move_origin() { shift_origin(); }
+  /// Something but a code has moved it: the controller's parameters are assigned.
+  void move_origin();
   /// @returns whether anything was forgotten since it was last asked.
   bool has_forgotten() { return std::exchange(forgotten_, false); }
 
@@ -47,6 +48,7 @@ class GcodeModes {
   /// All of them have been taken: for the program, the motion is still the cycle's.
   void resume_cycle() { motion_ = Motion::cycle; }
   bool has_pecked() const { return cycle_.has_pecked(); }
+  bool took_rotation_of_systems_as_zero() const { return origin_.takes_rotation_as_zero(); }
 
   /// Whether targets were stated while C never was: it is taken as 0.
   bool took_rotation_as_zero() const { return rotation_ == Rotation::taken_as_zero; }
@@ -55,14 +57,6 @@ class GcodeModes {
   enum class Motion : std::uint8_t { unknown, none, rapid, straight, clockwise, anticlockwise, spline, cycle };
   enum class Distance : std::uint8_t { unknown, absolute, incremental };
   enum class Rotation : std::uint8_t { unstated, taken_as_zero, stated };
-
-  /// Where program coordinates lie in the machine, as far as that is not known: a change of any of these moves them.
-  struct Origin {
-    int system = 0;  ///< 10 times the code, 540 to 593; 0: that of power-on
-    bool tool_length = false;
-    int shifts = 0;  ///< how often something else has moved it
-    bool operator==(const Origin&) const = default;
-  };
 
   /// What the codes of one block ask for beside modes.
   struct Request {
@@ -76,6 +70,7 @@ class GcodeModes {
     bool is_setting = false;    ///< of M codes whose axis words are numbers of the firmware's, not places
     bool acts_after = false;    ///< M0, M2
     bool in_machine = false;    ///< G53
+    AxisValues shift{};         ///< place = stated + shift
     bool then_lost = false;     ///< after the block, no place is known
     bool then_unknown = false;  ///< nor any mode
   };
@@ -95,18 +90,20 @@ class GcodeModes {
   void apply_m(int tenths, const GcodeBlock& block, Request& request);
   void call_here_or_shift(const Axes& axes, Request& request);
   void shift_origin();
+  void carry(const GcodeOrigin::Change& change);
+  void define_system(const GcodeBlock& block, const Axes& axes);
   void lose(const Axes& axes);
   void lose_all();
   std::string_view take_rotation(const Axes& axes);
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes);
-  std::string_view move(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
+  std::string_view move(const GcodeBlock& block, const Axes& axes, Request& request, TargetLine& target);
   std::string_view expand_cycle(const GcodeBlock& block, const Axes& axes, const Request& request,
                                 std::string_view passed, TargetLine& target);
   std::string_view move_to(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
   std::string_view why_unknown(const Places& from, Motion motion) const;
   void call_here(const Axes& axes, TargetLine& target);
-  std::string_view add_arc(const GcodeBlock& block, bool is_clockwise, TargetPath& path) const;
-  void state(const Axes& axes, TargetLine& target) const;
+  std::string_view add_arc(const GcodeBlock& block, const Request& request, bool is_clockwise, TargetPath& path) const;
+  void state(const Axes& axes, const Request& request, TargetLine& target) const;
   DividedLine divided(const GcodeBlock& block, const Request& request, bool is_rapid);
   void restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const;
   static bool is_arc(Motion motion) { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
@@ -119,12 +116,10 @@ class GcodeModes {
   std::optional<bool> centre_is_place_ = false;
   std::optional<bool> inverse_time_ = false;
   Extruder extruder_ = {};
-  Origin origin_;
-  std::optional<Origin> first_origin_ = {};  ///< of the first target: the one that the user's origin speaks of
-  AxisValues shift_{};                       ///< since then: place = stated + shift, as far as it is known
-  unsigned transforms_ = 0;                  ///< bits: the path is offset, turned or scaled
-  Places place_ = {};                        ///< last stated, mm and deg, in the frame of the first target
-  std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
+  GcodeOrigin origin_;
+  unsigned transforms_ = 0;           ///< bits: the path is offset, turned or scaled
+  Places place_ = {};                 ///< last stated, mm and deg, in the frame of the first target
+  std::array<bool, kAxes> passed_{};  ///< stated by a line that was passed through
   Rotation rotation_ = Rotation::stated;
   bool forgotten_ = false;
   bool arcs_are_lines_ = false;       ///< the controller may be in another motion mode than the program

@@ -39,8 +39,7 @@ StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, wo
 
 }  // namespace
 
-std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, const Request& request,
-                                  TargetLine& target) {
+std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Request& request, TargetLine& target) {
   if (request.calls_here) {
     call_here(axes, target);
     return {};
@@ -76,9 +75,12 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, con
   }
   if (motion == Motion::cycle && normal_) cycle_.take(block, *normal_);
   std::string_view passed;
-  if (request.in_machine) passed = kOtherOrigin;
   if (transforms_ != 0) passed = kTransformed;
-  if (first_origin_ && !(origin_ == *first_origin_)) passed = kOtherOrigin;
+  const bool is_straight = motion == Motion::rapid || motion == Motion::straight;
+  const auto shift =
+      request.in_machine && is_straight && distance_ == Distance::absolute ? origin_.shift_of_machine() : std::nullopt;
+  if (request.in_machine ? !shift : !origin_.is_first()) passed = kOtherOrigin;
+  request.shift = request.in_machine ? shift.value_or(AxisValues{}) : origin_.shift();
   if (motion == Motion::cycle) return expand_cycle(block, axes, request, passed, target);
   return passed.empty() ? move_to(block, axes, request, target) : give_up(passed);
 }
@@ -96,7 +98,7 @@ std::string_view GcodeModes::expand_cycle(const GcodeBlock& block, const Axes& a
   if (passed.empty()) {
     const CycleStart start{.normal = *normal_,
                            .place = *place_[*normal_],
-                           .shift = shift_[*normal_],
+                           .shift = request.shift[*normal_],
                            .mm_per_unit = *mm_per_unit_,
                            .is_incremental = distance_ == Distance::incremental};
     const TextRange word = request.motion_word;
@@ -127,7 +129,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
     if (word == nullptr) continue;
     place_[axis].reset();
     const double stated = word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
-    if (word->is_number() && !is_incremental) place_[axis] = stated + shift_[axis];
+    if (word->is_number() && !is_incremental) place_[axis] = stated + request.shift[axis];
     if (word->is_number() && is_incremental && from[axis]) place_[axis] = *from[axis] + stated;
     passed_[axis] = true;
   }
@@ -139,15 +141,15 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
     }
     target.starts_known = std::all_of(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(axis_count_),
                                       [](const auto& place) { return place.has_value(); });
-    if (is_arc(motion)) passed = add_arc(block, motion == Motion::clockwise, target.path);
+    if (is_arc(motion)) passed = add_arc(block, request, motion == Motion::clockwise, target.path);
   }
   if (!passed.empty()) {
     if (is_incremental) lose(axes);
     return passed;
   }
-  state(axes, target);
+  state(axes, request, target);
   passed_.fill(false);
-  first_origin_ = origin_;
+  origin_.fix();
   if (rotation_ == Rotation::unstated) rotation_ = Rotation::taken_as_zero;
   arcs_are_lines_ |= target.path.is_arc();
   return {};
@@ -162,7 +164,8 @@ std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) cons
   return is_arc(motion) && !(normal_ && centre_is_place_) ? kPlane : std::string_view();
 }
 
-std::string_view GcodeModes::add_arc(const GcodeBlock& block, bool is_clockwise, TargetPath& path) const {
+std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& request, bool is_clockwise,
+                                     TargetPath& path) const {
   ArcWords words{.centre_is_place = *centre_is_place_};
   for (const GcodeWord& word : block.words) {
     const std::size_t axis = kCentreLetters.find(word.letter);
@@ -172,7 +175,8 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, bool is_clockwise,
     const double length = word.value * *mm_per_unit_;
     if (word.letter == 'R') words.radius = length;
     if (word.letter == 'P') words.turns = word.value;
-    if (axis != std::string_view::npos) words.centre[axis] = length + (words.centre_is_place ? shift_[axis] : 0.0);
+    if (axis != std::string_view::npos)
+      words.centre[axis] = length + (words.centre_is_place ? request.shift[axis] : 0.0);
   }
   return make_arc(words, *normal_, is_clockwise, path);
 }
@@ -198,11 +202,11 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
   return line;
 }
 
-void GcodeModes::state(const Axes& axes, TargetLine& target) const {
+void GcodeModes::state(const Axes& axes, const Request& request, TargetLine& target) const {
   target.kind = TargetLine::Kind::target;
   target.may_insert = true;
   target.mm_per_unit = *mm_per_unit_;
-  target.shift = shift_;
+  target.shift = request.shift;
   target.is_incremental = distance_ == Distance::incremental;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
     const GcodeWord* const word = axes.word[axis];
@@ -222,7 +226,7 @@ void GcodeModes::call_here(const Axes& axes, TargetLine& target) {
     if (word == nullptr) continue;
     target.path.from[axis] = target.path.to[axis] = *place_[axis];
     target.stated[axis] = number_of(*word);
-    shift_[axis] = *place_[axis] - word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+    origin_.call(axis, *place_[axis], word->value * (axis == kRotation ? 1.0 : *mm_per_unit_));
   }
 }
 

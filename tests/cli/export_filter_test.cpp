@@ -90,6 +90,23 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
 }
 
 /// A program that would be corrected in parts is refused whole, with the line; nothing is written, on demand all is.
+TEST_F(ExportFilter, WorkOffsetsAreReadFromLinuxcncsFile) {
+  folder.write("part.ngc", "G54 G0 X0 Y0 Z-888 C0\nG55 G1 X5 Y0 Z-888\n");
+  EXPECT_EQ(folder.run(kGcode).exit_code, kVerdictIsNo);
+  std::string parameters;
+  for (const int base : {5221, 5241}) {
+    for (int k = 0; k < 9; ++k) parameters += fmt::format("{} 0\n", base + k);
+  }
+  folder.write("linuxcnc.var", parameters);
+  EXPECT_EQ(folder.run(kGcode + " --work-offsets linuxcnc.var").exit_code, kDone);
+  folder.write("linuxcnc.var", parameters + "5220 x\n");
+  const ProgramResult bad = folder.run(kGcode + " --work-offsets linuxcnc.var");
+  EXPECT_EQ(bad.exit_code, kBadInputFile);
+  EXPECT_THAT(bad.err, StartsWith("paracal: linuxcnc.var:19: expected a parameter"));
+  EXPECT_EQ(folder.run(kGcode + " --work-offsets none.var").exit_code, kBadInputFile);
+  EXPECT_EQ(folder.run(kCsv + " --work-offsets linuxcnc.var").exit_code, kWrongUsage);
+}
+
 TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
   folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG5 X5 Y5 I1 P1 Q1\nG1 X9\nG38.2 Z-900\nG1 X0 Y0 Z-880 C0\n");
   folder.write("corrected.ngc", "of yesterday");

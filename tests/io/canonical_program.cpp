@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 namespace paracal::test {
@@ -34,6 +35,7 @@ class Interpreter {
     if (name == "ARC_FEED") return arc(numbers);
     if (name == "USE_LENGTH_UNITS") unit_ = arguments.find("INCHES") != std::string::npos ? 25.4 : 1.0;
     program_.rounding = std::max(program_.rounding, 1.5e-4 * unit_);
+    if (name == "SET_G5X_OFFSET") system_ = unit_ * Eigen::Vector3d(numbers[1], numbers[2], numbers[3]);
     if (name == "SET_G92_OFFSET") shift_ = unit_ * Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
     if (name == "SELECT_PLANE") {
       normal_ = arguments.find("XY") != std::string::npos ? 2 : arguments.find("XZ") != std::string::npos ? 1 : 0;
@@ -50,7 +52,11 @@ class Interpreter {
     double rotation = 0.0;
   };
 
-  Eigen::Vector3d place(const Eigen::Vector3d& stated) const { return unit_ * stated + shift_; }
+  /// In the coordinate system of the first motion.
+  Eigen::Vector3d place(const Eigen::Vector3d& stated) {
+    if (!first_system_) first_system_ = system_;
+    return unit_ * stated + shift_ + system_ - *first_system_;
+  }
 
   void move(const Place& to, CanonicalMove how = {}) {
     how.from = here_.position;
@@ -87,7 +93,8 @@ class Interpreter {
   CanonicalProgram& program_;
   Place here_;
   double unit_ = 1.0;
-  Eigen::Vector3d shift_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shift_ = Eigen::Vector3d::Zero(), system_ = shift_;
+  std::optional<Eigen::Vector3d> first_system_ = {};
   int normal_ = 2;
 };
 

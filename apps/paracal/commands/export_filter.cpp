@@ -34,6 +34,7 @@ io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot)
   }
   if (options.chord_mm) gcode.chord = *options.chord_mm;
   gcode.harmless = options.harmless;
+  if (!options.work_offsets.empty()) gcode.offsets = io::read_work_offsets(io::read_file(options.work_offsets));
   return gcode;
 }
 
@@ -185,9 +186,10 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
   }
   const bool is_gcode = target == "gcode";
-  if (!is_gcode &&
-      !(options.origin.empty() && options.start.empty() && !options.chord_mm && options.harmless.empty())) {
-    throw WrongUsage("--origin, --start, --chord-mm and --harmless: expected with --target gcode alone");
+  if (!is_gcode && !(options.origin.empty() && options.start.empty() && !options.chord_mm && options.harmless.empty() &&
+                     options.work_offsets.empty())) {
+    throw WrongUsage(
+        "--origin, --start, --chord-mm, --work-offsets and --harmless: expected with --target gcode alone");
   }
   io::GcodeOptions gcode = gcode_options(options, robot);
   gcode.threads = session.threads();

@@ -19,10 +19,11 @@ struct FilterOptions {
   bool check = false;    ///< nothing is written but what would happen
   std::optional<double> chord_mm = {};
   std::vector<std::string> harmless = {};  ///< macros
+  std::string work_offsets = {};           ///< LinuxCNC's parameter file
 
   bool is_empty() const {
     return input.empty() && origin.empty() && start.empty() && !header && !partial && !check && !chord_mm &&
-           harmless.empty();
+           harmless.empty() && work_offsets.empty();
   }
 };
 

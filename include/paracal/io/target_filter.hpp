@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -55,6 +56,22 @@ struct FilterSummary {
 /// Takes the filtered text piece by piece.
 using TextSink = std::function<void(std::string_view)>;
 
+/// Where the origins of a controller's work coordinate systems lie in the coordinates of its machine.
+struct WorkOffsets {
+  static constexpr std::size_t kSystems = 9;  ///< G54 to G59, G59.1 to G59.3
+  /// X, Y, Z in mm and C in deg; nothing where that is not known.
+  std::array<std::optional<std::array<double, 4>>, kSystems> systems = {};
+  std::size_t active = 0;   ///< before the first line, from 1; 0: unknown
+  bool is_shifted = false;  ///< G92 holds before the first line, or that is not known
+
+  bool operator==(const WorkOffsets&) const = default;
+};
+
+/// LinuxCNC's parameter file (linuxcnc.var), in mm and deg: a number and a value a line. A system that is turned (5230,
+/// 5250, ...) or whose parameters are not all there is not known.
+/// @throws InputFileError when a line is no such pair, or what it states makes no sense.
+WorkOffsets read_work_offsets(const TextFile& file);
+
 /// What is known of a program, and how it is to be corrected.
 struct GcodeOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the program in {O}, mm: robot = program + origin
@@ -63,6 +80,8 @@ struct GcodeOptions {
   double chord = 0.01;
   /// Macros and commands of the firmware that leave the plate, the origin and modes as they are.
   std::vector<std::string> harmless = {};
+  /// G54 to G59.3 and G53 are corrected as far as these, or the program (G10 L2), say where they lie.
+  WorkOffsets offsets = {.is_shifted = true};
   unsigned threads = 0;  ///< of the correction; 0: one a core. The text does not depend on it.
 };
 
