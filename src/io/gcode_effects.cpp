@@ -12,6 +12,7 @@ namespace {
 constexpr double kMmPerInch = 25.4;
 
 constexpr std::string_view kUnknownCode = "a G code that is not known here";
+constexpr std::string_view kForeignCycle = "a canned cycle in a dialect that does not have LinuxCNC's";
 
 /// 10 times the code; -1 for what no code is.
 int tenths_of(double code) {
@@ -51,9 +52,9 @@ void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
     return word != block.words.end() && word->is_number() ? std::optional(word->value) : std::nullopt;
   };
   const std::optional<double> system = number_behind('P');
-  const bool is_known = number_behind('L') == 2.0 && system && *system >= 0.0 && *system <= WorkOffsets::kSystems &&
-                        *system == std::floor(*system) && !block.has_letter("R") && mm_per_unit_ &&
-                        !axes.has_expression && !axes.has_flag;
+  const bool is_known = number_behind('L') == 2.0 && system && (*system > 0.0 || traits_.zero_is_current) &&
+                        *system >= 0.0 && *system <= WorkOffsets::kSystems && *system == std::floor(*system) &&
+                        !block.has_letter("R") && mm_per_unit_ && !axes.has_expression && !axes.has_flag;
   if (!is_known) return move_origin();
   Places stated;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
@@ -115,6 +116,10 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       inverse_time_ = false;
       return;
     case Effect::cycle:
+      if (!traits_.has_cycles) {
+        request.refused = kForeignCycle;
+        return;
+      }
       cycle_.choose(tenths, motion_ == Motion::cycle);
       return start_motion(Motion::cycle);
     case Effect::path_mode:
@@ -164,7 +169,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return define_system(block, axes);
     case Effect::shift_axes:
       for (const GcodeWord& word : block.words) {
-        if (word.letter == 'E') extruder_.place = word.is_number() ? std::optional(word.value) : std::nullopt;
+        if (word.letter == 'E') extruder_.call(word);
       }
       if (axes.count == 0 && block.has_letter("ABEUVW")) return;
       return call_here_or_shift(axes, request);
@@ -199,11 +204,9 @@ void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) 
       request.acts_after = request.then_unknown = true;
       return;
     case MEffect::absolute_extrusion:
-      extruder_ = {.is_relative = false};
-      return;
+      return extruder_.set_relative(false);
     case MEffect::relative_extrusion:
-      extruder_ = {.is_relative = true};
-      return;
+      return extruder_.set_relative(true);
     case MEffect::end_of_modes:
       request.then_unknown = true;
       return;
@@ -228,7 +231,7 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
   Request request;
   if (axes.has_duplicate) request.refused = kMalformed;
   for (const GcodeWord& word : block.words) {
-    if (word.letter == 'T') request.then_lost = true;  // RepRap changes the tool at once
+    if (word.letter == 'T' && !traits_.prepares_tools) request.then_lost = true;  // RepRap changes it at once
     if (word.letter != 'G' && word.letter != 'M') continue;
     if (word.is_number()) {
       const int tenths = tenths_of(word.value);

@@ -8,22 +8,21 @@
 namespace paracal::io {
 namespace {
 
-std::optional<AxisValues> axis_values(const std::optional<Pose>& pose) {
-  if (!pose) return std::nullopt;
-  return place_of(*pose, Eigen::Vector3d::Zero());
-}
+constexpr std::string_view kWithoutPoint = "a length without a decimal point, which may count smallest steps";
 
 class Gcode : public TargetFormat {
  public:
   Gcode(const GcodeLines& lines, std::size_t axis_count, const GcodeOptions& options)
-      : lines_(lines), modes_(axis_count, axis_values(options.start), options.offsets) {
+      : lines_(lines), doubts_lengths_(traits_of(options.dialect).counts_without_points), modes_(axis_count, options) {
     for (const std::string& name : options.harmless) harmless_.push_back(upper_case(name));
   }
 
   std::string_view read(std::string_view text, TargetLine& target) override {
     block_.parse(text, harmless_);
     if (parameters_.apply(block_)) modes_.move_origin();
+    const bool is_doubtful = doubts_lengths_ && doubt_lengths_without_points(block_);
     std::string_view passed = modes_.take(block_, target);
+    if (is_doubtful && !passed.empty()) passed = kWithoutPoint;
     if (target.number == lines_.unfollowed_line()) passed = lines_.why_unfollowed();
     if (modes_.has_forgotten()) parameters_.forget();
     if (target.kind != TargetLine::Kind::none) add_style(text, target);
@@ -33,6 +32,7 @@ class Gcode : public TargetFormat {
   std::vector<std::string> instead() override {
     std::vector<std::string> lines = modes_.instead();
     unread_ += lines.size();
+    has_cycles_ |= lines.size() > 1;
     return lines;
   }
   void skip() override {
@@ -45,6 +45,7 @@ class Gcode : public TargetFormat {
     if (modes_.took_rotation_of_systems_as_zero()) {
       sentences.emplace_back("C is 0 in the origin of systems that G10 L2 defines without it");
     }
+    if (has_cycles_) sentences.emplace_back("canned cycles move as LinuxCNC has it");
     if (modes_.has_pecked()) {
       sentences.emplace_back("G73 and G83 go back to 0.254 mm above where they were, as LinuxCNC does by default");
     }
@@ -71,11 +72,13 @@ class Gcode : public TargetFormat {
   }
 
   const GcodeLines& lines_;
+  bool doubts_lengths_;
   std::vector<std::string> harmless_;
   GcodeBlock block_;
   GcodeParameters parameters_;
   GcodeModes modes_;
   std::size_t unread_ = 0;  ///< lines that stand for a canned cycle
+  bool has_cycles_ = false;
 };
 
 }  // namespace

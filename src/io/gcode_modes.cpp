@@ -11,12 +11,17 @@ constexpr std::string_view kLateRotation = "C is stated after motions for which 
 
 }  // namespace
 
-GcodeModes::GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start, const WorkOffsets& offsets)
-    : axis_count_(axis_count), origin_(offsets) {
+GcodeModes::GcodeModes(std::size_t axis_count, const GcodeOptions& options)
+    : axis_count_(axis_count),
+      traits_(traits_of(options.dialect)),
+      extruder_(traits_.extruder),
+      origin_(options.offsets) {
   passed_.fill(true);
-  if (!start && axis_count == kAxes) rotation_ = Rotation::unstated;
+  if (!options.start && axis_count == kAxes) rotation_ = Rotation::unstated;
   lose_all();
-  for (std::size_t axis = 0; start && axis < axis_count; ++axis) place_[axis] = (*start)[axis];
+  if (!options.start) return;
+  const AxisValues start = place_of(*options.start, Eigen::Vector3d::Zero());
+  for (std::size_t axis = 0; axis < axis_count; ++axis) place_[axis] = start[axis];
 }
 
 void GcodeModes::forget() {

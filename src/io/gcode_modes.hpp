@@ -28,8 +28,7 @@ inline constexpr std::string_view kFlow = "subprograms, jumps and loops";
 class GcodeModes {
  public:
   /// @param axis_count  3: X, Y, Z; 4: and C.
-  /// @param start  where the program's coordinates stand before the first line, if that is known.
-  GcodeModes(std::size_t axis_count, const std::optional<AxisValues>& start, const WorkOffsets& offsets);
+  GcodeModes(std::size_t axis_count, const GcodeOptions& options);
 
   /// Takes the next block.
   /// @param target  gets what it states, if that is known in all axes.
@@ -109,13 +108,14 @@ class GcodeModes {
   static bool is_arc(Motion motion) { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
 
   std::size_t axis_count_;
+  DialectTraits traits_;
   Motion motion_ = Motion::none;
   Distance distance_ = Distance::absolute;
   std::optional<double> mm_per_unit_ = 1.0;
   std::optional<ArcNormal> normal_ = 2;
   std::optional<bool> centre_is_place_ = false;
   std::optional<bool> inverse_time_ = false;
-  Extruder extruder_ = {};
+  Extruder extruder_;
   GcodeOrigin origin_;
   unsigned transforms_ = 0;           ///< bits: the path is offset, turned or scaled
   Places place_ = {};                 ///< last stated, mm and deg, in the frame of the first target

@@ -62,7 +62,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
   }
   const auto give_up = [&](std::string_view why) {
     lose(axes);
-    extruder_.place.reset();
+    extruder_.forget_place();
     return why;
   };
   if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
@@ -112,7 +112,7 @@ std::string_view GcodeModes::expand_cycle(const GcodeBlock& block, const Axes& a
   }
   lose(axes);
   if (normal_) place_[*normal_].reset();
-  extruder_.place.reset();
+  extruder_.forget_place();
   return instead_.empty() ? passed : std::string_view();
 }
 

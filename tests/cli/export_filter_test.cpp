@@ -107,6 +107,19 @@ TEST_F(ExportFilter, WorkOffsetsAreReadFromLinuxcncsFile) {
   EXPECT_EQ(folder.run(kCsv + " --work-offsets linuxcnc.var").exit_code, kWrongUsage);
 }
 
+TEST_F(ExportFilter, DialectsAreNamed) {
+  folder.write("part.ngc", "M83\nG90\nG1 X-100 Y0 Z-900 C0\nG1 X100 E5\n");  // divided
+  EXPECT_EQ(folder.run(kGcode).exit_code, kBadInputFile);
+  EXPECT_EQ(folder.run(kGcode + " --dialect klipper").exit_code, kDone);
+  EXPECT_EQ(folder.run(kGcode + " --dialect rrf").exit_code, kDone);
+  EXPECT_EQ(folder.run(kGcode + " --dialect marlin").exit_code, kBadInputFile);
+  folder.write("part.ngc", "G1 X-100. Y0 Z-900. C0\nG1 X100\n");
+  EXPECT_EQ(folder.run(kGcode + " --dialect linuxcnc").exit_code, kDone);
+  EXPECT_EQ(folder.run(kGcode + " --dialect fanuc-like").exit_code, kVerdictIsNo);
+  EXPECT_EQ(folder.run(kGcode + " --dialect heidenhain").exit_code, kWrongUsage);
+  EXPECT_EQ(folder.run(kCsv + " --dialect linuxcnc").exit_code, kWrongUsage);
+}
+
 TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
   folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG5 X5 Y5 I1 P1 Q1\nG1 X9\nG38.2 Z-900\nG1 X0 Y0 Z-880 C0\n");
   folder.write("corrected.ngc", "of yesterday");

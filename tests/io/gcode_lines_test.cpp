@@ -534,5 +534,63 @@ TEST_F(GcodeLines, WorkOffsetsComeFromLinuxcncsFile) {
   EXPECT_THAT(complaint("5221 0\n5220 12\n"), HasSubstr("from 1 to 9, got 12"));
 }
 
+struct OfDialect {
+  const char* program;
+  const char* reason;  ///< why it is left where it is
+  std::vector<GcodeDialect> left_by;
+};
+
+/// What controllers do not agree on is known where it is known who reads the program.
+TEST_F(GcodeLines, DialectsDecideWhatControllersReadDifferently) {
+  using enum GcodeDialect;
+  const std::string motion = "G0 X-300 Y0 Z-900\nG1 X300 E5\n", place = "G0 X0 Y0 Z-900\n";
+  const std::vector<OfDialect> rows{
+      {"M83\nG90\n", "M82", {any, linuxcnc, fanuc_like, marlin}},  // absolute for Marlin, and from where?
+      {"M83\nG91\nG90\n", "M82", {any, linuxcnc, fanuc_like, marlin}},
+      {"M82\nG92 E0\nG91\nG90\n", "M82", {any, linuxcnc, fanuc_like}},
+  };
+  const auto dialects = {any, linuxcnc, klipper, marlin, reprapfirmware, fanuc_like};
+  for (const OfDialect& row : rows) {
+    for (const GcodeDialect dialect : dialects) {
+      std::string program = row.program + motion;
+      if (dialect == fanuc_like) program = row.program + std::string("G0 X-300. Y0 Z-900.\nG1 X300. E5\n");
+      EXPECT_EQ(of(program, {.dialect = dialect}).has(row.reason), std::ranges::count(row.left_by, dialect) > 0)
+          << row.program << static_cast<int>(dialect);
+    }
+  }
+  const std::string steps = "M82\nG92 E0\nG0 X-300 Y0 Z-900\nG91\nG1 X600 E5\n";
+  for (const GcodeDialect dialect : {klipper, marlin, reprapfirmware}) {  // steps of E or places
+    const auto lines = of(steps + "G1 Y1 E5\n", {.dialect = dialect}).lines();
+    const std::size_t last = lines.size() - 2;
+    EXPECT_NEAR(*word(lines[last], 'E'), dialect == reprapfirmware ? 5.0 : 5.0 / static_cast<double>(last - 3), 1e-4);
+  }
+  for (const GcodeDialect dialect : {linuxcnc, fanuc_like}) {
+    EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nT2\nX5.\n", {.dialect = dialect}).summary.complete());
+    EXPECT_FALSE(of("G0 X0 Y0 Z-900.\nT2 M6\nX5.\n", {.dialect = dialect}).summary.complete());
+  }
+  EXPECT_FALSE(of(place + "T2\nX5\n", {.dialect = klipper}).summary.complete());
+  for (const GcodeDialect dialect : {klipper, marlin, reprapfirmware, fanuc_like}) {
+    EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG99 G81 X5. Z-910. R-900.\n", {.dialect = dialect}).has("LinuxCNC's"));
+  }
+  const std::string zero = "G10 L2 P1 X0 Y0 Z0\nG54 G0 X0 Y0 Z-900\nG10 L2 P0 X5\nG1 X0\nZ-900\n";
+  for (const GcodeDialect dialect : {any, klipper, marlin}) {
+    EXPECT_TRUE(of(zero, {.dialect = dialect}).has("another origin"));
+  }
+  for (const GcodeDialect dialect : {linuxcnc, reprapfirmware}) {
+    EXPECT_TRUE(of(zero, {.dialect = dialect}).summary.complete());
+  }
+}
+
+TEST_F(GcodeLines, LengthsWithoutPointsMayBeCounts) {
+  const GcodeOptions fanuc{.dialect = GcodeDialect::fanuc_like};
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG1 X5.0 F100 S500\nG2 X7. I1.\n", fanuc).summary.complete());
+  for (const char* line : {"G1 X5\n", "G2 X7. I1\n", "G2 X7. R1\n"}) {
+    EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG1 X5.0\n" + std::string(line), fanuc).has("without a decimal point")) << line;
+  }
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG92 X5\nG1 Z-890.\n", fanuc).has("another origin"));
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG92 X5.\nG1 Z-890.\n", fanuc).summary.complete());
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900\n").summary.complete());
+}
+
 }  // namespace
 }  // namespace paracal::io

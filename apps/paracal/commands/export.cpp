@@ -94,7 +94,8 @@ void run(const Options& options, Session& session) {
   }
   if (!options.filter.is_empty()) {
     throw WrongUsage(
-        "--input, --origin, --start, --chord-mm, --work-offsets, --harmless, --partial, --check and --header: expected "
+        "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --harmless, --partial, --check and "
+        "--header: expected "
         "with --target "
         "gcode or csv "
         "alone");
@@ -144,6 +145,11 @@ void add_export(Command& program, Session& session) {
       "--chord-mm", options->filter.chord_mm,
       "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
       "the correction bends, which is divided; default 0.01");
+  command
+      ->add_option("--dialect", options->filter.dialect,
+                   "gcode: who is to read the program: linuxcnc, klipper, marlin, rrf (RepRapFirmware) or fanuc-like; "
+                   "without it, what they do not agree on is passed through")
+      ->check(one_of({"linuxcnc", "klipper", "marlin", "rrf", "fanuc-like"}));
   command->add_option("--work-offsets", options->filter.work_offsets,
                       "gcode: LinuxCNC's parameter file (linuxcnc.var, in mm), which says where G54 to G59.3 lie");
   command->add_option("--harmless", options->filter.harmless,

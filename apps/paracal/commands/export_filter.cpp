@@ -24,6 +24,15 @@ void require_finite(const char* option, const std::vector<double>& numbers) {
   }
 }
 
+io::GcodeDialect dialect_named(std::string_view name) {
+  using enum io::GcodeDialect;
+  if (name == "linuxcnc") return linuxcnc;
+  if (name == "klipper") return klipper;
+  if (name == "marlin") return marlin;
+  if (name == "rrf") return reprapfirmware;
+  return name == "fanuc-like" ? fanuc_like : any;
+}
+
 io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot) {
   require_finite("--origin", options.origin);
   require_finite("--start", options.start);
@@ -34,6 +43,7 @@ io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot)
   }
   if (options.chord_mm) gcode.chord = *options.chord_mm;
   gcode.harmless = options.harmless;
+  gcode.dialect = dialect_named(options.dialect);
   if (!options.work_offsets.empty()) gcode.offsets = io::read_work_offsets(io::read_file(options.work_offsets));
   return gcode;
 }
@@ -186,10 +196,9 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
     throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
   }
   const bool is_gcode = target == "gcode";
-  if (!is_gcode && !(options.origin.empty() && options.start.empty() && !options.chord_mm && options.harmless.empty() &&
-                     options.work_offsets.empty())) {
+  if (!is_gcode && !options.is_of_tables()) {
     throw WrongUsage(
-        "--origin, --start, --chord-mm, --work-offsets and --harmless: expected with --target gcode alone");
+        "--origin, --start, --chord-mm, --dialect, --work-offsets and --harmless: expected with --target gcode alone");
   }
   io::GcodeOptions gcode = gcode_options(options, robot);
   gcode.threads = session.threads();

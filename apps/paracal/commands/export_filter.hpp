@@ -19,12 +19,14 @@ struct FilterOptions {
   bool check = false;    ///< nothing is written but what would happen
   std::optional<double> chord_mm = {};
   std::vector<std::string> harmless = {};  ///< macros
-  std::string work_offsets = {};           ///< LinuxCNC's parameter file
+  std::string dialect = {};
+  std::string work_offsets = {};  ///< LinuxCNC's parameter file
 
-  bool is_empty() const {
-    return input.empty() && origin.empty() && start.empty() && !header && !partial && !check && !chord_mm &&
-           harmless.empty() && work_offsets.empty();
+  /// Whether none of them speaks of programs alone.
+  bool is_of_tables() const {
+    return origin.empty() && start.empty() && !chord_mm && harmless.empty() && work_offsets.empty() && dialect.empty();
   }
+  bool is_empty() const { return input.empty() && !header && !partial && !check && is_of_tables(); }
 };
 
 /// Corrects the targets of a file on its way to --out or standard output, and says what it did.

@@ -72,12 +72,23 @@ struct WorkOffsets {
 /// @throws InputFileError when a line is no such pair, or what it states makes no sense.
 WorkOffsets read_work_offsets(const TextFile& file);
 
+/// Who is to read a program, as far as controllers read programs differently.
+enum class GcodeDialect : std::uint8_t {
+  any,  ///< what they do not agree on is not known
+  linuxcnc,
+  klipper,
+  marlin,
+  reprapfirmware,
+  fanuc_like,
+};
+
 /// What is known of a program, and how it is to be corrected.
 struct GcodeOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the program in {O}, mm: robot = program + origin
   std::optional<Pose> start = {};                    ///< before the first line, in the program's frame
   /// How far the plate may leave an arc or a straight line between corrected targets, mm.
   double chord = 0.01;
+  GcodeDialect dialect = GcodeDialect::any;
   /// Macros and commands of the firmware that leave the plate, the origin and modes as they are.
   std::vector<std::string> harmless = {};
   /// G54 to G59.3 and G53 are corrected as far as these, or the program (G10 L2), say where they lie.

@@ -1,0 +1,37 @@
+#include "gcode_dialect.hpp"
+
+namespace paracal::io {
+
+DialectTraits traits_of(GcodeDialect dialect) {
+  switch (dialect) {
+    case GcodeDialect::any:
+      return {};
+    case GcodeDialect::linuxcnc:
+      return {.prepares_tools = true, .zero_is_current = true};
+    case GcodeDialect::klipper:
+      return {.extruder = ExtruderRule::either, .has_cycles = false};
+    case GcodeDialect::marlin:
+      return {.extruder = ExtruderRule::last_counts, .has_cycles = false};
+    case GcodeDialect::reprapfirmware:
+      return {.extruder = ExtruderRule::codes_alone, .has_cycles = false, .zero_is_current = true};
+    case GcodeDialect::fanuc_like:
+      return {.prepares_tools = true, .has_cycles = false, .counts_without_points = true};
+  }
+  return {};
+}
+
+bool doubt_lengths_without_points(GcodeBlock& block) {
+  bool has_any = false;
+  for (GcodeWord& word : block.words) {
+    constexpr std::string_view kLengths = "XYZABCUVWIJKRQ", kDigits = "+-0123456789";
+    const std::string_view text = block.text.substr(word.begin, word.end - word.begin);
+    const bool is_length = kLengths.find(word.letter) != std::string_view::npos;
+    const bool is_bare = text.find_first_not_of(kDigits) == std::string_view::npos;
+    if (!word.is_number() || !is_length || !is_bare || word.value == 0.0) continue;
+    word.kind = GcodeWord::Kind::expression;
+    has_any = true;
+  }
+  return has_any;
+}
+
+}  // namespace paracal::io

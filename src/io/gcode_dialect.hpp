@@ -1,0 +1,33 @@
+#pragma once
+
+// Private to io: what controllers read differently.
+
+#include <cstdint>
+
+#include "gcode_block.hpp"
+#include "paracal/io/target_filter.hpp"
+
+namespace paracal::io {
+
+/// What decides whether E is a place or a step.
+enum class ExtruderRule : std::uint8_t {
+  unknown,      ///< M82, M83; G90 and G91 too, or not
+  codes_alone,  ///< M82, M83
+  last_counts,  ///< M82, M83, G90, G91
+  either,       ///< a step where M83 or G91 holds
+};
+
+struct DialectTraits {
+  ExtruderRule extruder = ExtruderRule::unknown;
+  bool prepares_tools = false;         ///< T chooses, M6 changes
+  bool has_cycles = true;              ///< LinuxCNC's canned cycles
+  bool zero_is_current = false;        ///< the system P0 of G10 L2
+  bool counts_without_points = false;  ///< lengths without a decimal point are numbers of smallest steps
+};
+
+DialectTraits traits_of(GcodeDialect dialect);
+
+/// Lengths without a decimal point become unknown. @returns whether there were any.
+bool doubt_lengths_without_points(GcodeBlock& block);
+
+}  // namespace paracal::io
