@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <streambuf>
 
 #include "interleaved_timing.hpp"
 #include "paracal/io/target_filter.hpp"
-#include "paracal/units.hpp"
 #include "peak_memory.hpp"
 
 namespace paracal::benchmark {
@@ -16,13 +17,19 @@ namespace {
 constexpr int kRounds = 5;
 constexpr double kMegabyte = 1e6;
 
-/// A line a pose, all axes, as post-processors write them.
-std::string block_of_lines(const Task& task, std::string_view before) {
+constexpr int kLines = 1000;
+
+/// A closed curve in steps of one or two mm, all axes a line, as post-processors write them.
+std::string block_of_lines(const Robot& robot, std::string_view before) {
+  const Workspace& workspace = robot.workspace();
   std::string text;
-  for (const Pose& pose : task.poses) {
-    const Eigen::Vector3d& r = pose.position;
+  for (int k = 0; k < kLines; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kLines, along = std::sin(angle);
+    const Eigen::Vector3d r =
+        Workspace::on_circle(0.4 * workspace.radius, angle, workspace.centre().z() + 20.0 * along);
+    const double phi = robot.slide() ? 30.0 * along : 0.0;
     fmt::format_to(std::back_inserter(text), "{}G1 X{:.3f} Y{:.3f} Z{:.3f} C{:.3f} F6000\n", before, r.x(), r.y(),
-                   r.z(), to_degrees(pose.rotation));
+                   r.z(), phi);
   }
   return text;
 }
@@ -59,8 +66,8 @@ std::size_t filter(const TargetCorrection& correction, const std::string& block,
 
 void report_filter(const Task& task) {
   const TargetCorrection all(task.robot, task.errors), level(task.robot, without_tilt_group(task.errors));
-  const std::string lines = block_of_lines(task, ""), comments = block_of_lines(task, ";");
-  const double line_size = static_cast<double>(lines.size()) / static_cast<double>(task.poses.size());
+  const std::string lines = block_of_lines(task.robot, ""), comments = block_of_lines(task.robot, ";");
+  const double line_size = static_cast<double>(lines.size()) / kLines;
   const double few = peak_memory([&] { keep(filter(all, lines, 2 * kMegabyte, 1)); });
   const double many = peak_memory([&] { keep(filter(all, lines, 100 * kMegabyte, 1)); });
   const auto pass = [](const TargetCorrection& correction, const std::string& block, unsigned threads) {

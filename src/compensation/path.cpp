@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <stdexcept>
 
 #include "lanes.hpp"
@@ -16,7 +17,8 @@
 namespace paracal {
 namespace {
 
-using compensation_detail::Arms, compensation_detail::choose, compensation_detail::kLanes, compensation_detail::Lanes;
+using compensation_detail::Arms, compensation_detail::choose, compensation_detail::dot, compensation_detail::kLanes,
+    compensation_detail::Lanes, compensation_detail::sum;
 
 using Limb = CompensatorLimb<Lanes>;
 using Limbs = std::array<Limb, kCompensatorLimbs>;
@@ -30,16 +32,25 @@ Limbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& lim
   return std::bit_cast<Limbs>(lanes);
 }
 
+/// The robot that a closed controller computes with.
+struct Nominal {
+  Limbs limbs;
+  Arms<Lanes, kCompensatorLimbs> offsets;  ///< cos and sin of the identified joint offsets; of rails the offset as sine
+};
+
 struct Block {
   CompensatorPose<Lanes> pose;
   CompensatorJoints<Lanes> joints;
   CompensatorVector<Lanes> tilt{};
-  Lanes::Mask good;  ///< lanes whose answer stands
+  Lanes::Mask good;                  ///< lanes whose answer stands
+  const Nominal* nominal = nullptr;  ///< of which targets are wanted
+  CompensatorPose<Lanes> target{};
 };
 
 /// Takes turns that grow smaller, as settle (compensator.hpp) does, until every lane has settled or left the finite.
+/// @returns the arms, of unit length.
 template <std::size_t N>
-void settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
+Arms<Lanes, N> settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
   constexpr int kMaxSteps = 8;
   auto state = compensation_detail::level_pose(limbs, level);
   const auto answer = compensation_detail::answer_at(limbs, block.pose, state.arms);
@@ -62,14 +73,84 @@ void settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
   for (std::size_t i = 0; i < N; ++i) block.joints[i] = block.joints[i] + state.moved[i];
   block.tilt = state.tilt;
   block.good &= settled;
+  return state.arms;
+}
+
+/// Where the joints of these arms take the elbows of the nominal robot.
+template <std::size_t N>
+std::array<CompensatorVector<Lanes>, N> nominal_elbows(const Nominal& nominal, const Arms<Lanes, N>& arms) {
+  std::array<CompensatorVector<Lanes>, N> centres;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [c, s] = nominal.offsets[i];
+    const auto [cosine, sine] = arms[i];
+    const ArmDirection<Lanes> arm = compensation_detail::runs_on_rail(nominal.limbs[i])
+                                        ? ArmDirection<Lanes>{cosine, sine - s}
+                                        : ArmDirection<Lanes>{c * cosine + s * sine, c * sine - s * cosine};
+    centres[i] = compensation_detail::elbow_of(nominal.limbs[i], arm).centre;
+  }
+  return centres;
+}
+
+Lanes largest(const Lanes& a, const Lanes& b) { return choose(a.values > b.values, a, b); }
+
+Lanes size_of(const CompensatorVector<Lanes>& v) { return largest(largest(abs(v[0]), abs(v[1])), abs(v[2])); }
+
+/// The level plate of the nominal robot at its rods' length from the elbows: Newton on |r + a_i + phi s_i - C_i| = l_i
+/// from the wanted pose, until the next step would be lost in rounding (each leaves its own square over the rod).
+/// Lanes stay good where it settles near the wanted pose, and the rods hold the plate there.
+template <std::size_t N>
+void find_target(const Arms<Lanes, N>& arms, Block& block) {
+  using compensation_detail::RodMotion;
+  constexpr int kMaxSteps = 6;
+  constexpr double kSettled = 1e-5, kNear = 50.0, kHeld = 20.0;  // mm, mm, mm a mm
+  const Limbs& limbs = block.nominal->limbs;
+  const auto centres = nominal_elbows<N>(*block.nominal, arms);
+  CompensatorVector<Lanes> position{block.pose.x, block.pose.y, block.pose.z};
+  Lanes phi = block.pose.phi;
+  const Lanes lever(std::sqrt(dot(limbs[0].slide, limbs[0].slide)[0]));
+  Lanes::Mask settled{}, held = Lanes(0.0).values == 0.0;
+  for (int count = 0; count < kMaxSteps; ++count) {
+    std::array<RodMotion<Lanes>, N> motions;
+    std::array<Lanes, N> excess;
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto joint = sum(position, compensation_detail::plate_joint(limbs[i], phi));
+      const auto rod = sum(joint, centres[i], Lanes(-1.0));
+      const Lanes length = sqrt(dot(rod, rod));
+      const auto along = compensation_detail::scaled(rod, Lanes(1.0) / length);
+      motions[i] = {along, dot(along, limbs[i].slide)};
+      excess[i] = length - limbs[i].rod[0];
+    }
+    CompensatorVector<Lanes> step{};
+    Lanes turn(0.0), gain(0.0);
+    for (std::size_t i = 0; const RodMotion<Lanes>& dual : compensation_detail::dual_motions(motions)) {
+      step = sum(step, dual.position, -excess[i]);
+      turn = turn - excess[i++] * dual.phi;
+      gain = largest(gain, largest(size_of(dual.position), lever * abs(dual.phi)));
+    }
+    for (std::size_t k = 0; k < 3; ++k) position[k] = choose(settled, position[k], position[k] + step[k]);
+    phi = choose(settled, phi, phi + turn);
+    held &= settled | (gain.values < kHeld);
+    settled |= largest(size_of(step), lever * abs(turn)).values < kSettled;
+    bool done = true;
+    for (std::size_t k = 0; k < kLanes; ++k) done = done && settled[k] != 0;
+    if (done) break;
+  }
+  const auto off = sum(position, {block.pose.x, block.pose.y, block.pose.z}, Lanes(-1.0));
+  block.good &= settled & held & (largest(size_of(off), lever * abs(phi - block.pose.phi)).values < kNear);
+  block.target = {position[0], position[1], position[2], phi};
 }
 
 template <std::size_t N>
 void solve(const Limbs& limbs, bool tilts_plate, Block& block) {
-  const Arms<Lanes, N> arms = compensation_detail::level_arms<N>(limbs, block.pose);
-  compensation_detail::joints_of(limbs, arms, block.joints);
+  Arms<Lanes, N> arms = compensation_detail::level_arms<N>(limbs, block.pose);
+  if (block.nominal == nullptr) compensation_detail::joints_of(limbs, arms, block.joints);
   block.good = block.pose.phi.values == (N == 4 ? block.pose.phi : Lanes(0.0)).values;
-  if (tilts_plate) settle<N>(limbs, arms, block);
+  if (tilts_plate) {
+    arms = settle<N>(limbs, arms, block);
+  } else if (block.nominal != nullptr) {
+    arms = compensation_detail::level_pose(limbs, arms).arms;
+  }
+  if (block.nominal != nullptr) find_target<N>(arms, block);
   for (std::size_t i = 0; i < N; ++i) block.good &= is_finite(block.joints[i]);
 }
 
@@ -94,6 +175,27 @@ CompensatorPose<Lanes> load(std::span<const CompensatorPose<double>> poses) {
 
 }  // namespace
 
+namespace {
+
+void solve(const CompensatorParameters<double>& parameters, const Limbs& limbs, Block& block) {
+  const bool tilts_plate = parameters.tilts_plate != 0;
+  parameters.limb_count == 4 ? solve_four(limbs, tilts_plate, block) : solve_three(limbs, tilts_plate, block);
+}
+
+/// The nominal robot, and by how much its joints differ from the identified arms.
+Nominal nominal_robot(const CompensatorParameters<double>& parameters) {
+  Nominal nominal{in_lanes(parameters.nominal), {}};
+  for (std::size_t i = 0; i < kCompensatorLimbs; ++i) {
+    const double offset = parameters.identified[i].joint_offset - parameters.nominal[i].joint_offset;
+    nominal.offsets[i] = compensation_detail::runs_on_rail(parameters.nominal[i])
+                             ? ArmDirection<Lanes>{Lanes(1.0), Lanes(offset)}
+                             : ArmDirection<Lanes>{Lanes(std::cos(offset)), Lanes(std::sin(offset))};
+  }
+  return nominal;
+}
+
+}  // namespace
+
 void compensate_path(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<CompensatorJoints<double>> joints, std::span<CompensationStatus> statuses,
                      std::span<CompensatorTilt<double>> tilts) {
@@ -102,10 +204,9 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
     throw std::invalid_argument("compensate_path: expected joints, statuses and tilts for each pose");
   }
   const Limbs limbs = in_lanes(parameters.identified);
-  const bool tilts_plate = parameters.tilts_plate != 0;
   for (std::size_t first = 0; first < size; first += kLanes) {
     Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}};
-    parameters.limb_count == 4 ? solve_four(limbs, tilts_plate, block) : solve_three(limbs, tilts_plate, block);
+    solve(parameters, limbs, block);
     for (std::size_t k = 0; k < std::min(kLanes, size - first); ++k) {
       const std::size_t at = first + k;
       CompensatorTilt<double>* const tilt = tilts.empty() ? nullptr : &tilts[at];
@@ -117,6 +218,22 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
       for (std::size_t i = 0; i < parameters.limb_count; ++i) joints[at][i] = block.joints[i][k];
       if (tilt != nullptr) *tilt = {block.tilt[0][k], block.tilt[1][k]};
       statuses[at] = CompensationStatus::ok;
+    }
+  }
+}
+
+void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
+                     std::span<std::optional<CompensatorPose<double>>> targets) {
+  if (targets.size() != poses.size()) throw std::invalid_argument("nominal_targets: expected a target for each pose");
+  const Limbs limbs = in_lanes(parameters.identified);
+  const Nominal nominal = nominal_robot(parameters);
+  for (std::size_t first = 0; first < poses.size(); first += kLanes) {
+    Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}, .nominal = &nominal};
+    solve(parameters, limbs, block);
+    for (std::size_t k = 0; k < std::min(kLanes, poses.size() - first); ++k) {
+      targets[first + k].reset();
+      const auto& [x, y, z, phi] = block.target;
+      if (block.good[k] != 0) targets[first + k] = CompensatorPose<double>{x[k], y[k], z[k], phi[k]};
     }
   }
 }

@@ -25,14 +25,21 @@ std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
 void TargetCorrection::correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const {
   std::vector<CompensatorPose<double>> poses(wanted.size());
   std::ranges::transform(wanted, poses.begin(), compensator_pose<double>);
-  std::vector<CompensatorJoints<double>> joints(wanted.size());
-  std::vector<CompensationStatus> statuses(wanted.size());
-  compensate_path(compensator_.parameters(), poses, joints, statuses);
+  std::vector<std::optional<CompensatorPose<double>>> found(wanted.size());
+  nominal_targets(compensator_.parameters(), poses, found);
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    targets[k].reset();
-    if (statuses[k] != CompensationStatus::ok) continue;
-    targets[k] = corrected_target(robot_, compensated_joints(robot_, joints[k]), wanted[k]);
+    if (found[k]) {
+      targets[k] = Pose{{found[k]->x, found[k]->y, found[k]->z}, found[k]->phi};
+    } else {
+      targets[k] = by_itself(wanted[k], poses[k]);
+    }
   }
+}
+
+std::optional<Pose> TargetCorrection::by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const {
+  CompensatorJoints<double> joints{};
+  if (compensator_.compensate(pose, joints) != CompensationStatus::ok) return std::nullopt;
+  return corrected_target(robot_, compensated_joints(robot_, joints), wanted);
 }
 
 void TargetCorrection::targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets,

@@ -310,6 +310,40 @@ TEST_P(CompensatorLaw, APathIsItsPoses) {
   }
 }
 
+/// In the workspace lanes find every target; wherever they find one it is that of the nominal forward kinematics.
+TEST_P(CompensatorLaw, TargetsInLanesAreThoseOfTheNominalRobot) {
+  std::mt19937_64 engine(5);
+  for (int number = 0; number < 9; ++number) {
+    const auto parameters = compensator_parameters(robot, errors_of(number));
+    std::vector<CompensatorPose<double>> poses;
+    for (int k = 0; k < 1003; ++k) {
+      poses.push_back(compensator_pose(random.pose(robot)));
+      if (k % 11 == 3) poses.back().x = k % 2 == 0 ? -5000.0 : std::nan("");
+      if (k % 13 == 4) poses.back().phi += 0.3;
+      if (k % 5 == 2) poses.back().x *= 1.0 + 0.2 * static_cast<double>(engine() % 10);  // towards the singular
+    }
+    std::vector<std::optional<CompensatorPose<double>>> targets(poses.size());
+    nominal_targets(parameters, poses, targets);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      CompensatorJoints<double> joints{};
+      const bool reaches = compensate(parameters, CompensationWay::exact, poses[k], joints) == CompensationStatus::ok;
+      const Pose wanted{{poses[k].x, poses[k].y, poses[k].z}, poses[k].phi};
+      const auto expected = reaches ? corrected_target(robot, compensated_joints(robot, joints), wanted) : std::nullopt;
+      if (k % 11 != 3 && k % 13 != 4 && k % 5 != 2) {
+        ASSERT_TRUE(targets[k]) << k;
+      }
+      if (!targets[k]) continue;
+      ASSERT_TRUE(expected) << k;
+      const Eigen::Vector3d position(targets[k]->x, targets[k]->y, targets[k]->z);
+      EXPECT_LT((position - expected->position).norm(), 1e-9);
+      EXPECT_NEAR(targets[k]->phi, expected->rotation, 1e-9);
+    }
+  }
+  std::vector<std::optional<CompensatorPose<double>>> one(1);
+  EXPECT_THROW(nominal_targets(compensator_parameters(robot, {}), std::vector<CompensatorPose<double>>(2), one),
+               std::invalid_argument);
+}
+
 TEST_P(CompensatorLaw, APathWithoutRoomForItsJointsIsRefused) {
   const std::vector<CompensatorPose<double>> poses(2);
   std::vector<CompensatorJoints<double>> joints(1);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "paracal/compensation/compensator.hpp"
@@ -22,5 +23,14 @@ namespace paracal {
 void compensate_path(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<CompensatorJoints<double>> joints, std::span<CompensationStatus> statuses,
                      std::span<CompensatorTilt<double>> tilts = {});
+
+/// What a controller that computes with the nominal robot must be told, in the same lanes: the nominal robot's pose
+/// with the joints that bring the identified machine to each pose, within 1e-9 mm and rad of corrected_target.
+///
+/// @param targets  one a pose; nothing where the lanes find none: the pose is out of reach, rods hardly hold the plate
+///                 there, or the target is farther than 50 mm away. corrected_target may still have one.
+/// @throws std::invalid_argument  when the sizes differ.
+void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
+                     std::span<std::optional<CompensatorPose<double>>> targets);
 
 }  // namespace paracal

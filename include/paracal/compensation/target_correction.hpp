@@ -32,6 +32,7 @@ class TargetCorrection {
 
  private:
   void correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const;
+  std::optional<Pose> by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const;
 
   Robot robot_;
   Compensator<double> compensator_;
