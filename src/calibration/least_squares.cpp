@@ -80,7 +80,10 @@ struct Damping {
     lambda = lambda == 0.0 ? kFirst : lambda * growth;
     growth *= 2.0;
   }
+  /// A step that brings far less than it promised goes to and fro across the answer: the next is half as long.
   void after_success(double gain_ratio) {
+    constexpr double kPoor = 0.25, kHalf = 1.0;
+    if (gain_ratio < kPoor && lambda < kFirst) lambda = kHalf;
     lambda *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain_ratio - 1.0, 3));
     growth = 2.0;
   }
@@ -122,12 +125,15 @@ LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::Vecto
   result.status = LeastSquaresStatus::not_converged;
   Damping damping{.lambda = options.initial_damping};
   Eigen::VectorXd longest = Eigen::VectorXd::Zero(start.size());
+  constexpr int kMostHidden = 20;
+  int hidden = 0;  // steps since rounding has hidden what they bring
   while (true) {
     const double cost = result.at_answer.squared_residuals();
     longest = longest.cwiseMax(column_lengths(result.at_answer.root()));
     const Steps steps(result.at_answer, ones_for_zeros(longest), options.rank_tolerance);
     const double change = steps.change(steps.step(0.0)).norm();
-    if (change <= options.step_tolerance * (1.0 + std::sqrt(cost))) {
+    hidden = change * change > cost * kRounding ? 0 : hidden + 1;
+    if (change <= options.step_tolerance * (1.0 + std::sqrt(cost)) || hidden > kMostHidden) {
       result.status = LeastSquaresStatus::converged;
       return result;
     }

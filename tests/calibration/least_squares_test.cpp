@@ -99,6 +99,41 @@ TEST(LeastSquares, ShortensStepsThatLeaveTheModelsDomain) {
   EXPECT_NEAR(fit.parameters(0), 1.0, 1e-6);
 }
 
+/// (p + 1, c p^2 + p - 1), whose answer is 0, where Gauss and Newton's step leads from p to c p: for c near -1 to and
+/// fro across the answer, hardly nearer or farther.
+TEST(LeastSquares, ShortensStepsThatGoToAndFro) {
+  for (const double c : {-0.99, -1.0, -1.5}) {
+    const RowModel model = [c](const Eigen::VectorXd& p, InformationRoot& rows) {
+      Eigen::Matrix2d block;
+      block << 1.0, p(0) + 1.0, 2.0 * c * p(0) + 1.0, c * p(0) * p(0) + p(0) - 1.0;
+      rows.add(block);
+      return true;
+    };
+    const LeastSquaresResult fit =
+        solve_least_squares(model, Eigen::VectorXd::Constant(1, 0.1), {.step_tolerance = 1e-5});
+    EXPECT_EQ(fit.status, LeastSquaresStatus::converged) << c;
+    EXPECT_NEAR(fit.parameters(0), 0.0, 1e-4) << c;
+    EXPECT_LT(fit.iterations, 20) << c;
+  }
+}
+
+/// The same for c near 1, where steps lead slowly to the answer: what they bring drowns in rounding long before they
+/// are as short as was asked for.
+TEST(LeastSquares, SettlesWhereRoundingHidesWhatStepsBring) {
+  const RowModel model = [](const Eigen::VectorXd& p, InformationRoot& rows) {
+    constexpr double c = 0.95;
+    Eigen::Matrix2d block;
+    block << 1.0, p(0) + 1.0, 2.0 * c * p(0) + 1.0, c * p(0) * p(0) + p(0) - 1.0;
+    rows.add(block);
+    return true;
+  };
+  const LeastSquaresResult fit =
+      solve_least_squares(model, Eigen::VectorXd::Constant(1, 0.1), {.max_iterations = 1000, .step_tolerance = 1e-12});
+  EXPECT_EQ(fit.status, LeastSquaresStatus::converged);
+  EXPECT_NEAR(fit.parameters(0), 0.0, 3e-3);
+  EXPECT_LT(fit.iterations, 300);  // 20 after the last that showed
+}
+
 TEST(LeastSquares, SaysSoWhenItRunsOutOfIterationsOrCannotStart) {
   LeastSquaresOptions hurried;
   hurried.max_iterations = 1;

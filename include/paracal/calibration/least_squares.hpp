@@ -13,7 +13,7 @@ namespace paracal {
 using RowModel = std::function<bool(const Eigen::VectorXd& parameters, InformationRoot& rows)>;
 
 enum class LeastSquaresStatus : std::uint8_t {
-  converged,      ///< the next step would change the residuals by less than step_tolerance
+  converged,      ///< the next step would change the residuals by less than step_tolerance, or rounding hides it
   not_converged,  ///< max_iterations spent, or no step descends; parameters are the best found
   not_evaluable,  ///< the model failed at the start; parameters are the start
 };
