@@ -114,6 +114,12 @@ std::string residual_lines(const Calibration& calibration) {
     fmt::format_to(out, "  residuals of rotations, largest: {:.2f} deg before, {:.2f} deg after\n",
                    to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
   }
+  if (after.max_orientation) {
+    fmt::format_to(
+        out, "  residuals of orientations, largest: {:.2f} deg before, {:.2f} deg after; noise {:.3f} deg an axis\n",
+        to_degrees(before.max_orientation.value_or(0.0)), to_degrees(*after.max_orientation),
+        to_degrees(calibration.orientation_noise.value_or(0.0)));
+  }
   return text;
 }
 

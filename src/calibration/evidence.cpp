@@ -53,7 +53,7 @@ std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observati
   nominal.groups() = fitted.groups();
   auto unknowns = nominal.start({});
   if (!unknowns || nominal.unknown_count() == 0) return unknowns;
-  return solve_least_squares(std::cref(nominal), *unknowns).parameters;
+  return solve_least_squares(with_priors(nominal), *unknowns).parameters;
 }
 
 void add_residuals(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
@@ -191,6 +191,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
                                  found_parameters(fit, after->rows, scatter), scatter, all_stated(observation));
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
   calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
+  calibration.orientation_noise = orientation_noise(observation);
   add_suspects(measurements, observation, after->placed(), suspects, calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);

@@ -14,7 +14,8 @@ namespace {
 std::vector<SoughtSource> default_sought(const Robot& robot, const Measurements& plan,
                                          const CalibrationOptions& options) {
   const bool tilt = std::ranges::any_of(plan.series, [](const PointSeries& series) {
-    return std::ranges::any_of(series.readings, [](const PointReading& reading) { return reading.second.has_value(); });
+    return std::ranges::any_of(series.readings,
+                               [](const PointReading& reading) { return reading.second || reading.orientation; });
   });
   return tilt ? detail::all_with_priors(robot, options) : detail::position_group(robot, options);
 }
@@ -36,14 +37,16 @@ Identifiability identifiability(const Robot& robot, const Measurements& plan, co
   detail::Observation observation(robot, plan, options, sought);
   const auto start = observation.start({});
   InformationRoot root(observation.unknown_count());
+  if (start) observation.add_set_up_priors(*start, root);
+  const Eigen::Index known = root.row_count();
   if (!start || !observation(*start, root))
     throw InvalidArgument("the nominal machine does not close at every station");
   const Eigen::Index n = observation.source_count();
   // Nuisance comes first, so this block is what remains when it has been projected out.
   const Spectrum spectrum =
       analyse(root.root().bottomRightCorner(n, n), detail::kRankTolerance, detail::paper_scales(robot, sought));
-  Identifiability result{std::move(sought), spectrum.singular_values,    spectrum.rank, {}, {},
-                         root.row_count(),  observation.nuisance_count()};
+  Identifiability result{std::move(sought),        spectrum.singular_values,    spectrum.rank, {}, {},
+                         root.row_count() - known, observation.nuisance_count()};
   result.null_space = detail::in_words(robot, spectrum.null_space, result.parameters);
   result.indices = observability(spectrum.singular_values, spectrum.rank, result.rows);
   return result;

@@ -115,6 +115,9 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
                               : fmt::format("method paper: expected points or distances, got {} alone",
                                             words(measurements.lengths.front().kind).plural));
   }
+  if (paper && std::ranges::any_of(measurements.series, &PointSeries::is_of_body)) {
+    throw InvalidArgument("method paper: expected points of the plate centre or distances, got poses of a body");
+  }
   const Robot centre = expected_robot(robot, options);
   const bool fine = goes_fine(centre, measurements, options);
   const std::vector<SoughtSource> sought =

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -43,8 +44,22 @@ void check_reading(const DistanceReading& reading, std::size_t number, std::size
   }
 }
 
+/// A body's poses stand alone: a series of points without orientations is of a reflector at the plate centre.
+void check_orientation(const PointReading& reading, bool of_body, const auto& refuse) {
+  if (!of_body) return;
+  if (!reading.orientation) refuse("an orientation, as other readings of the series have one");
+  if (reading.second) refuse("an orientation or a second point, got both");
+  const double length = reading.orientation->norm();
+  if (!(std::abs(length - 1.0) <= PointReading::kUnitLength)) {
+    refuse(fmt::format("a quaternion of length 1, got one of {:.6g}", length));
+  }
+  if (const auto& sigma = reading.orientation_sigma; sigma && !(*sigma > 0.0 && std::isfinite(*sigma))) {
+    refuse("a sigma of the orientation above 0");
+  }
+}
+
 void check_point(const PointSeries& series, const PointReading& reading, std::size_t number, std::size_t stations) {
-  const auto refuse = [&](const char* expected) {
+  const auto refuse = [&](std::string_view expected) {
     throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
   };
   if (reading.station >= stations) refuse("a station of the list");
@@ -52,6 +67,7 @@ void check_point(const PointSeries& series, const PointReading& reading, std::si
   if (reading.second && !reading.second->allFinite()) refuse("a finite second point");
   if (reading.rotation && !std::isfinite(*reading.rotation)) refuse("a finite rotation");
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
+  check_orientation(reading, series.is_of_body(), refuse);
 }
 
 void check_length(const LengthSeries& series, const LengthReading& reading, std::size_t number, std::size_t stations) {
@@ -78,6 +94,10 @@ struct StationMean {
 };
 
 }  // namespace
+
+bool PointSeries::is_of_body() const {
+  return std::ranges::any_of(readings, [](const PointReading& one) { return one.orientation.has_value(); });
+}
 
 void check(const Measurements& measurements, std::size_t limb_count) {
   for (const Station& station : measurements.stations) check_station(station, limb_count);

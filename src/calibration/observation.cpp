@@ -66,8 +66,12 @@ void Observation::lay_out_priors() {
   common_prior_ = root.matrixL().solve(Eigen::MatrixXd::Identity(source_count(), source_count()));
 }
 
-void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
+void Observation::add_set_up_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   for (const auto& series : series_) series->add_priors(unknowns, root);
+}
+
+void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
+  add_set_up_priors(unknowns, root);
   if (common_prior_.size() > 0) {
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(source_count(), unknown_count() + 1);
     rows.middleCols(nuisance_count_, source_count()) = common_prior_;
@@ -196,11 +200,22 @@ double reading_noise(const Observation& observation) {
   int count = 0;
   for (const Group& group : groups) {
     if (!group.active || quantity_of(group) != quantity) continue;
-    const VarianceComponents& factors = observation.components();
-    sum += std::pow(observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise), 2);
+    sum += std::pow(observation.sigma_of(group) * observation.noise_factor(group), 2);
     ++count;
   }
   return std::sqrt(sum / std::max(count, 1));
+}
+
+std::optional<double> orientation_noise(const Observation& observation) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Group& group : observation.groups()) {
+    if (!group.active || observation.orientation_rows(group) == 0) continue;
+    const double sigma = observation.series_of(group).orientation_sigma(group.index);
+    sum += std::pow(sigma * observation.noise_factor(group) * observation.orientation_factor(group), 2);
+    ++count;
+  }
+  return count == 0 ? std::nullopt : std::optional(std::sqrt(sum / count));
 }
 
 RowModel with_priors(const Observation& observation) {

@@ -26,6 +26,8 @@ inline constexpr double kRankTolerance = 1e-7;
 struct VarianceComponents {
   double unstated_noise = 1.0;  ///< factor of the standard deviations that no one stated
   double stated_noise = 1.0;    ///< factor of those that were stated
+  /// Factor of the standard deviations of orientations over that of the positions beside them, where neither is stated.
+  double orientation_noise = 1.0;
   /// Standard deviation of where each joint stands at each station from where the model has it, the same at every visit
   /// (backlash, friction, load, an encoder that is not round), rad or mm; 0: the model is right at every pose.
   double joint = 0.0;
@@ -101,8 +103,10 @@ class Observation {
 
   /// Places of the scales of instruments among the unknowns.
   std::vector<Eigen::Index> scale_columns() const;
-  /// Adds what is known beforehand, as rows: of the sought errors, one by one and together, of slopes and of the bias.
+  /// Adds what is known beforehand, as rows: of the sought errors, one by one and together, and of the set-up.
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
+  /// The same of the set-up alone: slopes, the bias, scales, the place of a body.
+  void add_set_up_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
   const std::vector<std::shared_ptr<const ReadingSeries>>& series() const { return series_; }
   const ReadingSeries& series_of(const Group& group) const { return *series_[group.series]; }
   /// The readings of a series.
@@ -112,6 +116,14 @@ class Observation {
   Residual residual(const Group& group, const Placed& at) const { return series_of(group).residual(group.index, at); }
   /// Standard deviation before any factor, mm: of a distance or height; of a coordinate, as a mean over the three.
   double sigma_of(const Group& group) const { return series_of(group).sigma(group.index); }
+  Eigen::Index orientation_rows(const Group& group) const { return series_of(group).orientation_rows(group.index); }
+  /// Factors of the standard deviations of a reading's rows.
+  double noise_factor(const Group& group) const {
+    return group.stated ? components_.stated_noise : components_.unstated_noise;
+  }
+  double orientation_factor(const Group& group) const {
+    return group.stated || orientation_rows(group) == 0 ? 1.0 : components_.orientation_noise;
+  }
 
  private:
   std::shared_ptr<const std::vector<StationState>> evaluate(const Eigen::VectorXd& unknowns) const;
@@ -154,9 +166,18 @@ inline bool all_stated(const Observation& observation) {
   return std::ranges::all_of(observation.groups(), &Group::stated);
 }
 
+/// Some reading has an orientation whose noise nobody stated.
+inline bool seeks_orientation_noise(const Observation& observation) {
+  return std::ranges::any_of(observation.groups(), [&](const Group& group) {
+    return !group.stated && observation.orientation_rows(group) > 0;
+  });
+}
+
 /// Root mean square of the standard deviations with which the readings in use entered, mm: of a coordinate; of a
 /// distance where no points were read, of a height where neither.
 double reading_noise(const Observation& observation);
+/// The same of orientations about each axis, rad; empty where none were read.
+std::optional<double> orientation_noise(const Observation& observation);
 
 /// Readings as rows, and what was known before as rows. `observation` must outlive the model.
 RowModel with_priors(const Observation& observation);

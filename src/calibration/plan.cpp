@@ -45,6 +45,16 @@ Measurements planned_lengths(const Robot& robot, const std::vector<Station>& sta
   return simulate(robot, {}, std::move(plan), {}, unused);
 }
 
+Measurements planned_poses(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings) {
+  Measurements plan{.stations = stations, .series = {{"poses", {}}}};
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    plan.series.front().readings.push_back(
+        {.station = k, .point = Eigen::Vector3d::Zero(), .orientation = Quaternion::Identity()});
+  }
+  RandomStream unused(0);
+  return simulate(robot, {}, std::move(plan), {.mount = readings.mount}, unused);
+}
+
 }  // namespace
 
 std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth) {
@@ -85,15 +95,17 @@ std::vector<Station> workspace_stations(const Robot& robot) {
 }
 
 Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings) {
-  const bool coordinates = readings.measurand == Measurand::coordinates;
+  const bool coordinates = readings.measurand == Measurand::coordinates, poses = readings.measurand == Measurand::poses;
   const bool lengths = readings.measurand == Measurand::lengths;
   if (readings.second && !coordinates) throw InvalidArgument("plan: a second reflector needs coordinates");
   if (readings.rotation && lengths) {
     throw InvalidArgument(fmt::format("plan: expected {} without rotations", words(readings.length).plural));
   }
+  if (readings.rotation && poses) throw InvalidArgument("plan: expected poses without rotations: they show them");
   if (lengths) return planned_lengths(robot, stations, readings);
+  if (poses) return planned_poses(robot, stations, readings);
   RandomStream unused(0);
-  VirtualInstrument instrument{.reads_rotation = readings.rotation};
+  VirtualInstrument instrument{.reads_rotation = readings.rotation, .mount = readings.mount};
   if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);
   Measurements plan = simulate(robot, {}, stations, instrument, unused);
   if (coordinates) return plan;

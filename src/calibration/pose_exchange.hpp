@@ -19,12 +19,12 @@ namespace paracal::detail {
 /// Candidates as weighted rows over x = (frame and the like | source errors), each in units of its prior, so that the
 /// covariance before measuring is I.
 struct Problem {
-  int rows = 0;                                ///< a candidate
-  Eigen::MatrixXd weighted;                    ///< unknowns x (rows x candidates): A_k^T side by side
-  Eigen::MatrixXd goal;                        ///< B of the criterion tr(B C)
-  Eigen::VectorXd scale;                       ///< of the source errors in x: their prior std
-  std::vector<Eigen::Index> known_setup = {};  ///< places in x of what is known of the set-up: the instrument's scale
-  Eigen::MatrixXd visible;  ///< orthonormal directions of x, in the group of interest, that the candidates see
+  int rows = 0;                      ///< a candidate
+  Eigen::MatrixXd weighted;          ///< unknowns x (rows x candidates): A_k^T side by side
+  Eigen::MatrixXd goal;              ///< B of the criterion tr(B C)
+  Eigen::VectorXd scale;             ///< of the source errors in x: their prior std
+  Eigen::MatrixXd known_setup = {};  ///< rows [set-up] of what is known of it: the instrument's scale
+  Eigen::MatrixXd visible;           ///< orthonormal directions of x, in the group of interest, that the candidates see
   Eigen::Index candidates() const { return weighted.cols() / rows; }
 };
 

@@ -31,7 +31,9 @@ Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<Sou
   rows << problem.weighted.topRows(setup).transpose(), problem.weighted(wanted, Eigen::all).transpose(),
       Eigen::VectorXd::Zero(rows.rows());
   InformationRoot root(setup + n);
-  for (const Eigen::Index known : problem.known_setup) root.add_prior(known, 0.0, 0.0, 1.0);
+  Eigen::MatrixXd known = Eigen::MatrixXd::Zero(problem.known_setup.rows(), setup + n + 1);
+  known.leftCols(setup) = problem.known_setup;
+  root.add(known);
   root.add(rows);
   const Spectrum spectrum = analyse(root.root().bottomRightCorner(n, n), kRankTolerance, Eigen::VectorXd::Ones(n));
   const Eigen::MatrixXd whole =
@@ -41,10 +43,18 @@ Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<Sou
   return visible;
 }
 
+Eigen::MatrixXd known_of_set_up(const detail::Observation& observation, const Eigen::VectorXd& unknowns) {
+  InformationRoot known(observation.unknown_count());
+  observation.add_set_up_priors(unknowns, known);
+  const Eigen::Index n = observation.nuisance_count();
+  return known.root().topLeftCorner(n, n);
+}
+
 Problem make_problem(const Robot& robot, const std::vector<Station>& candidates, const SelectionOptions& options) {
   CalibrationOptions calibration;
   calibration.noise = options.noise;
   calibration.tolerances = options.tolerances;
+  calibration.reflectors = options.readings.mount;
   const Measurements plan = planned(robot, candidates, options.readings);
   detail::Observation observation(robot, plan, calibration, detail::all_with_priors(robot, calibration), true);
   const auto unknowns = observation.start({});
@@ -60,8 +70,8 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   for (std::size_t k = 0; k < observation.sought().size(); ++k) {
     unit(observation.nuisance_count() + static_cast<Eigen::Index>(k)) = observation.sought()[k].prior_std.value_or(1.0);
   }
-  problem.known_setup = observation.scale_columns();
-  for (const Eigen::Index scale : problem.known_setup) unit(scale) = calibration.scale_std;
+  for (const Eigen::Index scale : observation.scale_columns()) unit(scale) = calibration.scale_std;
+  problem.known_setup = known_of_set_up(observation, *unknowns) * unit.head(observation.nuisance_count()).asDiagonal();
   problem.scale = unit.tail(observation.source_count());
   Eigen::MatrixXd block;
   for (const detail::Group& group : observation.groups()) {  // one a candidate; home has none of its own distance
@@ -73,7 +83,8 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
     auto columns = problem.weighted.middleCols(problem.rows * static_cast<Eigen::Index>(group.station), problem.rows);
     columns = unit.asDiagonal() * block.leftCols(n).transpose();
   }
-  problem.visible = visible_directions(problem, observation.sought(), options.readings.second);
+  const bool tilt = options.readings.second || options.readings.measurand == Measurand::poses;
+  problem.visible = visible_directions(problem, observation.sought(), tilt);
   return problem;
 }
 

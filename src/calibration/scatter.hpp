@@ -18,20 +18,32 @@ struct Scatter {
   double redundancy = 0.0;
 };
 
-/// @param root  of the fit, with priors; must have full rank.
+/// @param root    of the fit, with priors; must have full rank.
+/// @param chosen  (group, its rows) -> first row and count of those that count.
 template <typename Choice>
-Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
-                Choice&& chosen) {
+Scatter scatter_of_rows(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
+                        Choice&& chosen) {
   InformationRoot readings(observation.unknown_count());
   double worth = 0.0;
   observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& own) {
     const Group& group = observation.groups()[g];
-    if (!group.active || !chosen(group)) return;
-    readings.add(rows);
-    worth += own.trace();
+    if (!group.active) return;
+    const auto [first, count] = chosen(group, rows.rows());
+    if (count == 0) return;
+    readings.add(rows.middleRows(first, count));
+    worth += own.diagonal().segment(first, count).sum();
   });
   const Eigen::MatrixXd hat = root.triangularView<Eigen::Upper>().transpose().solve(readings.root().transpose());
   return {readings.squared_residuals(), worth - hat.squaredNorm()};
+}
+
+/// The same of all rows of the chosen readings.
+template <typename Choice>
+Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root,
+                Choice&& chosen) {
+  return scatter_of_rows(observation, unknowns, root, [&](const Group& group, Eigen::Index rows) {
+    return std::pair(Eigen::Index{0}, chosen(group) ? rows : Eigen::Index{0});
+  });
 }
 
 /// How repeated visits of a station scatter about their mean, by rows as weighted for the fit: pure error.

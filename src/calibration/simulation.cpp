@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -40,14 +42,15 @@ class Visits {
   }
 
   void read(PointReading& reading) {
-    const PlateState& plate = plates_[reading.station];
-    const Eigen::Vector3d centre = visit(reading.station);
-    reading.point = read_point(instrument_, centre, random_);
-    if (reading.second) {
-      const Eigen::Vector3d lever =
-          detail::mount_rotation(plate, rotation(reading.station), instrument_.mount) * *instrument_.second;
-      reading.second = read_point(instrument_, centre + lever, random_);
+    const Eigen::Matrix3d mount =
+        detail::mount_rotation(plates_[reading.station], rotation(reading.station), instrument_.mount);
+    Eigen::Vector3d centre = visit(reading.station);
+    if (reading.orientation) {
+      centre += mount * instrument_.body.translation;
+      reading.orientation = read_orientation(mount * instrument_.body.rotation);
     }
+    reading.point = read_point(instrument_, centre, random_);
+    if (reading.second) reading.second = read_point(instrument_, centre + mount * *instrument_.second, random_);
     if (reading.rotation) reading.rotation = rotation(reading.station) + rotation_noise();
   }
 
@@ -69,6 +72,10 @@ class Visits {
   /// Where it stands this time.
   Eigen::Vector3d visit(std::size_t station) {
     return plates_[station].position + instrument_.repeatability * normal_vector(random_);
+  }
+  Quaternion read_orientation(const Eigen::Matrix3d& in_robot) {
+    const Eigen::Vector3d turn = instrument_.rotation_noise * normal_vector(random_);
+    return Quaternion(Eigen::Matrix3d(instrument_.frame.rotation * in_robot * detail::turn_by(turn)));
   }
   double rotation(std::size_t station) const { return machine_.rotation_of(plates_[station].slide); }
   double rotation_noise() { return instrument_.rotation_noise * random_.normal(); }
@@ -109,6 +116,13 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vecto
     for (int repeat = 0; repeat < instrument.repeats; ++repeat) plan.series.front().readings.push_back(reading);
   }
   return simulate(robot, errors, std::move(plan), instrument, random);
+}
+
+RigidMotion random_body(RandomStream& random) {
+  constexpr double kFar = 50.0;
+  const Eigen::Vector3d axis = normal_vector(random).normalized();
+  const double angle = std::numbers::pi * random.uniform();
+  return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), kFar * normal_vector(random)};
 }
 
 Eigen::VectorXd random_set_up(const Robot& robot, const LengthSeries& series, RandomStream& random) {

@@ -18,7 +18,8 @@ StageFit::StageFit(const Robot& robot, const Measurements& measurements, const C
 
 void StageFit::solve() {
   if (fit_.parameters.size() == 0) return;
-  LeastSquaresOptions options;
+  // Where a body sits and how the plate tilts show together alone, and are found in turns.
+  LeastSquaresOptions options{.max_iterations = 500};
   // With priors: a thousandth of a percent of a standard deviation, far below what anyone states.
   if (has_priors(observation_)) options.step_tolerance = 1e-5;
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
@@ -64,6 +65,7 @@ void StageFit::settle() {
   for (int round = 0; round < kRounds && converged(); ++round) {
     double change = 0.0;
     const auto note = [&](double factor) { change = std::max(change, std::abs(factor - 1.0)); };
+    if (any_unstated && seeks_orientation_noise(observation_)) note(update_orientation_noise());
     if (any_unstated) note(update_noise(now.unstated_noise, false));
     if (sought_.stated_noise) note(update_noise(now.stated_noise, true));
     if (sought_.joint) note(update_joint());
@@ -80,6 +82,22 @@ double StageFit::update_noise(double& factor, bool stated) {
   if (of_kind.redundancy < 0.5) return 1.0;
   const double before = factor;
   factor = std::max(factor * std::sqrt(of_kind.sum / of_kind.redundancy), kSmallest);
+  return factor / before;
+}
+
+double StageFit::update_orientation_noise() {
+  constexpr double kFewest = 6.0, kSmallest = 1e-2, kLargest = 1e2;
+  const auto part = [&](bool orientations) {
+    return scatter_of_rows(observation_, fit_.parameters, fit_.at_answer.root(), [&](const Group& group, Eigen::Index) {
+      const bool counts = !group.stated && observation_.orientation_rows(group) > 0;
+      return std::pair(Eigen::Index{orientations ? 3 : 0}, Eigen::Index{counts ? 3 : 0});
+    });
+  };
+  const Scatter positions = part(false), orientations = part(true);
+  if (positions.redundancy < kFewest || orientations.redundancy < kFewest || !(positions.sum > 0.0)) return 1.0;
+  double& factor = observation_.components().orientation_noise;
+  const double ratio = orientations.sum / orientations.redundancy / (positions.sum / positions.redundancy);
+  const double before = std::exchange(factor, std::clamp(factor * std::sqrt(ratio), kSmallest, kLargest));
   return factor / before;
 }
 

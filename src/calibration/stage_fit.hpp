@@ -97,6 +97,8 @@ class StageFit {
   bool readmit(double outlier_chance);
   /// Each returns the factor by which it changed a standard deviation.
   double update_noise(double& factor, bool stated);
+  /// As far as orientations scatter more than the positions that were read with them, or less.
+  double update_orientation_noise();
   double update_joint();
   double update_priors(WidenedPriors& widened);
   struct JointSquares {

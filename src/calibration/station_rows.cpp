@@ -29,11 +29,14 @@ Eigen::MatrixXd whitened(const StationRows& at, double joint) {
 void Observation::rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
                        Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint) const {
   ByPlate by_plate = series_of(group).rows(group.index, {stations, unknowns}, block);
-  const double factor =
-      std::sqrt(group.weight) / (group.stated ? components_.stated_noise : components_.unstated_noise);
+  const double factor = std::sqrt(group.weight) / noise_factor(group);
   if (factor != 1.0) {
     block *= factor;
     by_plate *= factor;
+  }
+  if (orientation_factor(group) != 1.0) {
+    block.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
+    by_plate.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
   }
   const StationState& station = stations[group.station];
   auto sources = block.middleCols(nuisance_count_, source_count());
@@ -57,8 +60,7 @@ Eigen::VectorXd Observation::widening(const Group& group, const std::vector<Stat
 
 Eigen::VectorXd Observation::widening(const Group& group, const Placed& at, double joint_std) const {
   Eigen::MatrixXd block;
-  const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
-  return widening(group, at.stations, series_of(group).rows(group.index, at, block) / factor, joint_std);
+  return widening(group, at.stations, series_of(group).rows(group.index, at, block) / noise_factor(group), joint_std);
 }
 
 StationRows Observation::station_rows(std::size_t station, const std::vector<StationState>& stations,
@@ -152,8 +154,9 @@ double Observation::log_determinant(const Eigen::VectorXd& unknowns) const {
   for (const Group& group : groups_) {
     if (!group.active) continue;
     const ByPlate by_plate = series_of(group).rows(group.index, {*states, unknowns}, block);
-    const double factor = group.stated ? components_.stated_noise : components_.unstated_noise;
+    const double factor = noise_factor(group);
     sum += 2.0 * static_cast<double>(block.rows()) * std::log(factor);
+    sum += 2.0 * static_cast<double>(orientation_rows(group)) * std::log(orientation_factor(group));
     if (group.is_relative() && components_.joint > 0.0) {
       sum += widening(group, *states, by_plate / factor, components_.joint).array().log().sum();
     }

@@ -38,7 +38,7 @@ enum class Frame : std::uint8_t {
 /// Zero of a rotary encoder that reads phi.
 enum class RotationZero : std::uint8_t { unknown, known };
 
-/// What the second reflector is mounted on.
+/// What the second reflector, or a body, is mounted on.
 enum class ReflectorMount : std::uint8_t {
   plate,                  ///< tilts with the plate
   end_effector,           ///< tilts with the plate and turns with phi, counter-clockwise seen from above
@@ -205,6 +205,7 @@ struct PointResidual {
   Eigen::Vector3d before, after;                          ///< mm
   std::optional<double> rotation_before, rotation_after;  ///< rad
   bool excluded = false;
+  std::optional<Eigen::Vector3d> orientation_before = {}, orientation_after = {};  ///< rotation vectors, rad
 };
 
 /// A length likewise, its set-up as either machine fits it best.
@@ -253,6 +254,7 @@ struct SeriesFrame {
   RigidMotion frame;                           ///< instrument = frame(robot)
   std::optional<double> rotation_zero = {};    ///< encoder reading = phi - zero, rad
   std::optional<Eigen::Vector3d> second = {};  ///< second reflector from the first, mm, in the plate's frame
+  std::optional<RigidMotion> body = {};        ///< plate = body(body), mm
 };
 
 /// The machine's identified source errors with their evidence: enough to use them, to doubt them, and to repeat the
@@ -293,6 +295,8 @@ struct [[nodiscard]] Calibration {
   /// Standard deviation of a coordinate (of a distance where no points were read), mm, root mean square over the
   /// readings: stated, or as the residuals say.
   double noise = 0.0;
+  /// The same of an orientation about each axis, rad; empty where none was read.
+  std::optional<double> orientation_noise = {};
   /// Probability that noise alone would have improved the fit this much; small is good.
   std::optional<double> chance = {};
   CalibrationOptions options = {};

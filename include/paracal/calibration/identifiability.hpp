@@ -44,11 +44,12 @@ struct [[nodiscard]] Identifiability {
   std::vector<NullDirection> null_space;
   Observability indices;
   Eigen::Index rows = 0;
-  Eigen::Index nuisance = 0;  ///< unknowns of frames, encoder zeros and second reflectors
+  Eigen::Index nuisance = 0;  ///< unknowns of frames, encoder zeros, second reflectors and bodies
 };
 
-/// Frame, encoder zero and second reflector are projected out first (they are found together with the errors).
-/// @param sought  which errors; empty: the position group, and the tilt group where second reflectors are read.
+/// Frame, encoder zero, second reflector and body are projected out first (they are found together with the errors).
+/// @param sought  which errors; empty: the position group, and the tilt group where second reflectors or
+/// orientations are read.
 /// @throws Unreachable, InvalidArgument as calibrate().
 Identifiability identifiability(const Robot& robot, const Measurements& plan, const CalibrationOptions& options = {},
                                 std::vector<SoughtSource> sought = {});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct DistanceReading {
       {};  ///< standard deviation of the distance, mm, where the instrument states it
 };
 
+/// A quaternion w + x i + y j + z k; its negative is the same rotation.
+using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
+
 /// What an instrument read at one visit of a station. Visits of the same station are repeats.
 struct PointReading {
   std::size_t station = 0;                     ///< index into the stations
@@ -37,12 +41,22 @@ struct PointReading {
   std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, same frame
   std::optional<double> rotation = {};         ///< phi from a rotary encoder, rad
   std::optional<double> sigma = {};            ///< standard deviation of each coordinate, mm, where stated
+  /// Of a body that stands somewhere on the plate, whose origin the point is then (motion capture): instrument =
+  /// rotation(body). Of unit length within kUnitLength.
+  std::optional<Quaternion> orientation = {};
+  /// Standard deviation of the orientation, about each axis alike, rad, where stated.
+  std::optional<double> orientation_sigma = {};
+
+  static constexpr double kUnitLength = 1e-3;  ///< as far as numbers of four digits are off
 };
 
 /// The points read from one place of the instrument: one frame, any rigid motion away from the robot's.
 struct PointSeries {
   std::string name;
   std::vector<PointReading> readings;
+
+  /// Points are those of a body, not of a reflector at the plate centre.
+  bool is_of_body() const;
 };
 
 /// A length that one pose shows by itself.

@@ -24,7 +24,8 @@ struct NoiseModel {
   double distance = 0.05;             ///< mm, of a ball bar, too: positioning repeatability in [huang2016, section 5.2]
   double height = 0.05;               ///< mm, of a dial, too: a probe that triggers within some hundredths
   double point = 0.017;               ///< mm a coordinate: one third of it, read as 3 sigma
-  double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section
+  double body = 0.3;                  ///< mm a coordinate of a body's origin: motion capture scatters by some tenths
+  double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section; of orientations, too
   std::optional<TrackerModel> tracker = {};
   /// Standard deviation of an error that all distances share (a calliper's zero, a printed wall too thick), and of one
   /// that all lengths of a ball bar do (its own length), mm; 0: none.

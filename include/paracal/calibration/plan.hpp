@@ -53,6 +53,7 @@ PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth = kSt
 /// What is measured at the poses of a plan.
 enum class Measurand : std::uint8_t {
   coordinates,     ///< of the plate centre, in a frame that nobody knows
+  poses,           ///< position and orientation of a body on the plate, likewise
   distances,       ///< of the plate centre between all pairs of poses
   home_distances,  ///< from the first pose to each other
   lengths,         ///< that each pose shows by itself, of one kind and set-up
@@ -60,15 +61,16 @@ enum class Measurand : std::uint8_t {
 
 struct PlannedReadings {
   Measurand measurand = Measurand::coordinates;
-  bool rotation = false;                   ///< phi is read, too: not with lengths
-  bool second = false;                     ///< a second reflector is read, too: with coordinates alone
-  LengthKind length = LengthKind::height;  ///< where lengths are read
-  std::optional<Eigen::Vector3d> at = {};  ///< and what is known of their set-up (LengthSeries)
+  bool rotation = false;                         ///< phi is read, too: not with lengths or poses
+  bool second = false;                           ///< a second reflector is read, too: with coordinates alone
+  ReflectorMount mount = ReflectorMount::plate;  ///< of the second reflector or the body
+  LengthKind length = LengthKind::height;        ///< where lengths are read
+  std::optional<Eigen::Vector3d> at = {};        ///< and what is known of their set-up (LengthSeries)
 };
 
 /// Readings that a plan would give, taken from the nominal machine: for identifiability(), select_stations() and
 /// simulate().
-/// @throws InvalidArgument for a rotation or a second reflector with what has none.
+/// @throws InvalidArgument for a rotation or a second reflector with what has none, or shows it by itself.
 Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings = {});
 
 }  // namespace paracal

@@ -34,6 +34,7 @@ struct PoseErrorSummary {
   bool reads_distances = true;          ///< the four above stand for readings; false: lengths alone were read
   std::map<LengthKind, double> rms_lengths = {};  ///< of the kinds that were read, mm
   std::optional<double> max_abs_rotation = {};    ///< of d_phi, rad; empty where no rotation was read
+  std::optional<double> max_orientation = {};     ///< by which a body is turned away, rad; empty where none was read
 };
 
 /// @param pairs  home first. @param rotations  whether the actual rotations mean anything.

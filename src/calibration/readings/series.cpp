@@ -15,6 +15,10 @@ void ErrorTally::widen_rotation(const std::optional<double>& residual) {
   }
 }
 
+void ErrorTally::widen_orientation(const std::optional<Eigen::Vector3d>& residual) {
+  if (residual) summary.max_orientation = std::max(summary.max_orientation.value_or(0.0), residual->norm());
+}
+
 PoseErrorSummary ErrorTally::finished() const {
   PoseErrorSummary all = summary;
   for (const auto& [kind, sum] : lengths) {

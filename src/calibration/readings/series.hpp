@@ -66,11 +66,17 @@ enum class Quantity : std::uint8_t { coordinate, distance, length };
 struct Residual {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> length;  ///< mm, one number or three
   std::optional<double> rotation = {};                       ///< rad
+  std::optional<Eigen::Vector3d> orientation = {};           ///< rotation vector, rad
 
   /// Root mean square of a row, mm.
   double size() const { return length.norm() / std::sqrt(static_cast<double>(length.size())); }
   /// Measured minus predicted.
-  Residual reversed() const { return {-length, rotation ? std::optional(-*rotation) : std::nullopt}; }
+  Residual reversed() const {
+    Residual other{-length, rotation, orientation};
+    if (rotation) other.rotation = -*rotation;
+    if (orientation) other.orientation = -*orientation;
+    return other;
+  }
 };
 
 /// Errors of the readings in use, as they come together over all series.
@@ -92,6 +98,7 @@ struct ErrorTally {
   std::map<LengthKind, Sum> lengths;
 
   void widen_rotation(const std::optional<double>& residual);
+  void widen_orientation(const std::optional<Eigen::Vector3d>& residual);
   /// With the root mean squares of all.
   PoseErrorSummary finished() const;
 };
@@ -110,6 +117,8 @@ class ReadingSeries {
   virtual Group group(std::size_t index) const = 0;
   /// Standard deviation before any factor, mm; of a coordinate, as a mean over the three.
   virtual double sigma(std::size_t index) const = 0;
+  /// The same of an orientation about each axis, rad; 0 where none was read.
+  virtual double orientation_sigma(std::size_t /*index*/) const { return 0.0; }
   virtual Quantity quantity() const = 0;
   /// Where its readings are lengths: of which kind.
   virtual std::optional<LengthKind> length_kind() const { return std::nullopt; }
@@ -130,6 +139,8 @@ class ReadingSeries {
   /// @returns the derivative by the plate's motion at the reading's station, less that at what it is relative to.
   virtual ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const = 0;
   virtual Residual residual(std::size_t index, const Placed& at) const = 0;
+  /// How many of a reading's rows, from the fourth on, are of an orientation.
+  virtual Eigen::Index orientation_rows(std::size_t /*index*/) const { return 0; }
 
   /// What it is called in notes.
   virtual std::string label(std::size_t index, const std::vector<Station>& stations) const = 0;
