@@ -6,55 +6,14 @@
 #include <cmath>
 #include <functional>
 
-#include "observation.hpp"
 #include "paracal/error.hpp"
+#include "placement.hpp"
 #include "scatter.hpp"
 #include "square_root.hpp"
 #include "tails.hpp"
 
 namespace paracal::detail {
 namespace {
-
-CalibrationOptions as_for_a_fit(const ValidationOptions& options) {
-  CalibrationOptions fit;
-  fit.noise = options.noise;
-  fit.noise_is_known = options.noise_is_known;
-  fit.frame = options.frame;
-  fit.rotation_zero = options.rotation_zero;
-  fit.reflectors = options.reflectors;
-  fit.scale_std = options.scale_std;
-  return fit;
-}
-
-/// The readings of one machine, whose set-up alone is sought, where it fits best. The scale is none of it: it would
-/// take what is wrong with the machine.
-struct Placement {
-  Placement(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
-            const SourceErrors& errors)
-      : observation(robot, measurements, options, {}) {
-    const auto start = observation.start(errors);
-    if (!start) throw Unreachable("validation: the machine does not close at one of the stations");
-    setup = *start;
-    if (setup.size() > 0) setup = solve_least_squares(with_priors(observation), *start).parameters;
-    stations = observation.stations(setup);
-  }
-
-  Placed placed() const { return {*stations, setup}; }
-  Residual residual(const Group& group) const { return observation.residual(group, placed()).reversed(); }
-  /// Errors of distances and lengths.
-  PoseErrorSummary summary() const {
-    ErrorTally tally;
-    for (std::size_t s = 0; s < observation.series().size(); ++s) {
-      const ReadingSeries& series = *observation.series()[s];
-      if (series.quantity() != Quantity::coordinate) series.add_to(tally, observation.groups_of(s), placed());
-    }
-    return tally.finished();
-  }
-
-  Observation observation;
-  Eigen::VectorXd setup;
-  std::shared_ptr<const std::vector<StationState>> stations;
-};
 
 /// Places of the set-up's unknowns but the scales of instruments.
 std::vector<Eigen::Index> columns_without_scales(const Observation& observation) {
@@ -174,13 +133,12 @@ std::vector<CheckedReading> checked_readings(const Placement& nominal, const Pla
   std::vector<CheckedReading> readings;
   const auto is_listed = [](const auto& series) { return series->quantity() != Quantity::coordinate; };
   if (std::ranges::none_of(observation.series(), is_listed)) return readings;
-  const VarianceComponents& factors = observation.components();
   const FollowingSetUp set_up(observation, at.unknowns);
   Eigen::MatrixXd block;
   for (const Group& group : observation.groups()) {
     const ReadingSeries& series = observation.series_of(group);
     if (series.quantity() == Quantity::coordinate) continue;
-    const double sigma = observation.sigma_of(group) * (group.stated ? factors.stated_noise : factors.unstated_noise);
+    const double sigma = observation.sigma_of(group) * observation.noise_factor(group);
     observation.rows(group, at.stations, at.unknowns, block);
     const FollowingSetUp::Left left = set_up.left(block.row(0), covariance);
     const double variance = left.noise * observation.widening(group, at, joint_std)(0) + left.rest;

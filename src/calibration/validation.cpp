@@ -10,67 +10,15 @@
 
 #include "agreement.hpp"
 #include "iso9283.hpp"
+#include "located.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "placement.hpp"
 
 namespace paracal {
 namespace {
 
 constexpr std::size_t kFewestPoses = 4;
-
-/// A series' points and rotations in the robot's frame.
-struct Located {
-  std::vector<std::size_t> order;  ///< stations in which they were read, home first
-  std::map<std::size_t, std::vector<Pose>> repeats;
-  bool rotations = false;
-};
-
-/// Frame of a series: that which brings the station means closest to the predicted poses.
-RigidMotion frame_of(const PointSeries& series, const std::vector<Pose>& predicted, const ValidationOptions& options) {
-  if (options.frame == Frame::robot) return {};
-  std::vector<Eigen::Vector3d> from, to;
-  for (const PointReading& reading : series.readings) {
-    from.push_back(reading.point);
-    to.push_back(predicted[reading.station].position);
-  }
-  return rigid_fit(from, to);
-}
-
-double rotation_zero_of(const PointSeries& series, const std::vector<Pose>& predicted,
-                        const ValidationOptions& options) {
-  if (options.rotation_zero == RotationZero::known) return 0.0;
-  double sum = 0.0;
-  int count = 0;
-  for (const PointReading& reading : series.readings) {
-    if (!reading.rotation) continue;
-    sum += predicted[reading.station].rotation - *reading.rotation;
-    ++count;
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
-Located locate(const PointSeries& series, const std::vector<Pose>& predicted, const ValidationOptions& options) {
-  const RigidMotion to_robot = frame_of(series, predicted, options);
-  const double zero = rotation_zero_of(series, predicted, options);
-  Located located;
-  located.rotations = std::ranges::all_of(series.readings, [](const auto& r) { return r.rotation.has_value(); });
-  for (const PointReading& reading : series.readings) {
-    auto& repeats = located.repeats[reading.station];
-    if (repeats.empty()) located.order.push_back(reading.station);
-    repeats.push_back({to_robot(reading.point), reading.rotation.value_or(0.0) + zero});
-  }
-  std::ranges::sort(located.order);  // stations keep the order of the file, in which home is the first
-  return located;
-}
-
-Pose mean_of(const std::vector<Pose>& poses) {
-  Pose mean{Eigen::Vector3d::Zero(), 0.0};
-  for (const Pose& pose : poses) {
-    mean.position += pose.position / static_cast<double>(poses.size());
-    mean.rotation += pose.rotation / static_cast<double>(poses.size());
-  }
-  return mean;
-}
 
 void widen(PoseErrorSummary& all, const PoseErrorSummary& one) {
   all.max_abs_distance = std::max(all.max_abs_distance, one.max_abs_distance);
@@ -94,13 +42,13 @@ MeanSigma mean_sigma(const Measurements& measurements, const ValidationOptions& 
     std::map<std::size_t, int> repeats;
     for (const PointReading& reading : series.readings) ++repeats[reading.station];
     for (const PointReading& reading : series.readings) {
-      double sigma = options.noise.point;
+      double sigma = reading.orientation ? options.noise.body : options.noise.point;
       if (const auto& tracker = options.noise.tracker) {
         sigma = tracker->transverse + 1e-3 * reading.point.norm() * tracker->transverse_per_m;
       }
       const double root = std::sqrt(repeats[reading.station]);
       largest.point = std::max(largest.point, reading.sigma.value_or(sigma) / root);
-      largest.rotation = std::max(largest.rotation, options.noise.rotation / root);
+      largest.rotation = std::max(largest.rotation, reading.orientation_sigma.value_or(options.noise.rotation) / root);
     }
   }
   return largest;
@@ -222,8 +170,14 @@ void validate_points(const Robot& robot, const KnownErrors& known, const Measure
     predicted.push_back(predict(robot, known, believed_joints(robot, station)));
     poses.push_back(predicted.back().pose);
   }
-  for (const PointSeries& series : measurements.series) {
-    const Located located = locate(series, poses, options);
+  std::optional<detail::Placement> placement;  // costs a fit
+  for (std::size_t s = 0; s < measurements.series.size(); ++s) {
+    const PointSeries& series = measurements.series[s];
+    if (series.is_of_body() && !placement) {
+      placement.emplace(robot, measurements, detail::as_for_a_fit(options), known.errors);
+    }
+    const detail::Located located =
+        series.is_of_body() ? detail::locate_body(*placement, s) : detail::locate(series, poses, options);
     if (located.order.size() < kFewestPoses) {
       throw InvalidArgument(fmt::format("{}: expected at least {} different poses, got {}", series.name, kFewestPoses,
                                         located.order.size()));
@@ -231,17 +185,17 @@ void validate_points(const Robot& robot, const KnownErrors& known, const Measure
     std::vector<PosePair> before, after;
     for (const std::size_t station : located.order) {
       const std::vector<Pose>& repeats = located.repeats.at(station);
-      const Pose measured = mean_of(repeats), commanded = measurements.stations[station].commanded;
+      const Pose measured = detail::mean_of(repeats), commanded = measurements.stations[station].commanded;
       before.push_back({commanded, measured});
       after.push_back({poses[station], measured});
       validation.poses.push_back(
           {series.name, measurements.stations[station].name, before.back(), after.back(), located.rotations, {}});
       if (known.covariance.size() > 0) validation.poses.back().covariance = predicted[station].covariance;
       if (repeats.size() < 2) continue;
-      detail::add_criteria(
-          measurements.stations[station].name, commanded, repeats,
-          {measurements.stations[located.order.front()].commanded, mean_of(located.repeats.at(located.order.front()))},
-          located.rotations, validation.iso9283);
+      detail::add_criteria(measurements.stations[station].name, commanded, repeats,
+                           {measurements.stations[located.order.front()].commanded,
+                            detail::mean_of(located.repeats.at(located.order.front()))},
+                           located.rotations, validation.iso9283);
     }
     widen(validation.before, summarize(before, located.rotations));
     widen(validation.after, summarize(after, located.rotations));
@@ -271,6 +225,8 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
   Validation validation;
   validate_points(robot, known, measurements, options, validation);
   const auto [before, after] = detail::add_agreement(robot, known, measurements, options, validation);
+  validation.before.max_orientation = before.max_orientation;
+  validation.after.max_orientation = after.max_orientation;
   if (!validation.readings.empty()) {
     add_readings(before, !validation.poses.empty(), validation.before);
     add_readings(after, !validation.poses.empty(), validation.after);

@@ -16,6 +16,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/simulation.hpp"
+#include "paracal/calibration/validation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/differences.hpp"
@@ -351,6 +352,34 @@ TEST_P(BodyPoses, AGrossReadingIsLeftOut) {
     const Calibration found = calibrate(robot, measured, options);
     for (std::size_t k = 0; k < found.points.size(); ++k) EXPECT_EQ(found.points[k].excluded, k == 9) << k << turned;
     EXPECT_EQ(found.suspects.front().text, "P9 of poses");
+  }
+}
+
+/// A calibration holds at poses that it has not seen, by another set-up; as long as nobody bends the machine.
+TEST_P(BodyPoses, Validate) {
+  for (const ReflectorMount mount : mounts()) {
+    RandomStream stream(9);
+    const SourceErrors truth = drawn(stream);
+    CalibrationOptions options = told(mount);
+    const Calibration found = calibrate(robot, read(truth, mount, stream), options);
+    const ValidationOptions how{.noise = known_noise(), .noise_is_known = true, .reflectors = mount};
+    const Measurements others = read(truth, mount, stream, 6);
+    const Validation seen = validate(robot, known_errors(found), others, how);
+    ASSERT_TRUE(seen.agreement);
+    EXPECT_FALSE(seen.agreement->contradicts()) << seen.agreement->chance;
+    EXPECT_TRUE(seen.accepted);
+    EXPECT_LT(seen.after.max_volumetric_aligned, 0.5 * seen.before.max_volumetric_aligned);
+    EXPECT_LT(seen.after.max_volumetric_aligned, 6.0 * kNoise);
+    EXPECT_LT(*seen.after.max_orientation, 6.0 * kTurn);
+    EXPECT_GT(*seen.before.max_orientation, 0.0);
+    EXPECT_EQ(seen.after.max_abs_rotation.has_value(), mount != ReflectorMount::plate);
+    EXPECT_LT(seen.after.max_abs_rotation.value_or(0.0), 6.0 * kTurn);
+    Measurements turned = others;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Quaternion& q = *turned.series[0].readings[k].orientation;
+      q = q * Quaternion(Eigen::AngleAxisd(to_radians(1.0), Eigen::Vector3d::UnitX()));
+    }
+    EXPECT_TRUE(validate(robot, known_errors(found), turned, how).agreement->contradicts());
   }
 }
 
