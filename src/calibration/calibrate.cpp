@@ -12,6 +12,7 @@ namespace {
 
 /// Standard deviation that was expected of the readings that Calibration::noise is about, mm.
 double expected_noise(const Measurements& measurements, const NoiseModel& noise) {
+  if (std::ranges::any_of(measurements.series, &PointSeries::is_of_body)) return noise.body;
   if (!measurements.series.empty()) return noise.point;
   return measurements.distances.empty() ? noise.height : noise.distance;
 }
@@ -21,6 +22,7 @@ bool scatters(const Calibration& calibration, const Measurements& measurements) 
   constexpr double kFarMore = 2.0;
   if (!calibration.unit_weight_std) return true;
   const bool known = calibration.fit_probability.has_value();
+  if (calibration.orientation_noise > kFarMore * calibration.options.noise.rotation) return true;
   return known ? *calibration.unit_weight_std > kFarMore
                : calibration.noise > kFarMore * expected_noise(measurements, calibration.options.noise);
 }

@@ -65,7 +65,9 @@ class MistakeList {
   void add_signs_of_rotation();
   void add_rows();
   void add_mounts();
+  void add_orientations();
   void add_frames();
+  void add_frames_of_bodies();
   void add_command_frames();
   void add_limb_orders();
   void add_robots();
@@ -146,20 +148,33 @@ void MistakeList::add_rows() {
 }
 
 void MistakeList::add_mounts() {
-  if (!reads_second(measurements())) return;
+  const bool body = reads_orientation(measurements());
+  if (!body && !reads_second(measurements())) return;
   struct Mount {
     ReflectorMount mount;
     const char* text;
   };
-  constexpr std::array<Mount, 3> kMounts{
-      {{ReflectorMount::plate, "the second reflector is on the plate (--reflectors plate)"},
-       {ReflectorMount::end_effector, "the second reflector turns with phi (--reflectors end-effector)"},
-       {ReflectorMount::end_effector_reversed,
-        "the second reflector turns by -phi (--reflectors end-effector-reversed)"}}};
+  constexpr std::array<Mount, 3> kMounts{{{ReflectorMount::plate, "is on the plate"},
+                                          {ReflectorMount::end_effector, "turns with phi"},
+                                          {ReflectorMount::end_effector_reversed, "turns by -phi"}}};
   for (const auto& [mount, text] : kMounts) {
     if (mount == given_.options.reflectors) continue;
-    add_to_input("mount", text, [is = mount](Input& input) { input.options.reflectors = is; });
+    add_to_input("mount",
+                 fmt::format("{} {} (--reflectors {})", body ? "the body" : "the second reflector", text, name(mount)),
+                 [is = mount](Input& input) { input.options.reflectors = is; });
   }
+}
+
+/// What programs of motion capture disagree on.
+void MistakeList::add_orientations() {
+  if (!reads_orientation(measurements())) return;
+  const auto change = [&](std::string text, std::function<Quaternion(const Quaternion&)> undo) {
+    add("orientation", std::move(text), [undo = std::move(undo)](Measurements& m) { change_orientations(m, undo); });
+  };
+  change("the quaternions turn the other way, from the instrument's frame to the body's",
+         [](const Quaternion& q) { return Quaternion(q.conjugate()); });
+  change("the quaternions hold w last: their columns are qx, qy, qz, qw",
+         [](const Quaternion& q) { return Quaternion(q.z(), q.w(), q.x(), q.y()); });
 }
 
 /// "-y" for the row (0, -1, 0).
@@ -167,6 +182,27 @@ std::string axis_of(const Eigen::RowVector3d& row) {
   Eigen::Index axis = 0;
   row.cwiseAbs().maxCoeff(&axis);
   return fmt::format("{}{}", row(axis) < 0.0 ? "-" : "", "xyz"[axis]);
+}
+
+/// "x, y, z of the readings are x, -y, z of the robot"
+std::string exchange_text(std::string_view what, const Eigen::Matrix3d& axes, std::string_view of) {
+  return fmt::format("x, y, z of the {} are {}, {}, {} of the {}", what, axis_of(axes.col(0).transpose()),
+                     axis_of(axes.col(1).transpose()), axis_of(axes.col(2).transpose()), of);
+}
+
+/// An orientation shows which axis is which: one sign, two axes, or the vertical of another program.
+void MistakeList::add_frames_of_bodies() {
+  // A rotation R seen in a mirror S is S R S.
+  add("frame", "the frame of the readings, orientations included, is left-handed", [](Measurements& m) {
+    turn_readings(m, Eigen::Vector3d(1, 1, -1).asDiagonal());
+    change_orientations(m, [](const Quaternion& q) { return Quaternion(q.w(), -q.x(), -q.y(), q.z()); });
+  });
+  for (const Eigen::Matrix3d& axes : exchanges_of_axes()) {
+    const bool sign = axes.diagonal().cwiseAbs().sum() == 3.0 && axes.trace() == 1.0;
+    const bool two = axes.diagonal().cwiseAbs().sum() == 1.0 && axes.diagonal().sum() == 1.0;
+    if (!sign && !two) continue;
+    add("frame", exchange_text("positions", axes, "orientations"), [axes](Measurements& m) { turn_readings(m, axes); });
+  }
 }
 
 /// Of an unknown frame all mirrors are alike; of the robot's own all 47 exchanges and signs of axes count.
@@ -177,15 +213,13 @@ void MistakeList::add_frames() {
   }
   if (measurements().series.empty()) return;
   if (given_.options.frame == Frame::unknown) {
+    if (reads_orientation(measurements())) return add_frames_of_bodies();
     add("frame", "the frame of the readings is mirrored: an axis has the wrong sign, or two axes are swapped",
         [](Measurements& m) { turn_readings(m, Eigen::Vector3d(1, 1, -1).asDiagonal()); });
     return;
   }
   for (const Eigen::Matrix3d& axes : exchanges_of_axes()) {
-    const std::string text =
-        fmt::format("x, y, z of the readings are {}, {}, {} of the robot", axis_of(axes.col(0).transpose()),
-                    axis_of(axes.col(1).transpose()), axis_of(axes.col(2).transpose()));
-    add("frame", text, [axes](Measurements& m) { turn_readings(m, axes); });
+    add("frame", exchange_text("readings", axes, "robot"), [axes](Measurements& m) { turn_readings(m, axes); });
   }
   add_to_input("frame", "the readings are not in the robot's frame (--frame unknown)",
                [](Input& input) { input.options.frame = Frame::unknown; });
@@ -253,6 +287,7 @@ std::vector<Mistake> usual_mistakes(const Input& given) {
   list.add_frames();
   list.add_rows();
   list.add_mounts();
+  list.add_orientations();
   list.add_robots();
   list.add_limb_orders();
   list.add_command_frames();

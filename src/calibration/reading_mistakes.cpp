@@ -52,6 +52,10 @@ bool reads_second(const Measurements& measurements) {
   return some_point(measurements, [](const PointReading& reading) { return reading.second.has_value(); });
 }
 
+bool reads_orientation(const Measurements& measurements) {
+  return std::ranges::any_of(measurements.series, &PointSeries::is_of_body);
+}
+
 bool reads_lengths(const Measurements& measurements, LengthKind kind) {
   return std::ranges::any_of(measurements.lengths, [&](const LengthSeries& series) { return series.kind == kind; });
 }
@@ -76,6 +80,14 @@ void scale_rotations(Measurements& measurements, double factor) {
   for (PointSeries& series : measurements.series) {
     for (PointReading& reading : series.readings) {
       if (reading.rotation) *reading.rotation *= factor;
+    }
+  }
+}
+
+void change_orientations(Measurements& measurements, const std::function<Quaternion(const Quaternion&)>& change) {
+  for (PointSeries& series : measurements.series) {
+    for (PointReading& reading : series.readings) {
+      if (reading.orientation) reading.orientation = change(*reading.orientation);
     }
   }
 }

@@ -3,6 +3,7 @@
 // Private to calibration: readings as they would have been without a mistake.
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
@@ -11,6 +12,7 @@ namespace paracal::detail {
 
 bool reads_rotation(const Measurements& measurements);
 bool reads_second(const Measurements& measurements);
+bool reads_orientation(const Measurements& measurements);
 bool reads_lengths(const Measurements& measurements, LengthKind kind);
 /// Some station was read more than once in a series.
 bool has_repeats(const Measurements& measurements);
@@ -20,6 +22,7 @@ bool has_repeats(const Measurements& measurements);
 void scale_readings(Measurements& measurements, double factor);
 /// Readings of phi times a factor.
 void scale_rotations(Measurements& measurements, double factor);
+void change_orientations(Measurements& measurements, const std::function<Quaternion(const Quaternion&)>& change);
 void negate_lengths(Measurements& measurements, LengthKind kind);
 /// Points, both reflectors, times a matrix.
 void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "calibration/observation.hpp"
@@ -406,6 +407,44 @@ TEST_P(BodyPoses, RefuseWhatMakesNoSense) {
                   "method paper: expected points of the plate centre or distances, got poses of a body"));
   EXPECT_THAT([&] { (void)planned(robot, good.stations, {.measurand = Measurand::poses, .rotation = true}); },
               ThrowsMessage<InvalidArgument>("plan: expected poses without rotations: they show them"));
+}
+
+/// What programs of motion capture disagree on, and a body that does not turn with what it was said to, are told.
+TEST(BodyMistakes, AreTold) {
+  const Robot robot = catalogue::huang2016();
+  const auto told_of = [&](const std::function<void(PointReading&)>& mistake, ReflectorMount said) {
+    RandomStream stream(11);
+    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const VirtualInstrument instrument = random_instrument(ReflectorMount::end_effector, stream);
+    const PlannedReadings what{.measurand = Measurand::poses, .mount = ReflectorMount::end_effector};
+    Measurements measured = simulate(robot, truth, planned(robot, fine_stations(robot, 14), what), instrument, stream);
+    for (PointReading& reading : measured.series[0].readings) mistake(reading);
+    const Calibration found = calibrate(robot, measured, {.reflectors = said});
+    EXPECT_FALSE(found.accepted());
+    return found.reasons.empty() ? std::string() : found.reasons.front();
+  };
+  const ReflectorMount turns = ReflectorMount::end_effector;
+  EXPECT_THAT(told_of([](PointReading& one) { one.orientation = one.orientation->conjugate(); }, turns),
+              HasSubstr("the quaternions turn the other way, from the instrument's frame to the body's"));
+  EXPECT_THAT(told_of(
+                  [](PointReading& one) {
+                    const Quaternion q = *one.orientation;
+                    one.orientation = Quaternion(q.x(), q.y(), q.z(), q.w());
+                  },
+                  turns),
+              HasSubstr("the quaternions hold w last: their columns are qx, qy, qz, qw"));
+  EXPECT_THAT(told_of(
+                  [](PointReading& one) {
+                    one.point.z() = -one.point.z();
+                    one.orientation->x() *= -1.0;
+                    one.orientation->y() *= -1.0;
+                  },
+                  turns),
+              HasSubstr("the frame of the readings, orientations included, is left-handed"));
+  EXPECT_THAT(told_of([](PointReading& one) { one.point.y() = -one.point.y(); }, turns),
+              HasSubstr("x, y, z of the positions are x, -y, z of the orientations"));
+  EXPECT_THAT(told_of([](PointReading&) {}, ReflectorMount::plate),
+              HasSubstr("the body turns with phi (--reflectors end-effector)"));
 }
 
 /// Frame and body from nothing, a fifth of the poses gross.
