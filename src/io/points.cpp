@@ -1,6 +1,7 @@
 #include "paracal/io/points.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 #include "columns.hpp"
@@ -22,6 +24,11 @@ namespace {
 
 using PointColumns = std::array<std::string_view, 3>;
 constexpr PointColumns kPoint{"x_mm", "y_mm", "z_mm"}, kSecondPoint{"x2_mm", "y2_mm", "z2_mm"};
+constexpr std::array<std::string_view, 4> kQuaternion{"qw", "qx", "qy", "qz"};
+
+bool has_any(const CsvTable& table, std::span<const std::string_view> columns) {
+  return std::ranges::any_of(columns, [&](std::string_view column) { return table.has(column); });
+}
 
 std::string text_of(const Pose& pose) {
   return fmt::format("({}, {}, {}) mm and {} deg", pose.position.x(), pose.position.y(), pose.position.z(),
@@ -78,16 +85,28 @@ Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joi
   return station;
 }
 
-/// Empty where all three coordinates are blank.
-std::optional<Eigen::Vector3d> point_of(const CsvTable& table, std::size_t row, const PointColumns& columns) {
+/// False where all of these numbers, which belong together, are blank.
+bool is_read(const CsvTable& table, std::size_t row, std::span<const std::string_view> columns) {
   const auto blank =
       std::ranges::count_if(columns, [&](std::string_view column) { return table.text(row, column).empty(); });
-  if (blank == 3) return std::nullopt;
-  if (blank > 0) {
-    table.fail(row, fmt::format("expected {}, {}, {} either all filled in or all blank, got {} blank", columns[0],
-                                columns[1], columns[2], blank));
+  if (blank > 0 && blank < std::ssize(columns)) {
+    table.fail(row, fmt::format("expected {} either all filled in or all blank, got {} blank", fmt::join(columns, ", "),
+                                blank));
   }
+  return blank == 0;
+}
+
+std::optional<Eigen::Vector3d> point_of(const CsvTable& table, std::size_t row, const PointColumns& columns) {
+  if (!is_read(table, row, columns)) return std::nullopt;
   return Eigen::Vector3d(table.number(row, columns[0]), table.number(row, columns[1]), table.number(row, columns[2]));
+}
+
+std::optional<Quaternion> orientation_of(const CsvTable& table, std::size_t row) {
+  if (!has_any(table, kQuaternion) || !is_read(table, row, kQuaternion)) return std::nullopt;
+  const auto [w, x, y, z] = kQuaternion;
+  const Quaternion read(table.number(row, w), table.number(row, x), table.number(row, y), table.number(row, z));
+  if (std::abs(read.norm() - 1.0) <= PointReading::kUnitLength) return read;
+  table.fail(row, fmt::format("expected qw, qx, qy, qz of length 1, as of a rotation, got {:.6g}", read.norm()));
 }
 
 /// The number of a repeat is a label for people, but one that is no count shows that columns are mixed up.
@@ -102,10 +121,11 @@ void check_repeat(const CsvTable& table, std::size_t row) {
 PointReading reading_without_point(const CsvTable& table, std::size_t row, std::size_t station) {
   check_repeat(table, row);
   PointReading reading{.station = station};
-  const bool has_second = std::ranges::any_of(kSecondPoint, [&](std::string_view column) { return table.has(column); });
-  if (has_second) reading.second = point_of(table, row, kSecondPoint);
+  if (has_any(table, kSecondPoint)) reading.second = point_of(table, row, kSecondPoint);
   if (const auto phi = table.optional_number(row, "phi_deg")) reading.rotation = to_radians(*phi);
   reading.sigma = positive_number(table, row, "sigma_mm");
+  reading.orientation = orientation_of(table, row);
+  if (const auto sigma = positive_number(table, row, "sigma_deg")) reading.orientation_sigma = to_radians(*sigma);
   return reading;
 }
 
@@ -113,22 +133,36 @@ void add_row(SeriesBuilder& series, const CsvTable& table, std::size_t row, cons
              std::size_t station) {
   PointReading reading = reading_without_point(table, row, station);
   if (const std::optional<Eigen::Vector3d> point = point_of(table, row, kPoint)) {
+    if (has_any(table, kQuaternion) && !reading.orientation) {
+      return series.note(table.line(row), fmt::format("pose {} has no orientation; its point is passed over", pose));
+    }
     reading.point = *point;
     series.add(table.line(row), pose, reading);
     return;
   }
-  const bool has_more = reading.second || reading.rotation;
+  const bool has_more = reading.second || reading.rotation || reading.orientation;
   series.note(table.line(row),
               fmt::format("pose {} has no point{}", pose, has_more ? "; its other readings are passed over" : ""));
+}
+
+/// A body's poses have no second point: their orientations show what it would.
+std::vector<std::string_view> columns_of(const CsvTable& table) {
+  std::vector<std::string_view> columns{"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm",
+                                        "y_mm", "z_mm",     "repeat",   "phi_deg",  "sigma_mm"};
+  if (!has_any(table, kQuaternion)) {
+    columns.insert(columns.end(), kSecondPoint.begin(), kSecondPoint.end());
+    return columns;
+  }
+  columns.insert(columns.end(), kQuaternion.begin(), kQuaternion.end());
+  columns.push_back("sigma_deg");
+  return columns;
 }
 
 }  // namespace
 
 Measurements read_points(const TextFile& file, const JointSpace& joints) {
   const CsvTable table(file);
-  table.allow_only(with_joint_columns({"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm",
-                                       "z_mm", "repeat", "phi_deg", "x2_mm", "y2_mm", "z2_mm", "sigma_mm"},
-                                      joints));
+  table.allow_only(with_joint_columns(columns_of(table), joints));
   const JointSpace present = joint_columns(table, joints);
   StationList stations(present.actuator);
   SeriesBuilder series(file);

@@ -37,7 +37,7 @@ std::optional<double> in_degrees(const std::optional<double>& radians) {
 
 /// The optional columns that some reading of a series needs.
 struct OptionalColumns {
-  bool repeat = false, rotation = false, second = false, sigma = false;
+  bool repeat = false, orientation = false, rotation = false, second = false, sigma = false, orientation_sigma = false;
   JointSpace joints = {};
 };
 
@@ -49,6 +49,8 @@ OptionalColumns columns_for(const std::vector<PointReading>& readings, const Joi
     columns.rotation |= reading.rotation.has_value();
     columns.second |= reading.second.has_value();
     columns.sigma |= reading.sigma.has_value();
+    columns.orientation |= reading.orientation.has_value();
+    columns.orientation_sigma |= reading.orientation_sigma.has_value();
   }
   return columns;
 }
@@ -56,9 +58,11 @@ OptionalColumns columns_for(const std::vector<PointReading>& readings, const Joi
 std::string header_of(const OptionalColumns& columns) {
   std::string header = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm";
   if (columns.repeat) header += ",repeat";
+  if (columns.orientation) header += ",qw,qx,qy,qz";
   if (columns.rotation) header += ",phi_deg";
   if (columns.second) header += ",x2_mm,y2_mm,z2_mm";
   if (columns.sigma) header += ",sigma_mm";
+  if (columns.orientation_sigma) header += ",sigma_deg";
   for (std::size_t i = 0; i < columns.joints.count; ++i) {
     header.append(",").append(joint_names(columns.joints.actuator)[i]);
   }
@@ -92,9 +96,14 @@ void add_row(std::string& text, const Station& station, const PointReading& read
   row.add(degrees_of(station.commanded.rotation));
   row.add(reading.point);
   if (columns.repeat) row.add(repeat);
+  if (reading.orientation) {
+    const Quaternion& q = *reading.orientation;
+    for (const double number : {q.w(), q.x(), q.y(), q.z()}) row.add(number);
+  }
   if (columns.rotation) row.add_or_blank(in_degrees(reading.rotation));
   if (columns.second) row.add_or_blank(reading.second);
   if (columns.sigma) row.add_or_blank(reading.sigma);
+  if (columns.orientation_sigma) row.add_or_blank(in_degrees(reading.orientation_sigma));
   if (station.believed) {
     const bool angles = joint_unit(columns.joints.actuator) == Unit::rad;
     for (const double joint : *station.believed) row.add(angles ? degrees_of(joint) : joint);

@@ -9,6 +9,14 @@ namespace {
 
 Coordinates coordinates(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
+/// Of q and -q, which turn alike, the one whose first number that is not 0 is positive.
+std::array<double, 4> one_of_two(std::array<double, 4> quaternion) {
+  const auto first = std::ranges::find_if(quaternion, [](double number) { return number != 0.0; });
+  if (first == quaternion.end() || *first > 0.0) return quaternion;
+  for (double& number : quaternion) number = -number + 0.0;
+  return quaternion;
+}
+
 /// There is nothing to fit at a station without a reading, and the robot may not even reach it.
 void leave_out_unread_stations(Measurements& measurements) {
   std::vector<PointReading>& readings = measurements.series.front().readings;
@@ -34,16 +42,18 @@ void leave_out_unread_stations(Measurements& measurements) {
 ReadingKey key_of(const PointReading& reading) {
   std::optional<Coordinates> second;
   if (reading.second) second = coordinates(*reading.second);
-  return {reading.station, coordinates(reading.point), second, reading.rotation};
+  std::optional<std::array<double, 4>> turn;
+  if (const auto& q = reading.orientation) turn = one_of_two({q->w(), q->x(), q->y(), q->z()});
+  return {reading.station, coordinates(reading.point), second, reading.rotation, turn};
 }
 
-ReadingKey key_of(const LengthReading& reading) { return {reading.station, {0.0, 0.0, reading.length}, {}, {}}; }
+ReadingKey key_of(const LengthReading& reading) { return {reading.station, {0.0, 0.0, reading.length}, {}, {}, {}}; }
 
 ReadingKey key_of(const DistanceReading& reading) {
   const auto [first, second] = std::minmax(reading.from, reading.to);
   std::optional<double> rotation = reading.rotation;
   if (rotation && second == reading.from) rotation = -*rotation;
-  return {first, {static_cast<double>(second), reading.distance, 0.0}, {}, rotation};
+  return {first, {static_cast<double>(second), reading.distance, 0.0}, {}, rotation, {}};
 }
 
 bool is_same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }

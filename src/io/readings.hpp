@@ -19,7 +19,9 @@ namespace paracal::io {
 using Coordinates = std::array<double, 3>;
 
 /// Station and measured numbers, to the last bit. Two readings do not agree like that by chance: one is a copy.
-using ReadingKey = std::tuple<std::size_t, Coordinates, std::optional<Coordinates>, std::optional<double>>;
+/// Of the two quaternions of an orientation it holds one.
+using ReadingKey = std::tuple<std::size_t, Coordinates, std::optional<Coordinates>, std::optional<double>,
+                              std::optional<std::array<double, 4>>>;
 
 ReadingKey key_of(const PointReading& reading);
 ReadingKey key_of(const LengthReading& reading);

@@ -46,8 +46,9 @@ class PoseRows {
         present_(joint_columns(table, joints)),
         names_(table.has("pose") ? names : 0) {
     table.allow_only(with_joint_columns(
-        {"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm", "y_mm", "z_mm", "phi_deg", "repeat",
-         "x2_mm", "y2_mm", "z2_mm", "sigma_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "residual_mm"},
+        {"pose",    "x_cmd_mm", "y_cmd_mm",  "z_cmd_mm",   "phi_cmd_deg", "x_mm",       "y_mm",       "z_mm",
+         "phi_deg", "repeat",   "x2_mm",     "y2_mm",      "z2_mm",       "sigma_mm",   "qw",         "qx",
+         "qy",      "qz",       "sigma_deg", "tilt_x_rad", "tilt_y_rad",  "tilt_z_rad", "residual_mm"},
         joints));
   }
 

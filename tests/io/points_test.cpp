@@ -36,7 +36,7 @@ void expect_refused(const TextFile& file, const std::string& start, const std::s
 
 bool same(const PointReading& a, const PointReading& b) {
   return a.station == b.station && a.point == b.point && a.second == b.second && a.rotation == b.rotation &&
-         a.sigma == b.sigma;
+         a.sigma == b.sigma && a.orientation == b.orientation && a.orientation_sigma == b.orientation_sigma;
 }
 
 bool same(const Station& a, const Station& b) {
@@ -86,6 +86,77 @@ TEST(PointTable, OptionalColumnsMayBeBlankInARow) {
   EXPECT_EQ(readings[0].second, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(readings[0].sigma, 0.02);
   EXPECT_FALSE(readings[1].rotation || readings[1].second || readings[1].sigma);
+}
+
+const char* const kPosesOfABody = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,qw,qx,qy,qz,sigma_mm,sigma_deg\n";
+
+TEST(PointTable, QuaternionsMakeItTheTableOfABody) {
+  const std::string header = kPosesOfABody;
+  const Measurements m = read_points({"m.csv", header + "A,0,0,-888,1,2,3,0.9998,0.01,-0.01,0.014,0.2,0.1\n"
+                                                        "B,9,0,-888,4,5,6,1,0,0,0,,\n"});
+  const std::vector<PointReading>& read = m.series.at(0).readings;
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_TRUE(m.series[0].is_of_body());
+  EXPECT_EQ(read[0].point, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read[0].orientation->coeffs(), Eigen::Vector4d(0.01, -0.01, 0.014, 0.9998));  // as it was read
+  EXPECT_EQ(read[0].orientation_sigma, to_radians(0.1));
+  EXPECT_EQ(read[1].orientation->w(), 1.0);
+  EXPECT_FALSE(read[1].orientation_sigma || read[1].sigma);
+  EXPECT_THAT(m.notes, IsEmpty());
+}
+
+TEST(PointTable, ABodysPoseIsReadAsAWhole) {
+  const std::string header = kPosesOfABody;
+  const Measurements m = read_points({"m.csv", header + "A,0,0,-888,1,2,3,1,0,0,0,,\nB,9,0,-888,4,5,6,,,,,,\n"
+                                                        "C,9,9,-888,,,,1,0,0,0,,\n"});
+  EXPECT_EQ(m.stations.size(), 1u);
+  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has no orientation; its point is passed over",
+                                   "line 4: pose C has no point; its other readings are passed over"));
+}
+
+TEST(PointTable, WhatIsNoRotationIsRefused) {
+  const auto refused = [](const std::string& header, const std::string& row, const std::string& message) {
+    EXPECT_THAT(([&] {
+                  (void)read_points({"m.csv", header + row});
+                }),
+                ThrowsMessage<InputFileError>(HasSubstr(message)));
+  };
+  const std::string header = kPosesOfABody;
+  refused(header, "A,0,0,-888,1,2,3,1,0,0,0.1,,\n",
+          "m.csv:2: expected qw, qx, qy, qz of length 1, as of a rotation, got 1.00499");
+  refused(header, "A,0,0,-888,1,2,3,0,0,0,0,,\n", "got 0");
+  refused(header, "A,0,0,-888,1,2,3,1,0,0,,,\n",
+          "m.csv:2: expected qw, qx, qy, qz either all filled in or all blank, got 1 blank");
+  refused(header, "A,0,0,-888,1,2,3,1,0,0,0,,0\n", "expected sigma_deg above 0, got 0");
+  const std::string points = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,";
+  refused(points + "qw,qx,qy\n", "A,0,0,-888,1,2,3,1,0,0\n", "qz");
+  refused(points + "sigma_deg\n", "A,0,0,-888,1,2,3,0.1\n", "sigma_deg");  // of what?
+  refused(points + "qw,qx,qy,qz,x2_mm,y2_mm,z2_mm\n", "A,0,0,-888,1,2,3,1,0,0,0,1,2,3\n", "x2_mm");
+}
+
+/// q and -q are one orientation.
+TEST(Merge, ACopiedPoseOfABodyCountsOnce) {
+  const std::string header = kPosesOfABody;
+  const Measurements one = read_points({"one.csv", header + "A,0,0,-888,1,2,3,0.8,0,0.6,0,,\n"
+                                                            "B,9,0,-888,4,5,6,0,1,0,0,,\n"});
+  const Measurements other = read_points({"other.csv", header + "A,0,0,-888,1,2,3,-0.8,0,-0.6,0,,\n"
+                                                                "B,9,0,-888,4,5,6,0,-0.6,0.8,0,,\n"});
+  const Measurements both = merge({one, other});
+  ASSERT_EQ(both.series.size(), 2u);  // two frames
+  EXPECT_EQ(both.series[0].readings.size(), 2u);
+  EXPECT_EQ(both.series[1].readings.size(), 1u);
+  EXPECT_THAT(both.notes, ElementsAre("other.csv, 1 of 2 readings stand in an earlier series too: counted once"));
+}
+
+TEST(PointTable, PosesOfABodyReadBack) {
+  const std::string header = kPosesOfABody;
+  const Measurements m = read_points({"m.csv", header + "A,0,0,-888,1,2,3,0.9998,0.01,-0.01,0.014,0.2,0.1\n"
+                                                        "B,9,0,-888,4,5,6,-1,0,0,0,,0.3\n"});
+  const std::string table = point_table(m);
+  EXPECT_THAT(table, testing::StartsWith(
+                         "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm,qw,qx,qy,qz,sigma_mm,sigma_deg\n"
+                         "A,0,0,-888,0,1,2,3,0.9998,0.01,-0.01,0.014,0.2,0.1\n"));
+  expect_same(read_points({"m.csv", table}), m);
 }
 
 TEST(PointTable, AMissingCommandedRotationIsZero) {

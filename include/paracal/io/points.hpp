@@ -11,16 +11,19 @@
 namespace paracal::io {
 
 /// Point table (CSV): pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm and optional repeat, phi_deg,
-/// x2_mm,y2_mm,z2_mm, sigma_mm, q1_deg... or q1_mm... It becomes one series, named after the file. A missing column
-/// phi_cmd_deg is 0. Rows of the same pose are repeats of one station. What was not read is passed over and noted:
+/// x2_mm,y2_mm,z2_mm, sigma_mm, q1_deg... or q1_mm... With qw,qx,qy,qz and optional sigma_deg the points are those of a
+/// body that stands on the plate, and have no second point. It becomes one series, named after the file. A missing
+/// column phi_cmd_deg is 0. Rows of the same pose are repeats of one station. What was not read is passed over and
+/// noted:
 ///
 ///   x_mm, y_mm, z_mm blank       no reading; a station without any is left out
 ///   phi_deg or x2_mm... blank    not read there
+///   qw, qx, qy, qz blank         no reading, for a body's point alone says nothing of the plate
 ///   the same numbers again       one reading where the pose is the same, two where it is another; a note either way
 ///
 /// @param joints  where joint columns stand, they must be these.
-/// @throws InputFileError for anything else, as two rows of one pose that are commanded differently, or a point that
-/// is blank in part.
+/// @throws InputFileError for anything else, as two rows of one pose that are commanded differently, a point that is
+/// blank in part, or a quaternion that is no rotation's.
 Measurements read_points(const TextFile& file, const JointSpace& joints = {});
 
 /// Several measurements as one, each series in its own frame. A station that has the name, commanded pose and believed
