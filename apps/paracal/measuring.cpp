@@ -118,7 +118,7 @@ NoiseModel MeasuringOptions::noise() const {
   NoiseModel noise;
   if (sigma_mm) {
     check_noise("--sigma-mm", *sigma_mm, "mm");
-    noise.distance = noise.point = *sigma_mm;
+    noise.distance = noise.point = noise.body = *sigma_mm;
   }
   if (height_sigma_mm) {
     check_noise("--height-sigma-mm", *height_sigma_mm, "mm");
@@ -168,6 +168,7 @@ std::string kinds_with_at() {
 /// Every choice of --measure.
 std::vector<Measured> measurands() {
   std::vector<Measured> all{{"coordinates", Measurand::coordinates},
+                            {"pose", Measurand::poses},
                             {"distance", Measurand::distances},
                             {"home-distance", Measurand::home_distances}};
   for (const LengthWords& kind : length_kinds()) all.push_back({kind.name, Measurand::lengths, kind.kind});
@@ -182,8 +183,10 @@ PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
   if (readings.second && readings.measurand != Measurand::coordinates) {
     throw WrongUsage("--second: expected --measure coordinates with it");
   }
-  if (readings.rotation && lengths) {
-    throw WrongUsage(fmt::format("{}: expected another --measure than {} with it", rotation, kind.name));
+  const bool poses = readings.measurand == Measurand::poses;
+  if (readings.rotation && (lengths || poses)) {
+    throw WrongUsage(
+        fmt::format("{}: expected another --measure than {} with it", rotation, poses ? "pose" : kind.name));
   }
   if (!at.empty() && (!lengths || kind.at.empty())) {
     throw WrongUsage(fmt::format("--at: expected --measure {} with it", kinds_with_at()));
@@ -196,7 +199,7 @@ PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
   return planned;
 }
 
-std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& options) {
+std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& options) {
   std::vector<std::string> names;
   for (const Measured& one : measurands()) names.emplace_back(one.name);
   const auto choose = [&readings = options.readings](const std::string& wanted) {
@@ -207,7 +210,8 @@ std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& o
   };
   Option* measure = command
                         .add_choice("--measure", choose,
-                                    "what is measured: coordinates; distances between all poses, or from the first to "
+                                    "what is measured: coordinates; position and orientation of a body; distances "
+                                    "between all poses, or from the first to "
                                     "each; heights above one plane; lengths from a fixed point; a dial gauge")
                         ->check(one_of(names))
                         ->shows_default(names.front());
@@ -215,25 +219,26 @@ std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& o
                    ->separated_by(',')
                    ->expected(3)
                    ->check(between(-kLargest, kLargest, "up to 1e6"));
-  return {measure, at};
+  return {measure, at, add_mount_option(command, options.readings.mount)};
 }
 
-void add_mount_option(Command& command, ReflectorMount& mount) {
+Option* add_mount_option(Command& command, ReflectorMount& mount) {
   std::vector<std::string> names;
   names.reserve(kReflectorMounts.size());
   for (const ReflectorMount one : kReflectorMounts) names.emplace_back(name(one));
   const auto choose = [&mount](const std::string& wanted) {
     mount = *std::ranges::find(kReflectorMounts, wanted, [](ReflectorMount one) { return name(one); });
   };
-  command.add_choice("--reflectors", choose, "what the second reflector is mounted on")
+  return command.add_choice("--reflectors", choose, "what the second reflector, or a body, is mounted on")
       ->check(one_of(names))
       ->shows_default(names.front());
 }
 
 void add_noise_options(Command& command, MeasuringOptions& options) {
   command
-      .add_option("--sigma-mm", options.sigma_mm,
-                  "standard deviation of a coordinate (0.017), distance or ball bar (0.05) that states none")
+      .add_option(
+          "--sigma-mm", options.sigma_mm,
+          "standard deviation of a coordinate (0.017; of a body's 0.3), distance or ball bar (0.05) that states none")
       ->check(positive_finite());
   command
       .add_option("--height-sigma-mm", options.height_sigma_mm,
@@ -243,7 +248,9 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
       .add_option("--dial-angle-deg", options.dial_angle_deg,
                   "standard deviation of the angles by which a dial is set up askew (0.5)")
       ->check(between(0.0, 10.0));
-  command.add_option("--sigma-deg", options.sigma_deg, "standard deviation of rotations")
+  command
+      .add_option("--sigma-deg", options.sigma_deg,
+                  "standard deviation of rotations, and of orientations that state none")
       ->check(positive_finite())
       ->shows_default();
   command
@@ -259,7 +266,7 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       command
           .add_option(
               "--measurements", options.files,
-              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]), distances (CSV: "
+              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]; with qw,qx,qy,qz a body's poses), distances (CSV: "
               "from,to,distance_mm[,...]), heights above a plane (CSV: pose,height_mm[,sigma_mm]), lengths from "
               "a fixed point (pose,ball_bar_mm[,...]) or a dial's (pose,dial_mm,direction_x,...); several "
               "files, each in its own frame")
@@ -341,7 +348,7 @@ void add_instrument_options(Command& command, InstrumentOptions& options) {
       ->shows_default();
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
-                  "standard deviation of a rotary encoder that reads phi")
+                  "standard deviation of a rotary encoder that reads phi, or of an orientation about each axis")
       ->check(non_negative_finite())
       ->check(believable)
       ->shows_default();

@@ -60,12 +60,12 @@ struct PlanningOptions {
   PlannedReadings planned(std::string_view rotation) const;
 };
 
-/// --measure and --at: what is measured at the poses of a plan.
-/// @returns both.
-std::array<Option*, 2> add_planning_options(Command& command, PlanningOptions& options);
+/// --measure, --at and --reflectors: what is measured at the poses of a plan.
+/// @returns all.
+std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& options);
 
-/// --reflectors: what the second reflector is mounted on.
-void add_mount_option(Command& command, ReflectorMount& mount);
+/// --reflectors: what the second reflector, or a body, is mounted on.
+Option* add_mount_option(Command& command, ReflectorMount& mount);
 
 /// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
 void add_noise_options(Command& command, MeasuringOptions& options);

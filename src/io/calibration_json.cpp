@@ -117,6 +117,8 @@ Json stages_json(const Calibration& calibration) {
   return json;
 }
 
+Json degrees_json(const Eigen::Vector3d& radians) { return json_array(Eigen::Vector3d(radians * to_degrees(1.0))); }
+
 Json residuals_json(const Calibration& calibration) {
   Json json = Json::array();
   for (const DistanceResidual& residual : calibration.distances) {
@@ -145,6 +147,10 @@ Json residuals_json(const Calibration& calibration) {
                     {"before_mm", json_array(residual.before)},
                     {"after_mm", json_array(residual.after)},
                     {"excluded", residual.excluded}});
+    if (residual.orientation_after) {
+      json.back()["orientation_before_deg"] = degrees_json(*residual.orientation_before);
+      json.back()["orientation_after_deg"] = degrees_json(*residual.orientation_after);
+    }
     if (!residual.rotation_after) continue;
     json.back()["rotation_before_deg"] = optional_degrees(residual.rotation_before);
     json.back()["rotation_after_deg"] = optional_degrees(residual.rotation_after);
@@ -169,6 +175,11 @@ Json frames_json(const Calibration& calibration) {
                {"translation_mm", json_array(one.frame.translation)},
                {"rotation_zero_deg", optional_degrees(one.rotation_zero)}};
     frame["second_reflector_mm"] = one.second ? json_array(*one.second) : Json(nullptr);
+    frame["body"] = nullptr;
+    if (one.body) {
+      frame["body"] = {{"rotation", rows_json(one.body->rotation)},
+                       {"translation_mm", json_array(one.body->translation)}};
+    }
     json.push_back(std::move(frame));
   }
   return json;
@@ -203,6 +214,7 @@ Json to_json(const PoseErrorSummary& summary) {
     json[fmt::format("rms_{}", kind.column)] = rms == summary.rms_lengths.end() ? Json(nullptr) : Json(rms->second);
   }
   json["max_abs_rotation_deg"] = optional_degrees(summary.max_abs_rotation);
+  json["max_orientation_deg"] = optional_degrees(summary.max_orientation);
   return json;
 }
 
@@ -240,6 +252,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"residual_rms_mm", calibration.after.reads_distances ? Json(calibration.after.rms_distance) : Json(nullptr)},
       {"readings", calibration.readings},
       {"noise_mm", calibration.noise},
+      {"orientation_noise_deg", optional_degrees(calibration.orientation_noise)},
       {"degrees_of_freedom", calibration.degrees_of_freedom},
       {"unit_weight_std", optional(calibration.unit_weight_std)},
       {"fit_probability", optional(calibration.fit_probability)},

@@ -39,6 +39,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"reflectors", name(options.reflectors)},
             {"distance_sigma_mm", options.noise.distance},
             {"point_sigma_mm", options.noise.point},
+            {"body_sigma_mm", options.noise.body},
             {"rotation_sigma_deg", tidy_degrees(options.noise.rotation)},
             {"height_sigma_mm", options.noise.height},
             {"distance_bias_sigma_mm", options.noise.distance_bias},

@@ -292,6 +292,8 @@ TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {
     EXPECT_THAT(result.err, HasSubstr(option)) << command;
   };
   refused("simulate --poses poses.csv --measure height --read-rotation", "--read-rotation");
+  refused("simulate --poses poses.csv --measure pose --read-rotation", "--read-rotation: expected another --measure");
+  refused("identifiability --poses poses.csv --measure pose --second", "--second: expected --measure coordinates");
   refused("simulate --poses poses.csv --measure height --tracker-um 15,6,10,0.3", "--tracker-um");
   refused("simulate --poses poses.csv --measure distance --repeats 2", "--repeats");
   refused("simulate --poses poses.csv --measure distance --second 0,0,-150", "--second");
@@ -787,6 +789,42 @@ TEST_F(CalibratePoints, SourceDateEpochMakesTheSameBytes) {
 TEST_F(CalibratePoints, AHeaderAfterAByteOrderMarkIsFound) {
   folder.write("points.csv", "\xEF\xBB\xBF# from a spreadsheet\r\n" + folder.read("points.csv"));
   EXPECT_EQ(calibrated("").at("rank"), 27);
+}
+
+/// Position and orientation of a body, planned, read, calibrated and validated: no command knows where it sits.
+TEST_F(CalibrationCommands, MotionCaptureGoesAllTheWay) {
+  const std::string mount = " --reflectors end-effector ", noise = "--sigma-mm 0.05 --sigma-deg 0.05 ";
+  written("poses --optimal 16 --candidates 300 --measure pose" + mount + noise + "--seed 2 --out plan.csv");
+  written("poses --optimal 12 --candidates 300 --measure pose" + mount + noise + "--seed 3 --out others.csv");
+  const std::string instrument = mount + "--measure pose --noise-mm 0.05 --rotation-noise-deg 0.05 --frame random ";
+  written("simulate --poses plan.csv --machine 3 --truth truth.toml --repeats 2" + instrument + "--out bodies.csv");
+  written("simulate --poses others.csv --errors truth.toml --seed 5" + instrument + "--out check.csv");
+  const std::vector<std::string> header = fields_of(table_of(folder.read("bodies.csv")).front());
+  EXPECT_EQ(header, words("pose x_cmd_mm y_cmd_mm z_cmd_mm phi_cmd_deg x_mm y_mm z_mm repeat qw qx qy qz"));
+
+  const ProgramResult said = run("calibrate --measurements bodies.csv" + mount + "--out calibration.json");
+  ASSERT_EQ(said.exit_code, kDone) << said.out;
+  EXPECT_THAT(said.out, HasSubstr("residuals of orientations, largest: "));
+  const json calibration = json::parse(folder.read("calibration.json"));
+  EXPECT_EQ(calibration.at("accepted"), true);
+  EXPECT_NEAR(calibration.at("noise_mm"), 0.05, 0.02);
+  EXPECT_NEAR(calibration.at("orientation_noise_deg"), 0.05, 0.02);
+  EXPECT_THAT(calibration.at("frames")[0].at("body").at("translation_mm"), SizeIs(3));
+  EXPECT_THAT(calibration.at("frames")[0].at("body").at("rotation"), SizeIs(3));
+  const json& reading = calibration.at("residuals")[0];
+  EXPECT_TRUE(has_keys(reading, "orientation_before_deg orientation_after_deg rotation_after_deg after_mm")) << reading;
+  EXPECT_LT(calibration.at("after").at("max_orientation_deg"), 0.5);
+
+  const ProgramResult held = run("validate --calibration calibration.json --measurements check.csv" + mount + noise);
+  EXPECT_EQ(held.exit_code, kDone) << held.out;
+  EXPECT_THAT(held.out, AllOf(HasSubstr("orientation of the body, deg"), HasSubstr("rotation relative to home, deg")));
+  const json foreseen = json_from("identifiability --poses plan.csv --measure pose" + mount + noise);
+  EXPECT_EQ(foreseen.at("rows"), 6 * 16);
+  const json coordinates = json_from("identifiability --poses plan.csv --sigma-mm 0.05");
+  EXPECT_LT(foreseen.at("workspace_std").at("max_rotation_deg"),
+            coordinates.at("workspace_std").at("max_rotation_deg"));
+  const json shown = json_from("simulate --poses plan.csv --measure pose").at("points");
+  EXPECT_TRUE(has_keys(shown[0], "pose x_mm y_mm z_mm qw qx qy qz"));
 }
 
 // ---- validate

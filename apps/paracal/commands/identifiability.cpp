@@ -46,8 +46,10 @@ Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOption
 CalibrationOptions calibration_options(const Options& options) {
   CalibrationOptions calibration;
   calibration.noise = options.measuring.noise();
-  calibration.frame =
-      options.plan.readings.measurand == Measurand::coordinates ? options.measuring.frame_kind() : Frame::unknown;
+  const Measurand measurand = options.plan.readings.measurand;
+  const bool points = measurand == Measurand::coordinates || measurand == Measurand::poses;
+  calibration.frame = points ? options.measuring.frame_kind() : Frame::unknown;
+  calibration.reflectors = options.plan.readings.mount;
   calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   return calibration;
 }

@@ -135,7 +135,8 @@ void run_selection(const Options& options, Session& session) {
                                                .readings = readings});
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
-    const Identifiability seen = identifiability(robot, planned(robot, selection.stations, readings));
+    const Identifiability seen =
+        identifiability(robot, planned(robot, selection.stations, readings), {.reflectors = readings.mount});
     const Unit unit = joint_unit(robot.actuator());
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},

@@ -24,7 +24,6 @@ struct Options {
   InstrumentOptions instrument;
   PlanningOptions plan;
   std::uint64_t machine = 0;
-  ReflectorMount reflectors = ReflectorMount::plate;
 };
 
 /// Anywhere within some metres, turned anyhow: what "unknown frame" means.
@@ -42,8 +41,9 @@ SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream&
 }
 
 void check_instrument(const InstrumentOptions& instrument, const PlannedReadings& readings) {
-  if (!instrument.tracker_um.empty() && readings.measurand != Measurand::coordinates) {
-    throw WrongUsage("--tracker-um: expected --measure coordinates with it");
+  const bool points = readings.measurand == Measurand::coordinates || readings.measurand == Measurand::poses;
+  if (!instrument.tracker_um.empty() && !points) {
+    throw WrongUsage("--tracker-um: expected --measure coordinates or pose with it");
   }
   const bool distances = readings.measurand == Measurand::distances || readings.measurand == Measurand::home_distances;
   if (instrument.repeats > 1 && distances) throw WrongUsage("--repeats: expected another --measure than distances");
@@ -73,6 +73,9 @@ io::Json points_json(const Measurements& measurements) {
                       {"x_mm", reading.point.x()},
                       {"y_mm", reading.point.y()},
                       {"z_mm", reading.point.z()}});
+    if (const auto& q = reading.orientation) {
+      points.back().update({{"qw", q->w()}, {"qx", q->x()}, {"qy", q->y()}, {"qz", q->z()}});
+    }
     if (reading.rotation) points.back()["phi_deg"] = to_degrees(*reading.rotation);
     if (!reading.second) continue;
     points.back()["x2_mm"] = reading.second->x();
@@ -121,9 +124,10 @@ void run(const Options& options, Session& session) {
   const SourceErrors errors = errors_of(options, robot, random);
   const Measurements plan = plan_of(robot, options, what);
   VirtualInstrument instrument = options.instrument.instrument(what.rotation);
-  instrument.mount = options.reflectors;
+  instrument.mount = what.mount;
   if (options.frame == "random") {
     instrument.frame = random_frame(random);
+    if (what.measurand == Measurand::poses) instrument.body = random_body(random);
     if (!plan.lengths.empty()) instrument.set_up = random_set_up(robot, plan.lengths.front(), random);
   }
   const Measurements measurements = simulate(robot, errors, plan, instrument, random);
@@ -157,7 +161,6 @@ void add_simulate(Command& program, Session& session) {
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_planning_options(*command, options->plan);
   add_instrument_options(*command, options->instrument);
-  add_mount_option(*command, options->reflectors);
   command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder reads phi");
   command->add_option("--frame", options->frame, "frame of the instrument; random: also its set-up")
       ->check(one_of({"robot", "random"}))

@@ -48,6 +48,9 @@ std::string text_of(const Validation& validation) {
   if (before.max_abs_rotation) {
     line("rotation relative to home, deg", to_degrees(*before.max_abs_rotation), to_degrees(*after.max_abs_rotation));
   }
+  if (before.max_orientation && after.max_orientation) {
+    line("orientation of the body, deg", to_degrees(*before.max_orientation), to_degrees(*after.max_orientation));
+  }
   for (const CheckedReading& one : validation.readings) {
     fmt::format_to(out, "  {:<38}{:>8.3f}{:>11.3f}  U {:.3f} (k = 2)\n", one.text + ", mm", one.before, one.after,
                    one.U);
