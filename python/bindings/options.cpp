@@ -37,6 +37,14 @@ void take_limits(const Keywords& given, AcceptanceLimits& limits) {
   given.take_number("limit_rad", kLeast, kMost, limits.rotation);
 }
 
+void take_mount(const Keywords& given, ReflectorMount& mount) {
+  given.choose("reflectors",
+               {{name(ReflectorMount::plate), ReflectorMount::plate},
+                {name(ReflectorMount::end_effector), ReflectorMount::end_effector},
+                {name(ReflectorMount::end_effector_reversed), ReflectorMount::end_effector_reversed}},
+               mount);
+}
+
 /// What calibration and validation have in common.
 template <typename Options>
 void take_common(const Keywords& given, Options& options) {
@@ -45,11 +53,7 @@ void take_common(const Keywords& given, Options& options) {
   given.choose("frame", {{"unknown", Frame::unknown}, {"robot", Frame::robot}}, options.frame);
   given.choose("rotation", {{"relative", RotationZero::unknown}, {"absolute", RotationZero::known}},
                options.rotation_zero);
-  given.choose("reflectors",
-               {{name(ReflectorMount::plate), ReflectorMount::plate},
-                {name(ReflectorMount::end_effector), ReflectorMount::end_effector},
-                {name(ReflectorMount::end_effector_reversed), ReflectorMount::end_effector_reversed}},
-               options.reflectors);
+  take_mount(given, options.reflectors);
   given.take_number("scale_ppm", 0.0, 1e4, options.scale_std, 1e-6);
   take_limits(given, options.limits);
 }
@@ -60,6 +64,7 @@ NoiseModel noise_of(const Keywords& given) {
   NoiseModel noise;
   given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.distance);
   given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.point);
+  given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.body);
   given.take_number("height_sigma_mm", kSmallestSigma, kLargest, noise.height);
   given.take_number("sigma_rad", kSmallestSigma, kLargest, noise.rotation);
   given.take_number("distance_bias_mm", 0.0, kLargest, noise.distance_bias);
@@ -104,6 +109,7 @@ PlannedReadings planned_readings(const Keywords& given) {
   } else {
     given.choose("measure",
                  {{"coordinates", Measurand::coordinates},
+                  {"pose", Measurand::poses},
                   {"distance", Measurand::distances},
                   {"home-distance", Measurand::home_distances},
                   {words(LengthKind::height).name, Measurand::lengths},
@@ -113,6 +119,7 @@ PlannedReadings planned_readings(const Keywords& given) {
   }
   given.take("read_rotation", "True or False", readings.rotation);
   given.take("second", "True or False", readings.second);
+  take_mount(given, readings.mount);
   if (given.has("at")) {
     const auto at = given.get<std::array<double, 3>>("at", "x, y, z in mm");
     readings.at = Eigen::Vector3d(at[0], at[1], at[2]);

@@ -79,7 +79,7 @@ CalibrationOptions calibration_options(const Robot& robot, const Keywords& given
 /// The keywords of paracal.validate().
 ValidationOptions validation_options(const Keywords& given);
 
-/// measure, at, read_rotation, second.
+/// measure, at, read_rotation, second, reflectors.
 PlannedReadings planned_readings(const Keywords& given);
 
 }  // namespace paracal::python

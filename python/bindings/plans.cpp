@@ -149,9 +149,9 @@ void repeat(Readings& readings, int repeats) {
   for (const auto& reading : once) readings.insert(readings.end(), repeats, reading);
 }
 
-RigidMotion frame_of(const Array& matrix) {
-  const Rows rows(matrix, "frame", 4);
-  if (rows.count() != 4) throw InvalidArgument("frame: expected a homogeneous matrix, (4, 4)");
+RigidMotion motion_of(const char* keyword, const Array& matrix) {
+  const Rows rows(matrix, keyword, 4);
+  if (rows.count() != 4) throw InvalidArgument(fmt::format("{}: expected a homogeneous matrix, (4, 4)", keyword));
   RigidMotion frame;
   for (Eigen::Index r = 0; r < 3; ++r) {
     for (Eigen::Index c = 0; c < 3; ++c) frame.rotation(r, c) = rows[static_cast<std::size_t>(r)][c];
@@ -159,7 +159,7 @@ RigidMotion frame_of(const Array& matrix) {
   }
   if ((frame.rotation * frame.rotation.transpose()).isIdentity(1e-9) && frame.rotation.determinant() > 0.0)
     return frame;
-  throw InvalidArgument("frame: expected a rotation in its first three rows and columns");
+  throw InvalidArgument(fmt::format("{}: expected a rotation in its first three rows and columns", keyword));
 }
 
 VirtualInstrument instrument_of(const Keywords& given) {
@@ -172,16 +172,18 @@ VirtualInstrument instrument_of(const Keywords& given) {
     const auto second = given.get<std::array<double, 3>>("second_mm", "x, y, z in mm");
     instrument.second = Eigen::Vector3d(second[0], second[1], second[2]);
   }
-  if (given.has("frame")) instrument.frame = frame_of(given.get<Array>("frame", "a matrix (4, 4)"));
+  if (given.has("frame")) instrument.frame = motion_of("frame", given.get<Array>("frame", "a matrix (4, 4)"));
+  if (given.has("body")) instrument.body = motion_of("body", given.get<Array>("body", "a matrix (4, 4)"));
   return instrument;
 }
 
 GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::string>& names, const Array& poses,
                             int repeats, std::uint64_t seed, std::uint64_t stream, const py::dict& keywords) {
   const Keywords given(keywords);
-  const VirtualInstrument instrument = instrument_of(given);
+  VirtualInstrument instrument = instrument_of(given);
   PlannedReadings readings = planned_readings(given);
   readings.second = instrument.second.has_value();
+  instrument.mount = readings.mount;
   Measurements plan = planned(machine.robot, stations_of(names, poses), readings);
   if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
   if (repeats > 1 && !plan.distances.empty()) {

@@ -130,8 +130,8 @@ def read_measurements(
 ) -> Measurements:
     """Measurements from tables: files (CSV), DataFrames or dicts of columns, one or several.
 
-    Each is what its columns say: points (pose, x_cmd_mm, ..., x_mm, y_mm, z_mm), distances (from,
-    to, distance_mm), heights (pose, height_mm), ball bars (pose, ball_bar_mm), dials (pose,
+    Each is what its columns say: points (pose, x_cmd_mm, ..., x_mm, y_mm, z_mm; of a body with qw,
+    qx, qy, qz), distances (from, to, distance_mm), heights (pose, height_mm), ball bars (pose, ball_bar_mm), dials (pose,
     dial_mm, direction_x, ...); docs/files.md has all columns. Units are in the columns' names, so
     angles are in deg. Blank cells, None and NaN are what was not read. Several tables enter one
     fit, each in its own frame.

@@ -143,6 +143,7 @@ def select_poses(
     at: Sequence[float] | None = None,
     read_rotation: bool = False,
     second: bool = False,
+    reflectors: str = "plate",
     sigma_mm: float | None = None,
     height_sigma_mm: float | None = None,
     sigma_rad: float | None = None,
@@ -154,8 +155,10 @@ def select_poses(
 
     criterion: what they make small: "pose" (mean variance of position and rotation in use), "D" or
         "O1" (volume), "A" (mean variance of the errors), "O3" (worst direction).
-    measure: "coordinates", "home-distance", "height", "ball-bar" or "dial"; at: x, y, z in mm of
-        what is known of its set-up. read_rotation, second: phi, a second reflector are read, too.
+    measure: "coordinates", "pose" (of a body: motion capture), "home-distance", "height",
+        "ball-bar" or "dial"; at: x, y, z in mm of what is known of its set-up. read_rotation,
+        second: phi, a second reflector are read, too. reflectors: what carries it, or the body, as
+        in calibrate().
     The noise is said as in calibrate(). Raises InvalidArgument for what does not go together.
     details: value of the criterion, sweeps, exchanges, travel (rad, mm of rails), workspace_std;
         curve: what 2, 3, ...
@@ -181,6 +184,7 @@ def identifiability(
     at: Sequence[float] | None = None,
     read_rotation: bool = False,
     second: bool = False,
+    reflectors: str = "plate",
     frame: str = "unknown",
     rotation: str = "relative",
     sigma_mm: float | None = None,
@@ -192,8 +196,8 @@ def identifiability(
     """What readings at these poses will reveal and what they cannot, before measuring.
 
     poses: a Plan, a pose table, or (n, 4) in mm and rad; the first is home.
-    measure: "coordinates", "distance" (all pairs), "home-distance", "height", "ball-bar", "dial";
-        the rest as in select_poses() and calibrate(). frame and rotation: whether they are known:
+    measure: "coordinates", "pose", "distance" (all pairs), "home-distance", "height", "ball-bar",
+        "dial"; the rest as in select_poses() and calibrate(). frame and rotation: whether they are known:
         "robot", "absolute".
     Raises InvalidArgument for what does not go together, Unreachable for a pose out of reach.
     """
@@ -236,6 +240,8 @@ def simulate(
     rotation_noise_rad: float = 0.0,
     second_mm: Sequence[float] | None = None,
     frame: npt.ArrayLike | None = None,
+    body: npt.ArrayLike | None = None,
+    reflectors: str = "plate",
     seed: int = 1,
     stream: int = 0,
 ) -> Measurements:
@@ -247,13 +253,14 @@ def simulate(
         machine.
     repeats: visits of every pose. read_rotation: an encoder reads phi, with rotation_noise_rad.
     second_mm: x, y, z of a second reflector from the first. frame: (4, 4) homogeneous matrix, mm:
-        instrument = frame @ robot; default: the robot's own.
+        instrument = frame @ robot; default: the robot's own. body: likewise, plate = body @ body,
+        where measure is "pose"; default: at the plate's centre. reflectors: what carries it, as in
+        calibrate().
     seed, stream: of the noise. Without them changed the numbers are the same every time.
     Raises Unreachable where the machine does not reach a pose, InvalidArgument for what does not go
     together.
     """
     names, rows = named_poses(poses)
-    matrix = None if frame is None else as_doubles("frame", frame)
     given = {
         "measure": measure,
         "at": at,
@@ -262,7 +269,9 @@ def simulate(
         "read_rotation": read_rotation,
         "rotation_noise_rad": rotation_noise_rad,
         "second_mm": second_mm,
-        "frame": matrix,
+        "frame": None if frame is None else as_doubles("frame", frame),
+        "body": None if body is None else as_doubles("body", body),
+        "reflectors": reflectors,
     }
     built = machine if isinstance(machine, Machine) else Machine(machine)
     native = _paracal.simulate(built._native, names, rows, repeats, seed, stream, keywords(given))

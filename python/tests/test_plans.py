@@ -84,6 +84,10 @@ class Plans(TestCase):
                 ["--rotation", "absolute", "--frame", "robot"],
             ),
             ({"second": True}, ["--second"]),
+            (
+                {"measure": "pose", "reflectors": "end-effector", "sigma_mm": 0.1},
+                ["--measure", "pose", "--reflectors", "end-effector", "--sigma-mm", "0.1"],
+            ),
         ):
             theirs = program("identifiability", "--poses", path, *options)
             mine = pc.identifiability(robot, path, **keywords)
@@ -189,6 +193,13 @@ class VirtualMachines(TestCase):
         self.assertTrue(0.095 < spread.std() < 0.105, spread.std())
         turning = pc.simulate(robot, plan, read_rotation=True, rotation_noise_rad=0.01, repeats=5)
         self.assertTrue(0.009 < np.radians(turning.to_frame()["phi_deg"]).std() < 0.011)
+        body = np.array([[1.0, 0, 0, 3], [0, 0, -1, 4], [0, 1, 0, 12], [0, 0, 0, 1]])
+        shown = pc.simulate(robot, plan, measure="pose", body=body).to_frame()
+        self.close(shown["x_mm"] - shown["x_cmd_mm"], 3.0, 1e-6)
+        self.close(shown["qw"], np.sqrt(0.5), 1e-9)
+        self.close(shown["qx"], np.sqrt(0.5), 1e-9)
+        with self.assertRaisesRegex(pc.InvalidArgument, "body: expected a rotation"):
+            pc.simulate(robot, plan, measure="pose", body=2.0 * body)
         second = pc.simulate(robot, plan, second_mm=[10.0, 0.0, 5.0]).to_frame()
         self.close(second["x2_mm"] - second["x_mm"], 10.0, 1e-8)
         self.close(second["z2_mm"] - second["z_mm"], 5.0, 1e-8)
