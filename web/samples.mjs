@@ -69,6 +69,9 @@ export function samples(program, folder) {
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", ...machine, "--out", "delta.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "delta.csv", "--out", "delta.json", "--report", "delta.html");
 
+  run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", "--measure", "pose", ...machine, "--rotation-noise-deg", "0.05", "--out", "bodies.csv");
+  run("calibrate", "--robot", "rotary_delta", "--measurements", "bodies.csv", "--out", "bodies.json", "--report", "bodies.html");
+
   writeFileSync(at("K18.cfg"), printerConfig("K18", 160.3)); // as if it had been changed since
   writeFileSync(at("K37.cfg"), printerConfig("K37"));
   run("calibrate", "--printer", "K18.cfg", "--out", "printer.json", "--report", "printer.html");
@@ -84,6 +87,6 @@ export function samples(program, folder) {
   run("yield", ...huang, "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

@@ -17,6 +17,7 @@ export interface Largest {
   max_volumetric_aligned_mm: number | null;
   [length: `rms_${string}_mm`]: number | null | undefined; ///< of lengths, a kind each: null where none were read
   max_abs_rotation_deg: number | null;
+  max_orientation_deg?: number | null; ///< of a body's orientation; files of earlier versions have none
 }
 
 /// U of one quantity anywhere in the workspace, against its limit where one was set.

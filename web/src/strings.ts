@@ -38,6 +38,7 @@ export const strings = {
     distance: "Largest error of a distance to home",
     aligned: "Largest position error, best alignment",
     rotation: "Largest error of rotation",
+    orientation: "Largest error of a body's orientation",
     use: {
       distance: "In use: a distance to home",
       aligned: "In use: a position, best alignment",
@@ -45,7 +46,7 @@ export const strings = {
       everywhere: "95 % of such machines are nowhere in the workspace off by more.",
       limit: (limit: string, unit: string, verdict: string) => `Limit ${limit} ${unit}: ${verdict}.`,
     },
-    residual: { distance: "Residuals of distances to home, largest", aligned: "Residuals of positions, largest, best alignment", rotation: "Residuals of rotations, largest", length: (kind: string) => `Residuals, root mean square: ${kind}`, fitted: "Of the readings that the fit used: they do not say how good the machine is elsewhere." },
+    residual: { distance: "Residuals of distances to home, largest", aligned: "Residuals of positions, largest, best alignment", rotation: "Residuals of rotations, largest", orientation: "Residuals of a body's orientation, largest", length: (kind: string) => `Residuals, root mean square: ${kind}`, fitted: "Of the readings that the fit used: they do not say how good the machine is elsewhere." },
     predicted: (u: string, unit: string) => `The calibrated model predicts it with U of up to ${u} ${unit} (95 %).`,
     rms: (before: string, after: string) => `Root mean square ${before} mm before, ${after} mm after.`,
     checked: (quantity: string) => `Against its limit: ${quantity}`,

@@ -159,6 +159,15 @@ test("what was assumed is noted, and without limits nothing is said to keep them
   for (const { context } of [limited, unlimited]) await context.close();
 });
 
+test("poses of a body show how far it is turned", async () => {
+  const { page, context } = await open(browser, pages.bodies);
+  const { results } = await dataOf(page);
+  const verdict = await page.locator("#verdict").textContent();
+  assert.match(verdict, /Residuals of a body's orientation, largest/);
+  assert.ok(results.calibration.after.max_orientation_deg > 0);
+  await context.close();
+});
+
 test("a calibration that was refused says so first, and why", async () => {
   const { page, context } = await open(browser, pages.refused);
   const { results } = await dataOf(page);

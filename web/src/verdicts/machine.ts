@@ -15,11 +15,12 @@ function beforeAfter(name: string, before: number, after: number, unit: string, 
   return card(name, [from(number(before)), number(after), unitOf(unit)], notes);
 }
 
-/// Notes on the uncertainty of each of the three.
+/// Notes on the uncertainty of each.
 interface Notes {
   distance: string | null;
   aligned: string | null;
   rotation: string | null;
+  orientation: string | null;
 }
 
 /// Before and after, of what was read: nothing is shown that no reading tells.
@@ -31,6 +32,7 @@ function largestCards(before: Largest, after: Largest, names: Record<keyof Notes
     ...largest(names.distance, before.max_abs_distance_mm, after.max_abs_distance_mm, "mm", rms, notes.distance),
     ...largest(names.aligned, before.max_volumetric_aligned_mm, after.max_volumetric_aligned_mm, "mm", notes.aligned),
     ...largest(names.rotation, before.max_abs_rotation_deg, after.max_abs_rotation_deg, "deg", notes.rotation),
+    ...largest(names.orientation, before.max_orientation_deg ?? null, after.max_orientation_deg ?? null, "deg", notes.orientation),
   ];
 }
 
@@ -50,7 +52,7 @@ function notesOf(calibration: Calibration): string[] {
 export function ofCalibration(calibration: Calibration): Verdict {
   const { before, after } = calibration;
   const lengths = lengthsOf(after).map((kind) => beforeAfter(text.residual.length(kind.replaceAll("_", " ")), before[`rms_${kind}_mm`] ?? 0, after[`rms_${kind}_mm`] ?? 0, "mm", [text.residual.fitted]));
-  const fitted = { distance: text.residual.fitted, aligned: text.residual.fitted, rotation: text.residual.fitted };
+  const fitted = { distance: text.residual.fitted, aligned: text.residual.fitted, rotation: text.residual.fitted, orientation: text.residual.fitted };
   return {
     yes: calibration.accepted,
     says: calibration.accepted ? text.yes.calibration : text.no.calibration(calibration.verdict),
@@ -67,7 +69,7 @@ function predictedNotes(map: ErrorMap | undefined): Notes {
     const values = (map?.points ?? []).map((point) => point[`${key}_after_${unit}`] ?? null).filter((value): value is number => value !== null);
     return values.length > 0 ? text.predicted(digits(Math.max(...values), 2), unit) : null;
   };
-  return { distance: note("distance", "mm"), aligned: note("position", "mm"), rotation: note("rotation", "deg") };
+  return { distance: note("distance", "mm"), aligned: note("position", "mm"), rotation: note("rotation", "deg"), orientation: null };
 }
 
 /// One banner: a calibration that other poses were measured for is judged by these; what it says of itself stands below.
