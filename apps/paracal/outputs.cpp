@@ -57,6 +57,7 @@ void Outputs::check(const Command& command) const {
   for (const Option& output : command.options()) {
     if (!is_output(output) || !output.is_given()) continue;
     const std::string file = output.values().front(), name = output.name();
+    if (file.empty()) throw WrongUsage(fmt::format("{}: expected a file, got \"\"", name));
     for (const Option& other : command.options()) {
       if (&other == &output) continue;
       for (const std::string& value : other.values()) {
