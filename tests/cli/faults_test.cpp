@@ -77,8 +77,8 @@ TEST_F(Faults, AnOutputIsNoInput) {
 
 TEST_F(Faults, AnOutputHasAName) {
   for (const char* option : {"--out", "--truth"}) {
-    const ProgramResult result = run_program({"simulate", "--robot", "huang2016", "--poses", "plan.csv", option, ""},
-                                             {.folder = folder.path()});
+    const ProgramResult result =
+        run_program({"simulate", "--robot", "huang2016", "--poses", "plan.csv", option, ""}, {.folder = folder.path()});
     EXPECT_EQ(result.exit_code, kWrongUsage);
     EXPECT_EQ(result.err, std::string("paracal: ") + option + ": expected a file, got \"\"\n");
   }
