@@ -62,7 +62,7 @@ class Plans(TestCase):
         for keywords, message in (
             ({"poses": 1}, "expected 2 to the 150 candidates, got 1"),
             ({"criterion": "E"}, "criterion: expected one of pose, D"),
-            ({"measure": "weights"}, "measure: expected one of coordinates, distance.*dial"),
+            ({"measure": "weights"}, "measure: expected one of coordinates, pose, distance.*dial"),
             ({"measure": "distance"}, "distances"),
             ({"measure": "height", "read_rotation": True}, "without rotations"),
         ):
