@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -216,12 +217,10 @@ std::string_view name(Conformity conformity) {
   return "";
 }
 
-Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
-                    const ValidationOptions& options) {
-  check(measurements, robot.limb_count());
-  if (measurements.series.empty() && measurements.distances.empty() && measurements.lengths.empty()) {
-    throw InvalidArgument("validation: expected at least one reading, got none");
-  }
+namespace {
+
+Validation judged(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                  const ValidationOptions& options) {
   Validation validation;
   validate_points(robot, known, measurements, options, validation);
   const auto [before, after] = detail::add_agreement(robot, known, measurements, options, validation);
@@ -232,6 +231,37 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
     add_readings(after, !validation.poses.empty(), validation.after);
   }
   check_limits(measurements, options, validation);
+  return validation;
+}
+
+/// Another mount, with which bodies are turned by far less than with the one that is stated.
+std::optional<ReflectorMount> likelier_mount(const Robot& robot, const KnownErrors& known,
+                                             const Measurements& measurements, ValidationOptions options,
+                                             const std::optional<double>& stated) {
+  constexpr double kFar = 0.05, kLess = 0.2;  // rad; share
+  if (!stated || *stated < kFar) return std::nullopt;
+  for (const ReflectorMount mount : kReflectorMounts) {
+    options.reflectors = mount;
+    const auto off = judged(robot, known, measurements, options).after.max_orientation;
+    if (off && *off < kLess * *stated) return mount;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
+                    const ValidationOptions& options) {
+  check(measurements, robot.limb_count());
+  if (measurements.series.empty() && measurements.distances.empty() && measurements.lengths.empty()) {
+    throw InvalidArgument("validation: expected at least one reading, got none");
+  }
+  Validation validation = judged(robot, known, measurements, options);
+  if (const auto mount = likelier_mount(robot, known, measurements, options, validation.after.max_orientation)) {
+    validation.accepted = false;
+    validation.reasons.insert(validation.reasons.begin(),
+                              fmt::format("the readings are those of a body with --reflectors {}", name(*mount)));
+  }
   return validation;
 }
 

@@ -381,6 +381,16 @@ TEST_P(BodyPoses, Validate) {
       q = q * Quaternion(Eigen::AngleAxisd(to_radians(1.0), Eigen::Vector3d::UnitX()));
     }
     EXPECT_TRUE(validate(robot, known_errors(found), turned, how).agreement->contradicts());
+    EXPECT_THAT(seen.reasons, Not(Contains(HasSubstr("--reflectors"))));
+    for (const ReflectorMount other : mounts()) {
+      ValidationOptions wrong = how;
+      wrong.reflectors = other;
+      const Validation mistaken = validate(robot, known_errors(found), others, wrong);
+      EXPECT_EQ(mistaken.accepted, other == mount);
+      if (other == mount) continue;
+      EXPECT_EQ(mistaken.reasons.front(),
+                fmt::format("the readings are those of a body with --reflectors {}", name(mount)));
+    }
   }
 }
 
