@@ -18,6 +18,9 @@ struct Placement {
   /// @throws Unreachable where the machine does not close at a station.
   Placement(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
             const SourceErrors& errors);
+  /// They must live as long.
+  Placement(const Robot& robot, const Measurements& measurements, const CalibrationOptions&& options,
+            const SourceErrors& errors) = delete;
 
   Placed placed() const { return {*stations, setup}; }
   /// Measured minus predicted.

@@ -1,5 +1,7 @@
 // Corrected targets for closed controllers: programs and tables that pass through the program.
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "broken_input.hpp"
