@@ -154,7 +154,7 @@ std::vector<std::string_view> columns_of(const CsvTable& table) {
     return columns;
   }
   columns.insert(columns.end(), kQuaternion.begin(), kQuaternion.end());
-  columns.push_back("sigma_deg");
+  columns.emplace_back("sigma_deg");
   return columns;
 }
 
