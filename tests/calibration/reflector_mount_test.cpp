@@ -7,10 +7,10 @@
 
 #include "calibration/observation.hpp"
 #include "calibration/sought.hpp"
+#include "observation_derivatives.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/mechanism/catalogue.hpp"
-#include "support/differences.hpp"
 #include "support/virtual_machines.hpp"
 
 namespace paracal {
@@ -50,27 +50,7 @@ TEST_P(ReflectorMounts, DerivativesAreThoseOfTheReadings) {
   detail::Observation observation(robot, read, options, detail::all_with_priors(robot, options));
   SourceErrors errors = test::table4_machine(robot, 5);
   const Eigen::VectorXd unknowns = *observation.start(errors);
-  const auto residuals = [&](const Eigen::VectorXd& at) {
-    Eigen::VectorXd all;
-    Eigen::MatrixXd block;
-    for (const detail::Group& group : observation.groups()) {
-      observation.rows(group, *observation.stations(at), at, block);
-      all.conservativeResize(all.size() + block.rows());
-      all.tail(block.rows()) = block.rightCols<1>();
-    }
-    return all;
-  };
-  Eigen::MatrixXd jacobian(0, observation.unknown_count()), block;
-  for (const detail::Group& group : observation.groups()) {
-    observation.rows(group, *observation.stations(unknowns), unknowns, block);
-    jacobian.conservativeResize(jacobian.rows() + block.rows(), Eigen::NoChange);
-    jacobian.bottomRows(block.rows()) = block.leftCols(observation.unknown_count());
-  }
-  const Eigen::MatrixXd differences =
-      test::central_differences(residuals, unknowns, Eigen::VectorXd::Constant(unknowns.size(), 1e-5));
-  constexpr double kCurvature = 1e-3;  // that four limbs neglect (exact_jacobian.hpp)
-  EXPECT_TRUE(
-      test::jacobians_agree(jacobian, differences, kCurvature, [](Eigen::Index k) { return std::to_string(k); }));
+  EXPECT_TRUE(test::derivatives_are_differences(observation, unknowns));
 }
 
 TEST_P(ReflectorMounts, AreCalibratedAsMounted) {
