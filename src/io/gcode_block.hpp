@@ -47,6 +47,11 @@ struct GcodeBlock {
   bool is_optional = false;                                                ///< block delete: '/'
   std::size_t checksum_at = 0;                                             ///< of RepRap's '*'; 0: none
 
+  /// The first word with this letter; null without one.
+  const GcodeWord* word(char letter) const {
+    const auto found = std::ranges::find(words, letter, &GcodeWord::letter);
+    return found == words.end() ? nullptr : &*found;
+  }
   bool has_letter(std::string_view letters) const {
     return std::ranges::any_of(
         words, [&](const GcodeWord& word) { return letters.find(word.letter) != std::string_view::npos; });

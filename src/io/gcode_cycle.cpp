@@ -33,16 +33,11 @@ std::string number(double value) {
   return text == "-0" ? "0" : text;
 }
 
-const GcodeWord* word_of(const GcodeBlock& block, char letter) {
-  const auto found = std::ranges::find(block.words, letter, &GcodeWord::letter);
-  return found == block.words.end() ? nullptr : &*found;
-}
-
 /// The words of the way to the hole; none where it is below.
 std::string approach(const GcodeBlock& block, std::size_t normal) {
   std::string words;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const GcodeWord* const word = axis == normal ? nullptr : word_of(block, kAxisLetters.at(axis));
+    const GcodeWord* const word = axis == normal ? nullptr : block.word(kAxisLetters.at(axis));
     if (word != nullptr) words += fmt::format(" {}{}", kAxisLetters.at(axis), number(word->value));
   }
   return words;
@@ -120,7 +115,7 @@ void GcodeCycle::choose_path_mode(const GcodeBlock& block, int code) {
   path_mode_ = fmt::format("G{}", code / 10.0);
   if (code != 640) return;
   for (const char letter : {'P', 'Q'}) {
-    const GcodeWord* const word = word_of(block, letter);
+    const GcodeWord* const word = block.word(letter);
     if (word == nullptr || !path_mode_) continue;
     if (word->is_number()) {
       path_mode_->append(fmt::format(" {}{}", letter, number(word->value)));
@@ -139,7 +134,7 @@ void GcodeCycle::forget() {
 
 void GcodeCycle::take(const GcodeBlock& block, std::size_t normal) {
   const auto take_word = [&](char letter, std::optional<double>& into) {
-    const GcodeWord* const word = word_of(block, letter);
+    const GcodeWord* const word = block.word(letter);
     if (word != nullptr) into = word->is_number() ? std::optional(word->value) : std::nullopt;
   };
   take_word(kAxisLetters.at(normal), bottom_);
@@ -150,7 +145,7 @@ void GcodeCycle::take(const GcodeBlock& block, std::size_t normal) {
 
 std::string_view GcodeCycle::find_hole(const GcodeBlock& block, const CycleStart& start, Hole& hole) const {
   if (std::ranges::find(kMotionsAlone, code_) == kMotionsAlone.end()) return kSpindle;
-  const GcodeWord* const repeats = word_of(block, 'L');
+  const GcodeWord* const repeats = block.word('L');
   const bool has_dwell = dwell_ || !dwells(), has_peck = !pecks() || (peck_ && *peck_ > 0.0);
   const bool has_repeats = repeats == nullptr || repeats->is_number();
   if (!(clearance_ && bottom_ && has_dwell && has_peck && has_repeats)) return kIncomplete;
@@ -216,7 +211,7 @@ std::vector<std::string> GcodeCycle::restated(const GcodeBlock& block, std::size
   });
   if (!is_chosen) added += fmt::format("G{} ", number(code_ / 10.0));
   const auto add = [&](char letter, const std::optional<double>& value) {
-    if (value && word_of(block, letter) == nullptr) added += fmt::format("{}{} ", letter, number(*value));
+    if (value && block.word(letter) == nullptr) added += fmt::format("{}{} ", letter, number(*value));
   };
   add(kAxisLetters.at(normal), bottom_);
   add('R', clearance_);

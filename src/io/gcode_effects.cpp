@@ -1,6 +1,5 @@
 // What the codes of a block do to what a controller remembers.
 
-#include <algorithm>
 #include <cmath>
 
 #include "gcode_codes.hpp"
@@ -32,9 +31,13 @@ void GcodeModes::shift_origin() {
   lose_all();
 }
 
-void GcodeModes::move_origin() {
+void GcodeModes::forget_systems() {
   origin_.forget_offsets();
   lose_all();
+}
+
+double GcodeModes::in_mm(std::size_t axis, const GcodeWord& word) const {
+  return word.value * (axis == kRotation ? 1.0 : *mm_per_unit_);
 }
 
 /// Places into the frame that holds from now on.
@@ -47,21 +50,20 @@ void GcodeModes::carry(const GcodeOrigin::Change& change) {
 
 /// G10 L2 P.
 void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
-  const auto number_behind = [&](char letter) -> std::optional<double> {
-    const auto word = std::ranges::find(block.words, letter, &GcodeWord::letter);
-    return word != block.words.end() && word->is_number() ? std::optional(word->value) : std::nullopt;
-  };
-  const std::optional<double> system = number_behind('P');
-  const bool is_known = number_behind('L') == 2.0 && system && (*system > 0.0 || traits_.zero_is_current) &&
-                        *system >= 0.0 && *system <= WorkOffsets::kSystems && *system == std::floor(*system) &&
-                        !block.has_letter("R") && mm_per_unit_ && !axes.has_expression && !axes.has_flag;
-  if (!is_known) return move_origin();
+  const GcodeWord *const kind = block.word('L'), *const system = block.word('P');
+  const double least = traits_.zero_is_current ? 0.0 : 1.0;
+  const bool names_system = kind != nullptr && kind->is_number() && kind->value == 2.0 && system != nullptr &&
+                            system->is_number() && system->value >= least && system->value <= WorkOffsets::kSystems &&
+                            system->value == std::floor(system->value);
+  const bool is_known =
+      names_system && !block.has_letter("R") && mm_per_unit_ && !axes.has_expression && !axes.has_flag;
+  if (!is_known) return forget_systems();
   Places stated;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    if (axes.word[axis] != nullptr) stated[axis] = axes.word[axis]->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+    if (axes.word[axis] != nullptr) stated[axis] = in_mm(axis, *axes.word[axis]);
   }
   if (axis_count_ < kAxes) stated[kRotation] = 0.0;
-  carry(origin_.define_system(static_cast<std::size_t>(*system), stated));
+  carry(origin_.define_system(static_cast<std::size_t>(system->value), stated));
 }
 
 /// Where the place is known its new name is, too.

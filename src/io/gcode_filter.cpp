@@ -19,7 +19,7 @@ class Gcode : public TargetFormat {
 
   std::string_view read(std::string_view text, TargetLine& target) override {
     block_.parse(text, harmless_);
-    if (parameters_.apply(block_)) modes_.move_origin();
+    if (parameters_.apply(block_)) modes_.forget_systems();
     const bool is_doubtful = doubts_lengths_ && doubt_lengths_without_points(block_);
     std::string_view passed = modes_.take(block_, target);
     if (is_doubtful && !passed.empty()) passed = kWithoutPoint;

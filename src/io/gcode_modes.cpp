@@ -102,7 +102,7 @@ std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& 
   const GcodeOrigin origin = origin_;
   const unsigned transforms = transforms_;
   const Request request = apply_codes(block, axes);
-  if (!(origin_ == origin) || request.calls_here) move_origin();
+  if (!(origin_ == origin) || request.calls_here) forget_systems();
   transforms_ |= transforms;
   forget();
   return axes.count > 0 || !request.refused.empty() || request.goes_elsewhere ? kOptional : std::string_view();

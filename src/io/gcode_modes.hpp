@@ -37,8 +37,8 @@ class GcodeModes {
 
   /// A line that cannot be read may have done anything but move the origin.
   void forget();
-  /// Something but a code has moved it: the controller's parameters are assigned.
-  void move_origin();
+  /// Where systems lie may be another: the controller's parameters are assigned.
+  void forget_systems();
   /// @returns whether anything was forgotten since it was last asked.
   bool has_forgotten() { return std::exchange(forgotten_, false); }
 
@@ -90,6 +90,8 @@ class GcodeModes {
   void call_here_or_shift(const Axes& axes, Request& request);
   void shift_origin();
   void carry(const GcodeOrigin::Change& change);
+  /// What a word states, mm or deg, where the unit is known.
+  double in_mm(std::size_t axis, const GcodeWord& word) const;
   void define_system(const GcodeBlock& block, const Axes& axes);
   void lose(const Axes& axes);
   void lose_all();

@@ -128,7 +128,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
     const GcodeWord* const word = axes.word[axis];
     if (word == nullptr) continue;
     place_[axis].reset();
-    const double stated = word->value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+    const double stated = in_mm(axis, *word);
     if (word->is_number() && !is_incremental) place_[axis] = stated + request.shift[axis];
     if (word->is_number() && is_incremental && from[axis]) place_[axis] = *from[axis] + stated;
     passed_[axis] = true;
@@ -226,7 +226,7 @@ void GcodeModes::call_here(const Axes& axes, TargetLine& target) {
     if (word == nullptr) continue;
     target.path.from[axis] = target.path.to[axis] = *place_[axis];
     target.stated[axis] = number_of(*word);
-    origin_.call(axis, *place_[axis], word->value * (axis == kRotation ? 1.0 : *mm_per_unit_));
+    origin_.call(axis, *place_[axis], in_mm(axis, *word));
   }
 }
 

@@ -517,6 +517,14 @@ TEST_F(GcodeLines, WorkOffsetsComeFromLinuxcncsFile) {
   EXPECT_TRUE(of("G92.1\nG0 X0 Y0 Z-900\nG53 G0 Z-890\nG0 Z-900\n", options).has("another origin"));
   EXPECT_TRUE(of("G0 X0 Y0 Z-900\nG91 G53 G0 Z-890\nG90 G0 Z-900\n", options).has("another origin"));
 
+  WorkOffsets shifted = offsets;
+  shifted.is_shifted = true;  // by how much is not said
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900\nG53 G0 Z-890\nG0 Z-900\n", {.offsets = shifted}).has("another origin"));
+  // The place stays where it is when its system moves.
+  const Filtered moved = of("G10 L2 P2 Z-2\nG1 X5\n", {.start = Pose{{0, 0, -900}, 0.0}, .offsets = offsets});
+  EXPECT_TRUE(moved.summary.complete());
+  EXPECT_NEAR(*word(moved.lines()[1], 'Z'), target(5, 0, -895).position.z(), 1e-4);
+
   const auto complaint = [&](const std::string& bad) {
     try {
       read_work_offsets(file(bad));
