@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -95,14 +96,24 @@ void run(const Options& options, Session& session) {
   if (!options.filter.is_empty()) {
     throw WrongUsage(
         "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --harmless, --partial, --check and "
-        "--header: expected "
-        "with --target "
-        "gcode or csv "
-        "alone");
+        "--header: expected with --target gcode or csv alone");
   }
   if (folder) return export_configuration(*folder, robot, errors, origin, session);
   options.target == "json" ? export_json(robot, errors, origin, session)
                            : export_text(options.target, robot, errors, origin, session);
+}
+
+void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& dialect) {
+  std::vector<std::string> names;
+  for (const auto& [name, one] : kDialects) names.emplace_back(name);
+  const auto choose = [&dialect](const std::string& wanted) {
+    dialect = std::ranges::find(kDialects, wanted, [](const auto& one) { return one.first; })->second;
+  };
+  command
+      .add_choice("--dialect", choose,
+                  "gcode: who is to read the program: linuxcnc, klipper, marlin, rrf (RepRapFirmware) or fanuc-like; "
+                  "without it, what they do not agree on is passed through")
+      ->check(one_of(names));
 }
 
 }  // namespace
@@ -145,11 +156,7 @@ void add_export(Command& program, Session& session) {
       "--chord-mm", options->filter.chord_mm,
       "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
       "the correction bends, which is divided; default 0.01");
-  command
-      ->add_option("--dialect", options->filter.dialect,
-                   "gcode: who is to read the program: linuxcnc, klipper, marlin, rrf (RepRapFirmware) or fanuc-like; "
-                   "without it, what they do not agree on is passed through")
-      ->check(one_of({"linuxcnc", "klipper", "marlin", "rrf", "fanuc-like"}));
+  add_dialect_option(*command, options->filter.dialect);
   command->add_option("--work-offsets", options->filter.work_offsets,
                       "gcode: LinuxCNC's parameter file (linuxcnc.var, in mm), which says where G54 to G59.3 lie");
   command->add_option("--harmless", options->filter.harmless,

@@ -24,15 +24,6 @@ void require_finite(const char* option, const std::vector<double>& numbers) {
   }
 }
 
-io::GcodeDialect dialect_named(std::string_view name) {
-  using enum io::GcodeDialect;
-  if (name == "linuxcnc") return linuxcnc;
-  if (name == "klipper") return klipper;
-  if (name == "marlin") return marlin;
-  if (name == "rrf") return reprapfirmware;
-  return name == "fanuc-like" ? fanuc_like : any;
-}
-
 io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot) {
   require_finite("--origin", options.origin);
   require_finite("--start", options.start);
@@ -43,7 +34,7 @@ io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot)
   }
   if (options.chord_mm) gcode.chord = *options.chord_mm;
   gcode.harmless = options.harmless;
-  gcode.dialect = dialect_named(options.dialect);
+  gcode.dialect = options.dialect.value_or(io::GcodeDialect::any);
   if (!options.work_offsets.empty()) gcode.offsets = io::read_work_offsets(io::read_file(options.work_offsets));
   return gcode;
 }
@@ -119,8 +110,9 @@ class HeaderSink {
 
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
-  if (summary.added > 0)
+  if (summary.added > 0) {
     text += fmt::format("  {} lines added: arcs in chords, divided lines, cycles\n", summary.added);
+  }
   for (const std::string& one : summary.assumed) text += fmt::format("  assumed: {}\n", one);
   if (summary.outside > 0) {
     text += fmt::format("  {} targets outside of the workspace, first in line {}: is --origin right?\n",

@@ -1,13 +1,25 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "paracal/compensation/export.hpp"
+#include "paracal/io/target_filter.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
+
+/// Names of dialects, as options state them.
+inline constexpr std::array<std::pair<std::string_view, io::GcodeDialect>, 5> kDialects{
+    {{"linuxcnc", io::GcodeDialect::linuxcnc},
+     {"klipper", io::GcodeDialect::klipper},
+     {"marlin", io::GcodeDialect::marlin},
+     {"rrf", io::GcodeDialect::reprapfirmware},
+     {"fanuc-like", io::GcodeDialect::fanuc_like}}};
 
 /// Options of targets that rewrite a file, `gcode` and `csv`.
 struct FilterOptions {
@@ -19,12 +31,12 @@ struct FilterOptions {
   bool check = false;    ///< nothing is written but what would happen
   std::optional<double> chord_mm = {};
   std::vector<std::string> harmless = {};  ///< macros
-  std::string dialect = {};
+  std::optional<io::GcodeDialect> dialect = {};
   std::string work_offsets = {};  ///< LinuxCNC's parameter file
 
   /// Whether none of them speaks of programs alone.
   bool is_of_tables() const {
-    return origin.empty() && start.empty() && !chord_mm && harmless.empty() && work_offsets.empty() && dialect.empty();
+    return origin.empty() && start.empty() && !chord_mm && harmless.empty() && work_offsets.empty() && !dialect;
   }
   bool is_empty() const { return input.empty() && !header && !partial && !check && is_of_tables(); }
 };
