@@ -23,6 +23,15 @@ using compensation_detail::Arms, compensation_detail::choose, compensation_detai
 using Limb = CompensatorLimb<Lanes>;
 using Limbs = std::array<Limb, kCompensatorLimbs>;
 
+Lanes larger(const Lanes& a, const Lanes& b) { return choose(a.values > b.values, a, b); }
+
+bool all(const Lanes::Mask& mask) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    if (mask[k] == 0) return false;
+  }
+  return true;
+}
+
 /// The same limbs in every lane.
 Limbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
   constexpr std::size_t kNumbers = sizeof(limbs) / sizeof(double);
@@ -59,15 +68,13 @@ Arms<Lanes, N> settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& bl
   for (int count = 0; count < kMaxSteps; ++count) {
     Lanes largest(0.0), sum(0.0);
     for (const Lanes& change : compensation_detail::step(limbs, block.pose, answer, state)) {
-      largest = choose(abs(change).values > largest.values, abs(change), largest);
+      largest = larger(abs(change), largest);
       sum = sum + change;
     }
     const Lanes::Mask finite = is_finite(sum);
     settled |= finite & (largest.values <= before.values) &
                ((largest * largest).values <= (Lanes(compensation_detail::kSettled<double>) * before).values);
-    bool done = true;
-    for (std::size_t k = 0; k < kLanes; ++k) done = done && (settled[k] != 0 || finite[k] == 0);
-    if (done) break;
+    if (all(settled | ~finite)) break;
     before = largest;
   }
   for (std::size_t i = 0; i < N; ++i) block.joints[i] = block.joints[i] + state.moved[i];
@@ -91,52 +98,62 @@ std::array<CompensatorVector<Lanes>, N> nominal_elbows(const Nominal& nominal, c
   return centres;
 }
 
-Lanes largest(const Lanes& a, const Lanes& b) { return choose(a.values > b.values, a, b); }
+Lanes size_of(const CompensatorVector<Lanes>& v) { return larger(larger(abs(v[0]), abs(v[1])), abs(v[2])); }
 
-Lanes size_of(const CompensatorVector<Lanes>& v) { return largest(largest(abs(v[0]), abs(v[1])), abs(v[2])); }
+/// A step of Newton's on |r + a_i + phi s_i - C_i| = l_i.
+struct PlateStep {
+  CompensatorVector<Lanes> position{};  ///< mm
+  Lanes phi{0.0};                       ///< rad
+  Lanes gain{0.0};                      ///< how far the plate moves if one rod changes, mm a mm
+};
 
-/// The level plate of the nominal robot at its rods' length from the elbows: Newton on |r + a_i + phi s_i - C_i| = l_i
-/// from the wanted pose, until the next step would be lost in rounding (each leaves its own square over the rod).
-/// Lanes stay good where it settles near the wanted pose, and the rods hold the plate there.
+/// @param lever  mm a rad of phi.
+template <std::size_t N>
+PlateStep step_to_rods(const Limbs& limbs, const std::array<CompensatorVector<Lanes>, N>& centres,
+                       const CompensatorVector<Lanes>& position, const Lanes& phi, const Lanes& lever) {
+  using compensation_detail::RodMotion;
+  std::array<RodMotion<Lanes>, N> motions;
+  std::array<Lanes, N> excess;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto joint = sum(position, compensation_detail::plate_joint(limbs[i], phi));
+    const auto rod = sum(joint, centres[i], Lanes(-1.0));
+    const Lanes length = sqrt(dot(rod, rod));
+    const auto along = compensation_detail::scaled(rod, Lanes(1.0) / length);
+    motions[i] = {along, dot(along, limbs[i].slide)};
+    excess[i] = length - limbs[i].rod[0];
+  }
+  PlateStep step;
+  for (std::size_t i = 0; const RodMotion<Lanes>& dual : compensation_detail::dual_motions(motions)) {
+    step.position = sum(step.position, dual.position, -excess[i]);
+    step.phi = step.phi - excess[i++] * dual.phi;
+    step.gain = larger(step.gain, larger(size_of(dual.position), lever * abs(dual.phi)));
+  }
+  return step;
+}
+
+/// The level plate of the nominal robot at its rods' length from the elbows, from the wanted pose on until the next
+/// step would be lost in rounding (each leaves its own square over the rod). Lanes stay good where it settles near the
+/// wanted pose, and the rods hold the plate there.
 template <std::size_t N>
 void find_target(const Arms<Lanes, N>& arms, Block& block) {
-  using compensation_detail::RodMotion;
   constexpr int kMaxSteps = 6;
   constexpr double kSettled = 1e-5, kNear = 50.0, kHeld = 20.0;  // mm, mm, mm a mm
   const Limbs& limbs = block.nominal->limbs;
   const auto centres = nominal_elbows<N>(*block.nominal, arms);
-  CompensatorVector<Lanes> position{block.pose.x, block.pose.y, block.pose.z};
+  const CompensatorVector<Lanes> wanted{block.pose.x, block.pose.y, block.pose.z};
+  CompensatorVector<Lanes> position = wanted;
   Lanes phi = block.pose.phi;
   const Lanes lever(std::sqrt(dot(limbs[0].slide, limbs[0].slide)[0]));
-  Lanes::Mask settled{}, held = Lanes(0.0).values == 0.0;
-  for (int count = 0; count < kMaxSteps; ++count) {
-    std::array<RodMotion<Lanes>, N> motions;
-    std::array<Lanes, N> excess;
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto joint = sum(position, compensation_detail::plate_joint(limbs[i], phi));
-      const auto rod = sum(joint, centres[i], Lanes(-1.0));
-      const Lanes length = sqrt(dot(rod, rod));
-      const auto along = compensation_detail::scaled(rod, Lanes(1.0) / length);
-      motions[i] = {along, dot(along, limbs[i].slide)};
-      excess[i] = length - limbs[i].rod[0];
-    }
-    CompensatorVector<Lanes> step{};
-    Lanes turn(0.0), gain(0.0);
-    for (std::size_t i = 0; const RodMotion<Lanes>& dual : compensation_detail::dual_motions(motions)) {
-      step = sum(step, dual.position, -excess[i]);
-      turn = turn - excess[i++] * dual.phi;
-      gain = largest(gain, largest(size_of(dual.position), lever * abs(dual.phi)));
-    }
-    for (std::size_t k = 0; k < 3; ++k) position[k] = choose(settled, position[k], position[k] + step[k]);
-    phi = choose(settled, phi, phi + turn);
-    held &= settled | (gain.values < kHeld);
-    settled |= largest(size_of(step), lever * abs(turn)).values < kSettled;
-    bool done = true;
-    for (std::size_t k = 0; k < kLanes; ++k) done = done && settled[k] != 0;
-    if (done) break;
+  Lanes::Mask settled{}, held = ~settled;
+  for (int count = 0; count < kMaxSteps && !all(settled); ++count) {
+    const PlateStep step = step_to_rods<N>(limbs, centres, position, phi, lever);
+    for (std::size_t k = 0; k < 3; ++k) position[k] = choose(settled, position[k], position[k] + step.position[k]);
+    phi = choose(settled, phi, phi + step.phi);
+    held &= settled | (step.gain.values < kHeld);
+    settled |= larger(size_of(step.position), lever * abs(step.phi)).values < kSettled;
   }
-  const auto off = sum(position, {block.pose.x, block.pose.y, block.pose.z}, Lanes(-1.0));
-  block.good &= settled & held & (largest(size_of(off), lever * abs(phi - block.pose.phi)).values < kNear);
+  const Lanes off = larger(size_of(sum(position, wanted, Lanes(-1.0))), lever * abs(phi - block.pose.phi));
+  block.good &= settled & held & (off.values < kNear);
   block.target = {position[0], position[1], position[2], phi};
 }
 

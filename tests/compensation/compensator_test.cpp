@@ -15,6 +15,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/compensation/path.hpp"
+#include "paracal/compensation/target_correction.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "support/robots.hpp"
@@ -310,6 +311,36 @@ TEST_P(CompensatorLaw, APathIsItsPoses) {
   }
 }
 
+/// Far outside, where assembly modes meet, lanes find that of the nominal forward kinematics or none.
+TEST_P(CompensatorLaw, TargetsInLanesAreOfTheRightAssemblyMode) {
+  int compared = 0;
+  for (int number = 0; number < 9; ++number) {
+    const auto parameters = compensator_parameters(robot, errors_of(number));
+    std::vector<CompensatorPose<double>> poses;
+    for (int k = 0; k < test::machines(20'000); ++k) {
+      poses.push_back(compensator_pose(random.pose(robot)));
+      poses.back().x *= random.uniform(0.0, 3.0);
+      poses.back().y *= random.uniform(0.0, 3.0);
+      poses.back().z *= random.uniform(0.0, 1.5);
+    }
+    std::vector<std::optional<CompensatorPose<double>>> targets(poses.size());
+    nominal_targets(parameters, poses, targets);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      if (!targets[k]) continue;
+      CompensatorJoints<double> joints{};
+      // Where a joint stands at the height of the base, singly the iteration may stop where lanes settle.
+      if (compensate(parameters, CompensationWay::exact, poses[k], joints) != CompensationStatus::ok) continue;
+      ++compared;
+      const auto expected = corrected_target(robot, compensated_joints(robot, joints),
+                                             {{poses[k].x, poses[k].y, poses[k].z}, poses[k].phi});
+      ASSERT_TRUE(expected) << k;
+      const Eigen::Vector3d position(targets[k]->x, targets[k]->y, targets[k]->z);
+      EXPECT_LT((position - expected->position).norm(), 1e-7);
+    }
+  }
+  EXPECT_GT(compared, 1000);
+}
+
 /// In the workspace lanes find every target; wherever they find one it is that of the nominal forward kinematics.
 TEST_P(CompensatorLaw, TargetsInLanesAreThoseOfTheNominalRobot) {
   std::mt19937_64 engine(5);
@@ -342,6 +373,37 @@ TEST_P(CompensatorLaw, TargetsInLanesAreThoseOfTheNominalRobot) {
   std::vector<std::optional<CompensatorPose<double>>> one(1);
   EXPECT_THROW(nominal_targets(compensator_parameters(robot, {}), std::vector<CompensatorPose<double>>(2), one),
                std::invalid_argument);
+}
+
+/// Where rods lie nearly in one plane, or the target is far away, lanes leave the answer to the exact way.
+TEST_P(CompensatorLaw, DoubtfulTargetsAreNotTakenFromLanes) {
+  const auto sound = compensator_parameters(robot, errors_of(1));
+  std::vector<CompensatorPose<double>> rising;
+  for (double z = robot.workspace().centre().z(); z < 0.0; z += 0.1) rising.push_back({1.0, 2.0, z, 0.0});
+  std::vector<std::optional<CompensatorPose<double>>> targets(rising.size());
+  nominal_targets(sound, rising, targets);
+  int held_back = 0;
+  for (std::size_t k = 0; k < rising.size(); ++k) {
+    CompensatorJoints<double> joints{};
+    const bool reaches = compensate(sound, CompensationWay::exact, rising[k], joints) == CompensationStatus::ok;
+    held_back += reaches && !targets[k] ? 1 : 0;
+  }
+  // Carriages rise with the plate, arms do not.
+  EXPECT_EQ(held_back > 0, robot.actuator() == Actuator::revolute);
+
+  SourceErrors far = errors_of(0);
+  far(0, Source::theta_offset) += robot.actuator() == Actuator::linear ? 120.0 : 0.25;
+  const Pose home{robot.workspace().centre(), 0.0};
+  std::vector<std::optional<CompensatorPose<double>>> one(1);
+  nominal_targets(compensator_parameters(robot, far), std::vector{compensator_pose(home)}, one);
+  EXPECT_FALSE(one.front());
+  const TargetCorrection correction(robot, far);
+  CompensatorJoints<double> joints{};
+  ASSERT_EQ(correction.compensator().compensate(compensator_pose(home), joints), CompensationStatus::ok);
+  const auto expected = corrected_target(robot, compensated_joints(robot, joints), home);
+  ASSERT_TRUE(expected && correction.target(home));
+  EXPECT_EQ(correction.target(home)->position, expected->position);
+  EXPECT_GT((expected->position - home.position).norm(), 50.0);
 }
 
 TEST_P(CompensatorLaw, APathWithoutRoomForItsJointsIsRefused) {

@@ -25,7 +25,8 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
                      std::span<CompensatorTilt<double>> tilts = {});
 
 /// What a controller that computes with the nominal robot must be told, in the same lanes: the nominal robot's pose
-/// with the joints that bring the identified machine to each pose, within 1e-9 mm and rad of corrected_target.
+/// with the joints that bring the identified machine to each pose, within 1e-9 mm and rad of corrected_target in the
+/// workspace, within 1e-7 mm far outside.
 ///
 /// @param targets  one a pose; nothing where the lanes find none: the pose is out of reach, rods hardly hold the plate
 ///                 there, or the target is farther than 50 mm away. corrected_target may still have one.
