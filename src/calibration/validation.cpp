@@ -241,7 +241,9 @@ std::optional<ReflectorMount> likelier_mount(const Robot& robot, const KnownErro
                                              const std::optional<double>& stated) {
   constexpr double kFar = 0.05, kLess = 0.2;  // rad; share
   if (!stated || *stated < kFar) return std::nullopt;
+  const ReflectorMount as_stated = options.reflectors;
   for (const ReflectorMount mount : kReflectorMounts) {
+    if (mount == as_stated) continue;
     options.reflectors = mount;
     const auto off = judged(robot, known, measurements, options).after.max_orientation;
     if (off && *off < kLess * *stated) return mount;
