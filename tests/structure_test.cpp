@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -113,6 +114,30 @@ TEST(Structure, OneHeaderHoldsTheWholeLibrary) {
     const bool is_apart = brought.contains("paracal/io/json.hpp") || header.ends_with("_impl.hpp");
     EXPECT_EQ(whole.contains(header), !is_apart) << header;
   }
+}
+
+/// tools/mutations.sh changes one expression at a time, so each must stand once in its file; code that moves takes them
+/// along.
+TEST(Structure, MutationsStandInTheirFiles) {
+  std::string file, text;
+  int mutations = 0;
+  for (const std::string& line : lines_of(kRoot / "tools/mutations.txt")) {
+    if (line.empty() || line.starts_with('#')) continue;
+    if (!line.starts_with(' ')) {
+      file = line.substr(0, line.find(' '));
+      std::ifstream in(kRoot / file);
+      text.assign(std::istreambuf_iterator<char>(in), {});
+      EXPECT_FALSE(text.empty()) << file;
+      continue;
+    }
+    const std::string expression = line.substr(2, line.find(" => ") - 2);
+    const std::size_t first = text.find(expression);
+    EXPECT_NE(first, std::string::npos) << file << ": " << expression;
+    EXPECT_EQ(text.find(expression, first + 1), std::string::npos) << file << ": " << expression;
+    EXPECT_FALSE(expression.starts_with("if ")) << file << ": no expression: " << expression;
+    ++mutations;
+  }
+  EXPECT_GT(mutations, 300);
 }
 
 }  // namespace
