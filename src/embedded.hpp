@@ -13,6 +13,8 @@ struct EmbeddedFile {
 
 /// The files of data/huang2016.
 std::span<const EmbeddedFile> published_data();
+/// The files of data/robots.
+std::span<const EmbeddedFile> robot_templates();
 /// The files of src/compensation/templates.
 std::span<const EmbeddedFile> export_templates();
 /// The page of reports, built from web/; in the program alone, so that the library needs no Node.js to build.

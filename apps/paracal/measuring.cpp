@@ -99,14 +99,14 @@ std::vector<std::string> MeasuringOptions::tables() const {
   return names;
 }
 
-Measurements MeasuringOptions::read(const JointSpace& joints) const {
+Measurements MeasuringOptions::read(const Robot& robot) const {
   const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
   PoseTables pose_tables(poses);
-  for (const std::string& file : files) parts.push_back(read_file(pose_tables, map, file, joints));
+  for (const std::string& file : files) parts.push_back(read_file(pose_tables, map, file, robot.joint_space()));
   pose_tables.check_all_used();
   Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
-  return at_reference_temperature(std::move(all), expansion());
+  return at_reference_temperature(with_commands(robot, std::move(all)), expansion());
 }
 
 double MeasuringOptions::expansion() const {
@@ -302,6 +302,9 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       ->shows_default();
   command.add_option("--frame", options.frame, "frame of measured points")
       ->check(one_of({"unknown", "robot"}))
+      ->shows_default();
+  command.add_option("--body", options.body, "where the body of measured poses sits; plate: in the plate's own frame")
+      ->check(one_of({"unknown", "plate"}))
       ->shows_default();
   command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
       ->check(one_of({"relative", "absolute"}))

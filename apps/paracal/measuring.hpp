@@ -31,17 +31,18 @@ struct MeasuringOptions {
   std::optional<double> temperature_c;
   bool sigma_known = false;
   std::vector<double> tracker_um;
-  std::string frame = "unknown", rotation = "relative";
+  std::string frame = "unknown", body = "unknown", rotation = "relative";
 
   /// Files that may say which robot they are of.
   std::vector<std::string> tables() const;
   /// Every file by what its header says it is, all in one.
-  Measurements read(const JointSpace& joints) const;
+  Measurements read(const Robot& robot) const;
   NoiseModel noise() const;
   /// Whether options state the noise of all that was read, where readings do not.
   bool states_noise_of(const Measurements& measurements) const;
   /// What is known of lengths read against lengths of the machine at 20 deg C, m/m.
   double expansion() const;
+  Frame body_kind() const { return body == "plate" ? Frame::robot : Frame::unknown; }
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
   RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
 };

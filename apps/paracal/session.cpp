@@ -93,6 +93,16 @@ Robot Session::robot(const RobotSources& inputs) {
   return stated.front().robot;
 }
 
+Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {
+  Robot robot = this->robot(inputs);
+  if (!robot.has_six_freedoms()) return robot;
+  throw WrongUsage(
+      fmt::format("{}: expected a robot whose plate stays level, got {}, which hangs on struts: this is not "
+                  "done for struts (robot, inverse, forward, poses --optimal, identifiability, simulate, "
+                  "calibrate, validate and compensate are)",
+                  task, robot.name()));
+}
+
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
   const io::TextFile file = input_file(errors_file);
   if (is_calibration(errors_file)) return io::read_calibration(file, robot).errors;
@@ -107,8 +117,10 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
 
 std::string pose_text(const std::string& name, const Pose& pose) {
   const Eigen::Vector3d& r = pose.position;
-  return fmt::format("pose {} at ({:g}, {:g}, {:g}) mm, {:g} deg", name, r.x(), r.y(), r.z(),
-                     to_degrees(pose.rotation));
+  const std::string place = fmt::format("pose {} at ({:g}, {:g}, {:g}) mm", name, r.x(), r.y(), r.z());
+  if (pose.tilt.isZero(0.0)) return fmt::format("{}, {:g} deg", place, to_degrees(pose.rotation));
+  return fmt::format("{}, tilted by ({:g}, {:g}, {:g}) deg", place, to_degrees(pose.tilt.x()),
+                     to_degrees(pose.tilt.y()), to_degrees(pose.tilt.z()));
 }
 
 std::string joints_key(Actuator actuator) { return fmt::format("joints_{}", io::file_unit(joint_unit(actuator))); }

@@ -73,6 +73,9 @@ class Session {
   /// The robot that --robot, a calibration or a table names; where several do, they name the same.
   /// @throws WrongUsage where none does or an output is its file, InputFileError where two disagree.
   Robot robot(const RobotSources& inputs = {});
+  /// The same, for what is done only for plates that stay level.
+  /// @throws WrongUsage for a plate with six freedoms.
+  Robot level_robot(std::string_view task, const RobotSources& inputs = {});
   /// The file that described it, where one did.
   const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }
 

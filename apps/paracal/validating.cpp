@@ -25,6 +25,7 @@ ValidationOptions ValidatingOptions::options(const Measurements& measurements) c
           .scale_std = 1e-6 * measuring.scale_ppm,
           .reflectors = reflectors,
           .frame = measuring.frame_kind(),
+          .body = measuring.body_kind(),
           .rotation_zero = measuring.rotation_kind(),
           .limits = limits.limits()};
 }

@@ -42,7 +42,7 @@ template <typename Parameter>
 py::list parameters_of(const Robot& robot, const std::vector<Parameter>& parameters) {
   py::list list;
   for (const Parameter& one : parameters) {
-    list.append(py::make_tuple(std::string(name(one.source)), one.limb + 1,
+    list.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.limb + 1,
                                unit(one.source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
   }
   return list;

@@ -91,7 +91,10 @@ GivenMeasurements read(const std::vector<GivenTable>& tables, const std::vector<
   }
   pose_tables.check_all_used();
   all.readings = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
-  if (robot != nullptr) require_robot(*robot, all);
+  if (robot != nullptr) {
+    require_robot(*robot, all);
+    all.readings = with_commands(*robot, std::move(all.readings));
+  }
   return all;
 }
 

@@ -51,6 +51,7 @@ void take_common(const Keywords& given, Options& options) {
   options.noise = noise_of(given);
   given.take("sigma_known", "True or False", options.noise_is_known);
   given.choose("frame", {{"unknown", Frame::unknown}, {"robot", Frame::robot}}, options.frame);
+  given.choose("body", {{"unknown", Frame::unknown}, {"plate", Frame::robot}}, options.body);
   given.choose("rotation", {{"relative", RotationZero::unknown}, {"absolute", RotationZero::known}},
                options.rotation_zero);
   take_mount(given, options.reflectors);
@@ -81,12 +82,12 @@ CalibrationOptions calibration_options(const Robot& robot, const Keywords& given
   if (given.has("tolerances")) options.tolerances = given.get<Tolerances>("tolerances", "Tolerances");
   const auto selected = [&](const char* key) {
     return given.has(key) ? source_selectors(given.get<std::vector<std::string>>(key, "names of source errors"),
-                                             robot.limb_count())
+                                             robot.joint_space())
                           : std::vector<SourceSelector>();
   };
   options.fixed = selected("fixed");
   options.free = selected("free");
-  check_selection(options, robot.limb_count());
+  check_selection(options, robot.joint_space());
   bool keeps_outliers = false;
   given.take("keep_outliers", "True or False", keeps_outliers);
   options.exclude_outliers = !keeps_outliers;

@@ -38,8 +38,9 @@ py::dict workspace_of(const Robot& robot) {
 /// (name, "position" or "tilt", unit), in column order.
 py::list sources_of(const Robot& robot) {
   py::list sources;
-  for (const Source source : all_sources()) {
-    sources.append(py::make_tuple(std::string(name(source)), tilts_plate(source) ? "tilt" : "position",
+  for (const Source source : paracal::sources_of(robot.actuator())) {
+    sources.append(py::make_tuple(std::string(name(source, robot.actuator())),
+                                  tilts_plate(source) ? "tilt" : "position",
                                   unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
   }
   return sources;
@@ -100,7 +101,10 @@ void add_robots(py::module_& module) {
   module.def(
       "robot_of_toml",
       [](const std::string& name, const std::string& text) {
-        return io::read_robot({name, text});
+        Robot robot = io::read_robot({name, text});
+        if (!robot.has_six_freedoms()) return robot;
+        throw InvalidArgument(name +
+                              ": expected a robot whose plate stays level, got one on struts: these are the program's");
       },
       "name"_a, "text"_a);
   module.def(

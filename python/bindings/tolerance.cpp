@@ -43,7 +43,7 @@ Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_
     throw InvalidArgument("others: expected \"exact\" or \"generous\", got \"" + others + "\"");
   }
   for (const auto& [name, value] : half_widths) {
-    const auto source = source_named(name);
+    const auto source = source_named(name, robot.actuator());
     if (!source) throw InvalidArgument("half_widths: expected names of source errors, got \"" + name + "\"");
     if (!(value >= 0.0 && std::isfinite(value))) {
       throw InvalidArgument(fmt::format("half_widths: expected at least 0 for {}, got {}", name, value));

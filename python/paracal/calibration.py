@@ -264,6 +264,7 @@ def calibrate(
     dial_angle_rad: float | None = None,
     scale_ppm: float = 15.0,
     frame: str = "unknown",
+    body: str = "unknown",
     rotation: str = "relative",
     reflectors: str = "plate",
     tolerances: Tolerances | None = None,
@@ -290,6 +291,7 @@ def calibrate(
         assumed.
     scale_ppm: of the scale of the readings against the machine, one standard deviation.
     frame: of measured points: "unknown" or "robot".
+    body: where a body whose poses are read sits: "unknown", or "plate": in the plate's own frame.
     rotation: zero of measured rotations: "relative" (unknown) or "absolute".
     reflectors: what carries the second reflector: "plate", "end-effector" or
         "end-effector-reversed".

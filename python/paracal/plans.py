@@ -186,6 +186,7 @@ def identifiability(
     second: bool = False,
     reflectors: str = "plate",
     frame: str = "unknown",
+    body: str = "unknown",
     rotation: str = "relative",
     sigma_mm: float | None = None,
     height_sigma_mm: float | None = None,
@@ -197,8 +198,8 @@ def identifiability(
 
     poses: a Plan, a pose table, or (n, 4) in mm and rad; the first is home.
     measure: "coordinates", "pose", "distance" (all pairs), "home-distance", "height", "ball-bar",
-        "dial"; the rest as in select_poses() and calibrate(). frame and rotation: whether they are known:
-        "robot", "absolute".
+        "dial"; the rest as in select_poses() and calibrate(). frame, body and rotation: whether they are known:
+        "robot", "plate", "absolute".
     Raises InvalidArgument for what does not go together, Unreachable for a pose out of reach.
     """
     if rotation == "absolute" and measure in ("distance", "home-distance"):

@@ -124,6 +124,7 @@ def validate(
     tracker_um: Iterable[float] | None = None,
     scale_ppm: float = 15.0,
     frame: str = "unknown",
+    body: str = "unknown",
     rotation: str = "relative",
     reflectors: str = "plate",
     limit_mm: float | None = None,

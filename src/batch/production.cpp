@@ -70,7 +70,7 @@ class Validator {
       const std::optional<PlateState> taken = drive(actual_, believed, commanded, guess_at(k));
       if (!taken) return std::nullopt;
       tilts_[k] = taken->tilt;
-      pairs.push_back({commanded, {taken->position, actual_.rotation_of(taken->slide)}});
+      pairs.push_back({commanded, pose_of(actual_, *taken)});
       accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], taken->tilt.head<2>().norm());
     }
     const PoseErrorSummary largest = summarize(pairs, robot_.slide().has_value());

@@ -60,10 +60,10 @@ namespace {
 
 /// "limb 1  theta_offset   0.206 deg, U 0.026 (k = 2.1)"
 std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
-  const bool angle = unit(parameter.source, actuator) == Unit::rad;
-  const auto shown = [&](double value) { return angle ? to_degrees(value) : value; };
-  std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source),
-                                 shown(parameter.value), angle ? "deg" : "mm");
+  const Unit inside = unit(parameter.source, actuator);
+  const auto shown = [&](double value) { return to_file_unit(inside, value); };
+  std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source, actuator),
+                                 shown(parameter.value), file_unit(inside));
   if (parameter.std) {
     text += fmt::format(", U {:.3f} (k = {:.1f})", shown(parameter.coverage() * *parameter.std), parameter.coverage());
   }

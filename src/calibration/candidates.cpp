@@ -8,6 +8,8 @@
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/error_model.hpp"
+#include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/units.hpp"
 #include "readings/length_model.hpp"
@@ -31,7 +33,19 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
   const double radius = workspace.radius * (coin() ? 1.0 : std::sqrt(random.uniform()));
   const double z = between_or_end(workspace.top_z - workspace.height, workspace.top_z);
   const double rotation = between_or_end(workspace.min_rotation, workspace.max_rotation);
-  return {towards_axis(Workspace::on_circle(radius, azimuth, z)), to_radians(std::trunc(to_degrees(rotation)))};
+  const auto whole_degrees = [](double angle) { return to_radians(std::trunc(to_degrees(angle))); };
+  Pose pose{towards_axis(Workspace::on_circle(radius, azimuth, z)), whole_degrees(rotation)};
+  for (int axis = 0; workspace.max_tilt > 0.0 && axis < 3; ++axis) {
+    pose.tilt(axis) = whole_degrees(between_or_end(-workspace.max_tilt, workspace.max_tilt));
+  }
+  return pose;
+}
+
+/// The nominal robot gets there and holds its plate.
+bool holds(const Robot& robot, const Pose& pose) {
+  if (!robot.has_six_freedoms()) return error_model(robot, pose).ok();
+  const InverseResult nominal = inverse(robot.nominal(), pose);
+  return nominal.ok() && exact_jacobian(robot.nominal(), plate_at(robot.nominal(), pose), nominal.joints).ok;
 }
 
 /// So that it can be typed.
@@ -92,7 +106,7 @@ std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint
   for (long tries = 0; static_cast<int>(stations.size()) < count && tries < long{kLargestTries} * count; ++tries) {
     const Pose pose = draw_pose(robot.workspace(), random);
     if (visibility && !visibility->sees(pose)) continue;
-    if (!error_model(robot, pose).ok()) continue;  // out of reach, or singular
+    if (!holds(robot, pose)) continue;  // out of reach, or singular
     stations.push_back({fmt::format("C{}", stations.size()), pose});
   }
   return stations;
@@ -120,7 +134,7 @@ std::vector<Station> within_range(const Robot& robot, const std::vector<Station>
     place += (wanted - lengths[k]) * model.shown(place, set_up, series).by_place.transpose();  // a unit vector
     place = to_micrometres(place);
     constexpr double kRounded = 1e-3;  // mm
-    if (robot.workspace().contains(place, kRounded) && error_model(robot, moved.commanded).ok()) kept.push_back(moved);
+    if (robot.workspace().contains(place, kRounded) && holds(robot, moved.commanded)) kept.push_back(moved);
   }
   return kept;
 }

@@ -40,7 +40,7 @@ Identifiability identifiability(const Robot& robot, const Measurements& plan, co
   if (start) observation.add_set_up_priors(*start, root);
   const Eigen::Index known = root.row_count();
   if (!start || !observation(*start, root))
-    throw InvalidArgument("the nominal machine does not close at every station");
+    throw Unreachable("the nominal machine does not close at every station with the joints believed there");
   const Eigen::Index n = observation.source_count();
   // Nuisance comes first, so this block is what remains when it has been projected out.
   const Spectrum spectrum =

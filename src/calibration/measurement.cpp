@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 
@@ -16,7 +17,8 @@ namespace paracal {
 namespace {
 
 void check_station(const Station& station, std::size_t limb_count) {
-  if (!station.commanded.position.allFinite() || !std::isfinite(station.commanded.rotation)) {
+  if (!station.commanded.position.allFinite() || !std::isfinite(station.commanded.rotation) ||
+      !station.commanded.tilt.allFinite()) {
     throw InvalidArgument(fmt::format("station \"{}\": expected a finite commanded pose", station.name));
   }
   if (!station.believed) return;
@@ -134,6 +136,21 @@ Measurements at_reference_temperature(Measurements measurements, double expansio
   }
   for (LengthSeries& series : measurements.lengths) {
     for (LengthReading& reading : series.readings) reading.length *= factor;
+  }
+  return measurements;
+}
+
+Measurements with_commands(const Robot& robot, Measurements measurements) {
+  for (Station& station : measurements.stations) {
+    if (station.commanded.position.allFinite() || !station.believed) continue;
+    const ForwardResult nominal = forward(robot.nominal(), *station.believed);
+    if (!nominal.ok()) {
+      throw Unreachable(fmt::format(
+          "station \"{}\": robot {} does not close with the joints of the table, so it cannot say where it was "
+          "sent: expected joints in the order of its limbs, from where the robot's file has their zeros",
+          station.name, robot.name()));
+    }
+    station.commanded = pose_of(robot.nominal(), nominal.plate);
   }
   return measurements;
 }

@@ -52,15 +52,15 @@ std::string slide_zero_text(const Robot& robot) {
 }
 
 /// "0.71 theta_offset limb 1 - 0.71 theta_offset limb 3": the parameters with a share in a direction.
-std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters) {
+std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters, Actuator actuator) {
   constexpr double kSmallestShare = 0.05;
   std::string text;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const double share = direction(static_cast<Eigen::Index>(k));
     if (std::abs(share) < kSmallestShare) continue;
     const std::string_view sign = share < 0 ? (text.empty() ? "-" : " - ") : (text.empty() ? "" : " + ");
-    text +=
-        fmt::format("{}{:.2f} {} limb {}", sign, std::abs(share), name(parameters[k].source), parameters[k].limb + 1);
+    text += fmt::format("{}{:.2f} {} limb {}", sign, std::abs(share), name(parameters[k].source, actuator),
+                        parameters[k].limb + 1);
   }
   return text;
 }
@@ -74,15 +74,16 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) 
 
 std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   std::vector<GaugeMotion> motions;
-  motions.reserve(8);
+  motions.reserve(12);
   const auto alike = [](const Limb&) { return 1.0; };
   const std::array<std::string, 3> axes{"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
-    motions.push_back(
-        {fmt::format("translation along {}: {} of all limbs alike", axes[static_cast<std::size_t>(k)],
-                     k == 2 && !is_felt(Source::e_z, robot.actuator()) ? "theta_offset"
-                                                                       : "e_" + axes[static_cast<std::size_t>(k)]),
-         moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
+    motions.push_back({fmt::format("translation along {}: {} of all limbs alike", axes[static_cast<std::size_t>(k)],
+                                   k == 2 && !is_felt(Source::e_z, robot.actuator())
+                                       ? "theta_offset"
+                                       : name(static_cast<Source>(index(Source::e_x) + static_cast<std::size_t>(k)),
+                                              robot.actuator())),
+                       moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
   }
   if (robot.slide()) {
     const auto sign = [](const Limb& limb) { return limb.slide_sign; };
@@ -92,6 +93,13 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   for (int k = 0; k < 3; ++k) {
     motions.push_back({fmt::format("rotation of the base about {}", axes[static_cast<std::size_t>(k)]),
                        turned_base(robot, Eigen::Vector3d::Unit(k))});
+  }
+  for (int k = 0; robot.has_six_freedoms() && k < 3; ++k) {
+    const std::string& axis = axes[static_cast<std::size_t>(k)];
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(k), none = Eigen::Vector3d::Zero();
+    motions.push_back({fmt::format("translation of the plate's joints along {0}: plate_{0} of all limbs alike", axis),
+                       moved_plate(robot, along, none)});
+    motions.push_back({fmt::format("rotation of the plate's joints about {}", axis), moved_plate(robot, none, along)});
   }
   return motions;
 }
@@ -135,7 +143,7 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     const Eigen::VectorXd direction = scaled.cwiseQuotient(scale).normalized();
     if (!motion.empty()) return directions.push_back({std::move(motion), direction, true});
     const std::string mixture = as_mixture(robot, direction, parameters);
-    const std::string sum = describe(direction, parameters);
+    const std::string sum = describe(direction, parameters, robot.actuator());
     directions.push_back({mixture.empty() ? sum : mixture + ": " + sum, direction, !mixture.empty()});
   };
   const Eigen::MatrixXd all = orthonormal(scale.asDiagonal() * null_space, null_space.cols());

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "started.hpp"
 
 namespace paracal::detail {
 Observation::Observation(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
@@ -15,9 +15,14 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
       options_(options),
       sought_(std::move(sought)),
       prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))),
+      moving_(sought_),
       at_station_(measurements.stations.size()) {
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) moving_.push_back({limb, Source::theta_offset});
   joints_.reserve(measurements.stations.size());
-  for (const Station& station : measurements.stations) joints_.push_back(believed_joints(robot, station));
+  for (const Station& station : measurements.stations) {
+    joints_.push_back(believed_joints(robot, station));
+    starts_.push_back(started(robot, station));
+  }
   for (auto& series : all_series(measurements, options)) {
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);
     series_.push_back(std::move(series));
@@ -112,8 +117,9 @@ void Observation::list_stations() {
 void Observation::keep_nominal_derivative() {
   nominal_.clear();
   last_stations_.reset();
-  for (const Joints& joints : joints_) {
-    nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints).plate, joints));
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const PlateState plate = forward(robot_.nominal(), joints_[k], starts_[k]).plate;
+    nominal_.push_back(state_of(robot_.nominal(), plate, joints_[k]));
   }
 }
 
@@ -156,7 +162,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
   std::vector<StationState> states;
   states.reserve(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
-    const ForwardResult pose = forward(machine, joints_[k]);
+    const ForwardResult pose = forward(machine, joints_[k], starts_[k]);
     if (!pose.ok()) return nullptr;
     if (nominal_.empty()) {
       states.push_back(state_of(machine, pose.plate, joints_[k]));
@@ -172,22 +178,10 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
 
 StationState Observation::state_of(const Machine& machine, const PlateState& plate, const Joints& joints) const {
   StationState state{plate, machine.rotation_of(plate.slide), {}, {}, plate.position};
-  const ExactJacobian exact = exact_jacobian(machine, plate, joints);
-  if (!exact.ok) return state;
-  const auto motion = [&](std::size_t limb, Source source, auto&& column) {
-    const auto sensitivity = exact.plate.col(ExactJacobian::column(limb, source));
-    column.template head<3>() = sensitivity.template head<3>();
-    column(3) = machine.has_slide() ? machine.rotation_of(sensitivity(3)) : 0.0;
-    column.template tail<3>() = sensitivity.template tail<3>();
-  };
-  state.jacobian.resize(7, source_count());
-  for (std::size_t k = 0; k < sought_.size(); ++k) {
-    motion(sought_[k].limb, sought_[k].source, state.jacobian.col(static_cast<Eigen::Index>(k)));
-  }
-  state.by_joint.resize(7, static_cast<Eigen::Index>(robot_.limb_count()));
-  for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
-    motion(limb, Source::theta_offset, state.by_joint.col(static_cast<Eigen::Index>(limb)));
-  }
+  const PlateMotions motions = plate_jacobian(machine, plate, joints, moving_);
+  if (motions.cols() == 0) return state;
+  state.jacobian = motions.leftCols(source_count());
+  state.by_joint = motions.rightCols(static_cast<Eigen::Index>(robot_.limb_count()));
   return state;
 }
 

@@ -15,6 +15,7 @@
 #include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/least_squares.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "readings/series.hpp"
 
 namespace paracal::detail {
@@ -70,6 +71,11 @@ class Observation {
   void widen_priors(const std::vector<std::size_t>& places, double factor);
   /// Derivatives at the nominal machine whatever the unknowns: the paper's chord method.
   void keep_nominal_derivative();
+
+  /// Keeps H of every reading as it is there, so that V does not change while a fit is on its way: with it the sum of
+  /// squares would, against which no step that is right descends.
+  void hold_joint_rows(const Eigen::VectorXd& unknowns);
+  void release_joint_rows() { held_by_joint_.clear(); }
 
   /// Unknowns with these source errors, and the nuisance that then fits best; empty when the machine does not close.
   std::optional<Eigen::VectorXd> start(const SourceErrors& errors);
@@ -142,14 +148,18 @@ class Observation {
   const CalibrationOptions& options_;
   std::vector<SoughtSource> sought_;
   Eigen::VectorXd prior_factor_;  ///< by which priors were widened
+  /// What is sought, then the offset of every joint, which moves the plate as the joint does.
+  std::vector<SoughtSource> moving_;
   SourceErrors held_;
   std::vector<Joints> joints_;
+  std::vector<ForwardOptions> starts_;                        ///< from where the plate is sought, a station
   std::vector<std::shared_ptr<const ReadingSeries>> series_;  ///< shared with copies until one of them starts anew
   std::vector<Group> groups_;                                 ///< series by series
   std::vector<std::size_t> first_group_;                      ///< of each series
   std::vector<std::vector<std::uint32_t>> at_station_;
   Eigen::MatrixXd common_prior_;  ///< W, W^T W the inverse prior covariance of the sought errors, where they share some
   std::vector<StationState> nominal_;
+  std::vector<Eigen::MatrixXd> held_by_joint_;  ///< of every reading; empty: H where the unknowns are
   Eigen::Index nuisance_count_ = 0;
   VarianceComponents components_;
   mutable Eigen::VectorXd last_unknowns_;

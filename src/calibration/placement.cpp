@@ -9,6 +9,7 @@ CalibrationOptions as_for_a_fit(const ValidationOptions& options) {
   fit.noise = options.noise;
   fit.noise_is_known = options.noise_is_known;
   fit.frame = options.frame;
+  fit.body = options.body;
   fit.rotation_zero = options.rotation_zero;
   fit.reflectors = options.reflectors;
   fit.scale_std = options.scale_std;

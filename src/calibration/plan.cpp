@@ -86,10 +86,12 @@ std::vector<Station> validation_stations(const Robot& robot) {
 
 std::vector<Station> workspace_stations(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
+  const std::vector<Eigen::Vector3d> tilts = workspace.tilts();
   std::vector<Station> stations = validation_stations(robot);
   for (std::size_t k = 1; k < stations.size(); ++k) {
     const std::array<double, 3> turns{workspace.min_rotation, 0.0, workspace.max_rotation};
     stations[k].commanded.rotation = turns[k % turns.size()];
+    stations[k].commanded.tilt = tilts[k % tilts.size()];
   }
   return stations;
 }

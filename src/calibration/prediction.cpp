@@ -17,6 +17,7 @@
 #include "paracal/mechanism/random.hpp"
 #include "sought.hpp"
 #include "square_root.hpp"
+#include "started.hpp"
 
 namespace paracal {
 namespace {
@@ -88,25 +89,33 @@ KnownErrors promised(const Robot& robot, const Measurements& given, const Calibr
   const auto start = observation.start({});
   InformationRoot root(observation.unknown_count());
   if (!start || !detail::with_priors(observation)(*start, root)) {
-    throw InvalidArgument("the nominal machine does not close at every station");
+    throw Unreachable("the nominal machine does not close at every station with the joints believed there");
   }
   const Eigen::Index n = observation.source_count();
   return {{}, observation.sought(), inverse_information(root.root()).bottomRightCorner(n, n)};
 }
 
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
-                              const std::vector<SoughtSource>& parameters) {
-  const ForwardResult pose = forward(machine, joints);
-  const ExactJacobian exact = exact_jacobian(machine, pose.plate, joints);
-  if (!pose.usable() || !exact.ok) return {};
-  Eigen::MatrixXd jacobian(4, static_cast<Eigen::Index>(parameters.size()));
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    const auto sensitivity = exact.plate.col(ExactJacobian::column(parameters[k].limb, parameters[k].source));
-    jacobian.col(column).head<3>() = sensitivity.head<3>();
-    jacobian(3, column) = machine.has_slide() ? machine.rotation_of(sensitivity(3)) : 0.0;
+PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
+                            const std::vector<SoughtSource>& parameters) {
+  const ExactJacobian exact = exact_jacobian(machine, plate, joints);
+  PlateMotions motions(7, exact.ok ? static_cast<Eigen::Index>(parameters.size()) : 0);
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) {
+    const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
+    const auto sensitivity = exact.plate.col(ExactJacobian::column(limb, source));
+    motions.col(k).head<3>() = sensitivity.head<3>();
+    motions(3, k) = machine.has_slide() ? machine.rotation_of(sensitivity(3)) : 0.0;
+    motions.col(k).tail<3>() = sensitivity.tail<3>();
   }
-  return jacobian;
+  return motions;
+}
+
+Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints, const std::vector<SoughtSource>& parameters,
+                              const ForwardOptions& options) {
+  const ForwardResult pose = forward(machine, joints, options);
+  if (!pose.usable()) return {};
+  const PlateMotions motions = plate_jacobian(machine, pose.plate, joints, parameters);
+  if (motions.cols() == 0 && !parameters.empty()) return {};
+  return motions.topRows<4>();
 }
 
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
@@ -114,8 +123,7 @@ PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints
   const ForwardResult result = forward(machine, joints);
   const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
   if (!result.usable() || jacobian.rows() == 0) throw Unreachable("the machine does not close at these joints");
-  return {{result.plate.position, machine.rotation_of(result.plate.slide)},
-          jacobian * known.pose_covariance() * jacobian.transpose()};
+  return {pose_of(machine, result.plate), jacobian * known.pose_covariance() * jacobian.transpose()};
 }
 
 PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std::vector<SoughtSource>& parameters,
@@ -131,13 +139,14 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);
-    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, with_joints);
+    const ForwardOptions start = detail::started(robot, stations[k]);
+    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, with_joints, start);
     if (jacobian.rows() == 0) throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
     displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topLeftCorner(3, n);
     rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).head(n);
     position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRightCorner(3, limbs);
     rotation_joint_.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).tail(limbs);
-    points.push_back(forward(machine, joints).plate.position);
+    points.push_back(forward(machine, joints, start).plate.position);
   }
   aligned_ = without_rigid_motion(displacements, points);
   distance_.resize(poses - 1, n);

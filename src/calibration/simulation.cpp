@@ -12,6 +12,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "readings/length_model.hpp"
 #include "readings/points.hpp"
+#include "started.hpp"
 
 namespace paracal {
 namespace {
@@ -35,7 +36,7 @@ class Visits {
          const VirtualInstrument& instrument, RandomStream& random)
       : machine_(build(robot, errors)), instrument_(instrument), random_(random) {
     for (const Station& station : stations) {
-      const ForwardResult pose = forward(machine_, believed_joints(robot, station));
+      const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
       if (!pose.ok()) throw Unreachable(fmt::format("station \"{}\": the machine does not close there", station.name));
       plates_.push_back(pose.plate);
     }

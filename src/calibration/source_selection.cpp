@@ -23,33 +23,34 @@ bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Sour
 
 }  // namespace
 
-std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, std::size_t limb_count) {
+std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, const JointSpace& limbs) {
   std::vector<SourceSelector> selectors;
   for (const std::string& name : names) {
-    if (const auto all = source_named(name)) {
+    if (const auto all = source_named(name, limbs.actuator)) {
       selectors.push_back({*all, {}});
       continue;
     }
     // The last digit numbers the limb; names of errors may end in one themselves (alpha2).
     const std::size_t limb = name.empty() ? 0 : static_cast<std::size_t>(name.back()) - '0';
-    const auto one = source_named(before_limb(name));
-    if (!one || limb < 1 || limb > limb_count) {
-      throw InvalidArgument(fmt::format(
-          "expected a source error such as e_x (all limbs) or e_x2 (limb 2 of {}), got \"{}\"", limb_count, name));
+    const auto one = source_named(before_limb(name), limbs.actuator);
+    if (!one || limb < 1 || limb > limbs.count) {
+      throw InvalidArgument(
+          fmt::format("expected a source error such as {0} (all limbs) or {0}2 (limb 2 of {1}), got \"{2}\"",
+                      paracal::name(Source::e_x, limbs.actuator), limbs.count, name));
     }
     selectors.push_back({*one, limb - 1});
   }
   return selectors;
 }
 
-void check_selection(const CalibrationOptions& options, std::size_t limb_count) {
+void check_selection(const CalibrationOptions& options, const JointSpace& limbs) {
   bool seeks = false;
-  for (std::size_t limb = 0; limb < limb_count; ++limb) {
-    for (const Source source : all_sources()) {
+  for (std::size_t limb = 0; limb < limbs.count; ++limb) {
+    for (const Source source : sources_of(limbs.actuator)) {
       const bool fixed = listed(options.fixed, limb, source);
       if (fixed && listed(options.free, limb, source)) {
-        throw InvalidArgument(
-            fmt::format("expected an error to be fixed or free, got {} of limb {} as both", name(source), limb + 1));
+        throw InvalidArgument(fmt::format("expected an error to be fixed or free, got {} of limb {} as both",
+                                          name(source, limbs.actuator), limb + 1));
       }
       seeks |= !fixed && (options.stage != Stage::rough || source == Source::theta_offset);
     }

@@ -13,10 +13,10 @@ namespace paracal::detail {
 namespace {
 
 /// "alpha0 of all limbs, e_x of limb 2".
-std::string listed(const std::vector<SourceSelector>& selectors) {
+std::string listed(const std::vector<SourceSelector>& selectors, Actuator actuator) {
   std::string text;
   for (const SourceSelector& one : selectors) {
-    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", name(one.source),
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", name(one.source, actuator),
                         one.limb ? fmt::format("limb {}", *one.limb + 1) : "all limbs");
   }
   return text;
@@ -50,14 +50,15 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   const auto assume = [&](std::string_view text) { calibration.assumed.emplace_back(text); };
   std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
-  if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
+  if (!options.fixed.empty())
+    assume(fmt::format("known exactly: {}", listed(options.fixed, calibration.robot.actuator())));
   if (options.scale_std > 0.0) {
     assume(fmt::format("the scale of the readings is right within {:.3g} ppm (one standard deviation)",
                        1e6 * options.scale_std));
   }
   const FitScatter scatter = fit_scatter(fit);
   const bool unstated = !all_stated(fit.observation());
-  if (unstated && scatter.visits.redundancy < 1.0) {
+  if (unstated && scatter.visits.redundancy < 1.0 && !fit.components().joint) {
     assume(
         "no pose was visited twice, and the noise is not stated: nobody can tell noise from backlash, friction or "
         "load");

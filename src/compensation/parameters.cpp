@@ -7,7 +7,7 @@
 namespace paracal {
 namespace {
 
-static_assert(kCompensatorLimbs == kMaxLimbs);
+static_assert(kCompensatorLimbs <= kMaxLimbs);
 
 template <typename Scalar>
 CompensatorVector<Scalar> rounded(const Eigen::Vector3d& v) {
@@ -69,10 +69,10 @@ Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& j
 }
 
 std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const Pose& wanted) {
-  const PlateState start{.position = wanted.position, .slide = robot.nominal().slide_of(wanted.rotation)};
+  const PlateState start = plate_at(robot.nominal(), wanted);
   const ForwardResult nominal = forward(robot.nominal(), joints, {.start = start});
   if (!nominal.ok()) return std::nullopt;
-  return Pose{nominal.plate.position, robot.nominal().rotation_of(nominal.plate.slide)};
+  return pose_of(robot.nominal(), nominal.plate);
 }
 
 }  // namespace paracal

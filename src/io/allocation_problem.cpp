@@ -120,11 +120,13 @@ DesignVariable variable_of(Section section, std::vector<Source> sources, Actuato
 
 std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
   std::vector<DesignVariable> variables;
-  for (const Source source : tolerance_sources()) {
-    std::optional<Section> cost = section.optional_table(tolerance_key(source, actuator));
+  for (const Source source : leading_sources(actuator)) {
+    std::optional<Section> cost = section.optional_table(file_key(source, actuator));
     if (!cost) continue;
-    std::vector<Source> sources{source};
-    if (is_e(source)) sources = {Source::e_x, Source::e_y, Source::e_z};
+    std::vector<Source> sources;
+    for (const Source other : sources_of(actuator)) {
+      if (shared_name(other, actuator) == shared_name(source, actuator)) sources.push_back(other);
+    }
     variables.push_back(variable_of(std::move(*cost), std::move(sources), actuator));
   }
   section.refuse_others();

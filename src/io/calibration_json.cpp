@@ -18,7 +18,7 @@ Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::
   const auto in_file_unit = [&](const std::optional<double>& value) {
     return value ? Json(to_file_unit(unit_inside, *value)) : Json(nullptr);
   };
-  return {{"name", name(parameter.source)},
+  return {{"name", name(parameter.source, actuator)},
           {"limb", parameter.limb + 1},
           {"value", to_file_unit(unit_inside, parameter.value)},
           {"unit", file_unit(unit_inside)},
@@ -41,7 +41,7 @@ Json parameters_json(const Calibration& calibration) {
   }
   const SourceErrors errors = calibration.errors();
   for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(calibration.robot.actuator())) {
       const auto same = [&](const ParameterEstimate& p) { return p.limb == limb && p.source == source; };
       if (std::ranges::any_of(calibration.parameters, same)) continue;
       const double value = errors(limb, source);
@@ -66,7 +66,7 @@ Json covariance_json(const Calibration& calibration, const Eigen::MatrixXd& cova
 Json correlations_json(const Calibration& calibration) {
   const auto named = [&](std::size_t k) {
     const ParameterEstimate& parameter = calibration.parameters[k];
-    return fmt::format("{}{}", name(parameter.source), parameter.limb + 1);
+    return fmt::format("{}{}", name(parameter.source, calibration.robot.actuator()), parameter.limb + 1);
   };
   Json json = Json::array();
   for (const Calibration::Correlation& pair : calibration.correlations()) {
@@ -242,7 +242,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"covariance", covariance_json(calibration, calibration.covariance)},
       {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},
       {"noise_dof", std::isfinite(calibration.noise_dof) ? Json(calibration.noise_dof) : Json(nullptr)},
-      {calibration.robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg",
+      {joint_unit(calibration.robot.actuator()) == Unit::mm ? "joint_std_mm" : "joint_std_deg",
        to_file_unit(joint_unit(calibration.robot.actuator()), calibration.joint_std)},
       {"correlations", correlations_json(calibration)},
       {"coverage_factor", kCoverageFactor},

@@ -12,10 +12,10 @@ Json common_json(const std::vector<CommonError>& errors) {
   return json;
 }
 
-Json selectors_json(const std::vector<SourceSelector>& selectors) {
+Json selectors_json(const std::vector<SourceSelector>& selectors, Actuator actuator) {
   Json json = Json::array();
   for (const SourceSelector& one : selectors) {
-    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
+    json.push_back(std::string(name(one.source, actuator)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
   }
   return json;
 }
@@ -35,6 +35,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
                       : options.stage == Stage::fine ? "fine"
                                                      : "auto"},
             {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
+            {"body", options.body == Frame::unknown ? "unknown" : "plate"},
             {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
             {"reflectors", name(options.reflectors)},
             {"distance_sigma_mm", options.noise.distance},
@@ -47,8 +48,8 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"plane_slope_sigma_rad", optional(options.plane_slope)},
             {"common", common_json(options.common)},
             {"noise_is_known", options.noise_is_known},
-            {"fixed", selectors_json(options.fixed)},
-            {"free", selectors_json(options.free)},
+            {"fixed", selectors_json(options.fixed, actuator)},
+            {"free", selectors_json(options.free, actuator)},
             {"exclude_outliers", options.exclude_outliers},
             {"scale_sigma_ppm", 1e6 * options.scale_std},
             {"limit_distance_mm", optional(options.limits.distance)},

@@ -17,7 +17,7 @@ namespace {
 
 /// One entry of a calibration's "parameters"; calls refuse(complaint) for anything else.
 ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, const auto& refuse) {
-  const auto source = source_named(parameter.at("name").get<std::string>());
+  const auto source = source_named(parameter.at("name").get<std::string>(), robot.actuator());
   const Json &limb = parameter.at("limb"), &value = parameter.at("value"), &unit = parameter.at("unit");
   const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
   if (!source || !known_limb) {
@@ -25,8 +25,8 @@ ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, cons
   }
   const std::string_view expected_unit = file_unit(*source, robot.actuator());
   if (unit != expected_unit || !value.is_number() || !std::isfinite(value.get<double>())) {
-    refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source), value.dump(),
-                       unit.dump()));
+    refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source, robot.actuator()),
+                       value.dump(), unit.dump()));
   }
   return {.limb = limb.get<std::size_t>() - 1,
           .source = *source,
@@ -114,8 +114,8 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
     for (const Json& entry : json.at("parameters")) {
       const ParameterEstimate parameter = read_parameter(entry, robot, refuse);
       if (!seen.insert({parameter.limb, parameter.source}).second) {
-        refuse(fmt::format("expected every source error once, got {} of limb {} again", name(parameter.source),
-                           parameter.limb + 1));
+        refuse(fmt::format("expected every source error once, got {} of limb {} again",
+                           name(parameter.source, robot.actuator()), parameter.limb + 1));
       }
       machine.errors(parameter.limb, parameter.source) = parameter.value;
       if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
@@ -130,7 +130,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
     machine.covariance = covariance_named("covariance");
     machine.noise_covariance = covariance_named("covariance_of_noise");
     if (const Json dof = json.value("noise_dof", Json()); dof.is_number()) machine.noise_dof = dof.get<double>();
-    const char* joint = robot.actuator() == Actuator::linear ? "joint_std_mm" : "joint_std_deg";
+    const char* joint = joint_unit(robot.actuator()) == Unit::mm ? "joint_std_mm" : "joint_std_deg";
     machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
   } catch (const Json::exception&) {
     refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");

@@ -13,9 +13,11 @@
 namespace paracal::io {
 
 const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator) {
-  static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg", "q4_deg"};
-  static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm", "q4_mm"};
-  return actuator == Actuator::linear ? kLengths : kAngles;
+  static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg",
+                                                                   "q4_deg", "q5_deg", "q6_deg"};
+  static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm",
+                                                                    "q4_mm", "q5_mm", "q6_mm"};
+  return joint_unit(actuator) == Unit::mm ? kLengths : kAngles;
 }
 
 std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, const JointSpace& joints) {
@@ -39,8 +41,9 @@ JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
   };
   const std::size_t angles = present(Actuator::revolute), lengths = present(Actuator::linear);
   if (angles + lengths == 0) return {};
-  return {std::max({angles, lengths, joints.count, std::size_t{3}}),
-          angles > 0 ? Actuator::revolute : Actuator::linear};
+  const bool as_asked = joint_unit(joints.actuator) == (angles > 0 ? Unit::rad : Unit::mm);
+  const Actuator shown = angles > 0 ? Actuator::revolute : Actuator::linear;
+  return {std::max({angles, lengths, joints.count, std::size_t{3}}), as_asked ? joints.actuator : shown};
 }
 
 Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
@@ -55,6 +58,11 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns) {
   Pose pose{{table.number(row, columns.x), table.number(row, columns.y), table.number(row, columns.z)}};
   if (table.has(columns.phi)) pose.rotation = to_radians(table.number(row, columns.phi));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!table.has(columns.tilt[axis])) continue;
+    const double tilt = table.number(row, columns.tilt[axis]);
+    pose.tilt(static_cast<Eigen::Index>(axis)) = columns.tilt_in_rad ? tilt : to_radians(tilt);
+  }
   return pose;
 }
 

@@ -28,11 +28,17 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
 /// Where a table states a pose.
 struct PoseColumns {
   std::string_view x, y, z, phi;
+  std::array<std::string_view, 3> tilt = {};
+  bool tilt_in_rad = false;
 };
-inline constexpr PoseColumns kPlainPose{"x_mm", "y_mm", "z_mm", "phi_deg"};
-inline constexpr PoseColumns kCommandedPose{"x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg"};
+inline constexpr PoseColumns kPlainPose{"x_mm", "y_mm", "z_mm", "phi_deg", {"tilt_x_deg", "tilt_y_deg", "tilt_z_deg"}};
+/// What `forward` prints: the pose of a plate with six freedoms, else with a tilt that nobody commands.
+inline constexpr PoseColumns kPlatePose{"x_mm", "y_mm", "z_mm", "phi_deg", {"tilt_x_rad", "tilt_y_rad", "tilt_z_rad"},
+                                        true};
+inline constexpr PoseColumns kCommandedPose{
+    "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", {"tilt_x_cmd_deg", "tilt_y_cmd_deg", "tilt_z_cmd_deg"}};
 
-/// A missing column phi is 0.
+/// Missing columns of phi and tilt are 0.
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns);
 
 /// The name in column pose.

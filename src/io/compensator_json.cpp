@@ -52,11 +52,16 @@ Json to_json(const CompensatorParameters<double>& parameters) {
   return json;
 }
 
-Json to_json(const Pose& pose) {
-  return {{"x_mm", pose.position.x()},
-          {"y_mm", pose.position.y()},
-          {"z_mm", pose.position.z()},
-          {"phi_deg", to_degrees(pose.rotation)}};
+Json to_json(const Pose& pose, bool tilts) {
+  Json json{{"x_mm", pose.position.x()},
+            {"y_mm", pose.position.y()},
+            {"z_mm", pose.position.z()},
+            {"phi_deg", to_degrees(pose.rotation)}};
+  if (!tilts) return json;
+  json["tilt_x_deg"] = to_degrees(pose.tilt.x());
+  json["tilt_y_deg"] = to_degrees(pose.tilt.y());
+  json["tilt_z_deg"] = to_degrees(pose.tilt.z());
+  return json;
 }
 
 Json to_json(const SelfTestCase& wanted, Actuator actuator) {

@@ -3,6 +3,7 @@
 #include "json_parts.hpp"
 #include "names.hpp"
 #include "robot_tables.hpp"
+#include "strut_tables.hpp"
 
 namespace paracal::io {
 
@@ -14,17 +15,17 @@ Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
 
 Json to_json(const Tolerances& tolerances, Actuator actuator) {
   Json json;
-  const std::vector<Source> listed = listed_tolerances(tolerances);
+  const std::vector<Source> listed = listed_tolerances(tolerances, actuator);
   for (const Source source : listed) {
-    json[tolerance_key(source, actuator)] = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
+    json[file_key(source, actuator)] = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
   }
-  if (listed.size() < tolerance_sources().size()) json["others"] = "exact";
+  if (listed.size() < leading_sources(actuator).size()) json["others"] = "exact";
   const std::vector<std::string> generous = generous_keys(tolerances, actuator);
   if (!generous.empty()) json["generous"] = generous;
   json["distribution"] = distribution_name(tolerances.distribution);
-  for (const Source source : tolerance_sources()) {
+  for (const Source source : leading_sources(actuator)) {
     for (const double value : tolerances.measured[index(source)]) {
-      json["measured"][tolerance_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
+      json["measured"][file_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
   }
   return json;
@@ -34,15 +35,18 @@ Json to_json(const Robot& robot) {
   const Geometry& geometry = robot.geometry();
   Json azimuth = Json::array();
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
-  Json json{{"name", robot.name()},
-            {"geometry",
-             {{"base_radius_mm", geometry.base_radius},
-              {"plate_radius_mm", geometry.plate_radius},
-              {"arm_mm", geometry.arm},
-              {"rod_mm", geometry.rod},
-              {"parallelogram_width_mm", geometry.parallelogram_width},
-              {"limb_azimuth_deg", azimuth},
-              {"actuator", actuator_name(geometry.actuator)}}}};
+  Json json{{"name", robot.name()}};
+  if (!geometry.struts.empty()) {
+    json["limb"] = struts_json(geometry);
+  } else {
+    json["geometry"] = {{"base_radius_mm", geometry.base_radius},
+                        {"plate_radius_mm", geometry.plate_radius},
+                        {"arm_mm", geometry.arm},
+                        {"rod_mm", geometry.rod},
+                        {"parallelogram_width_mm", geometry.parallelogram_width},
+                        {"limb_azimuth_deg", azimuth},
+                        {"actuator", actuator_name(geometry.actuator)}};
+  }
   if (const std::optional<Slide>& slide = robot.slide()) {
     json["plate"] = {{"slide_axis", json_array(slide->axis)},
                      {"slide_sign", json_array(slide->sign)},
@@ -53,6 +57,7 @@ Json to_json(const Robot& robot) {
                        {"height_mm", workspace.height},
                        {"top_z_mm", workspace.top_z},
                        {"rotation_deg", {tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}}};
+  if (workspace.max_tilt > 0.0) json["workspace"]["tilt_deg"] = tidy_degrees(workspace.max_tilt);
   if (!robot.controller_origin().isZero(0.0)) {
     json["controller"] = {{"origin_mm", json_array(robot.controller_origin())}};
   }

@@ -15,38 +15,39 @@ constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "t
 
 }  // namespace
 
-std::string_view actuator_name(Actuator actuator) { return actuator == Actuator::linear ? "linear" : "revolute"; }
+std::string_view actuator_name(Actuator actuator) {
+  static constexpr std::array<std::string_view, 3> kNames{"revolute", "linear", "strut"};
+  return kNames[static_cast<std::size_t>(actuator)];
+}
 
 std::string_view file_unit(Source source, Actuator actuator) { return file_unit(unit(source, actuator)); }
 
 double file_factor(Source source, Actuator actuator) { return to_file_unit(unit(source, actuator), 1.0); }
 
 std::string file_key(Source source, Actuator actuator) {
-  return fmt::format("{}_{}", name(source), file_unit(source, actuator));
+  const Unit inside = unit(source, actuator);
+  return fmt::format("{}_{}", shared_name(source, actuator),
+                     inside == Unit::mm_per_m ? "mm_per_m" : paracal::file_unit(inside));
 }
 
-std::string tolerance_key(Source source, Actuator actuator) {
-  return is_e(source) ? "e_mm" : file_key(source, actuator);
-}
-
-std::vector<Source> tolerance_sources() {
+std::vector<Source> leading_sources(Actuator actuator) {
   std::vector<Source> sources;
-  for (const Source source : all_sources()) {
-    if (source != Source::e_y && source != Source::e_z) sources.push_back(source);
+  for (const Source source : sources_of(actuator)) {
+    if (is_leading(source, actuator)) sources.push_back(source);
   }
   return sources;
 }
 
-std::vector<Source> listed_tolerances(const Tolerances& tolerances) {
-  std::vector<Source> sources = tolerance_sources();
+std::vector<Source> listed_tolerances(const Tolerances& tolerances, Actuator actuator) {
+  std::vector<Source> sources = leading_sources(actuator);
   std::erase_if(sources, [&](Source source) { return tolerances.origin[index(source)] == Origin::exact; });
   return sources;
 }
 
 std::vector<std::string> generous_keys(const Tolerances& tolerances, Actuator actuator) {
   std::vector<std::string> keys;
-  for (const Source source : tolerance_sources()) {
-    if (tolerances.origin[index(source)] == Origin::generous) keys.push_back(tolerance_key(source, actuator));
+  for (const Source source : leading_sources(actuator)) {
+    if (tolerances.origin[index(source)] == Origin::generous) keys.push_back(file_key(source, actuator));
   }
   return keys;
 }

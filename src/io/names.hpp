@@ -13,11 +13,8 @@
 
 namespace paracal::io {
 
-/// "revolute" or "linear".
+/// "revolute", "linear" or "strut".
 std::string_view actuator_name(Actuator actuator);
-
-/// e_x, e_y, e_z share one key, e_mm.
-constexpr bool is_e(Source source) { return source == Source::e_x || source == Source::e_y || source == Source::e_z; }
 
 /// "deg" or "mm".
 std::string_view file_unit(Source source, Actuator actuator);
@@ -28,17 +25,14 @@ double file_factor(Source source, Actuator actuator);
 /// What `format` says in the JSON of a calibration.
 inline constexpr const char* kCalibrationFormat = "paracal calibration 1";
 
-/// Name with unit, e.g. "theta_offset_deg".
+/// The key of files, with unit: "theta_offset_deg", "gain_mm_per_m"; "e_mm" for the three coordinates of e.
 std::string file_key(Source source, Actuator actuator);
 
-/// The key under which tolerances state a source: e_mm for the three of e, file_key() for the rest.
-std::string tolerance_key(Source source, Actuator actuator);
+/// One source a key, in column order: e_x stands for all of e.
+std::vector<Source> leading_sources(Actuator actuator);
 
-/// One source a tolerance key, in column order: e_x stands for all of e.
-std::vector<Source> tolerance_sources();
-
-/// Those that a file lists: all but what a table took for exact without listing it.
-std::vector<Source> listed_tolerances(const Tolerances& tolerances);
+/// Those whose tolerances a file lists: all but what a table took for exact without listing it.
+std::vector<Source> listed_tolerances(const Tolerances& tolerances, Actuator actuator);
 
 /// Keys of those whose values nobody states.
 std::vector<std::string> generous_keys(const Tolerances& tolerances, Actuator actuator);

@@ -31,8 +31,10 @@ bool has_any(const CsvTable& table, std::span<const std::string_view> columns) {
 }
 
 std::string text_of(const Pose& pose) {
-  return fmt::format("({}, {}, {}) mm and {} deg", pose.position.x(), pose.position.y(), pose.position.z(),
-                     tidy_degrees(pose.rotation));
+  const std::string place = fmt::format("({}, {}, {}) mm", pose.position.x(), pose.position.y(), pose.position.z());
+  if (pose.tilt.isZero(0.0)) return fmt::format("{} and {} deg", place, tidy_degrees(pose.rotation));
+  return fmt::format("{} tilted by ({}, {}, {}) deg", place, tidy_degrees(pose.tilt.x()), tidy_degrees(pose.tilt.y()),
+                     tidy_degrees(pose.tilt.z()));
 }
 
 std::string text_of(const Joints& joints, Actuator actuator) {
@@ -79,8 +81,12 @@ class StationList {
   std::unordered_map<std::string, std::pair<std::size_t, int>> places_;  ///< index, line
 };
 
+const Pose kNotStated{Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())};
+
 Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
-  Station station{pose_name(table, row), pose_of(table, row, kCommandedPose)};
+  const bool joints_alone =
+      joints.count > 0 && !has_any(table, std::array{kCommandedPose.x, kCommandedPose.y, kCommandedPose.z});
+  Station station{pose_name(table, row), joints_alone ? kNotStated : pose_of(table, row, kCommandedPose)};
   if (joints.count > 0) station.believed = joints_of(table, row, joints);
   return station;
 }
@@ -149,6 +155,7 @@ void add_row(SeriesBuilder& series, const CsvTable& table, std::size_t row, cons
 std::vector<std::string_view> columns_of(const CsvTable& table) {
   std::vector<std::string_view> columns{"pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", "x_mm",
                                         "y_mm", "z_mm",     "repeat",   "phi_deg",  "sigma_mm"};
+  columns.insert(columns.end(), kCommandedPose.tilt.begin(), kCommandedPose.tilt.end());
   if (!has_any(table, kQuaternion)) {
     columns.insert(columns.end(), kSecondPoint.begin(), kSecondPoint.end());
     return columns;

@@ -37,7 +37,8 @@ std::optional<double> in_degrees(const std::optional<double>& radians) {
 
 /// The optional columns that some reading of a series needs.
 struct OptionalColumns {
-  bool repeat = false, orientation = false, rotation = false, second = false, sigma = false, orientation_sigma = false;
+  bool tilts = false, repeat = false, orientation = false, rotation = false, second = false, sigma = false,
+       orientation_sigma = false;
   JointSpace joints = {};
 };
 
@@ -55,8 +56,21 @@ OptionalColumns columns_for(const std::vector<PointReading>& readings, const Joi
   return columns;
 }
 
+bool any_tilted(const std::vector<Station>& stations) {
+  return std::ranges::any_of(stations, [](const Station& one) { return !one.commanded.tilt.isZero(0.0); });
+}
+
+/// Columns of the commanded pose.
+std::string commanded_header(bool tilts) {
+  std::string header = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg";
+  for (const std::string_view column : kCommandedPose.tilt) {
+    if (tilts) header.append(",").append(column);
+  }
+  return header;
+}
+
 std::string header_of(const OptionalColumns& columns) {
-  std::string header = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm";
+  std::string header = commanded_header(columns.tilts) + ",x_mm,y_mm,z_mm";
   if (columns.repeat) header += ",repeat";
   if (columns.orientation) header += ",qw,qx,qy,qz";
   if (columns.rotation) header += ",phi_deg";
@@ -79,6 +93,13 @@ class RowWriter {
   void add(const Eigen::Vector3d& point) {
     for (const double coordinate : point) add(coordinate);
   }
+  void add(const Pose& commanded, bool tilts) {
+    add(commanded.position);
+    add(degrees_of(commanded.rotation));
+    for (const double angle : commanded.tilt) {
+      if (tilts) add(degrees_of(angle));
+    }
+  }
   void add_or_blank(const std::optional<double>& value) { value ? add(*value) : add_blanks(1); }
   void add_or_blank(const std::optional<Eigen::Vector3d>& point) { point ? add(*point) : add_blanks(3); }
 
@@ -92,8 +113,7 @@ void add_row(std::string& text, const Station& station, const PointReading& read
              const OptionalColumns& columns) {
   text += quoted(station.name);
   RowWriter row(text);
-  row.add(station.commanded.position);
-  row.add(degrees_of(station.commanded.rotation));
+  row.add(station.commanded, columns.tilts);
   row.add(reading.point);
   if (columns.repeat) row.add(repeat);
   if (reading.orientation) {
@@ -158,7 +178,8 @@ std::string point_table(const Measurements& measurements, Actuator actuator) {
   check(measurements, joint_count);
   check_names(stations);
   const std::vector<PointReading> readings = home_first(measurements.series.front().readings);
-  const OptionalColumns columns = columns_for(readings, {joint_count, actuator});
+  OptionalColumns columns = columns_for(readings, {joint_count, actuator});
+  columns.tilts = any_tilted(stations);
   std::string text = header_of(columns);
   std::vector<int> visits(stations.size());
   for (const PointReading& reading : readings) {
@@ -212,12 +233,12 @@ std::string length_table(const Measurements& measurements) {
 
 std::string station_table(const std::vector<Station>& stations) {
   check_names(stations);
-  std::string text = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg\n";
+  const bool tilts = any_tilted(stations);
+  std::string text = commanded_header(tilts) + '\n';
   for (const Station& station : stations) {
     text += quoted(station.name);
     RowWriter row(text);
-    row.add(station.commanded.position);
-    row.add(tidy_degrees(station.commanded.rotation));
+    row.add(station.commanded, tilts);
     text += '\n';
   }
   return text;

@@ -56,7 +56,10 @@ ReadingKey key_of(const DistanceReading& reading) {
   return {first, {static_cast<double>(second), reading.distance, 0.0}, {}, rotation, {}};
 }
 
-bool is_same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
+bool is_same(const Pose& a, const Pose& b) {
+  const bool neither_states = !a.position.allFinite() && !b.position.allFinite();
+  return (neither_states || a.position == b.position) && a.rotation == b.rotation && a.tilt == b.tilt;
+}
 
 bool is_same(const std::optional<Joints>& a, const std::optional<Joints>& b) {
   if (!a || !b) return !a && !b;

@@ -47,6 +47,13 @@ std::optional<std::string> first_difference(const Json& expected, const Json& go
     }
     return std::nullopt;
   }
+  const auto is_structured = [](const Json& one) { return one.is_structured(); };
+  if (same_shape && expected.is_array() && std::ranges::any_of(expected, is_structured)) {
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      if (auto found = first_difference(expected[k], got[k], fmt::format("{} {}", path, k + 1))) return found;
+    }
+    return std::nullopt;
+  }
   const bool same =
       same_shape && expected.is_array() ? std::ranges::equal(expected, got, agrees) : agrees(expected, got);
   if (same) return std::nullopt;

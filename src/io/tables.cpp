@@ -42,14 +42,39 @@ class PoseRows {
  public:
   /// @param names  how many rows' names are kept, to be known again.
   PoseRows(const CsvTable& table, const JointSpace& joints, std::size_t names)
-      : columns_(table.has("x_cmd_mm") ? kCommandedPose : kPlainPose),
+      : columns_(columns_of(table, joints)),
         present_(joint_columns(table, joints)),
         names_(table.has("pose") ? names : 0) {
-    table.allow_only(with_joint_columns(
-        {"pose",    "x_cmd_mm", "y_cmd_mm",  "z_cmd_mm",   "phi_cmd_deg", "x_mm",       "y_mm",       "z_mm",
-         "phi_deg", "repeat",   "x2_mm",     "y2_mm",      "z2_mm",       "sigma_mm",   "qw",         "qx",
-         "qy",      "qz",       "sigma_deg", "tilt_x_rad", "tilt_y_rad",  "tilt_z_rad", "residual_mm"},
-        joints));
+    table.allow_only(with_joint_columns({"pose",
+                                         "x_cmd_mm",
+                                         "y_cmd_mm",
+                                         "z_cmd_mm",
+                                         "phi_cmd_deg",
+                                         "x_mm",
+                                         "y_mm",
+                                         "z_mm",
+                                         "phi_deg",
+                                         "repeat",
+                                         "x2_mm",
+                                         "y2_mm",
+                                         "z2_mm",
+                                         "sigma_mm",
+                                         "qw",
+                                         "qx",
+                                         "qy",
+                                         "qz",
+                                         "sigma_deg",
+                                         "tilt_x_rad",
+                                         "tilt_y_rad",
+                                         "tilt_z_rad",
+                                         "residual_mm",
+                                         "tilt_x_deg",
+                                         "tilt_y_deg",
+                                         "tilt_z_deg",
+                                         "tilt_x_cmd_deg",
+                                         "tilt_y_cmd_deg",
+                                         "tilt_z_cmd_deg"},
+                                        joints));
   }
 
   Station read(const CsvTable& table, std::size_t row) {
@@ -60,6 +85,12 @@ class PoseRows {
   }
 
  private:
+  static const PoseColumns& columns_of(const CsvTable& table, const JointSpace& joints) {
+    if (table.has("x_cmd_mm")) return kCommandedPose;
+    const bool printed = joints.actuator == Actuator::strut && table.has("tilt_x_rad");
+    return printed ? kPlatePose : kPlainPose;
+  }
+
   /// Rows that have numbers for names cannot share one.
   void require_new(const CsvTable& table, std::size_t row, const std::string& name) {
     if (names_ == 0) return;
@@ -248,11 +279,17 @@ std::string joint_table_row(const NamedJoints& row, Actuator actuator) {
   return text + '\n';
 }
 
-std::string_view pose_table_header() { return "pose,x_mm,y_mm,z_mm,phi_deg\n"; }
+std::string pose_table_header(bool tilts) {
+  return fmt::format("pose,x_mm,y_mm,z_mm,phi_deg{}\n", tilts ? ",tilt_x_deg,tilt_y_deg,tilt_z_deg" : "");
+}
 
-std::string pose_table_row(const NamedPose& row) {
-  const Eigen::Vector3d& r = row.pose.position;
-  return fmt::format("{},{},{},{},{}\n", quoted(row.name), r.x(), r.y(), r.z(), to_degrees(row.pose.rotation));
+std::string pose_table_row(const NamedPose& row, bool tilts) {
+  const auto& [r, rotation, tilt] = row.pose;
+  std::string text = fmt::format("{},{},{},{},{}", quoted(row.name), r.x(), r.y(), r.z(), to_degrees(rotation));
+  for (const double angle : tilt) {
+    if (tilts) fmt::format_to(std::back_inserter(text), ",{}", to_degrees(angle));
+  }
+  return text + '\n';
 }
 
 std::string_view plate_table_header() {

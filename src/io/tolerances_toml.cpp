@@ -17,7 +17,7 @@ class ToleranceTable {
       : section_(std::move(section)), geometry_(geometry), actuator_(geometry.actuator) {}
 
   Tolerances read() && {
-    for (const Source source : all_sources()) tolerances_[source] = half_width(source);
+    for (const Source source : sources_of(actuator_)) tolerances_[source] = half_width(source);
     read_distribution();
     read_measured();
     read_generous();
@@ -29,7 +29,7 @@ class ToleranceTable {
   }
 
  private:
-  std::string key(Source source) const { return tolerance_key(source, actuator_); }
+  std::string key(Source source) const { return file_key(source, actuator_); }
 
   double half_width(Source source) {
     const double value = section_.number_or(key(source), 0.0);
@@ -55,7 +55,7 @@ class ToleranceTable {
   void read_measured() {
     std::optional<Section> measured = section_.optional_table("measured");
     if (!measured) return;
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(actuator_)) {
       if (measured->find(key(source)) == nullptr) continue;
       for (const double value : measured->numbers(key(source))) {
         tolerances_.measured[index(source)].push_back(from_file_unit(unit(source, actuator_), value));
@@ -70,7 +70,7 @@ class ToleranceTable {
     if (node == nullptr) return;
     for (const std::string& name : section_.texts("generous")) {
       bool known = false;
-      for (const Source source : all_sources()) {
+      for (const Source source : sources_of(actuator_)) {
         if (key(source) != name) continue;
         tolerances_.origin[index(source)] = Origin::generous;
         known = true;
@@ -85,7 +85,7 @@ class ToleranceTable {
   /// A rail's arm_length need not be listed: e says the same.
   bool is_open(Source source) {
     const bool listed = section_.find(key(source)) != nullptr || !tolerances_.measured[index(source)].empty();
-    return !listed && (is_e(source) || is_felt(source, actuator_));
+    return !listed && (coordinate(source, actuator_) || is_felt(source, actuator_));
   }
 
   /// Empty where the table does not say.
@@ -102,11 +102,11 @@ class ToleranceTable {
   void settle(const std::string& others) {
     const Tolerances generous = generous_tolerances(geometry_);
     std::string missing;
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(actuator_)) {
       if (!is_open(source)) continue;
       tolerances_.origin[index(source)] = others == "generous" ? Origin::generous : Origin::exact;
       if (others == "generous") tolerances_[source] = generous[source];
-      if (source == Source::e_y || source == Source::e_z) continue;  // the key of e_x
+      if (!is_leading(source, actuator_)) continue;  // the key of the first
       missing.append(missing.empty() ? "" : ", ").append(key(source));
     }
     if (!others.empty() || missing.empty()) return;
@@ -130,8 +130,8 @@ Tolerances tolerances_of(Section section, const Geometry& geometry) {
 
 std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
   std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
-  for (const Source source : listed_tolerances(tolerances)) {
-    const std::string key = tolerance_key(source, actuator);
+  for (const Source source : listed_tolerances(tolerances, actuator)) {
+    const std::string key = file_key(source, actuator);
     text += fmt::format("{} = {}\n", key, tidy(to_file_unit(unit(source, actuator), tolerances[source])));
     std::vector<double> values;
     for (const double value : tolerances.measured[index(source)]) {
@@ -139,7 +139,7 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
     }
     if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
   }
-  if (listed_tolerances(tolerances).size() < tolerance_sources().size()) text += "others = \"exact\"\n";
+  if (listed_tolerances(tolerances, actuator).size() < leading_sources(actuator).size()) text += "others = \"exact\"\n";
   const std::vector<std::string> generous = generous_keys(tolerances, actuator);
   if (!generous.empty()) {
     text += fmt::format("generous = [\"{}\"]  # nobody states these\n", fmt::join(generous, "\", \""));

@@ -12,6 +12,7 @@
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "robot_tables.hpp"
+#include "strut_tables.hpp"
 
 namespace paracal::io {
 namespace {
@@ -59,6 +60,7 @@ Workspace workspace_of(Section section) {
     workspace.min_rotation = to_radians(limits[0]);
     workspace.max_rotation = to_radians(limits[1]);
   }
+  workspace.max_tilt = to_radians(section.number_or("tilt_deg", 0.0));
   section.refuse_others();
   return workspace;
 }
@@ -74,14 +76,14 @@ SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointS
   SourceErrors errors;
   for (std::size_t i = 0; i < joints.count; ++i) {
     Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
-    for (const Source source : all_sources()) {
-      if (is_e(source)) continue;
-      const double value = limb.number_or(file_key(source, joints.actuator), 0.0);
-      errors(i, source) = from_file_unit(unit(source, joints.actuator), value);
-    }
-    if (limb.find("e_mm")) {
-      const std::vector<double> e = limb.numbers("e_mm", 3);
-      for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(Source::e_x) + k)) = e[k];
+    for (const Source source : leading_sources(joints.actuator)) {
+      const std::string key = file_key(source, joints.actuator);
+      if (!coordinate(source, joints.actuator)) {
+        errors(i, source) = from_file_unit(unit(source, joints.actuator), limb.number_or(key, 0.0));
+      } else if (limb.find(key)) {
+        const std::vector<double> point = limb.numbers(key, 3);
+        for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(source) + k)) = point[k];
+      }
     }
     limb.refuse_others();
   }
@@ -92,7 +94,8 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   Section root(file, "", document);
   RobotDescription robot;
   robot.name = root.text("name");
-  robot.geometry = geometry_of(root.table("geometry"));
+  const bool of_limbs = define_limbs(document);
+  robot.geometry = of_limbs ? limbs_geometry(root) : geometry_of(root.table("geometry"));
   if (const auto plate = root.optional_table("plate")) robot.slide = slide_of(*plate);
   robot.workspace = workspace_of(root.table("workspace"));
   if (const auto tolerances = root.optional_table("tolerances")) {
@@ -102,7 +105,7 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
     robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
     controller->refuse_others();
   }
-  if (const toml::node* limbs = root.find("limb")) {
+  if (const toml::node* limbs = of_limbs ? nullptr : root.find("limb")) {
     robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
   }
   root.refuse_others();
@@ -151,10 +154,15 @@ std::string robot_toml(const Robot& robot) {
   const Geometry& geometry = robot.geometry();
   std::vector<double> azimuth;
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
-  fmt::format_to(out, "name = {}\n\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
-                 quoted(robot.name()), geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);
-  fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
-                 geometry.parallelogram_width, array(azimuth), actuator_name(geometry.actuator));
+  fmt::format_to(out, "name = {}\n", quoted(robot.name()));
+  if (!geometry.struts.empty()) {
+    text += struts_toml(geometry);
+  } else {
+    fmt::format_to(out, "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
+                   geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);
+    fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
+                   geometry.parallelogram_width, array(azimuth), actuator_name(geometry.actuator));
+  }
   if (const std::optional<Slide>& slide = robot.slide()) {
     fmt::format_to(out, "\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
                    array(slide->sign), slide->pinion_radius);
@@ -163,6 +171,7 @@ std::string robot_toml(const Robot& robot) {
   fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
                  workspace.radius, workspace.height, workspace.top_z,
                  array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
+  if (workspace.max_tilt > 0.0) fmt::format_to(out, "tilt_deg = {}\n", tidy_degrees(workspace.max_tilt));
   if (!robot.controller_origin().isZero(0.0)) {
     fmt::format_to(out, "\n[controller]\norigin_mm = {}\n", array(robot.controller_origin()));
   }
@@ -174,12 +183,12 @@ std::string robot_toml(const Robot& robot) {
 std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator) {
   std::vector<LimbValues> all;
   const auto value = [&](Source source) { return to_file_unit(unit(source, actuator), errors(limb, source)); };
-  for (const Source source : all_sources()) {
-    if (source == Source::e_x) {
-      all.push_back({"e_mm", {value(Source::e_x), value(Source::e_y), value(Source::e_z)}});
-    } else if (!is_e(source)) {
-      all.push_back({file_key(source, actuator), {value(source)}});
+  for (const Source source : leading_sources(actuator)) {
+    std::vector<double> values{value(source)};
+    for (std::size_t k = 1; coordinate(source, actuator) && k < 3; ++k) {
+      values.push_back(value(static_cast<Source>(index(source) + k)));
     }
+    all.push_back({file_key(source, actuator), std::move(values)});
   }
   return all;
 }

@@ -9,8 +9,7 @@ std::optional<PlateState> drive(const Machine& actual, const Machine& believed, 
                                 const std::optional<PlateState>& guess) noexcept {
   const InverseResult asked = inverse(believed, commanded);
   if (!asked.ok()) return std::nullopt;
-  const PlateState start =
-      guess.value_or(PlateState{.position = commanded.position, .slide = actual.slide_of(commanded.rotation)});
+  const PlateState start = guess.value_or(plate_at(actual, commanded));
   ForwardResult taken = forward(actual, asked.joints, {.start = start});
   if (!taken.ok()) taken = forward(actual, asked.joints);
   if (!taken.ok()) return std::nullopt;

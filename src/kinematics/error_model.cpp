@@ -96,10 +96,11 @@ void solve(ErrorModel& model) {
 
 ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   ErrorModel model;
+  if (robot.has_six_freedoms()) return model;
   const InverseResult nominal = inverse(robot.nominal(), pose);
   if (!nominal.ok()) return model;
   model.joints = nominal.joints;
-  detail::with_limb_count(robot.limb_count(), [&]<int N>() {
+  detail::with_pair_count(robot.limb_count(), [&]<int N>() {
     assemble<N>(robot.nominal(), pose, model);
     solve<N>(model);
   });
@@ -107,6 +108,7 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
 }
 
 double paper_scale(const Robot& robot, Source source) {
+  if (robot.has_six_freedoms()) return 1.0;
   switch (source) {
     case Source::theta_offset:
       return joint_ratio(robot.nominal().limbs[0]);

@@ -48,6 +48,18 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const El
   return derivative;
 }
 
+/// The same of a strut: f = |r + R a - b| - (l_0 + theta_offset + (1 + gain / 1000) q).
+Eigen::Matrix<double, 1, kSourceCount> strut_derivative(double joint, const Eigen::Matrix3d& rotation,
+                                                        const Eigen::Vector3d& n) {
+  Eigen::Matrix<double, 1, kSourceCount> derivative = Eigen::Matrix<double, 1, kSourceCount>::Zero();
+  const auto at = [&](Source source) { return static_cast<Eigen::Index>(index(source)); };
+  derivative(at(Source::theta_offset)) = -1.0;
+  derivative.segment<3>(at(Source::e_x)) = -n;
+  derivative(at(Source::gain)) = -joint / 1000.0;
+  derivative.segment<3>(at(Source::plate_x)) = n.transpose() * rotation;
+  return derivative;
+}
+
 template <int N>
 ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
   constexpr int kPerLimb = static_cast<int>(kSourceCount);
@@ -56,14 +68,19 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
   const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
   if (normal.info() != Eigen::Success) return jacobian;
-  const Eigen::Matrix<double, N + 3, 2 * N> residual_to_plate = -normal.solve(linear.jacobian.transpose());
+  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>> residual_to_plate =
+      -normal.solve(linear.jacobian.transpose());
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
-  jacobian.plate.setZero(N + 3, N * kPerLimb);
+  jacobian.plate.setZero(detail::kUnknowns<N>, N * kPerLimb);
   for (int i = 0; i < N; ++i) {
+    auto of_limb = jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb);
+    if constexpr (detail::kOnStruts<N>) {
+      of_limb = residual_to_plate.col(i) * strut_derivative(joints(i), rotation, linear.direction[i]);
+      continue;
+    }
     for (int row = 2 * i; row < 2 * i + 2; ++row) {
-      jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb) +=
-          residual_to_plate.col(row) *
-          rod_derivative(machine.limbs[i], elbows[i], rotation, linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
+      of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], elbows[i], rotation,
+                                                             linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
     }
   }
   jacobian.ok = true;

@@ -14,9 +14,27 @@ using detail::LinearClosure;
 using detail::linearize;
 using detail::Unknowns;
 
+/// The same on struts: as high above the mean of the base joints, or below, as struts of that mean square would hold
+/// it.
+PlateState struts_start(const Machine& machine, const detail::Elbows<6>& elbows) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double square = 0.0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    centre += (machine.limbs[i].base - machine.limbs[i].plate) / 6.0;
+    square += elbows[i].rod[0] * elbows[i].rod[0] / 6.0;
+  }
+  double spread = 0.0;
+  for (const Limb& limb : machine.limbs) spread += (limb.base - limb.plate - centre).squaredNorm() / 6.0;
+  PlateState start;
+  start.position = centre;
+  start.position.z() += machine.side * std::sqrt(std::max(square - spread, 0.25 * square));
+  return start;
+}
+
 /// First guess: the plate level below the mean of the elbows (drawn in by the plate radius), one rod away from them.
 template <int N>
 PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows) {
+  if constexpr (detail::kOnStruts<N>) return struts_start(machine, elbows);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double spread = 0.0, rod = 0.0;
   for (int i = 0; i < N; ++i) {
@@ -67,7 +85,7 @@ PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, 
 /// Step in mm, rotations counted at the half width of the parallelogram, where the rods feel them.
 template <int N>
 double step_length(const Unknowns<N>& step, double lever) {
-  return std::max(step.template head<N>().norm(), lever * step.template tail<3>().norm());
+  return std::max(step.template head<detail::kUnknowns<N> - 3>().norm(), lever * step.template tail<3>().norm());
 }
 
 template <int N>
@@ -78,7 +96,9 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
   result.plate = options.start ? *options.start : default_start<N>(machine, elbows);
   // From a good guess, that of a machine which tilts its plate is as far away as the level one.
-  if (!options.start || !machine.tilts_plate) result.plate = level_start<N>(machine, elbows, result.plate);
+  if constexpr (!detail::kOnStruts<N>) {
+    if (!options.start || !machine.tilts_plate) result.plate = level_start<N>(machine, elbows, result.plate);
+  }
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
   double last_step = 0.0;
   while (result.iterations < options.max_iterations) {

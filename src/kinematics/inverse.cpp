@@ -21,6 +21,13 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   InverseResult result;
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
   result.status = InverseStatus::reached;
+  if (machine.has_six_freedoms()) {
+    const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
+    for (std::size_t i = 0; i < machine.limb_count; ++i) {
+      take(result, i, stretch(machine.limbs[i], pose.position + rotation * machine.limbs[i].plate));
+    }
+    return result;
+  }
   const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
   if (machine.actuator() == Actuator::linear) {
     for (std::size_t i = 0; i < machine.limb_count; ++i) {
@@ -83,9 +90,12 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
   InverseResult result = level_inverse(machine, pose);
-  if (!machine.has_slide() && pose.rotation != 0.0) result.status = InverseStatus::unreachable;
+  const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
+  if ((!machine.has_slide() && turns) || (!machine.has_six_freedoms() && leans)) {
+    result.status = InverseStatus::unreachable;
+  }
   if (result.ok() && machine.tilts_plate) {
-    detail::with_limb_count(machine.limb_count, [&]<int N>() { settle<N>(machine, pose, result); });
+    detail::with_pair_count(machine.limb_count, [&]<int N>() { settle<N>(machine, pose, result); });
   }
   return result;
 }

@@ -10,11 +10,15 @@
 namespace paracal::detail {
 
 /// A machine of N limbs has N compensable freedoms delta = (position, slide; no slide when N = 3), three tilts, and 2 N
-/// rods.
+/// rods. One of six limbs is a plate on struts: its freedoms are position and tilt, and a limb is one rod.
 template <int N>
-inline constexpr int kUnknowns = N + 3;
+inline constexpr bool kOnStruts = N == 6;
 template <int N>
-inline constexpr int kRods = 2 * N;
+inline constexpr int kUnknowns = kOnStruts<N> ? 6 : N + 3;
+template <int N>
+inline constexpr int kRodsALimb = kOnStruts<N> ? 1 : 2;
+template <int N>
+inline constexpr int kRods = kRodsALimb<N>* N;
 
 template <int N>
 using Unknowns = Eigen::Matrix<double, kUnknowns<N>, 1>;
@@ -69,13 +73,13 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
     const std::array<Eigen::Vector3d, 2> hinges = plate_joints(machine, limb, plate.slide);
-    for (int j = 0; j < 2; ++j) {
-      const int row = 2 * i + j;
+    for (int j = 0; j < kRodsALimb<N>; ++j) {
+      const int row = kRodsALimb<N> * i + j;
       const Eigen::Vector3d lever = rotation.matrix * hinges[j];
       const Eigen::Vector3d rod = plate.position + lever - elbows[i].joint[j];
       const double length = rod.norm();
       const Eigen::Vector3d n = rod / length;
-      linear.residual(row) = length - limb.rod[j];
+      linear.residual(row) = length - elbows[i].rod[j];
       linear.jacobian.row(row).template head<3>() = n;
       if constexpr (N == 4) linear.jacobian(row, 3) = limb.slide_sign * n.dot(slide_direction);
       linear.jacobian.row(row).template tail<3>() = rotation.axes.transpose() * lever.cross(n);
@@ -86,9 +90,16 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
   return linear;
 }
 
-/// Calls task.operator()<N>() for the number of limbs; a Robot has 3 or 4.
+/// Calls task.operator()<N>() for the number of limbs; a Robot has 3, 4 or 6.
 template <typename Task>
 auto with_limb_count(std::size_t limbs, Task&& task) {
+  if (limbs == 6) return task.template operator()<6>();
+  return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
+}
+
+/// The same where limbs are pairs of rods and elbows lie between: not on struts.
+template <typename Task>
+auto with_pair_count(std::size_t limbs, Task&& task) {
   return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
 }
 

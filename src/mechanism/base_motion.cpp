@@ -40,6 +40,10 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
   const Machine& machine = robot.nominal();
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
+    if (limb.is_strut()) {
+      shift_limb(robot, i, turn.cross(limb.base), errors);
+      continue;
+    }
     const Eigen::Vector3d along = limb.frame.transpose() * turn;
     Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
     if (limb.actuator == Actuator::linear) {
@@ -54,6 +58,17 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
       errors(i, Source::theta_offset) = along.z();
     }
     shift_limb(robot, i, shift, errors);
+  }
+  return errors;
+}
+
+SourceErrors moved_plate(const Robot& robot, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+  SourceErrors errors;
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    const Eigen::Vector3d moved = shift + turn.cross(robot.nominal().limbs[i].plate);
+    errors(i, Source::plate_x) = moved.x();
+    errors(i, Source::plate_y) = moved.y();
+    errors(i, Source::plate_z) = moved.z();
   }
   return errors;
 }

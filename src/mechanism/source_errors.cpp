@@ -28,6 +28,22 @@ constexpr std::array<SourceEntry, kSourceCount> kSources{{
     {"beta2", Unit::rad},
 }};
 
+constexpr std::array<SourceEntry, kPositionSourceCount> kStrutSources{{
+    {"zero", Unit::mm},
+    {"base_x", Unit::mm},
+    {"base_y", Unit::mm},
+    {"base_z", Unit::mm},
+    {"gain", Unit::mm_per_m},
+    {"plate_x", Unit::mm},
+    {"plate_y", Unit::mm},
+    {"plate_z", Unit::mm},
+}};
+
+std::span<const SourceEntry> entries_of(Actuator actuator) {
+  if (actuator == Actuator::strut) return kStrutSources;
+  return kSources;
+}
+
 SourceErrors combined(SourceErrors one, const SourceErrors& other, auto by) {
   for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
     for (const Source source : all_sources()) one(limb, source) = by(one(limb, source), other(limb, source));
@@ -38,15 +54,32 @@ SourceErrors combined(SourceErrors one, const SourceErrors& other, auto by) {
 }  // namespace
 
 Unit unit(Source source, Actuator actuator) {
-  return source == Source::theta_offset ? joint_unit(actuator) : kSources[index(source)].unit;
+  const std::span<const SourceEntry> entries = entries_of(actuator);
+  if (source == Source::theta_offset || index(source) >= entries.size()) return joint_unit(actuator);
+  return entries[index(source)].unit;
 }
 
-std::string_view name(Source source) { return kSources[index(source)].name; }
+std::string_view name(Source source, Actuator actuator) {
+  const std::span<const SourceEntry> entries = entries_of(actuator);
+  return index(source) < entries.size() ? entries[index(source)].name : kSources[index(source)].name;
+}
 
-std::optional<Source> source_named(std::string_view name) {
-  const auto* found = std::ranges::find(kSources, name, &SourceEntry::name);
-  if (found == kSources.end()) return std::nullopt;
-  return static_cast<Source>(found - kSources.begin());
+std::optional<Source> source_named(std::string_view name, Actuator actuator) {
+  const std::span<const SourceEntry> entries = entries_of(actuator);
+  const auto found = std::ranges::find(entries, name, &SourceEntry::name);
+  if (found == entries.end()) return std::nullopt;
+  return static_cast<Source>(found - entries.begin());
+}
+
+std::string_view shared_name(Source source, Actuator actuator) {
+  const std::string_view whole = name(source, actuator);
+  return coordinate(source, actuator) ? whole.substr(0, whole.size() - 2) : whole;
+}
+
+std::optional<std::size_t> coordinate(Source source, Actuator actuator) {
+  const std::string_view whole = name(source, actuator);
+  if (whole[whole.size() - 2] != '_') return std::nullopt;
+  return static_cast<std::size_t>(whole.back() - 'x');
 }
 
 SourceErrors operator+(SourceErrors one, const SourceErrors& other) { return combined(one, other, std::plus()); }

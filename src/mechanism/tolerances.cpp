@@ -53,9 +53,9 @@ double Tolerances::std(Source source) const {
 
 namespace {
 
-/// e_x, e_y and e_z share one tolerance; the other two, and what the actuator does not feel, say nothing new.
+/// The coordinates of a point share one tolerance; two of them, and what the actuator does not feel, say nothing new.
 bool speaks_for_itself(Source source, Actuator actuator) {
-  return source != Source::e_y && source != Source::e_z && is_felt(source, actuator);
+  return is_leading(source, actuator) && is_felt(source, actuator);
 }
 
 /// "theta_offset 1.5 deg, e 3 mm": sources of one origin, with their half-widths where these are not zero by
@@ -64,11 +64,10 @@ std::string listed(const Tolerances& tolerances, Origin origin, Actuator actuato
   std::string text;
   for (const Source source : all_sources()) {
     if (tolerances.origin[index(source)] != origin || !speaks_for_itself(source, actuator)) continue;
-    text.append(text.empty() ? "" : ", ").append(source == Source::e_x ? "e" : name(source));
+    text.append(text.empty() ? "" : ", ").append(shared_name(source, actuator));
     if (origin == Origin::exact) continue;
-    const bool angle = unit(source, actuator) == Unit::rad;
-    text +=
-        fmt::format(" {:.3g} {}", angle ? to_degrees(tolerances[source]) : tolerances[source], angle ? "deg" : "mm");
+    const Unit inside = unit(source, actuator);
+    text += fmt::format(" {:.3g} {}", to_file_unit(inside, tolerances[source]), file_unit(inside));
   }
   return text;
 }
@@ -85,7 +84,23 @@ void list_assumed(Tolerances& tolerances, Actuator actuator) {
   if (!exact.empty()) tolerances.assumed.push_back("tolerances that a table takes for zero, unlisted: " + exact);
 }
 
+namespace {
+
+/// Spherical joints bolted on, and a drive whose pitch the catalogue says.
+Tolerances generous_struts() {
+  Tolerances tolerances;
+  for (const Source source : sources_of(Actuator::strut)) tolerances[source] = 3.0;
+  tolerances[Source::gain] = 15.0;
+  tolerances.origin.fill(Origin::exact);
+  for (const Source source : sources_of(Actuator::strut)) tolerances.origin[index(source)] = Origin::generous;
+  list_assumed(tolerances, Actuator::strut);
+  return tolerances;
+}
+
+}  // namespace
+
 Tolerances generous_tolerances(const Geometry& geometry) {
+  if (geometry.actuator == Actuator::strut) return generous_struts();
   const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
   tolerances[Source::theta_offset] = geometry.actuator == Actuator::linear ? 3.0 : to_radians(1.5);

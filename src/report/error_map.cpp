@@ -28,7 +28,7 @@ std::vector<PosePair> driven(const Robot& robot, const SourceErrors& errors, con
   for (const auto& [name, commanded, believed] : stations) {
     const auto plate = drive(machine, robot.nominal(), commanded);
     if (!plate) throw Unreachable("the calibrated machine does not close everywhere in its workspace");
-    pairs.push_back({commanded, {plate->position, machine.rotation_of(plate->slide)}});
+    pairs.push_back({commanded, pose_of(machine, *plate)});
   }
   return pairs;
 }

@@ -29,7 +29,7 @@ SourceErrors with_drawn_tilt(const Robot& robot, const SourceErrors& position, R
 
 Pose pose_of(const Machine& machine, const Joints& joints) {
   const PlateState plate = forward(machine, joints).plate;
-  return {plate.position, machine.rotation_of(plate.slide)};
+  return pose_of(machine, plate);
 }
 
 Pose read(Pose pose, RandomStream& random) {

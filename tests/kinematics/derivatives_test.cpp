@@ -26,7 +26,8 @@ std::string plate_column(Eigen::Index column) { return "unknown " + std::to_stri
 
 class DerivativeLaw : public test::EveryRobot {
  protected:
-  int unknowns() const { return static_cast<int>(robot.limb_count()) + 3; }
+  int unknowns() const { return robot.has_six_freedoms() ? 6 : static_cast<int>(robot.limb_count()) + 3; }
+  int rods() const { return static_cast<int>(robot.limb_count()) * (robot.has_six_freedoms() ? 1 : 2); }
   int sources() const { return static_cast<int>(robot.limb_count() * kSourceCount); }
 };
 
@@ -59,8 +60,8 @@ TEST_P(DerivativeLaw, ClosureJacobianAgainstAutomaticDerivatives) {
 
     detail::with_limb_count(robot.limb_count(), [&]<int N>() {
       const auto linear = detail::linearize<N>(machine, plate, detail::elbows_of<N>(machine, joints));
-      Eigen::MatrixXd automatic(2 * N, N + 3);
-      for (int row = 0; row < 2 * N; ++row) {
+      Eigen::MatrixXd automatic(rods(), unknowns());
+      for (int row = 0; row < rods(); ++row) {
         EXPECT_NEAR(linear.residual(row), dual(row).value(), 1e-11);
         automatic.row(row) = dual(row).derivatives();
       }
@@ -101,8 +102,8 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
     ASSERT_TRUE(ours.ok);
     detail::with_limb_count(robot.limb_count(), [&]<int N>() {
       const auto linear = detail::linearize<N>(machine, pose.plate, detail::elbows_of<N>(machine, joints));
-      Eigen::MatrixXd by_source(2 * N, sources());
-      for (int row = 0; row < 2 * N; ++row) by_source.row(row) = dual(row).derivatives();
+      Eigen::MatrixXd by_source(rods(), sources());
+      for (int row = 0; row < rods(); ++row) by_source.row(row) = dual(row).derivatives();
       const Eigen::MatrixXd reference = -linear.jacobian.completeOrthogonalDecomposition().solve(by_source);
       EXPECT_TRUE(test::jacobians_agree(ours.plate, reference, 1e-10, source_column));
     });
@@ -119,7 +120,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       for (const Source source : all_sources()) {
         at(ExactJacobian::column(limb, source)) = errors(limb, source);
-        step(ExactJacobian::column(limb, source)) = unit(source, robot.actuator()) == Unit::mm ? 1e-2 : 1e-4;
+        step(ExactJacobian::column(limb, source)) = unit(source, robot.actuator()) == Unit::rad ? 1e-4 : 1e-2;
       }
     }
     const auto plate_of = [&](const Eigen::VectorXd& values) -> Eigen::VectorXd {
@@ -138,7 +139,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
     const Machine machine = build(robot, errors);
     const ExactJacobian ours = exact_jacobian(machine, forward(machine, joints).plate, joints);
     ASSERT_TRUE(ours.ok);
-    const double tolerance = robot.limb_count() == 3 ? 1e-6 : 1e-3;  // the neglected curvature for 4 limbs
+    const double tolerance = robot.limb_count() == 4 ? 1e-3 : 1e-6;  // the neglected curvature for 4 limbs
     const Eigen::MatrixXd differences = test::central_differences(plate_of, at, step);
     EXPECT_TRUE(test::jacobians_agree(ours.plate, differences, tolerance, source_column));
   }
@@ -146,6 +147,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
 
 PARACAL_ON_EVERY_ROBOT(DerivativeLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(DerivativeLaw);
+PARACAL_ON_ROBOT_TEMPLATES(DerivativeLaw);
 
 }  // namespace
 }  // namespace paracal

@@ -13,9 +13,10 @@ namespace {
 
 using test::Random;
 
+class ReachLaw : public test::EveryRobot {};
 class InverseLaw : public test::EveryRobot {};
 
-TEST_P(InverseLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
+TEST_P(ReachLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
   Random random;
   for (int k = 0; k < 2000; ++k) {
     const Machine machine = build(robot, random.realistic_errors(robot));
@@ -26,6 +27,7 @@ TEST_P(InverseLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
     ASSERT_TRUE(reached.ok());
     EXPECT_LT((reached.plate.position - pose.position).norm(), 1e-9);
     EXPECT_NEAR(reached.plate.slide, machine.slide_of(pose.rotation), 1e-9);
+    EXPECT_LT(robot.has_six_freedoms() ? (reached.plate.tilt - pose.tilt).norm() : 0.0, 1e-11);
   }
 }
 
@@ -52,12 +54,26 @@ TEST_P(InverseLaw, NamesTheLimbThatDoesNotReach) {
   EXPECT_TRUE(std::isnan(result.joints(result.unreachable_limb)));
 }
 
-TEST_P(InverseLaw, NanIsUnreachable) {
+TEST_P(ReachLaw, NanIsUnreachable) {
   Pose pose{robot.workspace().centre(), 0.0};
   pose.position.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(inverse(robot.nominal(), pose).status, InverseStatus::unreachable);
 }
 
+/// A plate that stays level is not asked to tilt, nor one with six freedoms to turn what it does not have.
+TEST_P(ReachLaw, WhatAPlateCannotDoIsUnreachable) {
+  Pose pose{robot.workspace().centre()};
+  pose.tilt.y() = 1e-3;
+  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), robot.has_six_freedoms());
+  pose = {robot.workspace().centre(), 1e-3};
+  const InverseResult turned = inverse(robot.nominal(), pose);
+  EXPECT_EQ(turned.ok(), robot.slide().has_value());
+  EXPECT_EQ(turned.unreachable_limb, -1);
+}
+
+PARACAL_ON_EVERY_ROBOT(ReachLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(ReachLaw);
+PARACAL_ON_ROBOT_TEMPLATES(ReachLaw);
 PARACAL_ON_EVERY_ROBOT(InverseLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(InverseLaw);
 

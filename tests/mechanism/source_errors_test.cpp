@@ -11,9 +11,10 @@ TEST(Source, NamesReadBackAndAreTheContracts) {
       "width_difference", "alpha03", "beta03", "alpha2", "beta2"};
   for (const Source source : all_sources()) {
     EXPECT_EQ(name(source), contract[index(source)]);
-    EXPECT_EQ(source_named(name(source)), source);
+    EXPECT_EQ(source_named(name(source), Actuator::revolute), source);
   }
-  EXPECT_FALSE(source_named("theta"));
+  EXPECT_FALSE(source_named("theta", Actuator::revolute));
+  EXPECT_FALSE(source_named("zero", Actuator::linear));
 }
 
 TEST(Source, LengthsAreMmAndAnglesRad) {
@@ -24,6 +25,35 @@ TEST(Source, LengthsAreMmAndAnglesRad) {
     EXPECT_EQ(unit(source, Actuator::linear), expected) << text;
     EXPECT_EQ(unit(source, Actuator::revolute), text.starts_with("theta") ? Unit::rad : expected) << text;
   }
+}
+
+TEST(Source, StrutsHaveEightOfTheirOwn) {
+  const std::array<std::string_view, 8> contract{"zero",   "base_x", "base_y",  "base_z",
+                                                 "gain", "plate_x", "plate_y", "plate_z"};
+  const auto sources = sources_of(Actuator::strut);
+  ASSERT_EQ(sources.size(), contract.size());
+  for (const Source source : sources) {
+    EXPECT_EQ(name(source, Actuator::strut), contract[index(source)]);
+    EXPECT_EQ(source_named(contract[index(source)], Actuator::strut), source);
+    EXPECT_EQ(unit(source, Actuator::strut), source == Source::gain ? Unit::mm_per_m : Unit::mm);
+    EXPECT_TRUE(is_felt(source, Actuator::strut));
+    EXPECT_FALSE(tilts_plate(source));
+  }
+  EXPECT_FALSE(source_named("theta_offset", Actuator::strut));
+  EXPECT_FALSE(source_named("alpha2", Actuator::strut));
+}
+
+TEST(Source, CoordinatesOfAPointShareAName) {
+  EXPECT_EQ(shared_name(Source::e_z, Actuator::revolute), "e");
+  EXPECT_EQ(coordinate(Source::e_z, Actuator::revolute), 2U);
+  EXPECT_FALSE(is_leading(Source::e_z, Actuator::revolute));
+  EXPECT_TRUE(is_leading(Source::e_x, Actuator::revolute));
+  EXPECT_EQ(shared_name(Source::rod_mean, Actuator::linear), "rod_mean");
+  EXPECT_FALSE(coordinate(Source::rod_mean, Actuator::linear));
+  EXPECT_EQ(shared_name(Source::e_y, Actuator::strut), "base");
+  EXPECT_EQ(shared_name(Source::plate_y, Actuator::strut), "plate");
+  EXPECT_EQ(coordinate(Source::plate_y, Actuator::strut), 1U);
+  EXPECT_TRUE(is_leading(Source::gain, Actuator::strut));
 }
 
 TEST(Source, TiltGroupIsTheLastSix) {

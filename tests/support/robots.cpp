@@ -1,5 +1,6 @@
 #include "support/robots.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -44,7 +45,15 @@ RobotDescription inclined_rails() {
 Robot robot_named(std::string_view name) {
   if (name == "unlike_limbs") return Robot(unlike_limbs());
   if (name == "inclined_rails") return Robot(inclined_rails());
+  const auto& templates = template_names();
+  if (std::ranges::find(templates, name) != templates.end()) return io::read_robot(io::robot_template(name));
   return catalogue::find(name);
+}
+
+const std::vector<std::string_view>& template_names() {
+  static const std::vector<std::string> kinds = io::robot_templates();
+  static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
+  return names;
 }
 
 Pose Random::pose(const Robot& robot) {
@@ -52,14 +61,17 @@ Pose Random::pose(const Robot& robot) {
   const double radius = workspace.radius * std::sqrt(uniform(0.0, 1.0));
   const double azimuth = uniform(0.0, 2.0 * std::numbers::pi);
   const double z = uniform(workspace.top_z - workspace.height, workspace.top_z);
-  return {Workspace::on_circle(radius, azimuth, z), uniform(workspace.min_rotation, workspace.max_rotation)};
+  Pose pose{Workspace::on_circle(radius, azimuth, z), uniform(workspace.min_rotation, workspace.max_rotation)};
+  if (workspace.max_tilt == 0.0) return pose;
+  for (double& angle : pose.tilt) angle = uniform(-workspace.max_tilt, workspace.max_tilt);
+  return pose;
 }
 
 SourceErrors Random::errors(const Robot& robot, double mm, double rad) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
-      const double size = unit(source, robot.actuator()) == Unit::mm ? mm : rad;
+    for (const Source source : sources_of(robot.actuator())) {
+      const double size = unit(source, robot.actuator()) == Unit::rad ? rad : mm;
       errors(limb, source) = uniform(-size, size);
     }
   }
@@ -69,7 +81,7 @@ SourceErrors Random::errors(const Robot& robot, double mm, double rad) {
 SourceErrors Random::realistic_errors(const Robot& robot) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(robot.actuator())) {
       const double position_group = 0.7 / paper_scale(robot, source);
       const double size = tilts_plate(source) ? (*robot.tolerances())[source] : position_group;
       errors(limb, source) = uniform(-size, size);

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 
 namespace paracal::test {
 
-/// A robot of the catalogue, or one that no catalogue has:
+/// A robot of the catalogue, that of a template (io::robot_templates), or one that neither has:
 ///
 ///   unlike_limbs    the rotary Delta with arms, rods and shoulders of three sizes, and axes that are not level
 ///   inclined_rails  a linear Delta with rails that lean outward by 20, 25 and 30 deg
@@ -23,13 +24,16 @@ class EveryRobot : public ::testing::TestWithParam<std::string_view> {
   Robot robot = robot_named(GetParam());
 };
 
+/// io::robot_templates(), for good.
+const std::vector<std::string_view>& template_names();
+
 inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& info) {
   return std::string(info.param);
 }
 
 /// By how much more joint coordinates of a robot count than radians: mm of a carriage turn a rod by 1 / its length.
 inline double joint_scale(const Robot& robot) {
-  return robot.actuator() == Actuator::linear ? robot.geometry().rod : 1.0;
+  return joint_unit(robot.actuator()) == Unit::mm ? robot.geometry().rod : 1.0;
 }
 
 /// Instantiates a suite derived from EveryRobot.
@@ -42,6 +46,11 @@ inline double joint_scale(const Robot& robot) {
   INSTANTIATE_TEST_SUITE_P(Unusual, suite, ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails"), \
                            paracal::test::robot_name)
 
+/// The same for robots that are a file alone, of any number of freedoms.
+#define PARACAL_ON_ROBOT_TEMPLATES(suite)                                                         \
+  INSTANTIATE_TEST_SUITE_P(Template, suite, ::testing::ValuesIn(paracal::test::template_names()), \
+                           paracal::test::robot_name)
+
 /// Reproducible random numbers: the same sequence in every run.
 class Random {
  public:
@@ -50,7 +59,7 @@ class Random {
   double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(engine_); }
   double normal(double sigma) { return std::normal_distribution<>(0.0, sigma)(engine_); }
 
-  /// Anywhere in the workspace, any rotation.
+  /// Anywhere in the workspace, any rotation, any tilt that it has.
   Pose pose(const Robot& robot);
   /// Every source error uniform within +-mm or +-rad, by unit.
   SourceErrors errors(const Robot& robot, double mm, double rad);

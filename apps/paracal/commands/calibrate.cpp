@@ -31,11 +31,11 @@ struct Options {
 };
 
 /// --fix and --free.
-void take_selection(const Options& options, CalibrationOptions& calibration, std::size_t limb_count) {
+void take_selection(const Options& options, CalibrationOptions& calibration, const JointSpace& limbs) {
   try {
-    calibration.fixed = source_selectors(options.fixed, limb_count);
-    calibration.free = source_selectors(options.free, limb_count);
-    check_selection(calibration, limb_count);
+    calibration.fixed = source_selectors(options.fixed, limbs);
+    calibration.free = source_selectors(options.free, limbs);
+    check_selection(calibration, limbs);
   } catch (const InvalidArgument& refused) {
     throw WrongUsage(std::string("--fix, --free: ") + refused.what());
   }
@@ -50,6 +50,7 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.noise = options.measuring.noise();
   calibration.noise_is_known = options.measuring.sigma_known;
   calibration.frame = options.measuring.frame_kind();
+  calibration.body = options.measuring.body_kind();
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.reflectors;
   if (!options.tolerances.empty()) {
@@ -58,7 +59,7 @@ CalibrationOptions calibration_options(const Options& options, const Robot& robo
   calibration.exclude_outliers = !options.keep_outliers;
   calibration.scale_std = 1e-6 * options.measuring.scale_ppm;
   calibration.limits = options.limits.limits();
-  take_selection(options, calibration, robot.limb_count());
+  take_selection(options, calibration, robot.joint_space());
   return calibration;
 }
 
@@ -96,7 +97,8 @@ void run(const Options& options, Session& session) {
   if (!options.printer.printer.name.empty()) return calibrate_printer_file(options.printer, *options.report, session);
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
   const Robot robot = session.robot({.tables = options.measuring.tables()});
-  const Measurements measurements = options.measuring.read(robot.joint_space());
+  require_drawable(robot, *options.report);
+  const Measurements measurements = options.measuring.read(robot);
   CalibrationOptions wanted = calibration_options(options, robot);
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);

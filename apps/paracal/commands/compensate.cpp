@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 #include "rows.hpp"
 #include "session.hpp"
@@ -35,12 +38,19 @@ struct Options {
   bool json_lines = false;
 };
 
+/// U of a pose in the robot's frame, mm and rad: of position and rotation, of position and tilt on struts.
+struct StatedU {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double rotation = 0.0;
+  std::optional<Eigen::Vector3d> tilt = {};
+};
+
 struct Compensated {
   std::string name;
   Joints joints;
   Pose target;
-  CompensatorTilt<double> tilt;
-  std::optional<CompensatorUncertainty<double>> uncertainty = {};  ///< where a covariance is known
+  CompensatorTilt<double> tilt;             ///< that remains
+  std::optional<StatedU> uncertainty = {};  ///< where a covariance is known
 };
 
 io::CalibratedMachine known_machine(const Options& options, const Robot& robot) {
@@ -55,29 +65,21 @@ io::CalibratedMachine known_machine(const Options& options, const Robot& robot) 
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
 }
 
-Compensated compensated(const Robot& robot, const Compensator<double>& compensator, const Station& station) {
-  CompensatorJoints<double> joints{};
-  CompensatorTilt<double> tilt;
-  const CompensationStatus status = compensator.compensate(compensator_pose(station.commanded), joints, &tilt);
-  if (status == CompensationStatus::unreachable) {
-    const bool turned = !robot.slide() && station.commanded.rotation != 0.0;
-    refuse(station, turned ? "a rigid plate does not turn: expected phi = 0 deg" : "out of reach of the machine");
-  }
-  if (status != CompensationStatus::ok) refuse(station, "the machine is singular there");
-  const Joints corrected = compensated_joints(robot, joints);
-  const std::optional<Pose> target = corrected_target(robot, corrected, station.commanded);
-  if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
-  return {station.name, corrected, *target, tilt};
-}
-
-io::Json uncertainty_json(const std::optional<CompensatorUncertainty<double>>& stated) {
+io::Json uncertainty_json(const std::optional<StatedU>& stated) {
   if (!stated) return nullptr;
-  return {{"U_mm", {stated->x, stated->y, stated->z}}, {"U_deg", to_degrees(stated->phi)}};
+  const Eigen::Vector3d& mm = stated->position;
+  io::Json json{{"U_mm", {mm.x(), mm.y(), mm.z()}}};
+  if (!stated->tilt) {
+    json["U_deg"] = to_degrees(stated->rotation);
+  } else {
+    for (const double angle : *stated->tilt) json["U_tilt_deg"].push_back(to_degrees(angle));
+  }
+  return json;
 }
 
-io::Json json_of(const Compensated& row, Actuator actuator) {
-  io::Json json = joints_json({row.name, row.joints}, actuator);
-  json["target"] = io::to_json(row.target);
+io::Json json_of(const Compensated& row, const Robot& robot) {
+  io::Json json = joints_json({row.name, row.joints}, robot.actuator());
+  json["target"] = io::to_json(row.target, robot.has_six_freedoms());
   json["remaining_tilt"] = {{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}};
   json["uncertainty"] = uncertainty_json(row.uncertainty);
   return json;
@@ -94,56 +96,96 @@ std::vector<JsonColumn> json_columns(Actuator actuator) {
 /// The largest U of some poses, in each direction.
 class LargestUncertainty {
  public:
-  void add(const std::optional<CompensatorUncertainty<double>>& stated) {
+  void add(const std::optional<StatedU>& stated) {
     is_known_ = is_known_ && stated;
     if (!stated) return;
-    largest_.x = std::max(largest_.x, stated->x);
-    largest_.y = std::max(largest_.y, stated->y);
-    largest_.z = std::max(largest_.z, stated->z);
-    largest_.phi = std::max(largest_.phi, stated->phi);
+    largest_.position = largest_.position.cwiseMax(stated->position);
+    largest_.rotation = std::max(largest_.rotation, stated->rotation);
+    if (stated->tilt) largest_.tilt = largest_.tilt.value_or(Eigen::Vector3d::Zero()).cwiseMax(*stated->tilt);
   }
 
   /// "# U of these poses in the robot's frame (95 %), largest: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of the
   /// table.
   std::string line() const {
     if (!is_known_) return "# U of these poses is not known: the errors have no covariance\n";
+    const auto& [mm, rotation, tilt] = largest_;
+    const std::string turns = tilt ? fmt::format("tilt {:.2g}, {:.2g}, {:.2g}", to_degrees(tilt->x()),
+                                                 to_degrees(tilt->y()), to_degrees(tilt->z()))
+                                   : fmt::format("phi {:.2g}", to_degrees(rotation));
     return fmt::format(
-        "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, phi {:.2g} deg\n",
-        largest_.x, largest_.y, largest_.z, to_degrees(largest_.phi));
+        "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, {} deg\n", mm.x(),
+        mm.y(), mm.z(), turns);
   }
 
  private:
-  CompensatorUncertainty<double> largest_ = {};
+  StatedU largest_ = {};
   bool is_known_ = true;
 };
 
-/// U of poses; nothing where no covariance is known.
-class PoseUncertainty {
- public:
-  PoseUncertainty(const Robot& robot, const io::CalibratedMachine& machine) {
-    if (machine.covariance.size() == 0) return;
-    covariance_ = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
-  }
+/// Corrects the poses of a machine, one by one.
+using Corrector = std::function<Compensated(const Station&)>;
 
-  std::optional<CompensatorUncertainty<double>> at(const CompensatorParameters<double>& parameters,
-                                                   const Pose& pose) const {
+/// Plates that stay level.
+Corrector by_compensator(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
+  const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(way));
+  std::optional<CompensatorCovariance<double>> covariance;
+  if (machine.covariance.size() > 0) {
+    covariance = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
+  }
+  return [=, &robot](const Station& station) {
+    const CompensatorPose<double> pose = compensator_pose(station.commanded);
+    CompensatorJoints<double> joints{};
+    CompensatorTilt<double> tilt;
+    if (!station.commanded.tilt.isZero(0.0)) refuse(station, "such a plate stays level: expected no tilt");
+    const CompensationStatus status = compensator.compensate(pose, joints, &tilt);
+    if (status == CompensationStatus::unreachable) {
+      const bool turned = !robot.slide() && station.commanded.rotation != 0.0;
+      refuse(station, turned ? "a rigid plate does not turn: expected phi = 0 deg" : "out of reach of the machine");
+    }
+    if (status != CompensationStatus::ok) refuse(station, "the machine is singular there");
+    Compensated row{station.name, compensated_joints(robot, joints), {}, tilt};
+    const std::optional<Pose> target = corrected_target(robot, row.joints, station.commanded);
+    if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
+    row.target = *target;
     CompensatorUncertainty<double> stated;
-    if (!covariance_) return std::nullopt;
-    const CompensationStatus status = stated_uncertainty(parameters, *covariance_, compensator_pose(pose), stated);
-    return status == CompensationStatus::ok ? std::optional(stated) : std::nullopt;
-  }
-
- private:
-  std::optional<CompensatorCovariance<double>> covariance_ = {};
-};
-
-std::string table_header(const Options& options, const Robot& robot) {
-  return options.targets ? std::string(io::pose_table_header()) : io::joint_table_header(robot.joint_space());
+    if (covariance &&
+        stated_uncertainty(compensator.parameters(), *covariance, pose, stated) == CompensationStatus::ok) {
+      row.uncertainty = {{stated.x, stated.y, stated.z}, stated.phi};
+    }
+    return row;
+  };
 }
 
-std::string table_row(const Options& options, Actuator actuator, const Compensated& row) {
-  return options.targets ? io::pose_table_row({row.name, row.target})
-                         : io::joint_table_row({row.name, row.joints}, actuator);
+/// Plates on struts, whose joints have a closed form with all errors.
+Corrector by_struts(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
+  if (way != "exact")
+    throw WrongUsage("--way: expected exact on struts: the linear ways are of plates that stay level");
+  const KnownErrors known = machine.known();
+  const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
+  return [=, &robot, actual = build(robot, machine.errors)](const Station& station) {
+    const InverseResult found = inverse(actual, station.commanded);
+    if (!found.ok()) refuse(station, "such a plate turns by tilt_z: expected phi = 0 deg");
+    const PlateState plate = plate_at(actual, station.commanded);
+    const PlateMotions motions = plate_jacobian(actual, plate, found.joints, known.parameters);
+    const std::optional<Pose> target = corrected_target(robot, found.joints, station.commanded);
+    if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
+    Compensated row{station.name, found.joints, *target, {}};
+    if (covariance.size() == 0 || motions.cols() == 0) return row;
+    const Eigen::Matrix<double, 7, 1> U =
+        kCoverageFactor * (motions * covariance * motions.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    row.uncertainty = {U.head<3>(), 0.0, U.tail<3>()};
+    return row;
+  };
+}
+
+std::string table_header(const Options& options, const Robot& robot) {
+  return options.targets ? io::pose_table_header(robot.has_six_freedoms())
+                         : io::joint_table_header(robot.joint_space());
+}
+
+std::string table_row(const Options& options, const Robot& robot, const Compensated& row) {
+  return options.targets ? io::pose_table_row({row.name, row.target}, robot.has_six_freedoms())
+                         : io::joint_table_row({row.name, row.joints}, robot.actuator());
 }
 
 void run(const Options& options, Session& session) {
@@ -152,16 +194,13 @@ void run(const Options& options, Session& session) {
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
   const io::CalibratedMachine machine = known_machine(options, robot);
-  const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(options.way));
-  const PoseUncertainty uncertainty(robot, machine);
-  const Actuator actuator = robot.actuator();
-  RowOutput rows(session, options.json_lines, json_columns(actuator));
+  const Corrector corrected = (robot.has_six_freedoms() ? by_struts : by_compensator)(robot, machine, options.way);
+  RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
-    Compensated row = compensated(robot, compensator, station);
-    row.uncertainty = uncertainty.at(compensator.parameters(), station.commanded);
+    const Compensated row = corrected(station);
     largest.add(row.uncertainty);
-    rows.add([&] { return table_row(options, actuator, row); }, [&] { return json_of(row, actuator); });
+    rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });
   });
   rows.head(largest.line() + table_header(options, robot));
   rows.finish({{"way", options.way}});

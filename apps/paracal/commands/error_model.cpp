@@ -82,7 +82,7 @@ void run(const std::vector<double>& numbers, Session& session) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) throw WrongUsage(fmt::format("--pose: expected finite numbers, got {}", number));
   }
-  const Robot robot = session.robot();
+  const Robot robot = session.level_robot("error-model");
   const Pose pose = pose_of(numbers);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {

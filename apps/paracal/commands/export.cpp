@@ -84,7 +84,7 @@ std::optional<OutputFolder> configuration_folder(const Options& options, const S
 
 void run(const Options& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
-  const Robot robot = session.robot({.calibrations = {options.calibration}});
+  const Robot robot = session.level_robot("export", {.calibrations = {options.calibration}});
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),

@@ -49,6 +49,7 @@ CalibrationOptions calibration_options(const Options& options) {
   const Measurand measurand = options.plan.readings.measurand;
   const bool points = measurand == Measurand::coordinates || measurand == Measurand::poses;
   calibration.frame = points ? options.measuring.frame_kind() : Frame::unknown;
+  calibration.body = options.measuring.body_kind();
   calibration.reflectors = options.plan.readings.mount;
   calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   return calibration;
@@ -84,8 +85,9 @@ std::string text_of(const Robot& robot, const Identifiability& seen, const std::
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
     const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
-    fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1, name(one.parameter.source),
-                   io::to_file_unit(unit, one.std), io::file_unit(unit), io::to_file_unit(unit, before));
+    fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1,
+                   name(one.parameter.source, robot.actuator()), io::to_file_unit(unit, one.std), io::file_unit(unit),
+                   io::to_file_unit(unit, before));
   }
   fmt::format_to(out,
                  "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
@@ -100,7 +102,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
     const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
-    json["parameters"].push_back({{"name", name(one.parameter.source)},
+    json["parameters"].push_back({{"name", name(one.parameter.source, robot.actuator())},
                                   {"limb", one.parameter.limb + 1},
                                   {"unit", io::file_unit(unit)},
                                   {"prior_std", io::to_file_unit(unit, before)},
@@ -142,6 +144,10 @@ void add_identifiability(Command& program, Session& session) {
   add_planning_options(*command, options->plan);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))
+      ->shows_default();
+  command
+      ->add_option("--body", options->measuring.body, "where the body of poses sits; plate: in the plate's own frame")
+      ->check(one_of({"unknown", "plate"}))
       ->shows_default();
   command->add_option("--rotation", options->rotation, "whether phi is read, and from which zero")
       ->check(one_of({"none", "relative", "absolute"}))

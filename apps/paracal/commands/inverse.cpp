@@ -17,12 +17,18 @@ struct Options {
   bool json_lines = false;
 };
 
+std::string_view why_not_turned(const Machine& machine, const Pose& pose) {
+  if (!pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
+  return machine.has_six_freedoms() ? "such a plate turns by tilt_z: expected phi = 0 deg"
+                                    : "a rigid plate does not turn: expected phi = 0 deg";
+}
+
 Joints joints_at(const Machine& machine, const Station& station) {
   const InverseResult result = inverse(machine, station.commanded);
   if (result.ok()) return result.joints;
   std::string why = "the machine is singular there";
   if (result.status == InverseStatus::unreachable) {
-    why = result.unreachable_limb < 0 ? "a rigid plate does not turn: expected phi = 0 deg"
+    why = result.unreachable_limb < 0 ? std::string(why_not_turned(machine, station.commanded))
                                       : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
   }
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
@@ -35,7 +41,8 @@ void run(const Options& options, Session& session) {
   const Actuator actuator = robot.actuator();
   RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
   rows.head(io::joint_table_header(robot.joint_space()));
-  io::read_poses(poses.rows, {}, [&](const Station& station) {
+  const JointSpace asked = robot.has_six_freedoms() ? robot.joint_space() : JointSpace{};  // whose tilts count
+  io::read_poses(poses.rows, asked, [&](const Station& station) {
     const io::NamedJoints row{station.name, joints_at(machine, station)};
     rows.add([&] { return io::joint_table_row(row, actuator); }, [&] { return joints_json(row, actuator); });
   });

@@ -40,12 +40,18 @@ const std::map<std::string, Criterion> kCriteria{{"D", Criterion::volume},
 io::Json poses_json(const std::vector<Station>& stations) {
   io::Json json = io::Json::array();
   for (const Station& station : stations) {
-    const Eigen::Vector3d& r = station.commanded.position;
-    json.push_back({{"pose", station.name},
-                    {"x_cmd_mm", r.x()},
-                    {"y_cmd_mm", r.y()},
-                    {"z_cmd_mm", r.z()},
-                    {"phi_cmd_deg", to_degrees(station.commanded.rotation)}});
+    const auto& [r, rotation, tilt] = station.commanded;
+    io::Json pose{{"pose", station.name},
+                  {"x_cmd_mm", r.x()},
+                  {"y_cmd_mm", r.y()},
+                  {"z_cmd_mm", r.z()},
+                  {"phi_cmd_deg", to_degrees(rotation)}};
+    if (!tilt.isZero(0.0)) {
+      pose["tilt_x_cmd_deg"] = to_degrees(tilt.x());
+      pose["tilt_y_cmd_deg"] = to_degrees(tilt.y());
+      pose["tilt_z_cmd_deg"] = to_degrees(tilt.z());
+    }
+    json.push_back(std::move(pose));
   }
   return json;
 }
@@ -53,7 +59,7 @@ io::Json poses_json(const std::vector<Station>& stations) {
 void run_paper_plan(const Options& options, Session& session) {
   if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
-  const Robot robot = session.robot();
+  const Robot robot = session.level_robot("poses --stage");
   const PaperPlan plan = paper_plan(robot, stage, to_radians(options.start_deg), options.threshold);
   if (plan.n == 0) session.exit_code = kVerdictIsNo;
   if (session.json()) {

@@ -13,7 +13,7 @@ namespace {
 
 /// The calibration's own page, with what other measurements say of it where they are given.
 void run(const ValidatingOptions& options, Session& session) {
-  const Robot robot = session.robot(options.robot_sources());
+  const Robot robot = session.level_robot("report", options.robot_sources());
   const io::TextFile file = input_file(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const KnownErrors known = machine.known();
@@ -22,7 +22,7 @@ void run(const ValidatingOptions& options, Session& session) {
   std::vector<Station> stations = validation_stations(robot);
   std::vector<InputFile> inputs{{file.name, io::sha256(file.text)}};
   if (!options.measuring.files.empty()) {
-    const Measurements measurements = options.measuring.read(robot.joint_space());
+    const Measurements measurements = options.measuring.read(robot);
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());
     stations = measurements.stations;
     if (options.own(machine, measurements).empty()) {

@@ -24,6 +24,11 @@ Robot printer_robot(const PrinterFile& file) {
   return printer_machine(printer.geometry, printer.print_radius).robot;
 }
 
+void print_template(Session& session, const std::string& kind) {
+  const io::TextFile file = io::robot_template(kind);
+  session.json() ? session.print_json(io::to_json(io::read_robot(file))) : session.print(file.text);
+}
+
 }  // namespace
 
 void add_robot(Command& program, Session& session) {
@@ -32,8 +37,12 @@ void add_robot(Command& program, Session& session) {
   command->add_flag("--list", *only_names, "names of the catalogue");
   const auto printer = std::make_shared<PrinterFile>();
   add_printer_file(*command, *printer, "the delta of a printer's own configuration");
-  command->callback([&session, only_names, printer] {
+  const auto kind = std::make_shared<std::string>();
+  command->add_option("--template", *kind, "a commented file of that kind of robot, to put your numbers into")
+      ->check(one_of(io::robot_templates()));
+  command->callback([&session, only_names, printer, kind] {
     if (*only_names) return list(session);
+    if (!kind->empty()) return print_template(session, *kind);
     const Robot robot = printer->name.empty() ? session.robot() : printer_robot(*printer);
     session.json() ? session.print_json(io::to_json(robot)) : session.print(io::robot_toml(robot));
   });

@@ -74,7 +74,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.level_robot("sensitivity");
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   SensitivityFindings found =
       find_sensitivity(robot, *characteristic_named(options.quantity), tolerances,

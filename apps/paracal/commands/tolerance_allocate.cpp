@@ -100,7 +100,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.level_robot("tolerance allocate");
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
     session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));

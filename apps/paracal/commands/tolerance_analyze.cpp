@@ -221,7 +221,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.robot();
+  const Robot robot = session.level_robot("tolerance analyze");
   const Findings found = find(options, robot, session);
   const bool enough =
       !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;

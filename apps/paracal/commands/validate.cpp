@@ -71,7 +71,8 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const Robot robot = session.robot(options.robot_sources());
   const io::CalibratedMachine machine = io::read_calibration(input_file(options.calibration), robot);
   const KnownErrors known = machine.known();
-  const Measurements measurements = options.measuring.read(robot.joint_space());
+  require_drawable(robot, report);
+  const Measurements measurements = options.measuring.read(robot);
   Validation validation = validate(robot, known, measurements, options.options(measurements));
   for (const std::string& file : options.own(machine, measurements)) {
     validation.accepted = false;

@@ -76,8 +76,9 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
 
 /// Reads the inputs and keeps their hashes.
 Order order_of(const Options& options, Session& session) {
-  Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
-              .inputs = {}};
+  Order order{
+      .batch = {.robot = session.level_robot("yield", {.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
+      .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
     io::TextFile file = input_file(name);
     order.inputs.push_back({file.name, io::sha256(file.text)});

@@ -29,10 +29,10 @@ enum class Stage : std::uint8_t {
   automatic,  ///< fine where the readings carry it and leave some to check it with, else rough
 };
 
-/// Frame of measured points.
+/// Frame of measured points, or of a measured body on what carries it.
 enum class Frame : std::uint8_t {
   unknown,  ///< any rigid motion away from the robot's, another one for each series
-  robot,
+  robot,  ///< known: that of the robot, or of its plate
 };
 
 /// Zero of a rotary encoder that reads phi.
@@ -90,6 +90,7 @@ struct CalibrationOptions {
   NoiseModel noise = {};        ///< for readings that state no standard deviation
   bool noise_is_known = false;  ///< `noise` is a fact, not a first guess that the residuals correct
   Frame frame = Frame::unknown;
+  Frame body = Frame::unknown;  ///< of a body whose poses are read: where it sits on the plate, or robot: at its centre
   RotationZero rotation_zero = RotationZero::unknown;
   ReflectorMount reflectors = ReflectorMount::plate;
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()

@@ -15,7 +15,7 @@ namespace paracal {
 /// A commanded pose at which the machine was measured.
 struct Station {
   std::string name;
-  Pose commanded;
+  Pose commanded;  ///< of no finite position where a table states the joints alone: with_commands() finds it
   /// Joint coordinates that the controller believed; empty: the nominal inverse of the commanded pose.
   std::optional<Joints> believed = {};
 };
@@ -99,6 +99,10 @@ void check(const Measurements& measurements, std::size_t limb_count);
 /// The lengths that instrument and machine would have shown at 20 deg C  [iso1]: all lengths read over 1 + expansion.
 /// @param expansion  of the machine less that of the instrument, m/m: (a_machine - a_instrument) (T - 20 deg C).
 Measurements at_reference_temperature(Measurements measurements, double expansion);
+
+/// Commands that tables did not state: where the nominal robot stands with the believed joints.
+/// @throws Unreachable when it does not close there.
+Measurements with_commands(const Robot& robot, Measurements measurements);
 
 /// Joint coordinates that the controller believed at a station.
 /// @throws Unreachable when they are not stated and the nominal robot does not reach the commanded pose.

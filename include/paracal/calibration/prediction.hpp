@@ -6,6 +6,7 @@
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -36,9 +37,18 @@ KnownErrors known_errors(const Calibration& calibration);
 /// @throws as calibrate().
 KnownErrors promised(const Robot& robot, const Measurements& given, const CalibrationOptions& options = {});
 
-/// d(x, y, z, phi) / d(parameters) at joints, mm and rad: 4 rows. Empty where the machine is singular.
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
-                              const std::vector<SoughtSource>& parameters);
+/// How a plate moves: position (mm), phi (rad), tilt_x, tilt_y, tilt_z (rad), a column for each cause.
+using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
+
+/// d(x, y, z, phi, tilt) / d(parameters) of a plate that stands there with these joints, mm and rad. No columns where
+/// the machine is singular.
+PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
+                            const std::vector<SoughtSource>& parameters);
+
+/// Its first four rows, d(x, y, z, phi) / d(parameters), at joints. Empty where the machine is singular.
+/// @param options  how forward() finds the plate.
+Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints, const std::vector<SoughtSource>& parameters,
+                              const ForwardOptions& options = {});
 
 /// How well a calibrated machine is known over its workspace_stations().
 /// @throws Unreachable when it does not reach them.

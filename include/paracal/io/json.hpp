@@ -83,7 +83,8 @@ Json to_json(const SelfTestCase& wanted, Actuator actuator);
 Json to_json(const FilterSummary& summary);
 
 /// x_mm, y_mm, z_mm, phi_deg
-Json to_json(const Pose& pose);
+/// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, of a plate with six freedoms.
+Json to_json(const Pose& pose, bool tilts = false);
 
 /// What a calibration file says of the machine.
 struct CalibratedMachine {

@@ -19,10 +19,11 @@ struct NamedJoints {
   Joints joints;
 };
 
-/// Pose table (CSV): x_mm,y_mm,z_mm,phi_deg or x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg, optional pose (name) and
-/// q1_deg... or q1_mm... (believed joints). Where both kinds stand, as in a measurement file, the commanded ones count.
-/// A missing phi is 0, a missing name is the row's number. Other columns of the contract's measurement and pose tables
-/// are passed over.
+/// Pose table (CSV): x_mm,y_mm,z_mm,phi_deg or x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg, optional tilt_x_deg, tilt_y_deg,
+/// tilt_z_deg or tilt_x_cmd_deg, ..., pose (name) and q1_deg... or q1_mm... (believed joints). Of plates with six
+/// freedoms tilt_x_rad, ... count, too, as forward kinematics print them. Where both kinds stand, as in a measurement
+/// file, the commanded ones count. A missing phi is 0, a missing name is the row's number. Other columns of the
+/// contract's measurement and pose tables are passed over.
 /// @param joints  where joint columns stand, they must be these.
 /// @throws InputFileError for anything else, or a name that comes twice.
 std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints = {});
@@ -64,10 +65,11 @@ struct NamedPlate {
 
 /// Lines of tables that the readers above accept again, with their ends: the header, and a row. The table of plates has
 /// tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
+/// @param tilts  of plates with six freedoms.
 std::string joint_table_header(const JointSpace& joints);
 std::string joint_table_row(const NamedJoints& row, Actuator actuator = Actuator::revolute);
-std::string_view pose_table_header();
-std::string pose_table_row(const NamedPose& row);
+std::string pose_table_header(bool tilts = false);
+std::string pose_table_row(const NamedPose& row, bool tilts = false);
 std::string_view plate_table_header();
 std::string plate_table_row(const NamedPlate& row);
 

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "paracal/io/file.hpp"
 #include "paracal/mechanism/robot.hpp"
@@ -13,6 +15,11 @@ namespace paracal::io {
 /// ignored.
 /// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and for geometry that Robot refuses.
 Robot read_robot(const TextFile& file);
+
+/// Commented robot files to start from, by kind: "hexapod".
+std::vector<std::string> robot_templates();
+/// @throws InvalidArgument for a kind that is none.
+TextFile robot_template(std::string_view kind);
 
 /// The robot as a file that read_robot() accepts.
 std::string robot_toml(const Robot& robot);

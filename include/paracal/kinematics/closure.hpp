@@ -10,7 +10,7 @@
 
 namespace paracal {
 
-/// Where the plate really is: the seven unknowns of the loop closure (six for a rigid plate, whose slide stays 0).
+/// Where the plate really is: the seven unknowns of the loop closure (six without a slide, which stays 0).
 ///
 ///   position  r, mm, of O' in the base frame {O}
 ///   tilt      (tilt_x, tilt_y, tilt_z), rad: R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)   [huang2016, Eq. (1)]
@@ -22,6 +22,18 @@ struct BasicPlateState {
   Scalar slide = Scalar(0);
 };
 using PlateState = BasicPlateState<double>;
+
+/// What of it a controller commands.
+inline Pose pose_of(const Machine& machine, const PlateState& plate) {
+  Pose pose{plate.position, machine.rotation_of(plate.slide)};
+  if (machine.has_six_freedoms()) pose.tilt = plate.tilt;
+  return pose;
+}
+
+/// Where the plate of a machine without errors stands at a pose.
+inline PlateState plate_at(const Machine& machine, const Pose& pose) {
+  return {pose.position, pose.tilt, machine.slide_of(pose.rotation)};
+}
 
 /// R of the plate, and the axes about which its three angles turn, as columns, both in {O}:
 /// dR p = (axes.col(k) x R p) d(tilt_k).
@@ -53,6 +65,7 @@ PlateRotation<Scalar> plate_rotation(const Vector3<Scalar>& tilt) {
 ///   lever            C - b, from the base joint to the elbow
 ///   half             half the short side of the parallelogram there, (c_c / 2) R_0 R_1 R_2 e_3
 ///   joint[j]         where rod j is hinged: C + sgn(j) half, from O
+///   rod[j]           how long it is
 template <typename Scalar>
 struct Elbow {
   Vector3<Scalar> arm;
@@ -60,10 +73,21 @@ struct Elbow {
   Vector3<Scalar> lever;
   Vector3<Scalar> half;
   std::array<Vector3<Scalar>, 2> joint;
+  std::array<Scalar, 2> rod;
 };
+
+/// One rod of a strut, two of any other limb.
+template <typename Scalar>
+constexpr std::size_t rod_count(const BasicLimb<Scalar>& limb) {
+  return limb.is_strut() ? 1 : 2;
+}
 
 template <typename Scalar>
 Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
+  if (limb.is_strut()) {
+    const Vector3<Scalar> none = Vector3<Scalar>::Zero();
+    return {limb.frame.col(0), limb.frame.col(1), none, none, {limb.base, limb.base}, rods_at(limb, joint)};
+  }
   const ArmDirections<Scalar> direction = arm_directions(limb, joint);
   const Vector3<Scalar> half = (Scalar(0.5) * limb.elbow_width) * limb.elbow_frame.col(2);
   Elbow<Scalar> elbow;
@@ -73,6 +97,7 @@ Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
   elbow.lever = elbow_lever(limb, joint, direction);
   const Vector3<Scalar> centre = limb.base + elbow.lever;
   elbow.joint = {centre + elbow.half, centre - elbow.half};
+  elbow.rod = limb.rod;
   return elbow;
 }
 
@@ -83,18 +108,19 @@ inline Eigen::Vector3d hinge_motion(const Limb& limb, const Elbow<double>& elbow
 }
 
 /// Where the rods of one limb are hinged on the plate, from O', in the plate frame, mm:
-/// a_i + mu_i s shat + sgn(j) (c_a / 2) R_3 e_3.
+/// a_i + mu_i s shat + sgn(j) (c_a / 2) R_3 e_3; a_i of a strut.
 template <typename Scalar>
 std::array<Vector3<Scalar>, 2> plate_joints(const BasicMachine<Scalar>& machine, const BasicLimb<Scalar>& limb,
                                             const Scalar& slide) {
+  if (limb.is_strut()) return {limb.plate, limb.plate};
   const Vector3<Scalar> centre = limb.plate + (limb.slide_sign * slide) * machine.slide_axis.template cast<Scalar>();
   const Vector3<Scalar> half = (Scalar(0.5) * limb.plate_width) * limb.plate_frame.col(2);
   return {centre + half, centre - half};
 }
 
 /// Residuals of all rods, |r + R plate_joint - elbow_joint| - l_j in mm [huang2016, Eq. (1)], in the order limb 1 rod
-/// 1, limb 1 rod 2, limb 2 rod 1, ...; entries beyond 2 x limb_count are zero. A closed machine has them all zero, up
-/// to what one over-constraint leaves.
+/// 1, limb 1 rod 2, limb 2 rod 1, ...; entries beyond the last rod are zero. A closed machine has them all zero, up to
+/// what one over-constraint leaves.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 2 * kMaxLimbs, 1> rod_residuals(const BasicMachine<Scalar>& machine,
                                                       const BasicPlateState<Scalar>& plate,
@@ -102,13 +128,14 @@ Eigen::Matrix<Scalar, 2 * kMaxLimbs, 1> rod_residuals(const BasicMachine<Scalar>
   using Residuals = Eigen::Matrix<Scalar, 2 * kMaxLimbs, 1>;
   Residuals residuals = Residuals::Constant(Scalar(0));
   const Matrix3<Scalar> rotation = plate_rotation(plate.tilt).matrix;
+  Eigen::Index row = 0;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const BasicLimb<Scalar>& limb = machine.limbs[i];
     const Elbow<Scalar> elbow = elbow_of(limb, joints[i]);
     const std::array<Vector3<Scalar>, 2> hinges = plate_joints(machine, limb, plate.slide);
-    for (std::size_t j = 0; j < 2; ++j) {
+    for (std::size_t j = 0; j < rod_count(limb); ++j, ++row) {
       const Vector3<Scalar> rod = plate.position + rotation * hinges[j] - elbow.joint[j];
-      residuals(static_cast<Eigen::Index>(2 * i + j)) = rod.norm() - limb.rod[j];
+      residuals(row) = rod.norm() - elbow.rod[j];
     }
   }
   return residuals;

@@ -12,7 +12,7 @@ namespace paracal {
 struct [[nodiscard]] ExactJacobian {
   static constexpr int kStates = kMaxLimbs + 3;
   static constexpr int kColumns = static_cast<int>(kSourceCount) * kMaxLimbs;
-  /// Rows: position (mm), slide (mm; absent for a rigid plate), tilt_x, tilt_y, tilt_z (rad).
+  /// Rows: position (mm), slide (mm; absent without one), tilt_x, tilt_y, tilt_z (rad).
   /// Columns: limb by limb, the sources in their order, per mm or per rad.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kStates, kColumns> plate;
   bool ok = false;  ///< false at a singular closure; `plate` then holds nothing
@@ -26,8 +26,9 @@ struct [[nodiscard]] ExactJacobian {
 ///
 ///   dplate/dp = -(J^T J)^-1 J^T J_p
 ///
-/// Exact for 3 limbs. For 4 the one over-constraint leaves residuals f, whose curvature f d2f is neglected: with tilt
-/// errors as large as the tolerances of huang2016 that is below 1e-3 of a row's largest entry (measured: 6.5e-4).
+/// Exact for 3 limbs and for 6. For 4 the one over-constraint leaves residuals f, whose curvature f d2f is neglected:
+/// with tilt errors as large as the tolerances of huang2016 that is below 1e-3 of a row's largest entry
+/// (measured: 6.5e-4).
 ///
 /// @param plate   the answer of forward(machine, joints).
 /// @param joints  believed joint coordinates, rad or mm. Real-time: yes.

@@ -20,16 +20,18 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 ///
 ///   actuator           revolute: C = b + L u_1(q), an arm of length L that the joint turns;
 ///                      linear:   C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points inward
+///              strut:    C = b, and the one rod from there to the plate grows: l = l_1 + gain q + joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
 ///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent)
 ///   arm       L_i      arm (proximal link) from B_i, or from the carriage, to the elbow C_i
 ///   joint_offset       added to the believed joint coordinate, rad or mm
+///   gain               mm that a strut grows a mm of its joint coordinate
 ///   elbow_frame R_2,i  short side of the parallelogram at the elbow, relative to the arm
 ///   elbow_width c_c,i  its length
 ///   plate     a_i      plate joint A_i in the plate frame {O'}
 ///   plate_frame R_3,i  short side at the plate, relative to {O'}
 ///   plate_width c_a,i  its length
-///   rod       l_1,i, l_2,i
+///   rod       l_1,i, l_2,i; of a strut its length at joint coordinate 0, twice
 ///   slide_sign mu_i    how the slide of an articulated plate moves A_i; 0 for a rigid plate
 ///   radial             nominal (cos gamma, sin gamma, 0): the axis about which alpha0 and alpha3 turn
 template <typename Scalar>
@@ -39,6 +41,7 @@ struct BasicLimb {
   Matrix3<Scalar> frame;
   Scalar arm;
   Scalar joint_offset;
+  Scalar gain = Scalar(1);
   Matrix3<Scalar> elbow_frame;
   Scalar elbow_width;
   Vector3<Scalar> plate;
@@ -50,6 +53,7 @@ struct BasicLimb {
 
   /// Length of the rod that would replace the pair along the centre line C_i A_i.
   Scalar mean_rod() const { return Scalar(0.5) * (rod[0] + rod[1]); }
+  bool is_strut() const { return actuator == Actuator::strut; }
 };
 using Limb = BasicLimb<double>;
 
@@ -61,11 +65,11 @@ struct ArmDirections {
 };
 
 /// u_1 = cos(th) u_0 + sin(th) v_0,  v_1 = -sin(th) u_0 + cos(th) v_0,  th = believed joint + offset; a carriage does
-/// not turn: u_1 = u_0, v_1 = v_0.
+/// not turn, nor has a strut an arm: u_1 = u_0, v_1 = v_0.
 template <typename Scalar>
 ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint) {
   using std::cos, std::sin;
-  if (limb.actuator == Actuator::linear) return {limb.frame.col(0), limb.frame.col(1)};
+  if (limb.actuator != Actuator::revolute) return {limb.frame.col(0), limb.frame.col(1)};
   const Scalar c = cos(joint + limb.joint_offset);
   const Scalar s = sin(joint + limb.joint_offset);
   return {c * limb.frame.col(0) + s * limb.frame.col(1), c * limb.frame.col(1) - s * limb.frame.col(0)};
@@ -74,12 +78,21 @@ ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint
 /// C_i - b_i: from the base joint to the elbow, in {O}, mm.
 template <typename Scalar>
 Vector3<Scalar> elbow_lever(const BasicLimb<Scalar>& limb, Scalar joint, const ArmDirections<Scalar>& direction) {
+  if (limb.is_strut()) return Vector3<Scalar>::Zero();
   if (limb.actuator == Actuator::linear) return (joint + limb.joint_offset) * direction.v1 - limb.arm * direction.u1;
   return limb.arm * direction.u1;
 }
 
-/// mm that the elbow moves per rad or mm of its joint: L, or 1 on a rail.
-inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::linear ? 1.0 : limb.arm; }
+/// mm that the elbow moves, or the strut grows, per rad or mm of the joint: L, or 1 where it is a length itself.
+inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::revolute ? limb.arm : 1.0; }
+
+/// Length of each rod at a joint coordinate, mm.
+template <typename Scalar>
+std::array<Scalar, 2> rods_at(const BasicLimb<Scalar>& limb, const Scalar& joint) {
+  if (!limb.is_strut()) return limb.rod;
+  const Scalar length = limb.rod[0] + limb.gain * joint + limb.joint_offset;
+  return {length, length};
+}
 
 /// The arm that puts the elbow one (mean) rod away from a point, elbow outward.
 ///
@@ -119,8 +132,15 @@ inline JointSolution arm_along(const Limb& limb, const ArmDirection<double>& dir
   return believed_joint(limb, std::atan2(direction.sine, direction.cosine));
 }
 
+/// The strut that reaches a point: any does.
+inline JointSolution stretch(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
+  const double joint = ((joint_at_plate - limb.base).norm() - limb.rod[0] - limb.joint_offset) / limb.gain;
+  return {joint, std::isfinite(joint)};
+}
+
 /// Joint coordinate that puts the elbow one (mean) rod away from a point.
 inline JointSolution solve_joint(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
+  if (limb.is_strut()) return stretch(limb, joint_at_plate);
   if (limb.actuator == Actuator::linear) return believed_joint(limb, close_on_rail(limb, joint_at_plate));
   return arm_along(limb, close_triangle(limb, joint_at_plate));
 }

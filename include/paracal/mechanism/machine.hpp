@@ -19,9 +19,12 @@ struct BasicMachine {
   Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();  ///< shat in the plate frame; zero for a rigid plate
   double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
   bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
+  double side = -1.0;                                    ///< of the base where the plate is: +1 above, -1 below
 
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
+  /// The tilt of the plate is commanded.
+  bool has_six_freedoms() const { return actuator() == Actuator::strut; }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
@@ -37,6 +40,7 @@ using Machine = BasicMachine<double>;
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
 /// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it:
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03.
+/// Of a strut b and a are shifted each by an error of its own, and l = l_0 + theta_offset + (1 + gain) q.
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);

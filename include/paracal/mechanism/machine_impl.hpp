@@ -47,18 +47,49 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
 
 }  // namespace detail
 
+namespace detail {
+
+/// @param error  of this limb, by its source.
+template <typename Scalar>
+BasicLimb<Scalar> strut(const Geometry& nominal, std::size_t limb, auto&& error) {
+  constexpr double kMetre = 1000.0;  // mm
+  const Strut& strut = nominal.struts[limb];
+  BasicLimb<Scalar> built;
+  built.actuator = Actuator::strut;
+  built.radial = Eigen::Vector3d(std::cos(nominal.limb_azimuth[limb]), std::sin(nominal.limb_azimuth[limb]), 0.0);
+  built.base = strut.base.cast<Scalar>() + Vector3<Scalar>(error(Source::e_x), error(Source::e_y), error(Source::e_z));
+  built.frame = nominal_frame(nominal.limb_azimuth[limb]).cast<Scalar>();
+  built.arm = Scalar(0);
+  built.joint_offset = error(Source::theta_offset);
+  built.gain = Scalar(1) + error(Source::gain) / Scalar(kMetre);
+  built.elbow_frame = built.plate_frame = Matrix3<Scalar>::Identity();
+  built.elbow_width = built.plate_width = Scalar(nominal.parallelogram_width);
+  built.plate = strut.plate.cast<Scalar>() +
+                Vector3<Scalar>(error(Source::plate_x), error(Source::plate_y), error(Source::plate_z));
+  built.rod = {Scalar(strut.length_at_zero), Scalar(strut.length_at_zero)};
+  built.slide_sign = 0.0;
+  return built;
+}
+
+}  // namespace detail
+
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors) {
   using detail::rotation_x, detail::rotation_y, detail::rotation_z;
   const Geometry& nominal = robot.geometry;
   BasicMachine<Scalar> machine;
   machine.limb_count = nominal.limb_azimuth.size();
+  machine.side = robot.workspace.top_z > 0.0 ? 1.0 : -1.0;
   if (robot.slide) {
     machine.slide_axis = robot.slide->axis;
     machine.pinion_radius = robot.slide->pinion_radius;
   }
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
+    if (nominal.actuator == Actuator::strut) {
+      machine.limbs[i] = detail::strut<Scalar>(nominal, i, error);
+      continue;
+    }
     const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);
     // Rot(x, pi/2 + alpha) = Rot(x, pi/2) Rot(x, alpha), which keeps the zero entries of the nominal frame exact.
     const auto tilted = [&](const Scalar& alpha, const Matrix3<Scalar>& by_beta) -> Matrix3<Scalar> {

@@ -12,6 +12,13 @@
 
 namespace paracal {
 
+/// Where a strut is hinged, nominally, and how long it is; mm.
+struct Strut {
+  Eigen::Vector3d base;         ///< joint at the base, in the base frame
+  Eigen::Vector3d plate;        ///< joint at the plate, in the plate frame
+  double length_at_zero = 0.0;  ///< at joint coordinate 0
+};
+
 /// Nominal dimensions that all limbs share; mm and rad [huang2016, Table 1, in brackets].
 struct Geometry {
   double base_radius = 0.0;          ///< circle of the base joints [b]
@@ -21,7 +28,13 @@ struct Geometry {
   double parallelogram_width = 0.0;  ///< short side of the parallelogram [c]
   std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
   Actuator actuator = Actuator::revolute;
+  std::vector<Strut> struts = {};  ///< of Actuator::strut, whose limbs share nothing; see strut_geometry()
 };
+
+/// The geometry of a plate with six freedoms on struts. What the limbs of other robots share is here the size of
+/// things: radii of the joints (root mean square), the mean length at zero for the rod, the width of the plate for that
+/// of a parallelogram.
+Geometry strut_geometry(std::vector<Strut> struts);
 
 /// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
 /// into rotation, phi = s / r_g. With s > 0 the plate joints of limb i stand at a_i + mu_i s shat in the plate frame.
@@ -46,7 +59,7 @@ struct RobotDescription {
 };
 
 /// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
-/// freedoms (3 for a rigid plate, 4 with a slide), and every limb reaches the whole workspace. Immutable.
+/// freedoms (3 for a rigid plate, 4 with a slide, 6 on struts), and every limb reaches the whole workspace. Immutable.
 class Robot {
  public:
   /// @throws InvalidArgument naming the quantity and the limit that it breaks.
@@ -63,6 +76,8 @@ class Robot {
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const { return {limb_count(), actuator()}; }
+  /// The tilt of the plate is commanded.
+  bool has_six_freedoms() const { return actuator() == Actuator::strut; }
 
   /// The machine without source errors: what the controller believes.
   const Machine& nominal() const { return nominal_; }

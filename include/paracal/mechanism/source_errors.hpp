@@ -4,15 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "paracal/mechanism/pose.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal {
 
-/// The 14 reduced source errors of one limb, in the order of the paper's columns [huang2016, Eq. (4)].
-/// Each is actual minus nominal, in mm or rad; docs/conventions.md has the figure of a limb that names them.
-/// The enumerators are spelled as in every file and JSON key.
+/// The 14 reduced source errors of one limb with an arm or a carriage, in the order of the paper's columns [huang2016,
+/// Eq. (4)]. Each is actual minus nominal, in mm or rad; docs/conventions.md has the figure of a limb that names them.
+/// The enumerators are spelled as in every file and JSON key. Another kind of limb has a list of its own (sources_of),
+/// in the first places of this one.
 enum class Source : std::uint8_t {
   // Position group: they move the plate but do not tilt it; compensation removes their effect.
   theta_offset,  ///< joint zero: the actuator stands at q + theta_offset when the controller believes q; a length on a
@@ -32,30 +35,45 @@ enum class Source : std::uint8_t {
   beta03,            ///< beta0 minus its counterpart at the plate
   alpha2,            ///< the short side at the elbow turned about the arm
   beta2,             ///< the short side at the elbow turned about the normal of the arm
+
+  // The eight of a strut, which a plate with six freedoms hangs on: it can follow them all, so they take the places of
+  // the position group. The joint zero is theta_offset here, too, and where the base joint stands is e.
+  gain = arm_length,  ///< travel of the drive, mm that it moves too far in a metre
+  plate_x = alpha0,   ///< plate joint, in the plate frame
+  plate_y = beta0,
+  plate_z = rod_mean,
 };
 
 inline constexpr std::size_t kSourceCount = 14;
 inline constexpr std::size_t kPositionSourceCount = 8;
 inline constexpr std::size_t kTiltSourceCount = kSourceCount - kPositionSourceCount;
 
-enum class Unit : std::uint8_t { mm, rad };
-
-/// What drives the elbow of a limb. All limbs of a robot have the same.
+/// What drives a limb. All limbs of a robot have the same.
 enum class Actuator : std::uint8_t {
   revolute,  ///< a motor swings an arm; joint coordinate: angle, rad
   linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
+  strut,     ///< the limb is one rod that grows; joint coordinate: by how much, mm
 };
 
 /// Unit of a joint coordinate.
-constexpr Unit joint_unit(Actuator actuator) { return actuator == Actuator::linear ? Unit::mm : Unit::rad; }
+constexpr Unit joint_unit(Actuator actuator) { return actuator == Actuator::revolute ? Unit::rad : Unit::mm; }
 
 constexpr std::size_t index(Source source) { return static_cast<std::size_t>(source); }
 
-/// Every source, in column order.
-constexpr std::array<Source, kSourceCount> all_sources() {
+namespace detail {
+inline constexpr std::array<Source, kSourceCount> kAllSources = [] {
   std::array<Source, kSourceCount> sources{};
   for (std::size_t k = 0; k < kSourceCount; ++k) sources[k] = static_cast<Source>(k);
   return sources;
+}();
+}  // namespace detail
+
+/// Every place of a source, in column order.
+constexpr const std::array<Source, kSourceCount>& all_sources() { return detail::kAllSources; }
+
+/// Those that a kind of limb has, in column order.
+constexpr std::span<const Source> sources_of(Actuator actuator) {
+  return std::span(detail::kAllSources).first(actuator == Actuator::strut ? kPositionSourceCount : kSourceCount);
 }
 
 /// True for the group that tilts the plate.
@@ -76,14 +94,25 @@ Unit unit(Source source, Actuator actuator);
 /// (arm_length shifts the elbow as e does) nor where along itself it begins (e_z shifts it as theta_offset does): a
 /// calibration holds these two at zero. A revolute limb feels all.
 constexpr bool is_felt(Source source, Actuator actuator) {
+  if (actuator == Actuator::strut) return index(source) < kPositionSourceCount;
   return actuator == Actuator::revolute || (source != Source::arm_length && source != Source::e_z);
 }
 
-/// The name used in every file and JSON key, e.g. "theta_offset".
-std::string_view name(Source source);
+/// The name used in every file and JSON key, e.g. "theta_offset"; of a strut's own errors "zero", "base_x", "gain",
+/// "plate_x", ...
+std::string_view name(Source source, Actuator actuator = Actuator::revolute);
 
-/// The source with that name; empty when there is none.
-std::optional<Source> source_named(std::string_view name);
+/// The source with that name; empty when that kind of limb has none.
+std::optional<Source> source_named(std::string_view name, Actuator actuator);
+
+/// Three coordinates of a point share a tolerance and a key of files: "e" of e_x, e_y and e_z. Else the name itself.
+std::string_view shared_name(Source source, Actuator actuator);
+
+/// Which of the three it is, from 0; empty where the source is no coordinate of a point.
+std::optional<std::size_t> coordinate(Source source, Actuator actuator);
+
+/// The first source of its shared name.
+inline bool is_leading(Source source, Actuator actuator) { return coordinate(source, actuator).value_or(0) == 0; }
 
 /// Source errors of all limbs: actual minus nominal, zero until set. Scalar is double, or an automatic-derivative type.
 template <typename Scalar>

@@ -53,9 +53,9 @@ struct Geometry;
 
 /// Every half-width from nobody. For machines whose drawings are not at hand. Position group: encoder offsets about
 /// twice the largest of [huang2016, section 5.2.1] (endstops of rails 3 mm), lengths and angles about four times the
-/// largest of [huang2016, Table 4]. Tilt group: [huang2016, Table 2], whose rod and width differences are divided by
-/// the parallelogram's width. Errors that the actuator does not feel are exact, but for e_z, which shares its tolerance
-/// with e_x and e_y.
+/// largest of [huang2016, Table 4]. Struts: 3 mm of each coordinate of a joint and of the zero, 15 mm/m of the drive.
+/// Tilt group: [huang2016, Table 2], whose rod and width differences are divided by the parallelogram's width. Errors
+/// that the actuator does not feel are exact, but for e_z, which shares its tolerance with e_x and e_y.
 Tolerances generous_tolerances(const Geometry& geometry);
 
 }  // namespace paracal

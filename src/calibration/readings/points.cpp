@@ -1,5 +1,6 @@
 #include "points.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -44,7 +45,7 @@ void Points::take_columns(Eigen::Index& next, bool seeks_scale) {
   const bool turns = std::ranges::any_of(readings_, [](const auto& r) { return r.rotation.has_value(); });
   if (turns && options_.rotation_zero == RotationZero::unknown) zero_ = take(next, 1);
   if (std::ranges::any_of(readings_, [](const auto& r) { return r.second.has_value(); })) second_ = take(next, 3);
-  if (series_.is_of_body()) body_ = take(next, kFrame);
+  if (series_.is_of_body() && options_.body == Frame::unknown) body_ = take(next, kFrame);
   if (seeks_scale) scale_ = take(next, 1);
 }
 
@@ -59,6 +60,7 @@ void Points::start(const std::vector<StationState>& stations, Eigen::VectorXd& u
     body_turned_ = found.body.rotation;
     unknowns.segment<3>(body_).setZero();
     unknowns.segment<3>(body_ + 3) = found.body.translation;
+    place_is_shown_ = shows_place(stations);
   }
   if (body_ >= 0 && frame_ >= 0) {
     middle_ = middle_carrier(stations);
@@ -83,6 +85,17 @@ Eigen::Matrix3d Points::middle_carrier(const std::vector<StationState>& stations
   return sum / static_cast<double>(readings_.size());
 }
 
+bool Points::shows_place(const std::vector<StationState>& stations) const {
+  constexpr double kTurned = 0.02;  // rad, as a mean about the axis about which carriers turn least
+  const Eigen::Matrix3d middle = middle_carrier(stations);
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const PointReading& reading : readings_) {
+    const Eigen::Matrix3d turned = carrier(stations[reading.station]) - middle;
+    squares += turned.transpose() * turned / static_cast<double>(readings_.size());
+  }
+  return squares.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > kTurned * kTurned;
+}
+
 RigidMotion Points::started_frame(const std::vector<StationState>& stations) const {
   if (frame_ < 0) return {};
   std::vector<Eigen::Vector3d> predicted, measured;
@@ -105,7 +118,8 @@ BodySetUp Points::started_body(const std::vector<StationState>& stations) const 
 
 void Points::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);
-  for (Eigen::Index k = body_ + 3; body_ >= 0 && k < body_ + kFrame; ++k) {
+  const bool guessed = body_ >= 0 && !place_is_shown_;
+  for (Eigen::Index k = body_ + 3; guessed && k < body_ + kFrame; ++k) {
     root.add_prior(k, unknowns(k), 0.0, kBodyReach);
   }
 }
@@ -156,17 +170,22 @@ void Points::orientation_rows(Eigen::Index row, std::size_t index, const Placed&
   const PointReading& reading = readings_[index];
   const StationState& station = at.stations[reading.station];
   const double sigma = orientation_sigma(index);
-  const Eigen::Vector3d off = orientation_off(reading, station, at.unknowns);
-  // log(exp([d]) exp([off])) = off + J_l(off)^-1 d,  J_l^-1 = I - [off] / 2 to first order; from the right + [off] / 2
-  const Eigen::Matrix3d moves = left_jacobian(-off) / sigma;
+  // In the body's frame, R^T F C B = exp([off]), which motions of all of the robot and those of the plate that its body
+  // goes along with leave as it is: what no reading shows is no row. A turn d of the carrier makes it exp([off])
+  // exp([(C B)^T d]), and log(exp([off]) exp([d])) = off + J(-off)^-1 d.
+  const Eigen::Matrix3d stands = carrier(station) * body(at.unknowns).rotation;
+  const Eigen::Vector3d off = stands.transpose() * orientation_off(reading, station, at.unknowns);
+  const Eigen::Matrix3d moves = inverse_left_jacobian(-off) / sigma * stands.transpose();
   const PlateRotation<double> plate = plate_rotation(station.plate.tilt);
   by_plate.block<3, 3>(row, 4) = moves * plate.axes;
   by_plate.block<3, 1>(row, 3) = turns_per_phi(options_.reflectors) * (moves * plate.matrix.col(2));
-  block.block<3, 3>(row, body_) = moves * carrier(station) * left_jacobian(at.unknowns.segment<3>(body_));
+  if (body_ >= 0) {
+    block.block<3, 3>(row, body_) = moves * carrier(station) * left_jacobian(at.unknowns.segment<3>(body_));
+  }
   block.block<3, 1>(row, at.unknowns.size()) = off / sigma;
   if (frame_ < 0) return;
-  block.block<3, 3>(row, frame_) = left_jacobian(off) / sigma * frame(at.unknowns).rotation.transpose() *
-                                   left_jacobian(at.unknowns.segment<3>(frame_));
+  block.block<3, 3>(row, frame_) =
+      moves * frame(at.unknowns).rotation.transpose() * left_jacobian(at.unknowns.segment<3>(frame_));
 }
 
 ByPlate Points::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const {
@@ -176,12 +195,12 @@ ByPlate Points::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block
   const Eigen::Index rotation = more ? 6 : 3;
   block.setZero(rotation + (reading.rotation ? 1 : 0), at.unknowns.size() + 1);
   ByPlate by_plate = ByPlate::Zero(block.rows(), 7);
-  if (reading.orientation) {
+  if (body_ >= 0) {
     carried_rows(0, body_ + 3, reading.point, reading, at, block, by_plate);
-    orientation_rows(3, index, at, block, by_plate);
   } else {
     by_plate.block<3, 3>(0, 0) = reflector_rows(0, station.plate.position, reading.point, reading, at.unknowns, block);
   }
+  if (reading.orientation) orientation_rows(3, index, at, block, by_plate);
   if (reading.second) carried_rows(3, second_, *reading.second, reading, at, block, by_plate);
   if (!reading.rotation) return by_plate;
   const double sigma = options_.noise.rotation;
@@ -205,7 +224,7 @@ Residual Points::residual(std::size_t index, const Placed& at) const {
 }
 
 bool Points::shows_rotation() const {
-  const bool turns = body_ >= 0 && turns_per_phi(options_.reflectors) != 0.0;
+  const bool turns = series_.is_of_body() && turns_per_phi(options_.reflectors) != 0.0;
   return turns || std::ranges::any_of(readings_, [](const auto& reading) { return reading.rotation.has_value(); });
 }
 

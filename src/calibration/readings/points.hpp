@@ -64,6 +64,8 @@ class Points final : public ReadingSeries {
   bool shows_rotation() const;
   /// Mean rotation of the mount over the readings.
   Eigen::Matrix3d middle_carrier(const std::vector<StationState>& stations) const;
+  /// Whether carriers turn so much, about all axes, that readings show where the body sits on them.
+  bool shows_place(const std::vector<StationState>& stations) const;
   RigidMotion started_frame(const std::vector<StationState>& stations) const;
   BodySetUp started_body(const std::vector<StationState>& stations) const;
   void state_assumption(const Eigen::MatrixXd& covariance, Calibration& calibration) const;
@@ -97,6 +99,7 @@ class Points final : public ReadingSeries {
   Eigen::Matrix3d body_turned_ = Eigen::Matrix3d::Identity();      ///< B_0
   /// Of a body the frame's columns hold t + (1 + scale) Q middle b: those of b then show what the plate's turns show.
   Eigen::Matrix3d middle_ = Eigen::Matrix3d::Zero();
+  bool place_is_shown_ = false;  ///< else it has to be guessed
 };
 
 }  // namespace paracal::detail

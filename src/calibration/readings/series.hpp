@@ -19,12 +19,11 @@
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/closure.hpp"
 
 namespace paracal::detail {
 
-/// How the plate moves: position (mm), phi (rad), tilt_x, tilt_y, tilt_z (rad), a column for each cause.
-using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 /// A reading's rows by the plate's motion at its station: rows x 7.
 using ByPlate = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, 7, 7>;
 
