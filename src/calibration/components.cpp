@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
@@ -91,7 +93,8 @@ class Finder {
     const auto& groups = fit_.observation().groups();
     const bool stated = std::ranges::any_of(groups, &Group::stated);
     const FitScatter scatter = fit_scatter(fit_);
-    if (fit_.components().joint || !(stated || scatter.visits.redundancy >= 3.0)) return;
+    if (fit_.components().joint) return;
+    if (!stated && scatter.visits.redundancy < 3.0) return add_joint_beside_noise(all);
     const double visits = scatter.visits.redundancy >= 3.0 ? scatter.visits.sum / scatter.visits.redundancy : 1.0;
     if (!(scatter.poses.redundancy >= 3.0) || !(visits > 0.0)) return;
     const double ratio = scatter.poses.sum / scatter.poses.redundancy / visits;
@@ -100,6 +103,67 @@ class Finder {
                    .begin = [](StageFit& fit) { fit.seek_joint(first_joint_std(fit)); },
                    .size = [](const StageFit& fit) { return fit.observation().components().joint; },
                    .say = [repeated](const StageFit& fit, double) { return joint_sentence(fit, repeated); }});
+  }
+
+  /// By how much -2 log likelihood promises to drop when joints are let stand elsewhere beside noise whose sizes are
+  /// sought: the score z^2 of their variance at zero, with that of the noise projected out. With whitened residuals e,
+  /// Q = I - J C J^T of each station and what the variances add to its covariance, A = H H^T, noise of positions, and
+  /// noise of orientations,
+  ///
+  ///   u_k = sum e^T A_k e - tr(A_k Q),   I_kl = 2 sum tr(A_k Q A_l Q),   z = (u - I_jn I_nn^-1 u_n) / sqrt(I_jj - ...)
+  static double drop_by_joints(const StageFit& fit) {
+    constexpr Eigen::Index kKinds = 3;
+    const Observation& observation = fit.observation();
+    const Eigen::VectorXd& unknowns = fit.fit().parameters;
+    const Eigen::MatrixXd covariance = fit.covariance();
+    const auto states = observation.stations(unknowns);
+    Eigen::Matrix<double, kKinds, 1> score = Eigen::Matrix<double, kKinds, 1>::Zero();
+    Eigen::Matrix<double, kKinds, kKinds> information = Eigen::Matrix<double, kKinds, kKinds>::Zero();
+    Eigen::MatrixXd block, by_joint;
+    for (const Group& group : observation.groups()) {
+      const Eigen::Index turns = observation.orientation_rows(group);
+      if (!group.active || group.is_relative() || turns == 0) continue;
+      observation.rows(group, *states, unknowns, block, &by_joint);
+      const Eigen::Index rows = block.rows();
+      const Eigen::MatrixXd J = block.leftCols(observation.unknown_count());
+      const Eigen::VectorXd e = block.rightCols<1>();
+      const Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(rows, rows) - J * covariance * J.transpose();
+      std::array<Eigen::MatrixXd, kKinds> A{by_joint * by_joint.transpose(), Eigen::MatrixXd::Zero(rows, rows),
+                                            Eigen::MatrixXd::Zero(rows, rows)};
+      A[1].diagonal().head(3).setOnes();
+      A[2].diagonal().segment(3, turns).setOnes();
+      for (Eigen::Index k = 0; k < kKinds; ++k) {
+        const Eigen::MatrixXd of = A[static_cast<std::size_t>(k)] * Q;
+        score(k) += e.dot(A[static_cast<std::size_t>(k)] * e) - of.trace();
+        for (Eigen::Index l = 0; l < kKinds; ++l) {
+          information(k, l) += 2.0 * (of * A[static_cast<std::size_t>(l)] * Q).trace();
+        }
+      }
+    }
+    const Eigen::RowVector2d follows = information.block<1, 2>(0, 1) * information.bottomRightCorner<2, 2>().inverse();
+    const double left = information(0, 0) - follows * information.block<2, 1>(1, 0);
+    const double beyond = score(0) - follows * score.tail<2>();
+    return left > 0.0 && beyond > 0.0 ? beyond * beyond / left : 0.0;
+  }
+
+  /// Noise that nobody states and no repeat shows is told from joints by what a pose shows of both: joints turn a plate
+  /// as they shift it, noise does not.
+  void add_joint_beside_noise(std::vector<Candidate>& all) const {
+    const Observation& observation = fit_.observation();
+    const bool turns = std::ranges::any_of(observation.groups(), [&](const Group& group) {
+      return group.active && observation.orientation_rows(group) > 0;
+    });
+    if (!turns) return;
+    all.push_back({.promised = drop_by_joints(fit_),
+                   .begin = [](StageFit& fit) { fit.seek_joint_beside_noise(first_joint_std(fit)); },
+                   .size = [](const StageFit& fit) { return fit.observation().components().joint; },
+                   .say =
+                       [](const StageFit& fit, double) {
+                         return fmt::format(
+                             "beside noise of {:.3f} mm, poses disagree with the model by {:.3f} mm, the way that "
+                             "joints move and turn the plate: backlash, friction, load or uneven drives",
+                             reading_noise(fit.observation()), pose_disagreement(fit));
+                       }});
   }
 
   static std::string joint_sentence(const StageFit& fit, bool repeated) {
@@ -173,19 +237,20 @@ class Finder {
         places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
     add(times("the errors of the tilt group are"), groups,
         places([](const SoughtSource& one) { return tilts_plate(one.source); }));
-    for (const Source source : all_sources()) {
-      add(times(fmt::format("{} of all limbs is", name(source))), kinds,
+    const Actuator actuator = fit_.observation().robot().actuator();
+    for (const Source source : sources_of(actuator)) {
+      add(times(fmt::format("{} of all limbs is", name(source, actuator))), kinds,
           places([source](const SoughtSource& one) { return one.source == source; }));
     }
     for (std::size_t k = 0; k < sought.size(); ++k) {
       if (!sought[k].prior_std) continue;
       const SoughtSource one = sought[k];
       add(
-          [one](const StageFit&, double size) {
+          [one, actuator](const StageFit&, double size) {
             return fmt::format(
                 "{} of limb {} is {:.1f} standard deviations of its tolerance away from nominal: a "
                 "wrong part, or a wrong tolerance",
-                name(one.source), one.limb + 1, size);
+                name(one.source, actuator), one.limb + 1, size);
           },
           ones, {k});
     }

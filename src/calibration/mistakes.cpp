@@ -87,16 +87,16 @@ void MistakeList::add_units() {
     double mm;
   };
   constexpr std::array<LengthUnit, 3> kUnits{{{"metres", 1000.0}, {"inches", 25.4}, {"centimetres", 10.0}}};
-  const bool rails = given_.robot.actuator() == Actuator::linear && states_joints(measurements());
+  const bool lengths = joint_unit(given_.robot.actuator()) == Unit::mm && states_joints(measurements());
   for (const auto& [name, mm] : kUnits) {
     const double factor = mm;
     add("unit", fmt::format("the readings are in {}", name), [=](Measurements& m) { scale_readings(m, factor); });
     const auto scale_commanded = [=](Measurements& m) {
       scale_commands(m, factor);
-      if (rails) scale_joints(m, factor);
+      if (lengths) scale_joints(m, factor);
     };
-    if (!rails && !commands_count(measurements())) continue;
-    const char* commanded = rails ? "joints and commanded poses" : "the commanded poses";
+    if (!lengths && !commands_count(measurements())) continue;
+    const char* commanded = lengths ? "joints and commanded poses" : "the commanded poses";
     add("unit", fmt::format("{} are in {}", commanded, name), scale_commanded);
     add("unit", fmt::format("the readings and {} are in {}", commanded, name), [=](Measurements& m) {
       scale_readings(m, factor);
@@ -107,7 +107,7 @@ void MistakeList::add_units() {
 
 void MistakeList::add_angles() {
   const bool commanded = commands_count(measurements()) && commands_turn(measurements());
-  const bool joints = states_joints(measurements()) && given_.robot.actuator() == Actuator::revolute;
+  const bool joints = states_joints(measurements()) && joint_unit(given_.robot.actuator()) == Unit::rad;
   const bool read = reads_rotation(measurements());
   const auto command = [](Measurements& m) { turn_commands(m, kRadInDegrees); };
   const auto joint = [](Measurements& m) { scale_joints(m, kRadInDegrees); };
@@ -243,10 +243,37 @@ void MistakeList::add_command_frames() {
   }
 }
 
-void MistakeList::add_limb_orders() {
-  std::vector<Eigen::Index> order(given_.robot.limb_count());
+/// Other orders of limbs: all of a few; of many those that begin elsewhere, run the other way round, or swap two.
+std::vector<std::vector<Eigen::Index>> limb_orders(std::size_t count) {
+  constexpr std::size_t kFew = 4;
+  std::vector<Eigen::Index> order(count);
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  while (std::ranges::next_permutation(order).found) {
+  const std::vector<Eigen::Index> right = order;
+  std::vector<std::vector<Eigen::Index>> all;
+  if (count <= kFew) {
+    while (std::ranges::next_permutation(order).found) all.push_back(order);
+    return all;
+  }
+  for (const bool reversed : {false, true}) {
+    for (std::size_t first = 0; first < count; ++first) {
+      order = right;
+      if (reversed) std::ranges::reverse(order);
+      std::ranges::rotate(order, order.begin() + static_cast<std::ptrdiff_t>(first));
+      if (order != right) all.push_back(order);
+    }
+  }
+  for (std::size_t one = 0; one < count; ++one) {
+    for (std::size_t other = one + 1; other < count; ++other) {
+      order = right;
+      std::swap(order[one], order[other]);
+      all.push_back(order);
+    }
+  }
+  return all;
+}
+
+void MistakeList::add_limb_orders() {
+  for (const std::vector<Eigen::Index>& order : limb_orders(given_.robot.limb_count())) {
     std::vector<Eigen::Index> named = order;
     for (Eigen::Index& limb : named) ++limb;
     const std::string text = fmt::format("the limbs are in another order: joints 1 to {} are those of limbs {}",

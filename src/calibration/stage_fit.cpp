@@ -22,7 +22,9 @@ void StageFit::solve() {
   LeastSquaresOptions options{.max_iterations = 500};
   // With priors: a thousandth of a percent of a standard deviation, far below what anyone states.
   if (has_priors(observation_)) options.step_tolerance = 1e-5;
+  observation_.hold_joint_rows(fit_.parameters);
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
+  observation_.release_joint_rows();
   iterations_ += fit_.iterations;
 }
 
@@ -166,6 +168,12 @@ double StageFit::update_priors(WidenedPriors& widened) {
 void StageFit::seek_joint(double start) {
   sought_.joint = true;
   observation_.components().joint = start;
+}
+
+void StageFit::seek_joint_beside_noise(double start) {
+  constexpr double kLess = 0.3;  // all began as noise, which little of it may be
+  seek_joint(start);
+  observation_.components().unstated_noise *= kLess;
 }
 
 void StageFit::seek_stated_noise(double start) {

@@ -74,6 +74,7 @@ StationRows Observation::station_rows(std::size_t station, const std::vector<Sta
     at.groups.push_back(g);
     at.first.push_back(count);
     rows(groups_[g], stations, unknowns, blocks.emplace_back(), &by_joints.emplace_back());
+    if (!held_by_joint_.empty()) by_joints.back() = held_by_joint_[g];
     count += blocks.back().rows();
   }
   at.rows.resize(count, unknown_count() + 1);
@@ -88,6 +89,14 @@ StationRows Observation::station_rows(std::size_t station, const std::vector<Sta
   at.spread = information.llt().solve(one);
   at.smoother = at.spread * at.by_joint.transpose();
   return at;
+}
+
+void Observation::hold_joint_rows(const Eigen::VectorXd& unknowns) {
+  const auto states = components_.joint > 0.0 ? stations(unknowns) : nullptr;
+  if (!states) return;
+  held_by_joint_.resize(groups_.size());
+  Eigen::MatrixXd block;
+  for (std::size_t g = 0; g < groups_.size(); ++g) rows(groups_[g], *states, unknowns, block, &held_by_joint_[g]);
 }
 
 bool Observation::operator()(const Eigen::VectorXd& unknowns, InformationRoot& root) const {

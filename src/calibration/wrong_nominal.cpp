@@ -47,7 +47,19 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
   return one;
 }
 
+/// A strut of another length.
+std::vector<Dimension> lengths_of_struts(const Robot& robot) {
+  std::vector<Dimension> all;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    all.push_back({fmt::format("length_at_zero_mm of limb {}", limb + 1), false,
+                   [limb](RobotDescription& r) -> double& { return r.geometry.struts[limb].length_at_zero; },
+                   only_limb(each(robot, Source::theta_offset), limb)});
+  }
+  return all;
+}
+
 std::vector<Dimension> dimensions(const Robot& robot) {
+  if (robot.has_six_freedoms()) return lengths_of_struts(robot);
   std::vector<Dimension> all{
       {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
       {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},
