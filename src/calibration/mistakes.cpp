@@ -8,6 +8,7 @@
 #include <array>
 #include <numeric>
 
+#include "limb_orders.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 #include "reading_mistakes.hpp"
@@ -241,35 +242,6 @@ void MistakeList::add_command_frames() {
     turned(fmt::format("the frame of the commands is turned by {} deg about z against the robot's", degrees),
            Eigen::AngleAxisd(to_radians(degrees), Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
-}
-
-/// Other orders of limbs: all of a few; of many those that begin elsewhere, run the other way round, or swap two.
-std::vector<std::vector<Eigen::Index>> limb_orders(std::size_t count) {
-  constexpr std::size_t kFew = 4;
-  std::vector<Eigen::Index> order(count);
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  const std::vector<Eigen::Index> right = order;
-  std::vector<std::vector<Eigen::Index>> all;
-  if (count <= kFew) {
-    while (std::ranges::next_permutation(order).found) all.push_back(order);
-    return all;
-  }
-  for (const bool reversed : {false, true}) {
-    for (std::size_t first = 0; first < count; ++first) {
-      order = right;
-      if (reversed) std::ranges::reverse(order);
-      std::ranges::rotate(order, order.begin() + static_cast<std::ptrdiff_t>(first));
-      if (order != right) all.push_back(order);
-    }
-  }
-  for (std::size_t one = 0; one < count; ++one) {
-    for (std::size_t other = one + 1; other < count; ++other) {
-      order = right;
-      std::swap(order[one], order[other]);
-      all.push_back(order);
-    }
-  }
-  return all;
 }
 
 void MistakeList::add_limb_orders() {

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "columns.hpp"
+#include "length_rows.hpp"
 #include "names.hpp"
 #include "paracal/io/csv.hpp"
 #include "paracal/units.hpp"
@@ -106,68 +107,6 @@ class PoseRows {
   JointSpace present_;
   std::size_t names_;  ///< 0: none
   std::unordered_map<std::string, int> lines_;
-};
-
-/// Of the first kind where there is none, whose column is then told to be missing.
-const LengthWords& kind_of(const CsvTable& table) {
-  const auto& kinds = length_kinds();
-  const auto has = [&](const LengthWords& kind) { return table.has(kind.column); };
-  const auto found = std::ranges::find_if(kinds, has);
-  return found == kinds.end() ? kinds.front() : *found;
-}
-
-/// Rows of a table of lengths, whose header it has checked: a series for every set-up that they name.
-class LengthRows {
- public:
-  LengthRows(const CsvTable& table, std::string title)
-      : table_(table), kind_(kind_of(table)), title_(std::move(title)), has_at_(says_at()) {
-    std::vector<std::string_view> columns{"pose", kind_.column, "sigma_mm"};
-    if (has_columns()) columns.insert(columns.end(), kind_.at_columns.begin(), kind_.at_columns.end());
-    table.allow_only(columns);
-  }
-
-  void add(std::size_t row, std::size_t station) {
-    const double length = table_.number(row, kind_.column);
-    if (kind_.positive && !(length > 0.0)) {
-      table_.fail(row, fmt::format("expected {} above 0, got {}", kind_.column, length));
-    }
-    series_at(row).readings.push_back(
-        {.station = station, .length = length, .sigma = positive_number(table_, row, "sigma_mm")});
-  }
-
-  std::vector<LengthSeries> take() && { return std::move(series_); }
-
- private:
-  bool has_columns() const { return !kind_.at_columns.front().empty(); }
-  bool says_at() const {
-    return kind_.needs_at || (has_columns() && std::ranges::any_of(kind_.at_columns, [&](std::string_view column) {
-                                return table_.has(column);
-                              }));
-  }
-
-  std::optional<Eigen::Vector3d> at(std::size_t row) const {
-    if (!has_at_) return std::nullopt;
-    Eigen::Vector3d at;
-    for (Eigen::Index k = 0; k < 3; ++k) at(k) = table_.number(row, kind_.at_columns[static_cast<std::size_t>(k)]);
-    if (kind_.needs_at && at.isZero(0.0)) table_.fail(row, fmt::format("expected {}, got 0, 0, 0", kind_.at));
-    return at;
-  }
-
-  LengthSeries& series_at(std::size_t row) {
-    const std::optional<Eigen::Vector3d> at = this->at(row);
-    const auto same = [&](const LengthSeries& one) { return one.at == at; };
-    const auto found = std::ranges::find_if(series_, same);
-    if (found != series_.end()) return *found;
-    std::string name = title_;
-    if (!series_.empty()) name += fmt::format(" ({:g}, {:g}, {:g})", at->x(), at->y(), at->z());
-    return series_.emplace_back(LengthSeries{std::move(name), kind_.kind, {}, at});
-  }
-
-  const CsvTable& table_;
-  const LengthWords& kind_;
-  std::string title_;
-  bool has_at_;
-  std::vector<LengthSeries> series_;
 };
 
 void allow_joints(const CsvTable& table, const JointSpace& joints) {

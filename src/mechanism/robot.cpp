@@ -2,30 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
+#include "struts.hpp"
 
 namespace paracal {
 namespace {
 
+using detail::require_positive_mm;
+
 constexpr double kSmallestAzimuthGap = std::numbers::pi / 180.0;
 constexpr int kRimPoints = 72;
-constexpr std::size_t kStruts = 6;
-/// Singular values of how struts hold a plate, turns counted at its radius: below this share of the largest they do
-/// not.
-constexpr double kHeld = 1e-3;
-
-void require_positive_mm(std::string_view quantity, double value) {
-  if (!(value > 0.0) || !std::isfinite(value)) {
-    throw InvalidArgument(fmt::format("{}: expected a length above 0 mm, got {} mm", quantity, value));
-  }
-}
 
 void check_lengths(const Geometry& geometry) {
   require_positive_mm("geometry.base_radius_mm", geometry.base_radius);
@@ -60,29 +51,6 @@ void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
   }
 }
 
-std::string place(const Eigen::Vector3d& point) {
-  return fmt::format("({:g}, {:g}, {:g}) mm", point.x(), point.y(), point.z());
-}
-
-void check_struts(const std::vector<Strut>& struts) {
-  if (struts.size() != kStruts) {
-    throw InvalidArgument(
-        fmt::format("limb: expected {} struts for a plate with six freedoms, got {}", kStruts, struts.size()));
-  }
-  for (std::size_t i = 0; i < struts.size(); ++i) {
-    const auto& [base, plate, length] = struts[i];
-    if (!base.allFinite() || !plate.allFinite()) {
-      throw InvalidArgument(fmt::format("limb: expected numbers for the joints of limb {}", i + 1));
-    }
-    require_positive_mm(fmt::format("limb: length_at_zero_mm of limb {}", i + 1), length);
-    for (std::size_t j = 0; j < i; ++j) {
-      if (base != struts[j].base || plate != struts[j].plate) continue;
-      throw InvalidArgument(fmt::format("limb: expected struts of their own, got limbs {} and {} both from {} to {}",
-                                        j + 1, i + 1, place(base), place(plate)));
-    }
-  }
-}
-
 void check_slide(Slide& slide, std::size_t limbs) {
   require_positive_mm("plate.pinion_radius_mm", slide.pinion_radius);
   if (!slide.axis.allFinite() || slide.axis.norm() < 1e-9) {
@@ -106,24 +74,10 @@ void check_slide(Slide& slide, std::size_t limbs) {
   }
 }
 
-/// The whole workspace of a plate on struts is on one side of the base.
-void check_side(const Workspace& workspace) {
-  const double bottom = workspace.top_z - workspace.height;
-  if (!std::isfinite(workspace.top_z) || !(workspace.top_z < 0.0 || bottom > 0.0)) {
-    throw InvalidArgument(
-        fmt::format("workspace.top_z_mm: expected a workspace above the base, or one below, got z from {} to {} mm",
-                    bottom, workspace.top_z));
-  }
-  if (!(workspace.max_tilt >= 0.0) || !(workspace.max_tilt < 0.5 * std::numbers::pi)) {
-    throw InvalidArgument(fmt::format("workspace.tilt_deg: expected at least 0 and less than 90 deg, got {:g}",
-                                      to_degrees(workspace.max_tilt)));
-  }
-}
-
 void check_workspace(const Workspace& workspace, bool has_slide, bool six_freedoms) {
   require_positive_mm("workspace.radius_mm", workspace.radius);
   require_positive_mm("workspace.height_mm", workspace.height);
-  if (six_freedoms) return check_side(workspace);
+  if (six_freedoms) return detail::check_side(workspace);
   if (workspace.max_tilt != 0.0) {
     throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
   }
@@ -153,35 +107,6 @@ std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
                      std::hypot(in_plane - limb.arm, local.z()), std::hypot(in_plane + limb.arm, local.z()));
 }
 
-/// Rows (n, R a x n / radius of the plate) of all struts: how they hold it.
-Eigen::Matrix<double, kStruts, 6> hold(const Machine& machine, const Pose& pose, double radius) {
-  const auto turn = [&](int axis) { return Eigen::AngleAxisd(pose.tilt(axis), Eigen::Vector3d::Unit(axis)); };
-  const Eigen::Matrix3d rotation = (turn(0) * turn(1) * turn(2)).toRotationMatrix();
-  Eigen::Matrix<double, kStruts, 6> rows;
-  for (std::size_t i = 0; i < kStruts; ++i) {
-    const Eigen::Vector3d lever = rotation * machine.limbs[i].plate;
-    const Eigen::Vector3d n = (pose.position + lever - machine.limbs[i].base).normalized();
-    rows.row(static_cast<Eigen::Index>(i)) << n.transpose(), lever.cross(n).transpose() / radius;
-  }
-  return rows;
-}
-
-/// Struts reach everywhere, but do not hold the plate everywhere.
-void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace) {
-  std::vector<Pose> poses = workspace.rim(kRimPoints / 6);
-  poses.insert(poses.begin(), Pose{workspace.centre()});
-  for (const Pose& pose : poses) {
-    const auto rows = hold(machine, pose, geometry.plate_radius);
-    const Eigen::Matrix<double, 6, 1> values = rows.jacobiSvd().singularValues();
-    if (values(5) > kHeld * values(0)) continue;
-    throw InvalidArgument(fmt::format(
-        "workspace: the struts do not hold the plate at {} tilted by ({:g}, {:g}, {:g}) deg: it could move with all of "
-        "them as they are (singular; {:.1g} of how the stiffest motion is held)",
-        place(pose.position), to_degrees(pose.tilt.x()), to_degrees(pose.tilt.y()), to_degrees(pose.tilt.z()),
-        values(5) / values(0)));
-  }
-}
-
 /// Names the first limb that cannot close its triangle of arm and rod somewhere on the rims of the workspace.
 void check_reach(const Machine& machine, const Workspace& workspace) {
   for (const Pose& pose : workspace.rim(kRimPoints)) {
@@ -208,16 +133,8 @@ void check_tolerances(const Tolerances& tolerances, Actuator actuator) {
   }
 }
 
-std::optional<std::string> absurd_strut(const Strut& strut, const SourceErrors& errors, std::size_t limb) {
-  const double length = strut.length_at_zero + errors(limb, Source::theta_offset);
-  const double growth = 1000.0 + errors(limb, Source::gain);
-  if (length > 0.0 && growth > 0.0) return std::nullopt;
-  return fmt::format("expected limb {} longer than 0 mm at zero and growing with its joint, got {:g} mm and {:g} mm/m",
-                     limb + 1, length, growth);
-}
-
 std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  if (geometry.actuator == Actuator::strut) return absurd_strut(geometry.struts[limb], errors, limb);
+  if (geometry.actuator == Actuator::strut) return detail::absurd_strut(geometry.struts[limb], errors, limb);
   struct Length {
     const char* of;
     double nominal, error;
@@ -255,7 +172,7 @@ void check_intended(const RobotDescription& robot) {
 void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
   if (description.geometry.actuator == Actuator::strut) {
-    check_struts(description.geometry.struts);
+    detail::check_struts(description.geometry.struts);
     if (has_slide) throw InvalidArgument("plate: expected no slide on a plate with six freedoms");
     return;
   }
@@ -275,7 +192,7 @@ Machine checked_nominal(RobotDescription& description) {
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   Machine nominal = build(description, SourceErrors{});
   if (on_struts) {
-    check_hold(nominal, description.geometry, description.workspace);
+    detail::check_hold(nominal, description.geometry, description.workspace);
   } else {
     check_reach(nominal, description.workspace);
   }
@@ -296,29 +213,7 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
   return std::nullopt;
 }
 
-/// Root of the mean square.
-double mean_radius(const std::vector<Strut>& struts, Eigen::Vector3d Strut::*joint) {
-  double squares = 0.0;
-  for (const Strut& strut : struts) squares += (strut.*joint).head<2>().squaredNorm();
-  return std::sqrt(squares / static_cast<double>(struts.size()));
-}
-
 }  // namespace
-
-Geometry strut_geometry(std::vector<Strut> struts) {
-  Geometry geometry;
-  geometry.actuator = Actuator::strut;
-  if (struts.empty()) return geometry;
-  geometry.base_radius = mean_radius(struts, &Strut::base);
-  geometry.plate_radius = mean_radius(struts, &Strut::plate);
-  geometry.parallelogram_width = 2.0 * geometry.plate_radius;
-  for (const Strut& strut : struts) {
-    geometry.rod += strut.length_at_zero / static_cast<double>(struts.size());
-    geometry.limb_azimuth.push_back(std::atan2(strut.base.y(), strut.base.x()));
-  }
-  geometry.struts = std::move(struts);
-  return geometry;
-}
 
 Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
