@@ -108,6 +108,7 @@ test("numbers in the page are those of the JSON", async () => {
   assert.deepEqual(results.calibration, printed);
   const table = page.locator("#parameters-deg details");
   await table.locator("summary").click();
+  await table.locator("tbody tr").first().waitFor();  // written when it opens
   const rows = await table.locator("tbody tr").evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
   const wanted = printed.parameters.filter(({ status, unit }) => status !== "fixed" && unit === "deg");
   assert.equal(rows.length, wanted.length);
