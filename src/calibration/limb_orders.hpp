@@ -24,8 +24,8 @@ inline std::vector<std::vector<Eigen::Index>> limb_orders(std::size_t count) {
   for (const bool reversed : {false, true}) {
     for (std::size_t first = 0; first < count; ++first) {
       order = right;
-      if (reversed) std::ranges::reverse(order);
-      std::ranges::rotate(order, order.begin() + static_cast<std::ptrdiff_t>(first));
+      if (reversed) std::reverse(order.begin(), order.end());
+      std::rotate(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(first), order.end());
       if (order != right) all.push_back(order);
     }
   }

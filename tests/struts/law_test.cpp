@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "calibration/sought.hpp"
@@ -14,6 +15,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/calibration/validation.hpp"
+#include "paracal/io/toml.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "support/robots.hpp"
@@ -180,6 +182,29 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
   EXPECT_LE(told_even, 2);  // one in 50 by chance
 }
 
+/// From nothing the plate is found level or tilted by half a right angle, far beyond any workspace.
+TEST_P(TemplateLaw, ThePlateIsFoundFromNothing) {
+  test::Random random;
+  for (int k = 0; k < 10'000; ++k) {
+    Pose pose = random.pose(robot);
+    pose.tilt = random.within(to_radians(45.0));
+    const ForwardResult found = forward(robot.nominal(), inverse(robot.nominal(), pose).joints);
+    ASSERT_TRUE(found.ok());
+    EXPECT_LT((found.plate.position - pose.position).norm(), 1e-8);
+    EXPECT_LT((found.plate.tilt - pose.tilt).norm(), 1e-10);
+  }
+}
+
+/// Use is asked for with the plate tilted as far as the workspace says, about each axis, both ways.
+TEST_P(TemplateLaw, UseIsThatOfTheTiltedPlate) {
+  const std::vector<Station> stations = workspace_stations(robot);
+  for (const Eigen::Vector3d& tilt : robot.workspace().tilts()) {
+    const auto here = [&](const Station& one) { return one.commanded.tilt == tilt; };
+    EXPECT_GT(std::ranges::count_if(stations, here), 10) << tilt.transpose();
+  }
+  EXPECT_EQ(robot.workspace().tilts().size(), 7u);
+}
+
 TEST_P(TemplateLaw, ACalibratedMachineIsValidated) {
   RandomStream stream(3, 4);
   const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
@@ -201,6 +226,21 @@ TEST_P(TemplateLaw, ACalibratedMachineIsValidated) {
   SourceErrors knocked = truth;
   knocked(2, Source::plate_y) += 2.0;
   EXPECT_FALSE(validate(robot, known_errors(found), simulate(robot, knocked, other, instrument, stream)).accepted);
+}
+
+/// Where struts hold the plate in two ways, the one that was commanded is meant: readings and fits of a plate tilted by
+/// 70 deg, where a search from the level plate ends elsewhere.
+TEST(AssemblyMode, IsThatOfTheCommand) {
+  const Robot robot = io::read_robot(io::robot_template("hexapod"));
+  Pose pose{{40.0, -30.0, 480.0}};
+  pose.tilt.x() = to_radians(-70.0);
+  const ForwardResult elsewhere = forward(robot.nominal(), inverse(robot.nominal(), pose).joints);
+  ASSERT_TRUE(elsewhere.ok());
+  EXPECT_GT((elsewhere.plate.position - pose.position).norm(), 1.0);
+  RandomStream unused(0);
+  const Measurements read =
+      simulate(robot, {}, planned(robot, {{"P", pose}}, {.measurand = Measurand::poses}), {}, unused);
+  EXPECT_LT((read.series[0].readings[0].point - pose.position).norm(), 1e-6);
 }
 
 }  // namespace
