@@ -28,7 +28,7 @@ TEST(Source, LengthsAreMmAndAnglesRad) {
 }
 
 TEST(Source, StrutsHaveEightOfTheirOwn) {
-  const std::array<std::string_view, 8> contract{"zero",   "base_x", "base_y",  "base_z",
+  const std::array<std::string_view, 8> contract{"zero", "base_x",  "base_y",  "base_z",
                                                  "gain", "plate_x", "plate_y", "plate_z"};
   const auto sources = sources_of(Actuator::strut);
   ASSERT_EQ(sources.size(), contract.size());

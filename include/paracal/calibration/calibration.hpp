@@ -32,7 +32,7 @@ enum class Stage : std::uint8_t {
 /// Frame of measured points, or of a measured body on what carries it.
 enum class Frame : std::uint8_t {
   unknown,  ///< any rigid motion away from the robot's, another one for each series
-  robot,  ///< known: that of the robot, or of its plate
+  robot,    ///< known: that of the robot, or of its plate
 };
 
 /// Zero of a rotary encoder that reads phi.

@@ -11,7 +11,7 @@ enum class ErrorModelStatus : std::uint8_t {
   ok,
   unreachable,  ///< the nominal robot does not reach the pose, or is none of the paper's kind: on struts all of a
                 ///< plate's errors are compensable, and nothing falls apart into two groups. No matrix is set.
-  singular,  ///< A_dd or A_ee^T A_ee has a reciprocal condition below kSmallestCondition; no G is set
+  singular,     ///< A_dd or A_ee^T A_ee has a reciprocal condition below kSmallestCondition; no G is set
 };
 
 /// Linear error model of a nominal robot at a pose [huang2016, Eqs. (3)-(7)], for N limbs:
