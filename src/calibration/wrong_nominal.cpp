@@ -50,6 +50,7 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
 /// A strut of another length.
 std::vector<Dimension> lengths_of_struts(const Robot& robot) {
   std::vector<Dimension> all;
+  all.reserve(robot.limb_count());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     all.push_back({fmt::format("length_at_zero_mm of limb {}", limb + 1), false,
                    [limb](RobotDescription& r) -> double& { return r.geometry.struts[limb].length_at_zero; },

@@ -14,6 +14,7 @@ std::string_view kind_of(const detail::EmbeddedFile& file) { return file.name.su
 
 std::vector<std::string> robot_templates() {
   std::vector<std::string> kinds;
+  kinds.reserve(detail::robot_templates().size());
   for (const detail::EmbeddedFile& file : detail::robot_templates()) kinds.emplace_back(kind_of(file));
   return kinds;
 }

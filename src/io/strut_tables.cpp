@@ -33,8 +33,10 @@ bool define_limbs(const toml::table& document) {
 }
 
 Geometry limbs_geometry(Section& root) {
+  std::vector<Section> limbs = root.tables("limb");
   std::vector<Strut> struts;
-  for (Section& limb : root.tables("limb")) struts.push_back(strut_of(std::move(limb)));
+  struts.reserve(limbs.size());
+  for (Section& limb : limbs) struts.push_back(strut_of(std::move(limb)));
   return strut_geometry(std::move(struts));
 }
 

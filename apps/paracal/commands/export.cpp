@@ -105,6 +105,7 @@ void run(const Options& options, Session& session) {
 
 void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& dialect) {
   std::vector<std::string> names;
+  names.reserve(kDialects.size());
   for (const auto& [name, one] : kDialects) names.emplace_back(name);
   const auto choose = [&dialect](const std::string& wanted) {
     dialect = std::ranges::find(kDialects, wanted, [](const auto& one) { return one.first; })->second;
