@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
 #include <utility>
+
+#include "variance_score.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -99,51 +100,37 @@ class Finder {
     if (!(scatter.poses.redundancy >= 3.0) || !(visits > 0.0)) return;
     const double ratio = scatter.poses.sum / scatter.poses.redundancy / visits;
     const bool repeated = scatter.visits.redundancy >= 3.0;
-    all.push_back({.promised = promised_drop(ratio, scatter.poses.redundancy),
-                   .begin = [](StageFit& fit) { fit.seek_joint(first_joint_std(fit)); },
-                   .size = [](const StageFit& fit) { return fit.observation().components().joint; },
-                   .say = [repeated](const StageFit& fit, double) { return joint_sentence(fit, repeated); }});
+    all.push_back(joint_candidate(promised_drop(ratio, scatter.poses.redundancy),
+                                  [repeated](const StageFit& fit, double) { return joint_sentence(fit, repeated); }));
   }
 
-  /// By how much -2 log likelihood promises to drop when joints are let stand elsewhere beside noise whose sizes are
-  /// sought: the score z^2 of their variance at zero, with that of the noise projected out. With whitened residuals e,
-  /// Q = I - J C J^T of each station and what the variances add to its covariance, A = H H^T, noise of positions, and
-  /// noise of orientations,
-  ///
-  ///   u_k = sum e^T A_k e - tr(A_k Q),   I_kl = 2 sum tr(A_k Q A_l Q),   z = (u - I_jn I_nn^-1 u_n) / sqrt(I_jj - ...)
+  static Candidate joint_candidate(double promised, Sentence say) {
+    return {.promised = promised,
+            .begin = [](StageFit& fit) { fit.seek_joint(first_joint_std(fit)); },
+            .size = [](const StageFit& fit) { return fit.observation().components().joint; },
+            .say = std::move(say)};
+  }
+
+  /// By how much -2 log likelihood promises to drop when joints are let stand elsewhere beside noise of any size.
   static double drop_by_joints(const StageFit& fit) {
-    constexpr Eigen::Index kKinds = 3;
     const Observation& observation = fit.observation();
     const Eigen::VectorXd& unknowns = fit.fit().parameters;
     const Eigen::MatrixXd covariance = fit.covariance();
     const auto states = observation.stations(unknowns);
-    Eigen::Matrix<double, kKinds, 1> score = Eigen::Matrix<double, kKinds, 1>::Zero();
-    Eigen::Matrix<double, kKinds, kKinds> information = Eigen::Matrix<double, kKinds, kKinds>::Zero();
+    VarianceScore variances;
     Eigen::MatrixXd block, by_joint;
     for (const Group& group : observation.groups()) {
       const Eigen::Index turns = observation.orientation_rows(group);
       if (!group.active || group.is_relative() || turns == 0) continue;
       observation.rows(group, *states, unknowns, block, &by_joint);
-      const Eigen::Index rows = block.rows();
       const Eigen::MatrixXd J = block.leftCols(observation.unknown_count());
-      const Eigen::VectorXd e = block.rightCols<1>();
-      const Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(rows, rows) - J * covariance * J.transpose();
-      std::array<Eigen::MatrixXd, kKinds> A{by_joint * by_joint.transpose(), Eigen::MatrixXd::Zero(rows, rows),
-                                            Eigen::MatrixXd::Zero(rows, rows)};
-      A[1].diagonal().head(3).setOnes();
-      A[2].diagonal().segment(3, turns).setOnes();
-      for (Eigen::Index k = 0; k < kKinds; ++k) {
-        const Eigen::MatrixXd of = A[static_cast<std::size_t>(k)] * Q;
-        score(k) += e.dot(A[static_cast<std::size_t>(k)] * e) - of.trace();
-        for (Eigen::Index l = 0; l < kKinds; ++l) {
-          information(k, l) += 2.0 * (of * A[static_cast<std::size_t>(l)] * Q).trace();
-        }
-      }
+      const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(block.rows(), block.rows());
+      std::array<Eigen::MatrixXd, 3> A{by_joint * by_joint.transpose(), one, one};
+      A[1].diagonal().segment(3, turns).setZero();
+      A[2].diagonal().head(3).setZero();
+      variances.add(A, one - J * covariance * J.transpose(), block.rightCols<1>());
     }
-    const Eigen::RowVector2d follows = information.block<1, 2>(0, 1) * information.bottomRightCorner<2, 2>().inverse();
-    const double left = information(0, 0) - follows * information.block<2, 1>(1, 0);
-    const double beyond = score(0) - follows * score.tail<2>();
-    return left > 0.0 && beyond > 0.0 ? beyond * beyond / left : 0.0;
+    return variances.drop_of_first();
   }
 
   /// Noise that nobody states and no repeat shows is told from joints by what a pose shows of both: joints turn a plate
@@ -154,16 +141,13 @@ class Finder {
       return group.active && observation.orientation_rows(group) > 0;
     });
     if (!turns) return;
-    all.push_back({.promised = drop_by_joints(fit_),
-                   .begin = [](StageFit& fit) { fit.seek_joint_beside_noise(first_joint_std(fit)); },
-                   .size = [](const StageFit& fit) { return fit.observation().components().joint; },
-                   .say =
-                       [](const StageFit& fit, double) {
-                         return fmt::format(
-                             "beside noise of {:.3f} mm, poses disagree with the model by {:.3f} mm, the way that "
-                             "joints move and turn the plate: backlash, friction, load or uneven drives",
-                             reading_noise(fit.observation()), pose_disagreement(fit));
-                       }});
+    all.push_back(joint_candidate(drop_by_joints(fit_), [](const StageFit& fit, double) {
+      return fmt::format(
+          "beside noise of {:.3f} mm, poses disagree with the model by {:.3f} mm, the way that joints move and turn "
+          "the "
+          "plate: backlash, friction, load or uneven drives",
+          reading_noise(fit.observation()), pose_disagreement(fit));
+    }));
   }
 
   static std::string joint_sentence(const StageFit& fit, bool repeated) {

@@ -170,12 +170,6 @@ void StageFit::seek_joint(double start) {
   observation_.components().joint = start;
 }
 
-void StageFit::seek_joint_beside_noise(double start) {
-  constexpr double kLess = 0.3;  // all began as noise, which little of it may be
-  seek_joint(start);
-  observation_.components().unstated_noise *= kLess;
-}
-
 void StageFit::seek_stated_noise(double start) {
   sought_.stated_noise = true;
   observation_.components().stated_noise = start;

@@ -56,8 +56,6 @@ class StageFit {
   void exclude_outliers(double outlier_chance);
   /// Begins to seek a component, at `start` (a standard deviation, or a factor of it).
   void seek_joint(double start);
-  /// The same where nobody states the noise: from where joints do most of what looked like noise.
-  void seek_joint_beside_noise(double start);
   void seek_stated_noise(double start);
   void seek_wider_priors(std::vector<std::size_t> places, double start);
 
