@@ -55,7 +55,7 @@ Eigen::Matrix<double, 1, kSourceCount> strut_derivative(double joint, const Eige
   const auto at = [&](Source source) { return static_cast<Eigen::Index>(index(source)); };
   derivative(at(Source::theta_offset)) = -1.0;
   derivative.segment<3>(at(Source::e_x)) = -n;
-  derivative(at(Source::gain)) = -joint / 1000.0;
+  derivative(at(Source::gain)) = -joint / kGainLength;
   derivative.segment<3>(at(Source::plate_x)) = n.transpose() * rotation;
   return derivative;
 }

@@ -14,8 +14,8 @@ using detail::LinearClosure;
 using detail::linearize;
 using detail::Unknowns;
 
-/// The same on struts: as high above the mean of the base joints, or below, as struts of that mean square would hold
-/// it.
+/// First guess on struts: the plate level, as high above the mean of the base joints, or below, as struts of that mean
+/// square would hold it.
 PlateState struts_start(const Machine& machine, const detail::Elbows<6>& elbows) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double square = 0.0;

@@ -16,18 +16,23 @@ void take(InverseResult& result, std::size_t limb, const JointSolution& solution
   }
 }
 
+/// Closed form on struts, with all their errors.
+InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
+  InverseResult result;
+  result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
+  result.status = InverseStatus::reached;
+  const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    take(result, i, stretch(machine.limbs[i], pose.position + rotation * machine.limbs[i].plate));
+  }
+  return result;
+}
+
 /// Closed form on the centre lines of the limbs, plate level.
 InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   InverseResult result;
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
   result.status = InverseStatus::reached;
-  if (machine.has_six_freedoms()) {
-    const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
-    for (std::size_t i = 0; i < machine.limb_count; ++i) {
-      take(result, i, stretch(machine.limbs[i], pose.position + rotation * machine.limbs[i].plate));
-    }
-    return result;
-  }
   const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
   if (machine.actuator() == Actuator::linear) {
     for (std::size_t i = 0; i < machine.limb_count; ++i) {
@@ -89,7 +94,7 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
 }  // namespace
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
-  InverseResult result = level_inverse(machine, pose);
+  InverseResult result = machine.has_six_freedoms() ? strut_inverse(machine, pose) : level_inverse(machine, pose);
   const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
   if ((!machine.has_slide() && turns) || (!machine.has_six_freedoms() && leans)) {
     result.status = InverseStatus::unreachable;

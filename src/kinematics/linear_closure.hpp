@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "paracal/kinematics/closure.hpp"
 
@@ -90,17 +91,16 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
   return linear;
 }
 
-/// Calls task.operator()<N>() for the number of limbs; a Robot has 3, 4 or 6.
-template <typename Task>
-auto with_limb_count(std::size_t limbs, Task&& task) {
-  if (limbs == 6) return task.template operator()<6>();
-  return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
-}
-
-/// The same where limbs are pairs of rods and elbows lie between: not on struts.
+/// Calls task.operator()<N>() for the number of limbs that are pairs of rods: 3 or 4.
 template <typename Task>
 auto with_pair_count(std::size_t limbs, Task&& task) {
   return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
+}
+
+/// The same for the limbs of any Robot: 6 on struts.
+template <typename Task>
+auto with_limb_count(std::size_t limbs, Task&& task) {
+  return limbs == 6 ? task.template operator()<6>() : with_pair_count(limbs, std::forward<Task>(task));
 }
 
 }  // namespace paracal::detail

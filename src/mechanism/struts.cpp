@@ -103,7 +103,7 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
 
 std::optional<std::string> absurd_strut(const Strut& strut, const SourceErrors& errors, std::size_t limb) {
   const double length = strut.length_at_zero + errors(limb, Source::theta_offset);
-  const double growth = 1000.0 + errors(limb, Source::gain);
+  const double growth = kGainLength + errors(limb, Source::gain);
   if (length > 0.0 && growth > 0.0) return std::nullopt;
   return fmt::format("expected limb {} longer than 0 mm at zero and growing with its joint, got {:g} mm and {:g} mm/m",
                      limb + 1, length, growth);

@@ -25,7 +25,6 @@ double felt_std(const Robot& robot, const Tolerances& tolerances, Source source)
 ///
 ///   arm    e = turn x (b - a),                     alpha0 = turn.u0,  beta0 = turn.v0,  theta_offset = turn.w0
 ///   rail   e = turn x (b - a) + L (turn.v0 - alpha0 r.v0) w0,   alpha0 = turn.u0 / r.u0,  beta0 = turn.w0
-///
 ///   strut  e = turn x b
 ///
 /// r: the limb's radial direction, which is u0 unless the rail leans.

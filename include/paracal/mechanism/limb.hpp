@@ -20,7 +20,7 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 ///
 ///   actuator           revolute: C = b + L u_1(q), an arm of length L that the joint turns;
 ///                      linear:   C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points inward
-///              strut:    C = b, and the one rod from there to the plate grows: l = l_1 + gain q + joint_offset
+///                      strut:    C = b, whence the one rod to the plate grows: l = l_1 + gain q + joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
 ///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent)
 ///   arm       L_i      arm (proximal link) from B_i, or from the carriage, to the elbow C_i

@@ -45,14 +45,9 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
   return frame;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 /// @param error  of this limb, by its source.
 template <typename Scalar>
 BasicLimb<Scalar> strut(const Geometry& nominal, std::size_t limb, auto&& error) {
-  constexpr double kMetre = 1000.0;  // mm
   const Strut& strut = nominal.struts[limb];
   BasicLimb<Scalar> built;
   built.actuator = Actuator::strut;
@@ -61,7 +56,7 @@ BasicLimb<Scalar> strut(const Geometry& nominal, std::size_t limb, auto&& error)
   built.frame = nominal_frame(nominal.limb_azimuth[limb]).cast<Scalar>();
   built.arm = Scalar(0);
   built.joint_offset = error(Source::theta_offset);
-  built.gain = Scalar(1) + error(Source::gain) / Scalar(kMetre);
+  built.gain = Scalar(1) + error(Source::gain) / Scalar(kGainLength);
   built.elbow_frame = built.plate_frame = Matrix3<Scalar>::Identity();
   built.elbow_width = built.plate_width = Scalar(nominal.parallelogram_width);
   built.plate = strut.plate.cast<Scalar>() +

@@ -44,6 +44,9 @@ enum class Source : std::uint8_t {
   plate_z = rod_mean,
 };
 
+/// Travel in which `gain` is what a drive moves too far, mm.
+inline constexpr double kGainLength = 1000.0;
+
 inline constexpr std::size_t kSourceCount = 14;
 inline constexpr std::size_t kPositionSourceCount = 8;
 inline constexpr std::size_t kTiltSourceCount = kSourceCount - kPositionSourceCount;
