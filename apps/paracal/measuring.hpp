@@ -42,7 +42,7 @@ struct MeasuringOptions {
   bool states_noise_of(const Measurements& measurements) const;
   /// What is known of lengths read against lengths of the machine at 20 deg C, m/m.
   double expansion() const;
-  Frame body_kind() const { return body == "plate" ? Frame::robot : Frame::unknown; }
+  BodyPlace body_kind() const { return body == "plate" ? BodyPlace::plate : BodyPlace::unknown; }
   Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
   RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
 };

@@ -15,12 +15,6 @@ std::shared_ptr<std::string> add_report_option(Command& command, Session& sessio
   return file;
 }
 
-void require_drawable(const Robot& robot, const std::string& file) {
-  if (file.empty() || !robot.has_six_freedoms()) return;
-  throw WrongUsage("--report: expected a robot whose plate stays level, got " + robot.name() +
-                   ", which hangs on struts: pages do not draw these yet");
-}
-
 std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& session,
                                   const std::vector<std::string>& files) {
   const auto add = [&](const std::string& name) {

@@ -23,9 +23,6 @@ struct ReportContent {
 /// --report FILE; empty when it was not asked for.
 std::shared_ptr<std::string> add_report_option(Command& command, Session& session);
 
-/// @throws WrongUsage for a page of a robot that pages cannot draw.
-void require_drawable(const Robot& robot, const std::string& file);
-
 /// Files that were read and are not in `inputs` yet, with the robot's; empty names are passed over.
 std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& session,
                                   const std::vector<std::string>& files);

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "paracal/io/file.hpp"
-#include "paracal/io/file_units.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
@@ -95,12 +94,24 @@ Robot Session::robot(const RobotSources& inputs) {
 
 Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {
   Robot robot = this->robot(inputs);
-  if (!robot.has_six_freedoms()) return robot;
+  require_level(robot, task);
+  return robot;
+}
+
+void require_level(const Robot& robot, std::string_view task) {
+  if (!robot.has_six_freedoms()) return;
   throw WrongUsage(
       fmt::format("{}: expected a robot whose plate stays level, got {}, which hangs on struts: this is not "
                   "done for struts (robot, inverse, forward, poses --optimal, identifiability, simulate, "
                   "calibrate, validate and compensate are)",
                   task, robot.name()));
+}
+
+std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
+  if (!robot.has_six_freedoms() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
+  if (robot.slide() || pose.rotation == 0.0) return {};
+  return robot.has_six_freedoms() ? "such a plate turns by tilt_z: expected phi = 0 deg"
+                                  : "a rigid plate does not turn: expected phi = 0 deg";
 }
 
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
@@ -123,11 +134,11 @@ std::string pose_text(const std::string& name, const Pose& pose) {
                      to_degrees(pose.tilt.y()), to_degrees(pose.tilt.z()));
 }
 
-std::string joints_key(Actuator actuator) { return fmt::format("joints_{}", io::file_unit(joint_unit(actuator))); }
+std::string joints_key(Actuator actuator) { return fmt::format("joints_{}", file_unit(joint_unit(actuator))); }
 
 io::Json joints_json(const io::NamedJoints& row, Actuator actuator) {
   io::Json coordinates = io::Json::array();
-  for (const double joint : row.joints) coordinates.push_back(io::to_file_unit(joint_unit(actuator), joint));
+  for (const double joint : row.joints) coordinates.push_back(to_file_unit(joint_unit(actuator), joint));
   return {{"name", row.name}, {joints_key(actuator), coordinates}};
 }
 

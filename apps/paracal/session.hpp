@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,12 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file);
 /// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
 std::string pose_text(const std::string& name, const Pose& pose);
 
+/// What a plate is asked that it cannot do: "a rigid plate does not turn: expected phi = 0 deg"; empty where it can.
+std::string_view why_not_turned(const Robot& robot, const Pose& pose);
+
+/// @throws WrongUsage for a plate with six freedoms, for what is done only for plates that stay level.
+void require_level(const Robot& robot, std::string_view task);
+
 /// Seconds since 1970, or SOURCE_DATE_EPOCH where someone wants the same bytes again.
 std::int64_t now();
 
@@ -73,8 +80,7 @@ class Session {
   /// The robot that --robot, a calibration or a table names; where several do, they name the same.
   /// @throws WrongUsage where none does or an output is its file, InputFileError where two disagree.
   Robot robot(const RobotSources& inputs = {});
-  /// The same, for what is done only for plates that stay level.
-  /// @throws WrongUsage for a plate with six freedoms.
+  /// The same; require_level().
   Robot level_robot(std::string_view task, const RobotSources& inputs = {});
   /// The file that described it, where one did.
   const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }

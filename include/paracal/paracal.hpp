@@ -32,7 +32,6 @@
 #include "paracal/error.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/chunks.hpp"
-#include "paracal/io/file_units.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/io/measurement_files.hpp"

@@ -51,7 +51,7 @@ void take_common(const Keywords& given, Options& options) {
   options.noise = noise_of(given);
   given.take("sigma_known", "True or False", options.noise_is_known);
   given.choose("frame", {{"unknown", Frame::unknown}, {"robot", Frame::robot}}, options.frame);
-  given.choose("body", {{"unknown", Frame::unknown}, {"plate", Frame::robot}}, options.body);
+  given.choose("body", {{"unknown", BodyPlace::unknown}, {"plate", BodyPlace::plate}}, options.body);
   given.choose("rotation", {{"relative", RotationZero::unknown}, {"absolute", RotationZero::known}},
                options.rotation_zero);
   take_mount(given, options.reflectors);

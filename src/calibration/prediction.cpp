@@ -109,13 +109,23 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
   return motions;
 }
 
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints, const std::vector<SoughtSource>& parameters,
-                              const ForwardOptions& options) {
-  const ForwardResult pose = forward(machine, joints, options);
+Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
+                              const std::vector<SoughtSource>& parameters) {
+  const ForwardResult pose = forward(machine, joints);
   if (!pose.usable()) return {};
   const PlateMotions motions = plate_jacobian(machine, pose.plate, joints, parameters);
   if (motions.cols() == 0 && !parameters.empty()) return {};
   return motions.topRows<4>();
+}
+
+std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& machine, const PlateState& plate,
+                                                             const Joints& joints,
+                                                             const std::vector<SoughtSource>& parameters,
+                                                             const Eigen::MatrixXd& covariance) {
+  if (covariance.size() == 0) return std::nullopt;
+  const PlateMotions motions = plate_jacobian(machine, plate, joints, parameters);
+  if (motions.cols() == 0) return std::nullopt;
+  return kCoverageFactor * variances(motions, covariance).cwiseSqrt();
 }
 
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
@@ -139,14 +149,16 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);
-    const ForwardOptions start = detail::started(robot, stations[k]);
-    const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, with_joints, start);
-    if (jacobian.rows() == 0) throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
+    const ForwardResult pose = forward(machine, joints, detail::started(robot, stations[k]));
+    const PlateMotions jacobian = plate_jacobian(machine, pose.plate, joints, with_joints);
+    if (!pose.usable() || jacobian.cols() == 0) {
+      throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
+    }
     displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topLeftCorner(3, n);
     rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).head(n);
     position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRightCorner(3, limbs);
     rotation_joint_.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).tail(limbs);
-    points.push_back(forward(machine, joints, start).plate.position);
+    points.push_back(pose.plate.position);
   }
   aligned_ = without_rigid_motion(displacements, points);
   distance_.resize(poses - 1, n);

@@ -35,7 +35,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
                       : options.stage == Stage::fine ? "fine"
                                                      : "auto"},
             {"frame", options.frame == Frame::unknown ? "unknown" : "robot"},
-            {"body", options.body == Frame::unknown ? "unknown" : "plate"},
+            {"body", options.body == BodyPlace::unknown ? "unknown" : "plate"},
             {"rotation", options.rotation_zero == RotationZero::unknown ? "relative" : "absolute"},
             {"reflectors", name(options.reflectors)},
             {"distance_sigma_mm", options.noise.distance},

@@ -7,11 +7,13 @@
 #include <string_view>
 #include <vector>
 
-#include "paracal/io/file_units.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 #include "paracal/mechanism/tolerances.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::io {
+
+using paracal::file_unit;  // beside that of a source
 
 /// "revolute", "linear" or "strut".
 std::string_view actuator_name(Actuator actuator);

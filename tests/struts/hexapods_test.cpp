@@ -79,7 +79,8 @@ TEST(Nategh2009, All42ParametersComeBackFromPosesWithoutNoise) {
   const Measurements plan = planned(robot, candidate_stations(robot, 40, 1), {.measurand = Measurand::poses});
   RandomStream unused(0);
   CalibrationOptions options = without_gains();
-  options.frame = options.body = Frame::robot;
+  options.frame = Frame::robot;
+  options.body = BodyPlace::plate;
   options.noise = {.body = 1e-4, .rotation = 1e-7};  // far above where the kinematics end, far below any tolerance
   options.noise_is_known = true;
   const Calibration found = calibrate(robot, simulate(robot, errors, plan, {}, unused), options);
@@ -100,7 +101,7 @@ TEST(Nategh2009, SixCannotBeSeenInAnUnknownFrame) {
   const auto [robot, errors] = published();
   const Measurements plan = planned(robot, candidate_stations(robot, 40, 1), {.measurand = Measurand::poses});
   CalibrationOptions options = without_gains();
-  options.body = Frame::robot;
+  options.body = BodyPlace::plate;
   RandomStream unused(0);
   const Calibration found = calibrate(robot, simulate(robot, errors, plan, {}, unused), options);
   EXPECT_EQ(found.rank, 36) << found.brief();

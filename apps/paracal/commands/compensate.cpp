@@ -61,7 +61,7 @@ io::CalibratedMachine known_machine(const Options& options, const Robot& robot) 
   return io::read_calibration(input_file(options.calibration), robot);
 }
 
-[[noreturn]] void refuse(const Station& station, const char* why) {
+[[noreturn]] void refuse(const Station& station, std::string_view why) {
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
 }
 
@@ -136,12 +136,8 @@ Corrector by_compensator(const Robot& robot, const io::CalibratedMachine& machin
     const CompensatorPose<double> pose = compensator_pose(station.commanded);
     CompensatorJoints<double> joints{};
     CompensatorTilt<double> tilt;
-    if (!station.commanded.tilt.isZero(0.0)) refuse(station, "such a plate stays level: expected no tilt");
     const CompensationStatus status = compensator.compensate(pose, joints, &tilt);
-    if (status == CompensationStatus::unreachable) {
-      const bool turned = !robot.slide() && station.commanded.rotation != 0.0;
-      refuse(station, turned ? "a rigid plate does not turn: expected phi = 0 deg" : "out of reach of the machine");
-    }
+    if (status == CompensationStatus::unreachable) refuse(station, "out of reach of the machine");
     if (status != CompensationStatus::ok) refuse(station, "the machine is singular there");
     Compensated row{station.name, compensated_joints(robot, joints), {}, tilt};
     const std::optional<Pose> target = corrected_target(robot, row.joints, station.commanded);
@@ -164,16 +160,14 @@ Corrector by_struts(const Robot& robot, const io::CalibratedMachine& machine, co
   const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
   return [=, &robot, actual = build(robot, machine.errors)](const Station& station) {
     const InverseResult found = inverse(actual, station.commanded);
-    if (!found.ok()) refuse(station, "such a plate turns by tilt_z: expected phi = 0 deg");
-    const PlateState plate = plate_at(actual, station.commanded);
-    const PlateMotions motions = plate_jacobian(actual, plate, found.joints, known.parameters);
+    if (!found.ok()) refuse(station, "out of reach of the machine");
     const std::optional<Pose> target = corrected_target(robot, found.joints, station.commanded);
     if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
     Compensated row{station.name, found.joints, *target, {}};
-    if (covariance.size() == 0 || motions.cols() == 0) return row;
-    const Eigen::Matrix<double, 7, 1> U =
-        kCoverageFactor * (motions * covariance * motions.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
-    row.uncertainty = {U.head<3>(), 0.0, U.tail<3>()};
+    const PlateState plate = plate_at(actual, station.commanded);
+    if (const auto U = plate_uncertainty(actual, plate, found.joints, known.parameters, covariance)) {
+      row.uncertainty = {U->head<3>(), 0.0, U->tail<3>()};
+    }
     return row;
   };
 }
@@ -198,6 +192,7 @@ void run(const Options& options, Session& session) {
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
+    if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
     const Compensated row = corrected(station);
     largest.add(row.uncertainty);
     rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });

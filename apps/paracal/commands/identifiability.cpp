@@ -7,7 +7,6 @@
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
-#include "paracal/io/file_units.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
@@ -86,8 +85,8 @@ std::string text_of(const Robot& robot, const Identifiability& seen, const std::
     const double before = one.parameter.prior_std.value_or(0.0);
     const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
     fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1,
-                   name(one.parameter.source, robot.actuator()), io::to_file_unit(unit, one.std), io::file_unit(unit),
-                   io::to_file_unit(unit, before));
+                   name(one.parameter.source, robot.actuator()), to_file_unit(unit, one.std), file_unit(unit),
+                   to_file_unit(unit, before));
   }
   fmt::format_to(out,
                  "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
@@ -104,9 +103,9 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
     const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
     json["parameters"].push_back({{"name", name(one.parameter.source, robot.actuator())},
                                   {"limb", one.parameter.limb + 1},
-                                  {"unit", io::file_unit(unit)},
-                                  {"prior_std", io::to_file_unit(unit, before)},
-                                  {"std", io::to_file_unit(unit, one.std)},
+                                  {"unit", file_unit(unit)},
+                                  {"prior_std", to_file_unit(unit, before)},
+                                  {"std", to_file_unit(unit, one.std)},
                                   {"data_share", 1.0 - one.std * one.std / (before * before)}});
   }
   json["null_space"] = io::Json::array();

@@ -17,18 +17,12 @@ struct Options {
   bool json_lines = false;
 };
 
-std::string_view why_not_turned(const Machine& machine, const Pose& pose) {
-  if (!pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
-  return machine.has_six_freedoms() ? "such a plate turns by tilt_z: expected phi = 0 deg"
-                                    : "a rigid plate does not turn: expected phi = 0 deg";
-}
-
-Joints joints_at(const Machine& machine, const Station& station) {
+Joints joints_at(const Robot& robot, const Machine& machine, const Station& station) {
   const InverseResult result = inverse(machine, station.commanded);
   if (result.ok()) return result.joints;
   std::string why = "the machine is singular there";
   if (result.status == InverseStatus::unreachable) {
-    why = result.unreachable_limb < 0 ? std::string(why_not_turned(machine, station.commanded))
+    why = result.unreachable_limb < 0 ? std::string(why_not_turned(robot, station.commanded))
                                       : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
   }
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
@@ -43,7 +37,7 @@ void run(const Options& options, Session& session) {
   rows.head(io::joint_table_header(robot.joint_space()));
   const JointSpace asked = robot.has_six_freedoms() ? robot.joint_space() : JointSpace{};  // whose tilts count
   io::read_poses(poses.rows, asked, [&](const Station& station) {
-    const io::NamedJoints row{station.name, joints_at(machine, station)};
+    const io::NamedJoints row{station.name, joints_at(robot, machine, station)};
     rows.add([&] { return io::joint_table_row(row, actuator); }, [&] { return joints_json(row, actuator); });
   });
   rows.finish();

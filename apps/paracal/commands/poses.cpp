@@ -11,7 +11,6 @@
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
-#include "paracal/io/file_units.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/units.hpp"
@@ -149,7 +148,7 @@ void run_selection(const Options& options, Session& session) {
                   {"value", selection.criterion},
                   {"sweeps", selection.sweeps},
                   {"exchanges", selection.exchanges},
-                  {fmt::format("travel_{}", io::file_unit(unit)), io::to_file_unit(unit, selection.travel)},
+                  {fmt::format("travel_{}", file_unit(unit)), to_file_unit(unit, selection.travel)},
                   {"workspace_std", workspace_json(selection.uncertainty)},
                   {"curve", io::Json::array()},
                   {"poses", poses_json(selection.stations)},

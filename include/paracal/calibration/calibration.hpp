@@ -29,10 +29,16 @@ enum class Stage : std::uint8_t {
   automatic,  ///< fine where the readings carry it and leave some to check it with, else rough
 };
 
-/// Frame of measured points, or of a measured body on what carries it.
+/// Frame of measured points.
 enum class Frame : std::uint8_t {
   unknown,  ///< any rigid motion away from the robot's, another one for each series
-  robot,    ///< known: that of the robot, or of its plate
+  robot,
+};
+
+/// Where a body sits whose poses are measured.
+enum class BodyPlace : std::uint8_t {
+  unknown,  ///< anywhere on what carries it, turned anyhow
+  plate,    ///< in the plate's own frame
 };
 
 /// Zero of a rotary encoder that reads phi.
@@ -90,7 +96,7 @@ struct CalibrationOptions {
   NoiseModel noise = {};        ///< for readings that state no standard deviation
   bool noise_is_known = false;  ///< `noise` is a fact, not a first guess that the residuals correct
   Frame frame = Frame::unknown;
-  Frame body = Frame::unknown;  ///< of a body whose poses are read: where it sits on the plate, or robot: at its centre
+  BodyPlace body = BodyPlace::unknown;
   RotationZero rotation_zero = RotationZero::unknown;
   ReflectorMount reflectors = ReflectorMount::plate;
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()

@@ -2,11 +2,12 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
-#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/closure.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -46,9 +47,16 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
                             const std::vector<SoughtSource>& parameters);
 
 /// Its first four rows, d(x, y, z, phi) / d(parameters), at joints. Empty where the machine is singular.
-/// @param options  how forward() finds the plate.
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints, const std::vector<SoughtSource>& parameters,
-                              const ForwardOptions& options = {});
+Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
+                              const std::vector<SoughtSource>& parameters);
+
+/// U = 2 std (about 95 %) of x, y, z (mm), phi and tilt (rad) of a plate that stands there with these joints. Empty
+/// where no covariance is known, or the machine is singular.
+/// @param covariance  of the parameters: KnownErrors::pose_covariance.
+std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& machine, const PlateState& plate,
+                                                             const Joints& joints,
+                                                             const std::vector<SoughtSource>& parameters,
+                                                             const Eigen::MatrixXd& covariance);
 
 /// How well a calibrated machine is known over its workspace_stations().
 /// @throws Unreachable when it does not reach them.

@@ -47,7 +47,7 @@ struct ValidationOptions {
   double scale_std = CalibrationOptions{}.scale_std;  ///< of the readings' scale against the machine, m/m
   ReflectorMount reflectors = ReflectorMount::plate;
   Frame frame = Frame::unknown;
-  Frame body = Frame::unknown;
+  BodyPlace body = BodyPlace::unknown;
   RotationZero rotation_zero = RotationZero::unknown;
   AcceptanceLimits limits = {};
 };

@@ -45,7 +45,7 @@ void Points::take_columns(Eigen::Index& next, bool seeks_scale) {
   const bool turns = std::ranges::any_of(readings_, [](const auto& r) { return r.rotation.has_value(); });
   if (turns && options_.rotation_zero == RotationZero::unknown) zero_ = take(next, 1);
   if (std::ranges::any_of(readings_, [](const auto& r) { return r.second.has_value(); })) second_ = take(next, 3);
-  if (series_.is_of_body() && options_.body == Frame::unknown) body_ = take(next, kFrame);
+  if (series_.is_of_body() && options_.body == BodyPlace::unknown) body_ = take(next, kFrame);
   if (seeks_scale) scale_ = take(next, 1);
 }
 
