@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "kinematics/turns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "readings/length_model.hpp"

@@ -12,6 +12,7 @@
 #include "calibration/observation.hpp"
 #include "calibration/readings/body.hpp"
 #include "calibration/sought.hpp"
+#include "kinematics/turns.hpp"
 #include "observation_derivatives.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "body.hpp"
+#include "kinematics/turns.hpp"
 #include "median.hpp"
 
 namespace paracal::detail {
