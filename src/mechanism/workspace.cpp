@@ -15,9 +15,14 @@ Eigen::Vector3d Workspace::on_circle(double circle_radius, double azimuth, doubl
 
 std::vector<Eigen::Vector3d> Workspace::tilts() const {
   std::vector<Eigen::Vector3d> all{Eigen::Vector3d::Zero()};
-  for (int axis = 0; max_tilt > 0.0 && axis < 3; ++axis) {
+  if (max_tilt == 0.0) return all;
+  for (int axis = 0; axis < 3; ++axis) {
     all.emplace_back(max_tilt * Eigen::Vector3d::Unit(axis));
     all.emplace_back(-max_tilt * Eigen::Vector3d::Unit(axis));
+  }
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const auto angle = [&](unsigned axis) { return (corner >> axis & 1U) != 0 ? -max_tilt : max_tilt; };
+    all.emplace_back(angle(0), angle(1), angle(2));
   }
   return all;
 }

@@ -16,7 +16,7 @@ struct Workspace {
   double top_z = 0.0;
   double min_rotation = 0.0;  ///< of the end-effector; both zero for a rigid plate
   double max_rotation = 0.0;
-  double max_tilt = 0.0;  ///< about x, y or z, either way, of a plate with six freedoms; zero for the others
+  double max_tilt = 0.0;  ///< each of the three angles, either way, of a plate with six freedoms; 0 of the others
 
   /// P_0: the centre of the cylinder, the home position of calibrations.
   Eigen::Vector3d centre() const { return {0.0, 0.0, top_z - 0.5 * height}; }
@@ -27,7 +27,7 @@ struct Workspace {
   /// Point on the axis-parallel circle of a layer: azimuth in rad from x towards y.
   static Eigen::Vector3d on_circle(double circle_radius, double azimuth, double z);
 
-  /// Level, and tilted as far as it goes about each axis, both ways.
+  /// Level, and tilted as far as it goes: about each axis, both ways, and about all three.
   std::vector<Eigen::Vector3d> tilts() const;
 
   /// Poses on both rims at the extreme and middle rotations and at all tilts: where reach is worst.
