@@ -24,7 +24,7 @@ void read(const Input& input) {
       written = io::tolerances_toml(io::read_tolerances(file, known.geometry()), known.actuator());
       return must_read([&] { (void)io::read_tolerances({"written.toml", written}, known.geometry()); });
     default:
-      return (void)io::read_allocation_problem(file, tolerances_of(known), known.actuator());
+      return (void)io::read_allocation_problem(file, tolerances_of(known), known);
   }
 }
 

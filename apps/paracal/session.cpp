@@ -102,8 +102,7 @@ void require_level(const Robot& robot, std::string_view task) {
   if (!robot.has_six_freedoms()) return;
   throw WrongUsage(
       fmt::format("{}: expected a robot whose plate stays level, got {}, which hangs on struts: this is not "
-                  "done for struts (robot, inverse, forward, poses --optimal, identifiability, simulate, "
-                  "calibrate, validate and compensate are)",
+                  "done for struts (docs/hexapods.md)",
                   task, robot.name()));
 }
 
@@ -112,6 +111,27 @@ std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
   if (robot.slide() || pose.rotation == 0.0) return {};
   return robot.has_six_freedoms() ? "such a plate turns by tilt_z: expected phi = 0 deg"
                                   : "a rigid plate does not turn: expected phi = 0 deg";
+}
+
+Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers) {
+  for (const double number : numbers) {
+    if (!std::isfinite(number)) throw WrongUsage(fmt::format("{}: expected finite numbers, got {}", option, number));
+  }
+  const bool tilts = robot.has_six_freedoms();
+  if (numbers.size() != 3 && numbers.size() != (tilts ? 6 : 4)) {
+    throw WrongUsage(fmt::format("{}: expected x,y,z{} for {}, got {} numbers", option,
+                                 tilts ? " or x,y,z,tilt_x,tilt_y,tilt_z" : " or x,y,z,phi", robot.name(),
+                                 numbers.size()));
+  }
+  Pose pose{{numbers[0], numbers[1], numbers[2]}};
+  if (numbers.size() == 4) pose.rotation = to_radians(numbers[3]);
+  for (std::size_t k = 3; tilts && k < numbers.size(); ++k) {
+    pose.tilt(static_cast<Eigen::Index>(k) - 3) = to_radians(numbers[k]);
+  }
+  if (const std::string_view why = why_not_turned(robot, pose); !why.empty()) {
+    throw WrongUsage(fmt::format("{}: {}", option, why));
+  }
+  return pose;
 }
 
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {

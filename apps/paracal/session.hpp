@@ -42,6 +42,11 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file);
 /// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
 std::string pose_text(const std::string& name, const Pose& pose);
 
+/// The pose of an option: x,y,z and, of a plate with six freedoms, its tilts, else phi; mm and deg. What is left out is
+/// zero.
+/// @throws WrongUsage for numbers that are none, too many, or ask for what the plate cannot do.
+Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers);
+
 /// What a plate is asked that it cannot do: "a rigid plate does not turn: expected phi = 0 deg"; empty where it can.
 std::string_view why_not_turned(const Robot& robot, const Pose& pose);
 

@@ -29,9 +29,12 @@ std::string json_key(Characteristic characteristic) {
   return fmt::format("{}_{}", key, shown(characteristic.quantity, 0.0).unit);
 }
 
-std::string pose_text(const Pose& pose) {
-  return fmt::format("({:.0f}, {:.0f}, {:.0f}) mm, {:.0f} deg", pose.position.x() + 0.0, pose.position.y() + 0.0,
-                     pose.position.z(), to_degrees(pose.rotation) + 0.0);
+std::string pose_text(const Robot& robot, const Pose& pose) {
+  const Eigen::Vector3d& r = pose.position;
+  const std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
+  if (!robot.has_six_freedoms()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
+  const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });
+  return fmt::format("{}, tilted by ({:.0f}, {:.0f}, {:.0f}) deg", place, tilt.x(), tilt.y(), tilt.z());
 }
 
 io::Json tilt_group_json(const PerSource& values) {
@@ -44,20 +47,20 @@ io::Json tilt_group_json(const PerSource& values) {
   return json;
 }
 
-io::Json contributors_json(const std::vector<Contributor>& contributors) {
+io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator) {
   io::Json json = io::Json::array();
-  for (const Contributor& one : contributors) json.push_back({{"name", name(one.source)}, {"share", one.share}});
+  for (const auto& [source, share] : contributors) json.push_back({{"name", name(source, actuator)}, {"share", share}});
   return json;
 }
 
-std::string pareto(const std::vector<Contributor>& contributors) {
+std::string pareto(const std::vector<Contributor>& contributors, Actuator actuator) {
   constexpr double kLongest = 40.0;
   constexpr double kNegligible = 5e-4;
   std::string text;
   for (const Contributor& one : contributors) {
     if (one.share < kNegligible) continue;
     const auto length = static_cast<std::size_t>(std::lround(kLongest * one.share / contributors.front().share));
-    fmt::format_to(std::back_inserter(text), "  {:<17}{:>6.1f} %  {}\n", name(one.source), 100.0 * one.share,
+    fmt::format_to(std::back_inserter(text), "  {:<17}{:>6.1f} %  {}\n", name(one.source, actuator), 100.0 * one.share,
                    std::string(length, '#'));
   }
   return text;
@@ -78,18 +81,19 @@ SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, co
   SensitivityFindings found{.what = what, .global = global_sensitivity(robot, what, options)};
   found.assumed = tolerances.assumed;
   found.worst = worst_spread(robot, what, tolerances, Spread::statistical);
-  found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances);
+  found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances, robot.actuator());
   return found;
 }
 
 namespace {
 
-/// By source: of tilt in the paper's units under the contract's six keys, of anything else per mm or rad.
+/// By source: of tilt in the paper's units under the contract's six keys, of anything else, and on struts, per mm, mm/m
+/// or rad.
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
-  if (quantity == Quantity::tilt) return tilt_group_json(values * paper_units(robot));
+  if (quantity == Quantity::tilt && !robot.has_six_freedoms()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
-  for (const Source source : all_sources()) {
-    json[std::string(name(source))] = shown(quantity, values(place(source))).value;
+  for (const Source source : sources_of(robot.actuator())) {
+    json[std::string(name(source, robot.actuator()))] = shown(quantity, values(place(source))).value;
   }
   return json;
 }
@@ -105,9 +109,9 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
                 {"global_error", of(found.global.error)},
                 {"largest", of(found.global.largest)}};
   if (found.local) json["local"] = of(*found.local);
-  json["worst"] = io::to_json(found.worst.pose);
+  json["worst"] = io::to_json(found.worst.pose, robot.has_six_freedoms());
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
-  json["contributors"] = contributors_json(found.contributors);
+  json["contributors"] = contributors_json(found.contributors, robot.actuator());
   json["assumed"] = found.assumed;
   return json;
 }

@@ -23,15 +23,15 @@ Shown shown(Quantity quantity, double value);
 /// "tilt_rad", "position_compensated_mm", "rotation_deg".
 std::string json_key(Characteristic characteristic);
 
-/// "(500, 0, -1013) mm, 180 deg"
-std::string pose_text(const Pose& pose);
+/// "(500, 0, -1013) mm, 180 deg"; "(500, 0, 813) mm, tilted by (0, 10, 0) deg" of a plate with six freedoms.
+std::string pose_text(const Robot& robot, const Pose& pose);
 
 /// The tilt group in the paper's units: the six keys of the contract.
 io::Json tilt_group_json(const PerSource& values);
 
-io::Json contributors_json(const std::vector<Contributor>& contributors);
+io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator);
 /// A line a source: its share, and a bar as long.
-std::string pareto(const std::vector<Contributor>& contributors);
+std::string pareto(const std::vector<Contributor>& contributors, Actuator actuator);
 
 /// What `sensitivity` finds.
 struct SensitivityFindings {

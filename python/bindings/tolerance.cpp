@@ -82,7 +82,7 @@ std::vector<Requirement> requirements_of(const std::vector<std::pair<std::string
 }
 
 AllocationProblem problem_of(const Robot& robot, const Tolerances& rest, const std::string& path) {
-  return io::read_allocation_problem(io::read_file(path), rest, robot.actuator());
+  return io::read_allocation_problem(io::read_file(path), rest, robot);
 }
 
 std::vector<std::pair<std::string, double>> problem_requirements(const Robot& robot, const Tolerances& tolerances,
@@ -212,7 +212,7 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
     const py::gil_scoped_release released;
     global = global_sensitivity(robot, what, {.all_rotations = all_rotations, .relative_error = relative_error});
     worst = worst_spread(robot, what, tolerances, Spread::statistical);
-    shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances);
+    shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances, robot.actuator());
   }
   const PerSource units = paper_units(robot);
   const auto vector = [](const PerSource& values) { return vector_of(values.matrix()); };

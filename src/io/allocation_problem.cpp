@@ -23,7 +23,7 @@ double limit_of(Section& section, Quantity quantity) {
   return section.find("limit_deg") != nullptr ? to_radians(positive("limit_deg")) : positive("limit_rad");
 }
 
-Requirement requirement_of(Section section) {
+Requirement requirement_of(Section section, const Robot& robot) {
   Requirement requirement;
   const std::string text = section.text("quantity");
   const std::optional<Characteristic> characteristic = characteristic_named(text);
@@ -32,6 +32,9 @@ Requirement requirement_of(Section section) {
     for (const Quantity quantity : kQuantities) known.append(name({quantity, false})).append(", ");
     section.fail(*section.find("quantity"),
                  fmt::format("expected {}or one of these with \"-compensated\" behind it, got \"{}\"", known, text));
+  }
+  if (const std::string_view why = why_not_asked(robot, *characteristic); !why.empty()) {
+    section.fail(*section.find("quantity"), fmt::format("{}: {}, got {}", text, why, robot.name()));
   }
   requirement.characteristic = *characteristic;
   requirement.limit = limit_of(section, characteristic->quantity);
@@ -135,14 +138,15 @@ std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
 
 }  // namespace
 
-AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, Actuator actuator) {
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, const Robot& robot) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   AllocationProblem problem{.rest = rest};
-  for (const Section& section : root.tables("requirement")) problem.requirements.push_back(requirement_of(section));
+  for (const Section& section : root.tables("requirement"))
+    problem.requirements.push_back(requirement_of(section, robot));
   if (problem.requirements.empty()) root.fail("expected at least one [[requirement]], got none");
   if (const std::optional<Section> costs = root.optional_table("cost")) {
-    problem.variables = variables_of(*costs, actuator);
+    problem.variables = variables_of(*costs, robot.actuator());
   }
   root.refuse_others();
   return problem;

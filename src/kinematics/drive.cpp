@@ -2,6 +2,7 @@
 
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "turns.hpp"
 
 namespace paracal {
 
@@ -14,6 +15,11 @@ std::optional<PlateState> drive(const Machine& actual, const Machine& believed, 
   if (!taken.ok()) taken = forward(actual, asked.joints);
   if (!taken.ok()) return std::nullopt;
   return taken.plate;
+}
+
+Eigen::Vector3d turned_away(const Machine& machine, const Pose& commanded, const PlateState& plate) noexcept {
+  if (!machine.has_six_freedoms()) return plate.tilt;
+  return detail::turn_of(plate_rotation(plate.tilt).matrix * plate_rotation(commanded.tilt).matrix.transpose());
 }
 
 }  // namespace paracal

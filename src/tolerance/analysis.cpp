@@ -37,7 +37,7 @@ std::vector<RequirementAnalysis> analyze(const Robot& robot, const Tolerances& t
                             .worst_case = worst_spread(robot, what, tolerances, Spread::worst_case),
                             .three_sigma = worst_spread(robot, what, tolerances, Spread::statistical),
                             .contributors = {}};
-    one.contributors = contributors(model.rows(one.three_sigma.pose, what), tolerances);
+    one.contributors = contributors(model.rows(one.three_sigma.pose, what), tolerances, robot.actuator());
     list.push_back(std::move(one));
   }
   return list;

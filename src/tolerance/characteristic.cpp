@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "paracal/error.hpp"
+#include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
 namespace {
@@ -29,9 +31,7 @@ constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
 constexpr Eigen::Index kPosition = ErrorModel::kPosition, kTilt = ErrorModel::kTilt;
 
 /// Derivative of (dr, ds) or of (eps_x, eps_y, eps_z), a column a source error in mm or rad.
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs,
-                              static_cast<int>(kSourceCount) * kMaxLimbs>;
-template <typename Position, typename Tilt>
+template <typename Columns, typename Position, typename Tilt>
 Columns all_columns(const Position* position, const Tilt& tilt, const std::array<double, kSourceCount>& scale) {
   const Eigen::Index limbs = tilt.cols() / kTilt;
   Columns columns = Columns::Zero(tilt.rows(), limbs * kSources);
@@ -81,41 +81,70 @@ int component_count(Quantity quantity) {
   }
 }
 
-LinearModel::LinearModel(const Robot& robot) : robot_(robot), home_(model_at(home_of(robot))) {
+std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
+  if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
+  if (characteristic.compensated && robot.has_six_freedoms()) {
+    return "expected a robot whose plate stays level: on struts all errors can be compensated";
+  }
+  return {};
+}
+
+LinearModel::LinearModel(const Robot& robot) : robot_(robot), home_(at(home_of(robot))) {
   for (const Source source : all_sources()) scale_[index(source)] = paper_scale(robot, source);
 }
 
-ErrorModel LinearModel::model_at(const Pose& pose) const {
-  ErrorModel model = error_model(robot_, pose);
-  if (!model.ok()) {
-    throw Unreachable(fmt::format("pose ({:g}, {:g}, {:g}) mm: the robot is {} there", pose.position.x(),
-                                  pose.position.y(), pose.position.z(),
-                                  model.status == ErrorModelStatus::singular ? "singular" : "out of reach"));
+LinearModel::AtPose LinearModel::at(const Pose& pose) const {
+  const auto refuse = [&](std::string_view what) {
+    const Eigen::Vector3d& r = pose.position;
+    throw Unreachable(fmt::format("pose ({:g}, {:g}, {:g}) mm: the robot is {} there", r.x(), r.y(), r.z(), what));
+  };
+  if (!robot_.has_six_freedoms()) {
+    ErrorModel model = error_model(robot_, pose);
+    if (!model.ok()) refuse(model.status == ErrorModelStatus::singular ? "singular" : "out of reach");
+    return model;
   }
-  return model;
+  const Machine& machine = robot_.nominal();
+  const InverseResult joints = inverse(machine, pose);
+  if (!joints.ok()) refuse("out of reach");
+  const ExactJacobian exact = exact_jacobian(machine, plate_at(machine, pose), joints.joints);
+  if (!exact.ok) refuse("singular");
+  OnStruts columns = exact.plate;
+  columns.bottomRows<3>() = plate_rotation(pose.tilt).axes * exact.plate.bottomRows<3>();
+  return columns;
+}
+
+LinearModel::Columns LinearModel::motion(const AtPose& at, bool compensated) const {
+  if (const auto* on_struts = std::get_if<OnStruts>(&at)) return on_struts->topRows<3>();
+  const auto& model = std::get<ErrorModel>(at);
+  return all_columns<Columns>(compensated ? nullptr : &model.G_dd, model.G_de, scale_);
+}
+
+LinearModel::Columns LinearModel::turn(const AtPose& at) const {
+  if (const auto* on_struts = std::get_if<OnStruts>(&at)) return on_struts->bottomRows<3>();
+  const auto& model = std::get<ErrorModel>(at);
+  return all_columns<Columns, decltype(model.G_dd)>(nullptr, model.G_ee, scale_);
 }
 
 SourceRows LinearModel::rows(const Pose& pose, Characteristic characteristic) const {
-  const ErrorModel model = model_at(pose);
-  const auto tilt = [&] { return all_columns<decltype(model.G_dd)>(nullptr, model.G_ee, scale_); };
-  const auto motion = [&](const ErrorModel& at) {
-    return all_columns(characteristic.compensated ? nullptr : &at.G_dd, at.G_de, scale_);
-  };
+  if (const std::string_view why = why_not_asked(robot_, characteristic); !why.empty()) {
+    throw InvalidArgument(fmt::format("{}: {}, got {}", name(characteristic), why, robot_.name()));
+  }
+  const AtPose there = at(pose);
   switch (characteristic.quantity) {
     case Quantity::tilt:
-      return tilt().topRows<2>();
+      return turn(there).topRows<2>();
     case Quantity::twist:
-      return tilt().bottomRows<1>();
+      return turn(there).bottomRows<1>();
     case Quantity::position:
-      return motion(model).topRows<3>();
+      return motion(there, characteristic.compensated).topRows<3>();
     case Quantity::distance: {
       const Eigen::Vector3d way = pose.position - home_of(robot_).position;
       const Eigen::Vector3d direction = way.norm() > 0.0 ? Eigen::Vector3d(way.normalized()) : way;
-      return direction.transpose() * (motion(model).topRows<3>() - motion(home_).topRows<3>());
+      return direction.transpose() * (motion(there, characteristic.compensated).topRows<3>() -
+                                      motion(home_, characteristic.compensated).topRows<3>());
     }
     case Quantity::rotation:
-      if (!robot_.slide()) throw InvalidArgument("rotation: expected a robot with a slide, got a rigid plate");
-      return motion(model).bottomRows<1>() / robot_.slide()->pinion_radius;
+      return motion(there, characteristic.compensated).bottomRows<1>() / robot_.slide()->pinion_radius;
   }
   return {};
 }

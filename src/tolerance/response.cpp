@@ -33,7 +33,8 @@ bool Response::add_exact(const Machine& machine, const Machine& believed, bool c
     const Pose& pose = poses_[static_cast<std::size_t>(p)];
     const std::optional<PlateState> plate = drive(machine, believed, pose);
     if (!plate) return false;
-    const Reached point{pose, plate->position, plate->tilt, machine.rotation_of(plate->slide), home->position};
+    const Reached point{pose, plate->position, turned_away(machine, pose, *plate), machine.rotation_of(plate->slide),
+                        home->position};
     for (std::size_t c = 0; c < characteristics_.size(); ++c) {
       if (characteristics_[c].compensated != compensated) continue;
       const auto values = exact_components(robot_, point, characteristics_[c].quantity);

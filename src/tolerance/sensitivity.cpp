@@ -62,14 +62,12 @@ PerSource paper_units(const Robot& robot) {
   return factor;
 }
 
-std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances) {
+std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances, Actuator actuator) {
   const PerSource parts = squared_sensitivities(rows) * variances(tolerances);
   const double whole = parts.sum();
   std::vector<Contributor> list;
   if (!(whole > 0.0)) return list;
-  for (const Source source : all_sources()) {
-    list.push_back({source, parts(place(source)) / whole});
-  }
+  for (const Source source : sources_of(actuator)) list.push_back({source, parts(place(source)) / whole});
   std::ranges::stable_sort(list, std::ranges::greater(), &Contributor::share);
   return list;
 }

@@ -25,14 +25,52 @@ std::vector<Node> gauss_rule(int n, double low, double high) {
   return nodes;
 }
 
-std::vector<Node> rotation_rule(const Workspace& workspace, int n, bool all_rotations) {
-  if (!all_rotations || workspace.min_rotation == workspace.max_rotation) return {{0.0, 1.0}};
+std::vector<Node> rotation_rule(const Workspace& workspace, int n) {
+  if (workspace.min_rotation == workspace.max_rotation) return {{0.0, 1.0}};
   return gauss_rule(n, workspace.min_rotation, workspace.max_rotation);
 }
 
-std::vector<double> rotations_of(const Workspace& workspace, bool all_rotations) {
-  if (!all_rotations || workspace.min_rotation == workspace.max_rotation) return {0.0};
-  return {workspace.min_rotation, 0.0, workspace.max_rotation};
+/// One of the three angles.
+std::vector<Node> tilt_rule(const Workspace& workspace, int n) {
+  if (workspace.max_tilt == 0.0) return {{0.0, 1.0}};
+  return gauss_rule(n, -workspace.max_tilt, workspace.max_tilt);
+}
+
+/// Poses at the origin, each with its share.
+std::vector<WeightedPose> orientation_rule(const Workspace& workspace, int n, bool all_rotations) {
+  std::vector<WeightedPose> turned{{.pose = {Eigen::Vector3d::Zero()}, .weight = 1.0}};
+  if (!all_rotations) return turned;
+  turned.clear();
+  const std::vector<Node> tilts = tilt_rule(workspace, n);
+  for (const Node& rotation : rotation_rule(workspace, n)) {
+    for (const Node& x : tilts) {
+      for (const Node& y : tilts) {
+        for (const Node& z : tilts) {
+          turned.push_back({{Eigen::Vector3d::Zero(), rotation.place, {x.place, y.place, z.place}},
+                            rotation.weight * x.weight * y.weight * z.weight});
+        }
+      }
+    }
+  }
+  return turned;
+}
+
+/// Poses at the origin.
+std::vector<Pose> extreme_orientations(const Workspace& workspace, bool all_rotations) {
+  if (!all_rotations) return {{Eigen::Vector3d::Zero()}};
+  std::vector<double> rotations{0.0};
+  if (workspace.min_rotation != workspace.max_rotation)
+    rotations = {workspace.min_rotation, 0.0, workspace.max_rotation};
+  std::vector<Pose> turned;
+  for (const double rotation : rotations) {
+    for (const Eigen::Vector3d& tilt : workspace.tilts()) turned.push_back({Eigen::Vector3d::Zero(), rotation, tilt});
+  }
+  return turned;
+}
+
+Pose moved(Pose pose, const Eigen::Vector3d& place) {
+  pose.position = place;
+  return pose;
 }
 
 double layer(const Workspace& workspace, int k, int layers) {
@@ -63,17 +101,17 @@ std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_
   const int n = 1 << level, azimuths = 12 * n;
   const std::vector<Node> radii = gauss_rule(4 * n, 0.0, workspace.radius);
   const std::vector<Node> heights = gauss_rule(2 * n, workspace.top_z - workspace.height, workspace.top_z);
-  const std::vector<Node> rotations = rotation_rule(workspace, 2 * n, all_rotations);
+  const std::vector<WeightedPose> turned = orientation_rule(workspace, 2 * n, all_rotations);
   std::vector<WeightedPose> points;
-  points.reserve(radii.size() * heights.size() * rotations.size() * static_cast<std::size_t>(azimuths));
+  points.reserve(radii.size() * heights.size() * turned.size() * static_cast<std::size_t>(azimuths));
   for (const Node& height : heights) {
     for (const Node& radius : radii) {
       const double ring = 2.0 * radius.weight * radius.place / workspace.radius / azimuths;
       for (int k = 0; k < azimuths; ++k) {
         const double azimuth = 2.0 * std::numbers::pi * k / azimuths;
         const Eigen::Vector3d position = Workspace::on_circle(radius.place, azimuth, height.place);
-        for (const Node& rotation : rotations) {
-          points.push_back({{position, rotation.place}, ring * height.weight * rotation.weight});
+        for (const WeightedPose& one : turned) {
+          points.push_back({moved(one.pose, position), ring * height.weight * one.weight});
         }
       }
     }
@@ -86,12 +124,12 @@ std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all
   std::vector<Pose> poses;
   for (int k = 0; k < grid.layers; ++k) {
     const double z = layer(workspace, k, grid.layers);
-    for (const double rotation : rotations_of(workspace, all_rotations)) {
-      poses.push_back({{0.0, 0.0, z}, rotation});
+    for (const Pose& turned : extreme_orientations(workspace, all_rotations)) {
+      poses.push_back(moved(turned, {0.0, 0.0, z}));
       for (int i = 1; i <= grid.radii; ++i) {
         for (int j = 0; j < grid.azimuths; ++j) {
           const double azimuth = 2.0 * std::numbers::pi * j / grid.azimuths;
-          poses.push_back({Workspace::on_circle(workspace.radius * i / grid.radii, azimuth, z), rotation});
+          poses.push_back(moved(turned, Workspace::on_circle(workspace.radius * i / grid.radii, azimuth, z)));
         }
       }
     }

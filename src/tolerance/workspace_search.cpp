@@ -12,24 +12,42 @@ namespace {
 constexpr std::size_t kStarts = 3;
 constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
 
-/// Radius, azimuth, height and rotation, each over its range but the azimuth, which may turn freely.
+/// Radius, azimuth, height and rotation, each over its range but the azimuth, which may turn freely; then, where the
+/// plate tilts, its three angles over max_tilt.
 struct Cylindrical {
   const Workspace& workspace;
 
   double turn() const { return workspace.max_rotation - workspace.min_rotation; }
+  bool tilts() const { return workspace.max_tilt > 0.0; }
 
   Pose pose(const std::vector<double>& x) const {
     const double z = workspace.top_z - workspace.height * x[2];
-    return {Workspace::on_circle(workspace.radius * x[0], 2.0 * std::numbers::pi * x[1], z),
-            workspace.min_rotation + turn() * x[3]};
+    Pose pose{Workspace::on_circle(workspace.radius * x[0], 2.0 * std::numbers::pi * x[1], z),
+              workspace.min_rotation + turn() * x[3]};
+    if (tilts()) pose.tilt = workspace.max_tilt * Eigen::Vector3d(x[4], x[5], x[6]);
+    return pose;
   }
 
   std::vector<double> coordinates(const Pose& pose) const {
     const double azimuth = std::atan2(pose.position.y(), pose.position.x());
-    return {std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
-            0.5 * azimuth / std::numbers::pi,
-            std::clamp((workspace.top_z - pose.position.z()) / workspace.height, 0.0, 1.0),
-            turn() > 0.0 ? std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0) : 0.0};
+    std::vector<double> x{std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
+                          0.5 * azimuth / std::numbers::pi,
+                          std::clamp((workspace.top_z - pose.position.z()) / workspace.height, 0.0, 1.0),
+                          turn() > 0.0 ? std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0) : 0.0};
+    for (int axis = 0; tilts() && axis < 3; ++axis) {
+      x.push_back(std::clamp(pose.tilt(axis) / workspace.max_tilt, -1.0, 1.0));
+    }
+    return x;
+  }
+
+  std::vector<double> lower() const { return filled({0.0, -2.0, 0.0, 0.0}, -1.0); }
+  std::vector<double> upper() const { return filled({1.0, 2.0, 1.0, 1.0}, 1.0); }
+  std::vector<double> first_step() const { return filled({0.1, 0.02, 0.1, 0.1}, 0.1); }
+
+ private:
+  std::vector<double> filled(std::vector<double> x, double of_tilts) const {
+    if (tilts()) x.insert(x.end(), 3, of_tilts);
+    return x;
   }
 };
 
@@ -38,11 +56,11 @@ ValueAtPose refined(const Cylindrical& coordinates, const ValueAtPose& start,
   const Minimization search{
       .algorithm = Minimization::Algorithm::subplex,
       .objective = [&](const std::vector<double>& x, std::vector<double>&) { return -value(coordinates.pose(x)); },
-      .lower = {0.0, -2.0, 0.0, 0.0},
-      .upper = {1.0, 2.0, 1.0, 1.0},
-      .first_step = {0.1, 0.02, 0.1, 0.1},
+      .lower = coordinates.lower(),
+      .upper = coordinates.upper(),
+      .first_step = coordinates.first_step(),
       .step_tolerance = kStep,
-      .max_evaluations = 400};
+      .max_evaluations = 100 * static_cast<int>(coordinates.lower().size())};
   const Minimum end = minimize(search, coordinates.coordinates(start.pose));
   return -end.value > start.value ? ValueAtPose{coordinates.pose(end.x), -end.value} : start;
 }

@@ -100,15 +100,73 @@ TEST_F(Hexapod, JointsAloneAreCommandsEnough) {
 
 TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
   for (const char* command :
-       {"sensitivity", "tolerance analyze", "tolerance allocate", "yield --machines 3", "error-model --pose 0,0,500,0",
+       {"tolerance allocate", "yield --machines 3", "error-model --pose 0,0,500,20", "sensitivity --pose 0,0,500,20",
         "poses --stage fine", "export --target c99 --calibration c.json", "report --calibration c.json --out r.html",
         "calibrate --measurements m.csv --report r.html",
         "compensate --calibration c.json --poses p.csv --way linear"}) {
     const ProgramResult result = run(std::string(command) + " --robot h.toml");
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
-    EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("struts"), HasSubstr("stays level"))) << command;
+    EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("struts"), HasSubstr("stays level"), HasSubstr("tilt_x")))
+        << command;
   }
   EXPECT_EQ(folder.names().count("r.html"), 0u);
+}
+
+/// How far a machine with one error stands from a commanded pose, by the printed matrices and by the program's own
+/// kinematics.
+TEST_F(Hexapod, ErrorModelIsWhereAnErrorTakesThePlate) {
+  const json model = json_from("error-model --robot h.toml --pose 30,-20,510,8,-6,9");
+  EXPECT_TRUE(is_matrix(model.at("G_position"), 3, 48));
+  EXPECT_TRUE(is_matrix(model.at("G_turn"), 3, 48));
+  const json& gain = model.at("parameters").at("position")[4];
+  EXPECT_EQ(gain.at("name"), "gain");
+  EXPECT_EQ(gain.at("unit"), "mm/m");
+  folder.write("one.csv", "x_mm,y_mm,z_mm,tilt_x_deg,tilt_y_deg,tilt_z_deg\n30,-20,510,8,-6,9\n");
+  ASSERT_EQ(run("inverse --robot h.toml --poses one.csv --out j.csv").exit_code, kDone);
+  const std::string others = "[[limb]]\n[[limb]]\n[[limb]]\n[[limb]]\n[[limb]]\n";
+  folder.write("e.toml", "[[limb]]\nbase_mm = [0.0, 0.0, 0.001]\n" + others);
+  const json stands = json_from("forward --robot h.toml --joints j.csv --errors e.toml").at("poses")[0];
+  const json& G = model.at("G_position");
+  EXPECT_NEAR(stands.at("x_mm").get<double>() - 30.0, 1e-3 * G[0][3].get<double>(), 1e-7);
+  EXPECT_NEAR(stands.at("y_mm").get<double>() + 20.0, 1e-3 * G[1][3].get<double>(), 1e-7);
+  EXPECT_NEAR(stands.at("z_mm").get<double>() - 510.0, 1e-3 * G[2][3].get<double>(), 1e-7);
+  const ProgramResult text = run("error-model --robot h.toml --pose 30,-20,510");
+  EXPECT_THAT(text.out, HasSubstr("limb 6 plate_z"));
+}
+
+TEST_F(Hexapod, TolerancesAreDesigned) {
+  const json found = json_from("sensitivity --robot h.toml --quantity position --pose 0,0,500,5,0,0 --map map.csv");
+  EXPECT_TRUE(has_keys(found.at("global"), "base_x base_y base_z gain plate_x plate_y plate_z zero"));
+  EXPECT_TRUE(has_keys(found.at("local"), "base_x base_y base_z gain plate_x plate_y plate_z zero"));
+  EXPECT_EQ(found.at("contributors").size(), 8u);
+  EXPECT_GT(found.at("worst").at("tilt_x_deg").get<double>() * found.at("worst").at("tilt_x_deg").get<double>(), 1.0);
+  EXPECT_THAT(folder.read("map.csv"),
+              HasSubstr("x_mm,y_mm,z_mm,tilt_x_deg,tilt_y_deg,tilt_z_deg,radius_mm,three_sigma_position_mm\n"));
+  EXPECT_THAT(run("sensitivity --robot h.toml").out, HasSubstr("mrad per mm/m"));
+  folder.write(
+      "problem.toml",
+      "[[requirement]]\nquantity = \"position\"\nlimit_mm = 2\n"
+      "[[requirement]]\nquantity = \"tilt\"\nlimit_deg = 0.5\n"
+      "[cost.zero_mm]\nB = 1\nlower = 0.01\nupper = 2\n[cost.base_mm]\nB = 1\nlower = 0.01\nupper = 2\n"
+      "[cost.plate_mm]\nB = 1\nlower = 0.01\nupper = 2\n[cost.gain_mm_per_m]\nB = 1\nlower = 0.1\nupper = 9\n");
+  const json chosen = json_from("tolerance allocate --robot h.toml --problem problem.toml --toml chosen.toml");
+  EXPECT_EQ(chosen.at("status"), "optimal");
+  EXPECT_FALSE(chosen.contains("tolerances"));
+  EXPECT_NEAR(chosen.at("requirements")[0].at("worst_mm").get<double>(), 2.0, 1e-4);
+  const json analyzed = json_from(
+      "tolerance analyze --robot h.toml --problem problem.toml --tolerances chosen.toml --model exact --sigma-error "
+      "0.05");
+  EXPECT_NEAR(analyzed.at("requirements")[0].at("rss_3sigma").get<double>(), 2.0, 1e-4);
+  const json& drawn = analyzed.at("monte_carlo_3sigma_interval");
+  EXPECT_LT(drawn[0].get<double>(), 2.1);
+  EXPECT_GT(drawn[1].get<double>(), 1.9);
+  const ProgramResult compensated = run("sensitivity --robot h.toml --quantity position-compensated");
+  EXPECT_EQ(compensated.exit_code, kBadInputFile);
+  EXPECT_THAT(compensated.err, HasSubstr("on struts all errors can be compensated"));
+  folder.write("left.toml", "[[requirement]]\nquantity = \"position-compensated\"\nlimit_mm = 2\n");
+  const ProgramResult refused = run("tolerance analyze --robot h.toml --problem left.toml");
+  EXPECT_EQ(refused.exit_code, kBadInputFile);
+  EXPECT_THAT(refused.err, HasSubstr("left.toml:2: "));
 }
 
 TEST_F(Hexapod, ARobotOfArmsDoesNotTilt) {

@@ -68,9 +68,25 @@ TEST(EqualInfluence, LowerBoundHasTwoReadings) {
   EXPECT_FALSE(sigma.reason.empty());
 }
 
+CostCurve curve(CostLaw law, double B, double C) { return {.law = law, .B = B, .C = C}; }
+
+/// One of every law over the errors of plates that all errors turn.
+AllocationProblem strut_problem(const Robot& robot) {
+  return {.variables = {{{Source::theta_offset}, curve(CostLaw::reciprocal, 0.1, 1), 0.01, 3.0},
+                        {{Source::e_x, Source::e_y, Source::e_z}, curve(CostLaw::exponential, 8.0, 0.4), 0.01, 3.0},
+                        {{Source::gain}, curve(CostLaw::power, 0.05, 0.7), 0.01, 10.0},
+                        {{Source::plate_x, Source::plate_y, Source::plate_z},
+                         curve(CostLaw::reciprocal_square, 0.02, 1),
+                         0.01,
+                         3.0}},
+          .rest = *robot.tolerances(),
+          .requirements = {
+              {{Quantity::tilt}, 5e-3}, {{Quantity::position}, 10.0, Spread::worst_case}, {{Quantity::distance}, 2.5}}};
+}
+
 /// One of every law over the tilt group, and a shared tolerance of the position group.
 AllocationProblem mixed_problem(const Robot& robot) {
-  const auto curve = [](CostLaw law, double B, double C) { return CostCurve{.law = law, .B = B, .C = C}; };
+  if (!why_not_asked(robot, {Quantity::position, true}).empty()) return strut_problem(robot);
   AllocationProblem problem{
       .variables = {{{Source::rod_difference}, curve(CostLaw::reciprocal, 0.02, 1), 0.002, 0.5},
                     {{Source::width_difference}, curve(CostLaw::reciprocal_square, 1e-3, 1), 0.002, 0.5},
@@ -106,6 +122,11 @@ double cost_of(const AllocationProblem& problem, const Tolerances& tolerances, s
 
 class AllocationLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(AllocationLaw);
+PARACAL_ON_ROBOT_TEMPLATES(AllocationLaw);
+
+/// Of robots with a tilt group.
+class TiltGroupLaw : public test::EveryRobot {};
+PARACAL_ON_EVERY_ROBOT(TiltGroupLaw);
 
 TEST_P(AllocationLaw, HoldsEverywhereAndNoTradeIsCheaper) {
   const AllocationProblem problem = mixed_problem(robot);
@@ -151,7 +172,7 @@ TEST_P(AllocationLaw, PriceIsTheDerivativeOfTheCost) {
 }
 
 /// Grades against every combination of them, tried one by one.
-TEST_P(AllocationLaw, GradesAreTheBestCombination) {
+TEST_P(TiltGroupLaw, GradesAreTheBestCombination) {
   const CostCurve processes{
       .law = CostLaw::grades,
       .grades = {{"sawn", 0.10, 1.0}, {"milled", 0.04, 3.0}, {"ground", 0.015, 8.0}, {"lapped", 0.006, 20.0}}};
@@ -195,7 +216,7 @@ TEST_P(AllocationLaw, SaysWhatCannotBeHeld) {
 
 /// What compensation removes need not be tight: with requirements after compensation the position group goes to its
 /// widest.
-TEST_P(AllocationLaw, AfterCompensationOnlyTheTiltGroupIsTight) {
+TEST_P(TiltGroupLaw, AfterCompensationOnlyTheTiltGroupIsTight) {
   AllocationProblem problem = mixed_problem(robot);
   problem.requirements = {{{Quantity::tilt}, 1e-3}, {{Quantity::position, true}, 0.4}};
   const Allocation after = allocate(robot, problem);

@@ -19,15 +19,17 @@ constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
 std::vector<Characteristic> all_characteristics(const Robot& robot) {
   std::vector<Characteristic> list;
   for (const Quantity quantity : kQuantities) {
-    if (quantity == Quantity::rotation && !robot.slide()) continue;
-    list.push_back({quantity, false});
-    list.push_back({quantity, true});
+    for (const bool compensated : {false, true}) {
+      const Characteristic what{quantity, compensated};
+      if (why_not_asked(robot, what).empty()) list.push_back(what);
+    }
   }
   return list;
 }
 
 class SensitivityLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(SensitivityLaw);
+PARACAL_ON_ROBOT_TEMPLATES(SensitivityLaw);
 
 /// Every row of the linear model against the exact machine, by central differences, each source of each limb.
 TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
@@ -46,7 +48,7 @@ TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
     const Eigen::VectorXd difference = (ahead - behind) / (2.0 * step);
     const double scale = std::max(response.linear().col(column).cwiseAbs().maxCoeff(), 1e-3);
     EXPECT_LT((difference - response.linear().col(column)).cwiseAbs().maxCoeff(), 2e-4 * scale)
-        << name(source) << " of limb " << limb + 1;
+        << name(source, robot.actuator()) << " of limb " << limb + 1;
   }
 }
 
@@ -54,7 +56,8 @@ TEST_P(SensitivityLaw, ContributorsAddUpToAll) {
   test::Random random(2);
   const LinearModel model(robot);
   for (const Characteristic what : all_characteristics(robot)) {
-    const std::vector<Contributor> list = contributors(model.rows(random.pose(robot), what), *robot.tolerances());
+    const std::vector<Contributor> list =
+        contributors(model.rows(random.pose(robot), what), *robot.tolerances(), robot.actuator());
     double sum = 0.0;
     for (const Contributor& one : list) {
       sum += one.share;
@@ -85,18 +88,21 @@ TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
 TEST_P(SensitivityLaw, RuleIntegratesOverTheCylinder) {
   const Workspace& workspace = robot.workspace();
   double all = 0.0, radius2 = 0.0, x2 = 0.0, z = 0.0, phi2 = 0.0;
+  Eigen::Vector3d tilt2 = Eigen::Vector3d::Zero();
   for (const WeightedPose& point : cylinder_rule(robot, 0, true)) {
     all += point.weight;
     radius2 += point.weight * point.pose.position.head<2>().squaredNorm();
     x2 += point.weight * std::pow(point.pose.position.x(), 2);
     z += point.weight * point.pose.position.z();
     phi2 += point.weight * std::pow(point.pose.rotation, 2);
+    tilt2 += point.weight * point.pose.tilt.cwiseAbs2();
   }
   EXPECT_NEAR(all, 1.0, 1e-12);
   EXPECT_NEAR(radius2, 0.5 * std::pow(workspace.radius, 2), 1e-6);
   EXPECT_NEAR(x2, 0.25 * std::pow(workspace.radius, 2), 1e-6);
   EXPECT_NEAR(z, workspace.centre().z(), 1e-9);
   EXPECT_NEAR(phi2, std::pow(workspace.max_rotation - workspace.min_rotation, 2) / 12.0, 1e-9);
+  for (const double one : tilt2) EXPECT_NEAR(one, std::pow(workspace.max_tilt, 2) / 3.0, 1e-9);
 }
 
 /// The stated error of the quadrature holds against a rule with four times the points.

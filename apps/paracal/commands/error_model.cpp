@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "paracal/kinematics/error_model.hpp"
+#include "paracal/tolerance/characteristic.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
 
@@ -12,7 +12,8 @@ namespace {
 
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
 std::string column_name(const Robot& robot, Source source) {
-  std::string plain(name(source));
+  std::string plain(name(source, robot.actuator()));
+  if (robot.has_six_freedoms()) return plain;
   const bool on_rail = robot.actuator() == Actuator::linear;
   switch (source) {
     case Source::theta_offset:
@@ -31,7 +32,7 @@ std::string column_name(const Robot& robot, Source source) {
 template <typename Task>
 void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(robot.actuator())) {
       if (tilts_plate(source) == tilt_group) task(limb + 1, source);
     }
   }
@@ -39,13 +40,17 @@ void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
 
 io::Json parameters_json(const Robot& robot) {
   io::Json groups;
+  const auto unit_of = [&](Source source) {
+    if (robot.has_six_freedoms()) return file_unit(unit(source, robot.actuator()));
+    return tilts_plate(source) ? std::string_view("rad") : std::string_view("mm");
+  };
   for (const bool tilt_group : {false, true}) {
     io::Json columns = io::Json::array();
     for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
       columns.push_back({{"limb", limb},
-                         {"name", name(source)},
+                         {"name", name(source, robot.actuator())},
                          {"column", column_name(robot, source)},
-                         {"unit", tilt_group ? "rad" : "mm"}});
+                         {"unit", unit_of(source)}});
     });
     groups[tilt_group ? "tilt" : "position"] = columns;
   }
@@ -74,16 +79,44 @@ std::string report(const Robot& robot, const ErrorModel& model) {
                      model.G_ee);
 }
 
-Pose pose_of(const std::vector<double>& numbers) {
-  return {{numbers[0], numbers[1], numbers[2]}, numbers.size() > 3 ? to_radians(numbers[3]) : 0.0};
+/// The columns of a robot's own sources out of those of all places.
+Eigen::MatrixXd of_own_sources(const Robot& robot, const SourceRows& rows) {
+  const auto own = static_cast<Eigen::Index>(sources_of(robot.actuator()).size());
+  Eigen::MatrixXd columns(rows.rows(), own * static_cast<Eigen::Index>(robot.limb_count()));
+  for (Eigen::Index limb = 0; limb * own < columns.cols(); ++limb) {
+    columns.middleCols(limb * own, own) = rows.middleCols(limb * static_cast<Eigen::Index>(kSourceCount), own);
+  }
+  return columns;
+}
+
+io::Json head(const Robot& robot, const Pose& pose) {
+  return {{"robot", robot.name()},
+          {"pose", io::to_json(pose, robot.has_six_freedoms())},
+          {"parameters", parameters_json(robot)}};
+}
+
+/// All errors move and turn a plate on struts: one matrix says how.
+void run_on_struts(const Robot& robot, const Pose& pose, Session& session) {
+  const LinearModel model(robot);
+  const Eigen::MatrixXd motion = of_own_sources(robot, model.rows(pose, {Quantity::position}));
+  Eigen::MatrixXd turn(3, motion.cols());
+  turn << of_own_sources(robot, model.rows(pose, {Quantity::tilt})),
+      of_own_sources(robot, model.rows(pose, {Quantity::twist}));
+  if (session.json()) {
+    io::Json json = head(robot, pose);
+    json["G_position"] = io::rows_json(motion);
+    json["G_turn"] = io::rows_json(turn);
+    return session.print_json(json);
+  }
+  session.print(matrix_text("mm of plate per mm or mm/m of source error", robot, false, {"dx", "dy", "dz"}, motion) +
+                matrix_text("mrad of plate, about x, y and z of the base, per mm or mm/m of source error", robot, false,
+                            {"turn_x", "turn_y", "turn_z"}, 1e3 * turn));
 }
 
 void run(const std::vector<double>& numbers, Session& session) {
-  for (const double number : numbers) {
-    if (!std::isfinite(number)) throw WrongUsage(fmt::format("--pose: expected finite numbers, got {}", number));
-  }
-  const Robot robot = session.level_robot("error-model");
-  const Pose pose = pose_of(numbers);
+  const Robot robot = session.robot();
+  const Pose pose = pose_of_option(robot, "--pose", numbers);
+  if (robot.has_six_freedoms()) return run_on_struts(robot, pose, session);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {
     throw MathematicsSaysNo(fmt::format("pose: {} does not reach ({:g}, {:g}, {:g}) mm at {:g} deg", robot.name(),
@@ -95,14 +128,11 @@ void run(const std::vector<double>& numbers, Session& session) {
                     model.condition_dd, model.condition_ee, ErrorModel::kSmallestCondition));
   }
   if (!session.json()) return session.print(report(robot, model));
-  session.print_json(io::Json{
-      {"robot", robot.name()},
-      {"pose",
-       {{"x_mm", numbers[0]}, {"y_mm", numbers[1]}, {"z_mm", numbers[2]}, {"phi_deg", to_degrees(pose.rotation)}}},
-      {"parameters", parameters_json(robot)},
-      {"G_dd", io::rows_json(model.G_dd)},
-      {"G_de", io::rows_json(model.G_de)},
-      {"G_ee", io::rows_json(model.G_ee)}});
+  io::Json json = head(robot, pose);
+  json["G_dd"] = io::rows_json(model.G_dd);
+  json["G_de"] = io::rows_json(model.G_de);
+  json["G_ee"] = io::rows_json(model.G_ee);
+  session.print_json(json);
 }
 
 }  // namespace
@@ -111,10 +141,10 @@ void add_error_model(Command& program, Session& session) {
   Command* command =
       session.add_command(program, "error-model", "Error model", "how source errors move and tilt the plate at a pose");
   const auto pose = std::make_shared<std::vector<double>>();
-  command->add_option("--pose", *pose, "x,y,z,phi in mm and deg (phi may be left out)")
+  command->add_option("--pose", *pose, "x,y,z,phi, or x,y,z and three tilts, in mm and deg (angles may be left out)")
       ->required()
       ->separated_by(',')
-      ->expected(3, 4);
+      ->expected(3, 6);
   command->callback([&session, pose] { run(*pose, session); });
 }
 

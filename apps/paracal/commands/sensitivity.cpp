@@ -25,42 +25,59 @@ struct Options {
   std::shared_ptr<std::string> report;
 };
 
-/// A map's rows: a layer is a z and a rotation.
-std::string map_csv(const Characteristic& what, const std::vector<ValueAtPose>& map) {
-  std::string text = fmt::format("x_mm,y_mm,z_mm,phi_deg,radius_mm,three_sigma_{}\n", json_key(what));
-  for (const ValueAtPose& point : map) {
-    const Eigen::Vector3d& r = point.pose.position;
-    fmt::format_to(std::back_inserter(text), "{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.9g}\n", r.x(), r.y(), r.z(),
-                   to_degrees(point.pose.rotation), std::hypot(r.x(), r.y()),
-                   3.0 * shown(what.quantity, point.value).value);
+/// A map's rows: a layer is a z and a rotation or a tilt.
+std::string map_csv(const Robot& robot, const Characteristic& what, const std::vector<ValueAtPose>& map) {
+  const bool tilts = robot.has_six_freedoms();
+  std::string text = fmt::format("x_mm,y_mm,z_mm,{},radius_mm,three_sigma_{}\n",
+                                 tilts ? "tilt_x_deg,tilt_y_deg,tilt_z_deg" : "phi_deg", json_key(what));
+  const auto out = std::back_inserter(text);
+  for (const auto& [pose, sigma] : map) {
+    const Eigen::Vector3d& r = pose.position;
+    fmt::format_to(out, "{:.6g},{:.6g},{:.6g},", r.x(), r.y(), r.z());
+    if (!tilts) fmt::format_to(out, "{:.6g},", to_degrees(pose.rotation));
+    for (Eigen::Index k = 0; tilts && k < 3; ++k) fmt::format_to(out, "{:.6g},", to_degrees(pose.tilt(k)));
+    fmt::format_to(out, "{:.6g},{:.9g}\n", std::hypot(r.x(), r.y()), 3.0 * shown(what.quantity, sigma).value);
   }
   return text;
 }
 
+/// How a source's sensitivity is shown: the factor, and the unit that it then has.
+struct Scale {
+  double factor = 1.0;
+  std::string unit;
+};
+
+/// Tilt in the paper's units, rad per rad, but on struts, whose errors are lengths.
+Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
+  const double factor = shown(quantity, 1.0).value;
+  const Unit of_source = unit(source, robot.actuator());
+  const std::string_view per = of_source == Unit::rad ? "rad" : file_unit(of_source);
+  if (unit(quantity) == Unit::mm || quantity == Quantity::rotation) {
+    return {factor, fmt::format("{} per {}", shown(quantity, 0.0).unit, per)};
+  }
+  if (robot.has_six_freedoms()) return {1e3 * factor, fmt::format("mrad per {}", per)};
+  return {factor * paper_units(robot)(place(source)), "rad per rad"};
+}
+
 std::string text_of(const Robot& robot, const SensitivityFindings& found) {
-  const bool tilt = found.what.quantity == Quantity::tilt || found.what.quantity == Quantity::twist;
-  const PerSource unit_size = tilt ? paper_units(robot) : PerSource::Ones();
   std::string text = fmt::format("sensitivity of {} over the workspace ({} poses), mean and largest{}\n",
                                  name(found.what), found.global.poses, found.local ? ", and at the pose" : "");
   const auto out = std::back_inserter(text);
-  for (const Source source : all_sources()) {
+  for (const Source source : sources_of(robot.actuator())) {
     const Eigen::Index k = place(source);
     if (found.global.largest(k) == 0.0) continue;
-    const bool over_width = tilt && unit_size(k) != 1.0;
-    const std::string unit = tilt ? "rad per rad"
-                                  : fmt::format("{} per {}", shown(found.what.quantity, 0.0).unit,
-                                                paracal::unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad");
-    const double to_screen = shown(found.what.quantity, 1.0).value * unit_size(k);
+    const auto [factor, unit] = scale_of(robot, found.what.quantity, source);
+    const bool over_width = unit == "rad per rad" && paper_units(robot)(k) != 1.0;
     fmt::format_to(out, "  {:<21}{:>10.4f} +- {:<8.1g}{:>10.4f}",
-                   fmt::format("{}{}", name(source), over_width ? " / c" : ""), to_screen * found.global.mean(k),
-                   to_screen * found.global.error(k), to_screen * found.global.largest(k));
-    if (found.local) fmt::format_to(out, "{:>10.4f}", to_screen * (*found.local)(k));
+                   fmt::format("{}{}", name(source, robot.actuator()), over_width ? " / c" : ""),
+                   factor * found.global.mean(k), factor * found.global.error(k), factor * found.global.largest(k));
+    if (found.local) fmt::format_to(out, "{:>10.4f}", factor * (*found.local)(k));
     fmt::format_to(out, "  {}\n", unit);
   }
   const Shown worst = shown(found.what.quantity, found.worst.value);
   fmt::format_to(out, "largest 3 sigma with the tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
-                 pose_text(found.worst.pose));
-  fmt::format_to(out, "what makes it, share of the variance:\n{}", pareto(found.contributors));
+                 pose_text(robot, found.worst.pose));
+  fmt::format_to(out, "what makes it, share of the variance:\n{}", pareto(found.contributors, robot.actuator()));
   return text + assumed_lines(found.assumed);
 }
 
@@ -74,19 +91,21 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.level_robot("sensitivity");
+  const Robot robot = session.robot();
+  if (!options.report->empty()) require_level(robot, "--report");
+  const Characteristic what = *characteristic_named(options.quantity);
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
-  SensitivityFindings found =
-      find_sensitivity(robot, *characteristic_named(options.quantity), tolerances,
-                       {.all_rotations = options.all_rotations, .relative_error = options.error});
+  SensitivityFindings found = find_sensitivity(
+      robot, what, tolerances, {.all_rotations = options.all_rotations, .relative_error = options.error});
   if (!options.pose.empty()) {
-    const Pose pose{{options.pose[0], options.pose[1], options.pose[2]}, to_radians(options.pose[3])};
-    found.local = squared_sensitivities(LinearModel(robot).rows(pose, found.what)).sqrt();
+    const Pose pose = pose_of_option(robot, "--pose", options.pose);
+    found.local = squared_sensitivities(LinearModel(robot).rows(pose, what)).sqrt();
   }
   if (!options.map.empty()) {
     session.outputs.write(
-        options.map, map_csv(found.what, sigma_map(robot, found.what, tolerances,
-                                                   {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
+        options.map,
+        map_csv(robot, what,
+                sigma_map(robot, what, tolerances, {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));
   }
   if (!options.report->empty()) write_page(options, session, robot, found, tolerances);
   session.json() ? session.print_json(sensitivity_json(robot, found)) : session.print(text_of(robot, found));
@@ -105,11 +124,14 @@ void add_sensitivity(Command& program, Session& session) {
                    "position-compensated: after the position group is compensated")
       ->check(characteristic_validator())
       ->shows_default();
-  command->add_option("--pose", options->pose, "local sensitivities here, too: x,y,z,phi (mm, deg)")
+  command
+      ->add_option("--pose", options->pose,
+                   "local sensitivities here, too: x,y,z,phi, or x,y,z and three tilts (mm, deg)")
       ->separated_by(',')
-      ->expected(4);
+      ->expected(3, 6);
   command->add_option("--tolerances", options->tolerances, "for contributors and map (TOML); default: the robot's");
-  command->add_flag("--all-rotations", options->all_rotations, "mean over phi, too; the paper's is at phi = 0");
+  command->add_flag("--all-rotations", options->all_rotations,
+                    "mean over phi or tilts, too; without it phi = 0, as the paper's, and level");
   command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
       ->check(positive_finite())
       ->shows_default();

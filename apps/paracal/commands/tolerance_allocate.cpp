@@ -30,7 +30,7 @@ Allocation allocated(const Options& options, const Robot& robot) {
                               : io::read_tolerances(io::read_file(options.tolerances), robot.geometry());
   if (is_general(options)) {
     const io::TextFile file = io::read_file(options.problem);
-    const AllocationProblem problem = io::read_allocation_problem(file, rest, robot.actuator());
+    const AllocationProblem problem = io::read_allocation_problem(file, rest, robot);
     if (problem.variables.empty()) throw InputFileError(file.name, 0, "expected costs ([cost.NAME]), got none");
     return allocate(robot, problem);
   }
@@ -60,7 +60,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
     const Shown worst = shown(quantity, one.worst.value), limit = shown(quantity, one.requirement.limit);
     fmt::format_to(out, "{} ({}): {:.4g} of {:.4g} {} at {}; 1 % more would save {:.3g}\n",
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
-                   worst.unit, pose_text(one.worst.pose), 0.01 * one.price * one.requirement.limit);
+                   worst.unit, pose_text(robot, one.worst.pose), 0.01 * one.price * one.requirement.limit);
   }
   text += assumed_lines(allocation.tolerances.assumed) + "\n" +
           io::tolerances_toml(allocation.tolerances, robot.actuator());
@@ -69,7 +69,9 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
 
 io::Json json_of(const Options& options, const Robot& robot, const Allocation& allocation) {
   io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
-  json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
+  if (!robot.has_six_freedoms()) {
+    json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
+  }
   if (!is_general(options)) {
     json["bound"] = options.bound;
     json["max_tilt_3sigma"] = options.max_tilt;
@@ -82,7 +84,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     io::Json entry{{"quantity", name(what)}, {"criterion", name(one.requirement.criterion)}};
     entry["limit_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.requirement.limit;
     entry["worst_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.worst.value;
-    entry["worst_pose"] = io::to_json(one.worst.pose);
+    entry["worst_pose"] = io::to_json(one.worst.pose, robot.has_six_freedoms());
     entry["price"] = one.price / factor;
     json["requirements"].push_back(std::move(entry));
   }
@@ -100,7 +102,9 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.level_robot("tolerance allocate");
+  const Robot robot = session.robot();
+  if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
+  if (!options.report->empty()) require_level(robot, "--report");
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
     session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));

@@ -43,7 +43,7 @@ struct Findings {
 
 std::vector<Requirement> requirements_of(const Options& options, const Robot& robot, const Tolerances& tolerances) {
   if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt}};
-  return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot.actuator()).requirements;
+  return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
 }
 
 /// The poses of the validation plan with all rotations, and those that are worst.
@@ -95,17 +95,17 @@ Findings find(const Options& options, const Robot& robot, const Session& session
   return found;
 }
 
-std::string sobol_text(const std::vector<SobolIndex>& indices) {
+std::string sobol_text(const std::vector<SobolIndex>& indices, Actuator actuator) {
   std::string text = "Sobol indices at the worst pose (exact model): alone, with interactions\n";
   for (const SobolIndex& one : indices) {
     fmt::format_to(std::back_inserter(text), "  {:<17}{:>7.3f} [{:.3f}, {:.3f}]{:>9.3f} [{:.3f}, {:.3f}]\n",
-                   name(one.source), one.first, one.first_interval.low, one.first_interval.high, one.total,
+                   name(one.source, actuator), one.first, one.first_interval.low, one.first_interval.high, one.total,
                    one.total_interval.low, one.total_interval.high);
   }
   return text;
 }
 
-std::string text_of(const Options& options, const Findings& found) {
+std::string text_of(const Options& options, const Robot& robot, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
   std::string text = fmt::format(
@@ -122,9 +122,9 @@ std::string text_of(const Options& options, const Findings& found) {
     fmt::format_to(out, "\n{}, {}; limit {:.4g}\n", name(one.requirement.characteristic), shown(quantity, 0.0).unit,
                    factor * one.requirement.limit);
     fmt::format_to(out, "  worst case           {:>10.4g}  at {}\n", factor * one.worst_case.value,
-                   pose_text(one.worst_case.pose));
+                   pose_text(robot, one.worst_case.pose));
     fmt::format_to(out, "  3 sigma, RSS         {:>10.4g}  at {}\n", factor * one.three_sigma.value,
-                   pose_text(one.three_sigma.pose));
+                   pose_text(robot, one.three_sigma.pose));
     const SigmaAtPose& worst = drawn.at_worst();
     fmt::format_to(out, "  3 sigma, Monte Carlo {:>10.4g}  [{:.4g}, {:.4g}]; Cpk {:.2f}\n", 3.0 * factor * worst.sigma,
                    3.0 * factor * worst.interval.low, 3.0 * factor * worst.interval.high, drawn.cpk());
@@ -132,13 +132,13 @@ std::string text_of(const Options& options, const Findings& found) {
     for (const double share : kPercentiles) {
       fmt::format_to(out, " {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
     }
-    fmt::format_to(out, "\n{}", pareto(one.contributors));
+    fmt::format_to(out, "\n{}", pareto(one.contributors, robot.actuator()));
   }
   const Proportion yield = batch.yield(confidence);
   fmt::format_to(out, "\nyield {:.3f} % [{:.3f}, {:.3f}], {:.0f} defects per million\n", 100.0 * yield.value,
                  100.0 * yield.interval.low, 100.0 * yield.interval.high, defects_per_million(yield).value);
   if (batch.not_closed > 0) fmt::format_to(out, "{} machines do not close somewhere\n", batch.not_closed);
-  if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol);
+  if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol, robot.actuator());
   if (!found.linearity.empty()) text += "\nthe linear model against the exact one, tolerances times a factor\n";
   for (const LinearityPoint& point : found.linearity) {
     fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
@@ -146,7 +146,9 @@ std::string text_of(const Options& options, const Findings& found) {
   return text + assumed_lines(found.tolerances.assumed);
 }
 
-io::Json requirement_json(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
+io::Json requirement_json(const Robot& robot, const RequirementAnalysis& one, const RequirementStatistics& drawn,
+                          double confidence) {
+  const auto pose_json = [&](const Pose& pose) { return io::to_json(pose, robot.has_six_freedoms()); };
   const Characteristic what = one.requirement.characteristic;
   const double factor = shown(what.quantity, 1.0).value;
   const SigmaAtPose& worst = drawn.at_worst();
@@ -154,15 +156,15 @@ io::Json requirement_json(const RequirementAnalysis& one, const RequirementStati
                 {"unit", shown(what.quantity, 0.0).unit},
                 {"limit", factor * one.requirement.limit},
                 {"worst_case", factor * one.worst_case.value},
-                {"worst_case_pose", io::to_json(one.worst_case.pose)},
+                {"worst_case_pose", pose_json(one.worst_case.pose)},
                 {"rss_3sigma", factor * one.three_sigma.value},
-                {"rss_pose", io::to_json(one.three_sigma.pose)},
+                {"rss_pose", pose_json(one.three_sigma.pose)},
                 {"monte_carlo_3sigma", 3.0 * factor * worst.sigma},
                 {"monte_carlo_3sigma_interval", io::interval_json(worst.interval, 3.0 * factor)},
-                {"monte_carlo_pose", io::to_json(worst.pose)},
+                {"monte_carlo_pose", pose_json(worst.pose)},
                 {"cpk", drawn.cpk()},
                 {"passed", drawn.passed},
-                {"contributors", contributors_json(one.contributors)}};
+                {"contributors", contributors_json(one.contributors, robot.actuator())}};
   for (const double share : kPercentiles) {
     json["largest_on_a_machine"][fmt::format("p{:g}", 100.0 * share)] = factor * drawn.largest.quantile(share);
   }
@@ -171,13 +173,13 @@ io::Json requirement_json(const RequirementAnalysis& one, const RequirementStati
   return json;
 }
 
-io::Json json_of(const Options& options, const Findings& found) {
+io::Json json_of(const Options& options, const Robot& robot, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
   io::Json json{{"model", options.model},         {"machines", batch.machines}, {"converged", batch.converged},
                 {"not_closed", batch.not_closed}, {"confidence", confidence},   {"requirements", io::Json::array()}};
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
-    json["requirements"].push_back(requirement_json(found.analyses[k], batch.requirements[k], confidence));
+    json["requirements"].push_back(requirement_json(robot, found.analyses[k], batch.requirements[k], confidence));
   }
   const io::Json first = json["requirements"].front();  // a copy: what is added to json may move it
   for (const char* key :
@@ -187,7 +189,7 @@ io::Json json_of(const Options& options, const Findings& found) {
   json["yield"] = io::to_json(batch.yield(confidence));
   json["dpmo"] = io::to_json(defects_per_million(batch.yield(confidence)));
   for (const SobolIndex& one : found.sobol) {
-    json["sobol"].push_back({{"name", name(one.source)},
+    json["sobol"].push_back({{"name", name(one.source, robot.actuator())},
                              {"first", one.first},
                              {"first_interval", io::interval_json(one.first_interval)},
                              {"total", one.total},
@@ -215,19 +217,20 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
   }
   write_report(*options.report, session, robot,
                {.kind = "tolerance analysis",
-                .results = {{"analysis", json_of(options, found)}},
+                .results = {{"analysis", json_of(options, robot, found)}},
                 .figures = {{"sigma_map", std::move(map)}, {"largest_on_a_machine", std::move(histograms)}},
                 .inputs = with_files({}, session, {options.tolerances, options.problem})});
 }
 
 void run(const Options& options, Session& session) {
-  const Robot robot = session.level_robot("tolerance analyze");
+  const Robot robot = session.robot();
+  if (!options.report->empty()) require_level(robot, "--report");
   const Findings found = find(options, robot, session);
   const bool enough =
       !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
   if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, found);
-  session.json() ? session.print_json(json_of(options, found)) : session.print(text_of(options, found));
+  session.json() ? session.print_json(json_of(options, robot, found)) : session.print(text_of(options, robot, found));
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 namespace paracal::io {
 
 /// Requirements and costs (TOML), as docs/files.md has them. `rest` is what the file does not choose.
-/// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that make no sense.
-AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, Actuator actuator);
+/// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that make no sense,
+/// or are not to be asked of the robot.
+AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, const Robot& robot);
 
 }  // namespace paracal::io

@@ -19,4 +19,8 @@ namespace paracal {
 std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
                                 const std::optional<PlateState>& guess = std::nullopt) noexcept;
 
+/// How far a plate is turned away from a commanded pose, about x, y and z of {O}, rad: a turn's vector on struts, the
+/// plate's three angles where it is to stay level.
+Eigen::Vector3d turned_away(const Machine& machine, const Pose& commanded, const PlateState& plate) noexcept;
+
 }  // namespace paracal

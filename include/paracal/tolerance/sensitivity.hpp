@@ -41,7 +41,7 @@ struct GlobalSensitivity {
 };
 
 struct GlobalSensitivityOptions {
-  bool all_rotations = false;    ///< mean over phi, too; the paper's is at phi = 0
+  bool all_rotations = false;    ///< mean over phi or tilts, too; the paper's is at phi = 0
   double relative_error = 1e-3;  ///< refine until every mean has settled to this
   int max_level = 4;             ///< of cylinder_rule(), whatever the error is then
 };
@@ -69,8 +69,8 @@ struct Contributor {
   double share = 0.0;
 };
 
-/// Largest first; the shares add up to 1. Empty when nothing varies.
-std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances);
+/// Of the sources that a kind of limb has, largest first; the shares add up to 1. Empty when nothing varies.
+std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances, Actuator actuator);
 
 /// A map over the workspace: sigma of a characteristic at points of a polar grid  [huang2016, Fig. 6].
 std::vector<ValueAtPose> sigma_map(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,

@@ -16,8 +16,8 @@ struct WeightedPose {
 /// without rotation reproduce [huang2016, Table 2].
 std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across = 21, int layers = 5);
 
-/// A rule that integrates over the cylinder: Gauss in radius (weight r), height and, where asked for, rotation;
-/// equidistant in azimuth. Each level has twice the points in every direction.
+/// A rule that integrates over the cylinder: Gauss in radius (weight r), height and, where asked for, rotation or, on
+/// struts, the three tilts; equidistant in azimuth. Each level has twice the points in every direction.
 std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_rotations);
 
 /// Points of polar circles in equidistant layers, surface included, without weights: where maxima are looked for.
