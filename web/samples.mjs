@@ -72,6 +72,16 @@ export function samples(program, folder) {
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", "--measure", "pose", ...machine, "--rotation-noise-deg", "0.05", "--out", "bodies.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "bodies.csv", "--out", "bodies.json", "--report", "bodies.html");
 
+  const hexapod = ["--robot", "hexapod.toml"];
+  run("robot", "--template", "hexapod", "--out", "hexapod.toml");
+  run("poses", ...hexapod, "--optimal", "24", "--candidates", "500", "--measure", "pose", "--out", "hexapod-plan.csv");
+  run("simulate", ...hexapod, "--poses", "hexapod-plan.csv", "--measure", "pose", ...machine, "--rotation-noise-deg", "0.01", "--out", "hexapod.csv");
+  run("calibrate", ...hexapod, "--measurements", "hexapod.csv", "--out", "hexapod.json", "--report", "struts.html");
+  run("report", ...hexapod, "--calibration", "hexapod.json", "--out", "strutreport.html");
+  run("sensitivity", ...hexapod, "--report", "strutsensitivity.html");
+  writeFileSync(at("strut_problem.toml"), readFileSync(fileURLToPath(new URL("../samples/strut_problem.toml", import.meta.url))));
+  run("tolerance", "allocate", ...hexapod, "--problem", "strut_problem.toml", "--report", "strutallocation.html");
+
   writeFileSync(at("K18.cfg"), printerConfig("K18", 160.3)); // as if it had been changed since
   writeFileSync(at("K37.cfg"), printerConfig("K37"));
   run("calibrate", "--printer", "K18.cfg", "--out", "printer.json", "--report", "printer.html");
@@ -87,6 +97,6 @@ export function samples(program, folder) {
   run("yield", ...huang, "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

@@ -15,8 +15,8 @@ class Session;
 /// they are drawn for accepted calibrations only.
 struct CalibrationPage {
   std::vector<report::ErrorArrow> arrows = {};
-  bool map = false;                     ///< of errors against the nominal robot, over the workspace
-  bool plan = true;                     ///< how many points a circle would do; owners of printers measure no circles
+  bool map = false;  ///< of errors against the nominal robot, over the workspace
+  bool plan = true;  ///< how many points a circle would do; owners of printers and of struts measure no circles
   std::vector<std::string> files = {};  ///< that were read besides the measurements
 };
 

@@ -22,13 +22,18 @@ struct Mean {
 
 io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& joints) {
   io::Json limbs = io::Json::array();
+  const Eigen::Matrix3d turn = plate_rotation(pose.tilt).matrix;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
     const Elbow<double> elbow = elbow_of(limb, joints(static_cast<Eigen::Index>(i)));
     const auto hinges = plate_joints(machine, limb, machine.slide_of(pose.rotation));
     io::Json rods = io::Json::array();
-    for (std::size_t j = 0; j < 2; ++j) {
-      rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + hinges[j]))});
+    for (std::size_t j = 0; j < rod_count(limb); ++j) {
+      rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + turn * hinges[j]))});
+    }
+    if (limb.is_strut()) {
+      limbs.push_back({{"base_mm", rounded(limb.base)}, {"rods_mm", std::move(rods)}});
+      continue;
     }
     // A rail's arm begins where its carriage stands.
     const Eigen::Vector3d middle = 0.5 * (elbow.joint[0] + elbow.joint[1]);
@@ -39,7 +44,7 @@ io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& join
   return limbs;
 }
 
-io::Json pose_json(const ErrorArrow& arrow, const std::optional<PlateState>& plate) {
+io::Json pose_json(const Machine& machine, const ErrorArrow& arrow, const std::optional<PlateState>& plate) {
   io::Json json{{"pose", arrow.pose},
                 {"position_mm", rounded(arrow.commanded.position)},
                 {"rotation_deg", rounded(to_degrees(arrow.commanded.rotation))},
@@ -47,7 +52,14 @@ io::Json pose_json(const ErrorArrow& arrow, const std::optional<PlateState>& pla
                 {"after_mm", nullptr},
                 {"tilt_rad", nullptr}};
   if (arrow.after) json["after_mm"] = rounded(*arrow.after);
-  if (plate) json["tilt_rad"] = {rounded(plate->tilt.x()), rounded(plate->tilt.y())};
+  if (plate) {
+    const Eigen::Vector3d turned = turned_away(machine, arrow.commanded, *plate);
+    json["tilt_rad"] = {rounded(turned.x()), rounded(turned.y())};
+  }
+  if (machine.has_six_freedoms()) {
+    json["tilt_deg"] = rounded(Eigen::Vector3d(arrow.commanded.tilt.unaryExpr(&to_degrees)));
+    json["normal"] = rounded(Eigen::Vector3d(plate_rotation(arrow.commanded.tilt).matrix.col(2)));
+  }
   return json;
 }
 
@@ -99,7 +111,7 @@ io::Json scene(const Robot& robot, const std::vector<ErrorArrow>& arrows, const 
   io::Json poses = io::Json::array();
   for (std::size_t k = 0; k < std::min(arrows.size(), kMostPoses); ++k) {
     const Pose& commanded = arrows[k].commanded;
-    poses.push_back(pose_json(arrows[k], drive(machine, robot.nominal(), commanded)));
+    poses.push_back(pose_json(machine, arrows[k], drive(machine, robot.nominal(), commanded)));
     const InverseResult joints = inverse(robot.nominal(), commanded);
     if (k < kMostWithLimbs && joints.ok()) {
       poses.back()["limbs"] = limbs_json(robot.nominal(), commanded, joints.joints);

@@ -101,15 +101,13 @@ TEST_F(Hexapod, JointsAloneAreCommandsEnough) {
 TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
   for (const char* command :
        {"tolerance allocate", "yield --machines 3", "error-model --pose 0,0,500,20", "sensitivity --pose 0,0,500,20",
-        "poses --stage fine", "export --target c99 --calibration c.json", "report --calibration c.json --out r.html",
-        "calibrate --measurements m.csv --report r.html",
+        "poses --stage fine", "export --target c99 --calibration c.json",
         "compensate --calibration c.json --poses p.csv --way linear"}) {
     const ProgramResult result = run(std::string(command) + " --robot h.toml");
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
     EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("struts"), HasSubstr("stays level"), HasSubstr("tilt_x")))
         << command;
   }
-  EXPECT_EQ(folder.names().count("r.html"), 0u);
 }
 
 /// How far a machine with one error stands from a commanded pose, by the printed matrices and by the program's own

@@ -3,12 +3,22 @@
 
 export type Vector = [number, number, number];
 
+/// A limb of a plate with six freedoms: where it is hinged, and how long it is where its joint stands at zero.
+export interface Strut {
+  kind: "strut";
+  base_joint_mm: Vector;
+  plate_joint_mm: Vector;
+  length_at_zero_mm: number;
+}
 export interface Robot {
   name: string;
-  geometry: { base_radius_mm: number; plate_radius_mm: number; actuator: "revolute" | "linear"; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
+  /// What all limbs share; none on struts.
+  geometry?: { base_radius_mm: number; plate_radius_mm: number; actuator: "revolute" | "linear"; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
+  limb?: (Strut | { kind?: undefined })[];
   plate?: { slide_axis: Vector };
-  workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number] };
+  workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number]; tilt_deg?: number };
 }
+export const strutsOf = (robot: Robot): Strut[] => (robot.limb ?? []).filter((one): one is Strut => one.kind === "strut");
 
 export interface Largest {
   max_abs_distance_mm: number | null; ///< the first four: null where lengths alone were read
@@ -203,7 +213,7 @@ export interface Allocation {
   status: string;
   reason: string;
   cost: number;
-  tolerances: Record<string, number>;
+  tolerances?: Record<string, number>; ///< of the tilt group; struts have none
   max_tilt_3sigma?: number;
   half_widths: Record<string, unknown>;
   requirements: ({ quantity: string; criterion: string; price: number } & Record<string, unknown>)[];
@@ -261,8 +271,10 @@ export interface ScenePose {
   rotation_deg: number;
   before_mm: Vector;
   after_mm: Vector | null;
-  tilt_rad: [number, number] | null;
-  limbs?: { base_mm: Vector; elbow_mm: Vector; rods_mm: [[Vector, Vector], [Vector, Vector]] }[];
+  tilt_rad: [number, number] | null; ///< away from how it was commanded
+  tilt_deg?: Vector; ///< commanded, and the plate's normal there: of plates on struts
+  normal?: Vector;
+  limbs?: { base_mm: Vector; elbow_mm?: Vector; rods_mm: [Vector, Vector][] }[]; ///< a strut has no elbow, and one rod
 }
 export interface Scene {
   measured: boolean;

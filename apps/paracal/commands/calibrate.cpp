@@ -97,7 +97,6 @@ void run(const Options& options, Session& session) {
   if (!options.printer.printer.name.empty()) return calibrate_printer_file(options.printer, *options.report, session);
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
   const Robot robot = session.robot({.tables = options.measuring.tables()});
-  if (!options.report->empty()) require_level(robot, "--report");
   const Measurements measurements = options.measuring.read(robot);
   CalibrationOptions wanted = calibration_options(options, robot);
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none

@@ -13,7 +13,7 @@ namespace {
 
 /// The calibration's own page, with what other measurements say of it where they are given.
 void run(const ValidatingOptions& options, Session& session) {
-  const Robot robot = session.level_robot("report", options.robot_sources());
+  const Robot robot = session.robot(options.robot_sources());
   const io::TextFile file = input_file(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const KnownErrors known = machine.known();
@@ -34,8 +34,8 @@ void run(const ValidatingOptions& options, Session& session) {
   }
   if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, stations);
   content.figures = {{"scene", report::scene(robot, arrows, known.errors)},
-                     {"error_map", report::error_map(robot, known)},
-                     {"observability", report::observability(robot)}};
+                     {"error_map", report::error_map(robot, known)}};
+  if (!robot.has_six_freedoms()) content.figures["observability"] = report::observability(robot);
   content.inputs = with_files(std::move(inputs), session, {});
   const io::Json data = report_data(session, robot, content);
   session.json() ? session.print_json(data) : session.print(report_page(data));

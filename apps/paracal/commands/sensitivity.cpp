@@ -92,7 +92,6 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
-  if (!options.report->empty()) require_level(robot, "--report");
   const Characteristic what = *characteristic_named(options.quantity);
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   SensitivityFindings found = find_sensitivity(

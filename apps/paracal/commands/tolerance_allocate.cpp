@@ -104,7 +104,6 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
-  if (!options.report->empty()) require_level(robot, "--report");
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
     session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));

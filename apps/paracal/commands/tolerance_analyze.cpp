@@ -224,7 +224,6 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
-  if (!options.report->empty()) require_level(robot, "--report");
   const Findings found = find(options, robot, session);
   const bool enough =
       !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;

@@ -71,7 +71,6 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const Robot robot = session.robot(options.robot_sources());
   const io::CalibratedMachine machine = io::read_calibration(input_file(options.calibration), robot);
   const KnownErrors known = machine.known();
-  if (!report.empty()) require_level(robot, "--report");
   const Measurements measurements = options.measuring.read(robot);
   Validation validation = validate(robot, known, measurements, options.options(measurements));
   for (const std::string& file : options.own(machine, measurements)) {

@@ -32,8 +32,9 @@ std::vector<ErrorArrow> predicted_arrows(const Robot& robot, const SourceErrors&
 ///   {measured, poses: [{pose, position_mm, rotation_deg, before_mm, after_mm (null: nothing measured), tilt_rad: [x,
 ///   y],
 ///    limbs: [{base_mm, elbow_mm, rods_mm: [[from, to], [from, to]]}]}]}
-/// Base joint and elbow are the ends of an arm; of a rail, of the carriage. Home comes first. Beyond 250 poses the
-/// limbs are left out, poses beyond 2000 altogether.
+/// Base joint and elbow are the ends of an arm; of a rail, of the carriage. A strut has a base joint and one rod, and a
+/// pose of a plate on struts tilt_deg, as commanded, and its normal; tilt_rad is how far it is turned away from there.
+/// Home comes first. Beyond 250 poses the limbs are left out, poses beyond 2000 altogether.
 io::Json scene(const Robot& robot, const std::vector<ErrorArrow>& arrows, const SourceErrors& errors);
 
 }  // namespace paracal::report

@@ -1,24 +1,46 @@
-// Base, arms, parallelograms and plate of the nominal robot at a pose.
+// Base, arms, parallelograms or struts, and plate of the nominal robot at a pose.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Object3D, SphereGeometry, TorusGeometry, Vector3 } from "three";
-import type { Robot, ScenePose, Vector } from "../data";
+import { strutsOf, type Robot, type ScenePose, type Strut, type Vector } from "../data";
 import { Rods, type Segment } from "./arrows";
 
 const kRound = 16;
 const vector = (v: Vector) => new Vector3(...v);
 
-/// Corners in the order of their azimuth about their middle, as a fan.
-function plateGeometry(corners: Vector3[]): BufferGeometry {
-  const middle = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
+/// How large the parts of a robot are.
+export interface Size {
+  base: number; ///< radius of its joints
+  plate: number;
+  rod: number;
+  above: number; ///< how high arms reach above the base
+}
+
+export function sizeOf(robot: Robot): Size {
+  if (robot.geometry) return { base: robot.geometry.base_radius_mm, plate: robot.geometry.plate_radius_mm, rod: robot.geometry.rod_mm, above: robot.geometry.arm_mm / 2 }; // arms seldom stand steeper
+  const struts = strutsOf(robot), largest = (of: (strut: Strut) => number) => Math.max(...struts.map(of));
+  return { base: largest(({ base_joint_mm: [x, y] }) => Math.hypot(x, y)), plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)), rod: largest((one) => one.length_at_zero_mm), above: largest((one) => one.base_joint_mm[2]) };
+}
+
+const middleOf = (corners: Vector3[]) => corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
+
+/// From corner to corner in the order of their azimuth about their middle.
+function edges(corners: Vector3[]): Segment[] {
+  const middle = middleOf(corners);
   const ordered = [...corners].sort((a, b) => Math.atan2(a.y - middle.y, a.x - middle.x) - Math.atan2(b.y - middle.y, b.x - middle.x));
-  const points = ordered.flatMap((corner, k) => [middle, corner, ordered[(k + 1) % ordered.length]!]).flatMap((p) => p.toArray());
+  return ordered.map((corner, k) => [corner, ordered[(k + 1) % ordered.length]!]);
+}
+
+/// A fan about the middle.
+function plateGeometry(corners: Vector3[]): BufferGeometry {
+  const middle = middleOf(corners);
+  const points = edges(corners).flatMap((edge) => [middle, ...edge]).flatMap((p) => p.toArray());
   const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
   geometry.computeVertexNormals();
   return geometry;
 }
 
 /// From the endstops down to the bottom of the workspace.
-function rails(robot: Robot, thickness: number, material: MeshLambertMaterial): Object3D {
-  const { base_radius_mm: radius, limb_azimuth_deg: azimuths } = robot.geometry;
+function rails(robot: Robot, azimuths: number[], thickness: number, material: MeshLambertMaterial): Object3D {
+  const radius = sizeOf(robot).base;
   const bottom = robot.workspace.top_z_mm - robot.workspace.height_mm;
   const rods = new Rods(azimuths.length, thickness, material, kRound);
   rods.set(azimuths.map((degrees): Segment => {
@@ -26,6 +48,16 @@ function rails(robot: Robot, thickness: number, material: MeshLambertMaterial): 
     return [foot, foot.clone().setZ(0)];
   }));
   return rods.object;
+}
+
+function baseOf(robot: Robot, thickness: number, material: MeshLambertMaterial): Object3D {
+  if (!robot.geometry) {
+    const corners = strutsOf(robot).map((one) => vector(one.base_joint_mm)), rods = new Rods(corners.length, thickness, material, kRound);
+    rods.set(edges(corners));
+    return rods.object;
+  }
+  if (robot.geometry.actuator === "linear") return rails(robot, robot.geometry.limb_azimuth_deg, thickness, material);
+  return new Mesh(new TorusGeometry(robot.geometry.base_radius_mm, thickness, 10, 72), material);
 }
 
 export class Skeleton {
@@ -37,31 +69,31 @@ export class Skeleton {
   private readonly plate: Mesh;
 
   constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
-    const limbs = robot.geometry.limb_azimuth_deg.length, size = robot.geometry.rod_mm / 950;
+    const limbs = robot.geometry?.limb_azimuth_deg.length ?? strutsOf(robot).length, size = sizeOf(robot).rod / 950;
     this.arms = new Rods(limbs, 11 * size, material.links, kRound);
-    this.rods = new Rods(4 * limbs, 5 * size, material.links, kRound);
+    this.rods = new Rods(4 * limbs, (robot.geometry ? 5 : 9) * size, material.links, kRound);
     this.pointer = new Rods(1, 6 * size, material.pointer, kRound);
     this.joints = new InstancedMesh(new SphereGeometry(14 * size, 16, 12), material.base, 2 * limbs);
     this.joints.frustumCulled = false;
     this.plate = new Mesh(new BufferGeometry(), material.plate);
     material.plate.side = DoubleSide;
-    const base = robot.geometry.actuator === "linear" ? rails(robot, 9 * size, material.base) : new Mesh(new TorusGeometry(robot.geometry.base_radius_mm, 9 * size, 10, 72), material.base);
-    this.object.add(base, this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
+    this.object.add(baseOf(robot, 9 * size, material.base), this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
   }
 
   stand(pose: ScenePose): void {
     const limbs = pose.limbs ?? [];
-    this.arms.set(limbs.map((limb) => [vector(limb.base_mm), vector(limb.elbow_mm)]));
-    this.rods.set(limbs.flatMap(({ rods_mm: [one, other] }) => [one, other, [one[0], other[0]], [one[1], other[1]]].map(([from, to]): Segment => [vector(from!), vector(to!)])));
+    const across = ([one, other]: [Vector, Vector][]): [Vector, Vector][] => (one && other ? [[one[0], other[0]], [one[1], other[1]]] : []);
+    this.arms.set(limbs.flatMap(({ base_mm: base, elbow_mm: elbow }): Segment[] => (elbow ? [[vector(base), vector(elbow)]] : [])));
+    this.rods.set(limbs.flatMap(({ rods_mm: rods }) => [...rods, ...across(rods)].map(([from, to]): Segment => [vector(from), vector(to)])));
     limbs.forEach((limb, k) => {
       this.joints.setMatrixAt(2 * k, new Matrix4().setPosition(vector(limb.base_mm)));
-      this.joints.setMatrixAt(2 * k + 1, new Matrix4().setPosition(vector(limb.elbow_mm)));
+      this.joints.setMatrixAt(2 * k + 1, new Matrix4().setPosition(vector(limb.elbow_mm ?? limb.rods_mm[0]![1])));
     });
     this.joints.instanceMatrix.needsUpdate = true;
     this.plate.geometry.dispose();
     this.plate.geometry = plateGeometry(limbs.flatMap((limb) => limb.rods_mm.map(([, to]) => vector(to))));
     const centre = vector(pose.position_mm), angle = (pose.rotation_deg * Math.PI) / 180;
-    const reach = 1.6 * this.robot.geometry.plate_radius_mm + 40;
+    const reach = 1.6 * sizeOf(this.robot).plate + 40;
     this.pointer.set(this.robot.plate ? [[centre, centre.clone().add(new Vector3(Math.cos(angle), Math.sin(angle), 0).multiplyScalar(reach))]] : []);
   }
 }

@@ -24,7 +24,8 @@ export function sign(text: string, colour: string, height: number): Sprite {
   return sprite;
 }
 
-export function surroundings(robot: Robot, ink: string, muted: string): Group {
+/// @param span  mm, of what is seen: how large words and axes are
+export function surroundings(robot: Robot, span: number, ink: string, muted: string): Group {
   const group = new Group();
   const { radius_mm: radius, height_mm: height, top_z_mm: top } = robot.workspace;
   const edges = new LineBasicMaterial({ color: muted, transparent: true, opacity: 0.8 });
@@ -33,15 +34,15 @@ export function surroundings(robot: Robot, ink: string, muted: string): Group {
     const [x, y] = [radius * Math.cos((k * Math.PI) / 4), radius * Math.sin((k * Math.PI) / 4)];
     group.add(new Line(new BufferGeometry().setFromPoints([new Vector3(x, y, top), new Vector3(x, y, top - height)]), edges));
   }
-  const text = radius / 7;
+  const text = span / 7;
   const diameter = sign(`\u2300 ${exact(2 * radius)} mm`, muted, text);
-  diameter.position.set(-1.45 * radius, 0, top);
+  diameter.position.set(-radius - 0.45 * span, 0, top);
   const depth = sign(`${exact(height)} mm`, muted, text);
-  depth.position.set(1.3 * radius, 0, top - height / 2);
+  depth.position.set(radius + 0.3 * span, 0, top - height / 2);
   group.add(diameter, depth);
   const axes: [string, Vector3][] = [["x", new Vector3(1, 0, 0)], ["y", new Vector3(0, 1, 0)], ["z", new Vector3(0, 0, 1)]];
   for (const [name, direction] of axes) {
-    const tip = direction.clone().multiplyScalar((direction.z > 0 ? 0.36 : 0.62) * radius);
+    const tip = direction.clone().multiplyScalar((direction.z > 0 ? 0.36 : 0.62) * span);
     group.add(new Line(new BufferGeometry().setFromPoints([new Vector3(), tip]), new LineBasicMaterial({ color: ink })));
     const letter = sign(name, ink, text);
     letter.position.copy(tip.multiplyScalar(1.2));

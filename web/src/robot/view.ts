@@ -4,7 +4,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Report, ScenePose, Vector } from "../data";
 import { colour, onThemeChange } from "../theme";
 import { Arrows } from "./arrows";
-import { Skeleton } from "./skeleton";
+import { Skeleton, sizeOf } from "./skeleton";
 import { surroundings } from "./surroundings";
 
 export interface Shown {
@@ -38,7 +38,7 @@ export class RobotView {
   /// @throws where there is no WebGL.
   constructor(private readonly canvas: HTMLCanvasElement, private readonly report: Report, private readonly poses: ScenePose[], private shown: Shown) {
     const { workspace } = report.robot, count = poses.length;
-    this.span = workspace.radius_mm;
+    this.span = Math.max(workspace.radius_mm, sizeOf(report.robot).base / 2);
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.camera = new PerspectiveCamera(35, 1, this.span / 50, 40 * this.span);
     this.camera.up.set(0, 0, 1);
@@ -90,7 +90,7 @@ export class RobotView {
 
   home(): void {
     const { top_z_mm: top, height_mm: height } = this.report.robot.workspace;
-    const bottom = top - height, highest = this.report.robot.geometry.arm_mm / 2; // arms seldom stand steeper
+    const { above } = sizeOf(this.report.robot), bottom = Math.min(top - height, above), highest = Math.max(top, above);
     const size = Math.max(highest - bottom, 2.4 * this.span);
     this.controls.target.set(0, 0, 0.5 * (bottom + highest));
     this.camera.position.copy(this.controls.target).add(new Vector3(1.05, -1.85, 0.55).multiplyScalar(size));
@@ -102,11 +102,11 @@ export class RobotView {
   private readonly upright = new Matrix4().makeRotationX(-Math.PI / 2);
 
   /// The plate's normal, turned by the magnified tilt, but by no more than 60 degrees.
-  private normal({ position_mm, tilt_rad }: ScenePose): [Vector3, Vector3] {
+  private normal({ position_mm, tilt_rad, normal }: ScenePose): [Vector3, Vector3] {
     const [x, y] = tilt_rad!, angle = Math.hypot(x, y), turned = Math.min(kTiltMore * angle * this.shown.magnification, Math.PI / 3);
-    const sine = angle > 0 ? Math.sin(turned) / angle : 0;
-    const start = vector(position_mm);
-    return [start, start.clone().addScaledVector(new Vector3(y * sine, -x * sine, Math.cos(turned)), 0.16 * this.span)];
+    const upright = vector(normal ?? [0, 0, 1]), start = vector(position_mm);
+    if (angle > 0) upright.applyAxisAngle(new Vector3(x, y, 0).divideScalar(angle), turned);
+    return [start, start.clone().addScaledVector(upright, 0.16 * this.span)];
   }
 
   private paint(): void {
@@ -114,7 +114,7 @@ export class RobotView {
     this.materials.plate.transparent = true;
     this.materials.plate.opacity = 0.85;
     if (this.around) this.scene.remove(this.around);
-    this.around = surroundings(this.report.robot, colour("ink"), colour("muted"));
+    this.around = surroundings(this.report.robot, this.span, colour("ink"), colour("muted"));
     this.scene.add(this.around);
   }
 

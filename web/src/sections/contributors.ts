@@ -45,7 +45,7 @@ function pareto(quantity: string, contributors: Contributor[], number: number): 
 
 function globalFigure(sensitivity: Sensitivity): HTMLElement {
   const rows = Object.entries(sensitivity.global).map(([name, mean]) => ({ name: words(name), mean, largest: sensitivity.largest[name]! })).filter((row) => row.largest > 0).sort((one, other) => other.mean - one.mean);
-  const tilt = sensitivity.quantity === "tilt";
+  const tilt = sensitivity.quantity === "tilt" && !("zero" in sensitivity.global); // in the paper's units, but on struts
   return figure({
     id: "global-sensitivity",
     title: text.global(sensitivity.quantity),
@@ -64,7 +64,21 @@ function globalFigure(sensitivity: Sensitivity): HTMLElement {
   });
 }
 
+/// Of struts, whose half-widths are lengths.
+function halfWidthsFigure(allocation: Allocation): HTMLElement {
+  const rows = Object.entries(allocation.half_widths).flatMap(([name, value]) => (typeof value === "number" ? [{ name, value }] : []));
+  return figure({
+    id: "allocated-tolerances",
+    title: text.allocatedStruts,
+    shows: text.allocatedStrutsShows,
+    marks: rows.length,
+    sheet: { columns: ["name", "half_width"], rows: rows.map((row) => [row.name, row.value]) },
+    draw: labelledBars(rows, text.half),
+  });
+}
+
 function tolerancesFigure(allocation: Allocation): HTMLElement {
+  if (!allocation.tolerances) return halfWidthsFigure(allocation);
   const rows = Object.entries(allocation.tolerances).map(([name, value]) => ({ name: words(name), value: 1e3 * value }));
   return figure({
     id: "allocated-tolerances",

@@ -36,7 +36,7 @@ function unitFigure(unit: string, parameters: Parameter[]): HTMLElement {
     priorTo: one.prior_std === null ? null : clamp(one.expected + 2 * one.prior_std),
   }));
   return figure({
-    id: `parameters-${unit}`,
+    id: `parameters-${unit.replace("/", "-per-")}`,
     title: text.title(unit),
     shows: text.shows(rows.length, rows.filter((row) => row.identified).length),
     marks: rows.length,

@@ -1,5 +1,5 @@
 // What it takes to get the same numbers again.
-import type { Report } from "../data";
+import { strutsOf, type Report } from "../data";
 import { h, table } from "../dom";
 import { exact } from "../numbers";
 import { section, type Section } from "../section";
@@ -11,7 +11,9 @@ export function repeat(report: Report): Section {
   const files = report.inputs.map(({ file, sha256 }) => [h("span", { class: "name" }, file), h("span", { class: "hash" }, sha256)]);
   const { calibration } = report.results;
   const value = (given: string | number | number[]) => (typeof given === "string" ? given : [given].flat().map(exact).join(", "));
-  const dimensions = [...Object.entries(text.geometry).map(([key, name]) => [name, value(report.robot.geometry[key as keyof Report["robot"]["geometry"]])]), ...Object.entries(text.workspace).map(([key, name]) => [name, value(report.robot.workspace[key as keyof Report["robot"]["workspace"]])])];
+  const listed = (names: Record<string, string>, given: Record<string, string | number | number[]>) => Object.entries(names).flatMap(([key, name]) => (given[key] === undefined ? [] : [[name, value(given[key])]]));
+  const struts = strutsOf(report.robot).map((one, k) => [text.strut(k + 1), [one.base_joint_mm, one.plate_joint_mm, one.length_at_zero_mm].map(value).join("; ")]);
+  const dimensions = [...listed(text.geometry, report.robot.geometry ?? {}), ...struts, ...listed(text.workspace, report.robot.workspace)];
   return section("repeat", strings.nav.repeat, text.heading, text.intro,
     h("p", {}, `${text.program}: ${report.program}. ${text.date}: ${report.date}. ${text.command}:`),
     h("code", { class: "command" }, report.command),

@@ -24,7 +24,8 @@ function readout(pose: ScenePose): string {
   const [x, y, z] = pose.position_mm.map(exact) as [string, string, string];
   const after = pose.after_mm ? digits(length(pose.after_mm), 2) : null;
   const tilt = tilts(pose) ? ` ${text.tilted(digits(1e3 * Math.hypot(...pose.tilt_rad!), 2))}` : "";
-  return `${text.readout(pose.pose, x, y, z, exact(pose.rotation_deg))} ${text.error(digits(length(pose.before_mm)), after)}${tilt}`;
+  const turned = pose.tilt_deg ? text.tiltedBy(pose.tilt_deg.map(exact)) : `\u03c6 ${exact(pose.rotation_deg)}\u00b0`;
+  return `${text.readout(pose.pose, x, y, z, turned)} ${text.error(digits(length(pose.before_mm)), after)}${tilt}`;
 }
 
 function checkbox(name: string, kind: string, on: boolean, change: (on: boolean) => void): HTMLElement {
@@ -35,8 +36,9 @@ function checkbox(name: string, kind: string, on: boolean, change: (on: boolean)
 }
 
 function errorsFigure(scene: Scene): HTMLElement {
-  const rows = scene.poses.map((pose) => [pose.pose, ...pose.position_mm, pose.rotation_deg, ...pose.before_mm, ...(pose.after_mm ?? [null, null, null]), ...(pose.tilt_rad ?? [null, null])]);
-  const columns = ["pose", "x_mm", "y_mm", "z_mm", "phi_deg", "before_x_mm", "before_y_mm", "before_z_mm", "after_x_mm", "after_y_mm", "after_z_mm", "tilt_x_rad", "tilt_y_rad"];
+  const tilts = scene.poses.some((pose) => pose.tilt_deg), turned = (pose: ScenePose) => (tilts ? pose.tilt_deg! : [pose.rotation_deg]);
+  const rows = scene.poses.map((pose) => [pose.pose, ...pose.position_mm, ...turned(pose), ...pose.before_mm, ...(pose.after_mm ?? [null, null, null]), ...(pose.tilt_rad ?? [null, null])]);
+  const columns = ["pose", "x_mm", "y_mm", "z_mm", ...(tilts ? ["tilt_x_deg", "tilt_y_deg", "tilt_z_deg"] : ["phi_deg"]), "before_x_mm", "before_y_mm", "before_z_mm", "after_x_mm", "after_y_mm", "after_z_mm", "tilt_x_rad", "tilt_y_rad"];
   const one = figure({ id: "robot-errors", title: text.table, shows: text.tableShows, marks: rows.length, sheet: { columns, rows }, draw: () => [] });
   one.querySelector(".drawing")!.remove();
   return one;

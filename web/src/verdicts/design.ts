@@ -48,12 +48,14 @@ export function ofAllocation(allocation: Allocation): Verdict {
 export function ofSensitivity({ quantity, poses, worst, assumed }: Sensitivity): Verdict {
   const key = Object.keys(worst).find((name) => name.startsWith("three_sigma_"))!;
   const { scale, unit } = milli(key.slice(key.lastIndexOf("_") + 1));
-  const [x, y, z] = ["x_mm", "y_mm", "z_mm"].map((axis) => exact(Math.round(worst[axis]!))) as [string, string, string];
+  const whole = (key: string) => exact(Math.round(worst[key]!));
+  const [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(whole) as [string, string, string];
+  const tilted = "tilt_x_deg" in worst ? `, ${strings.robot.tiltedBy(["tilt_x_deg", "tilt_y_deg", "tilt_z_deg"].map(whole))}` : "";
   return {
     yes: null,
     says: text.yes.sensitivity,
     sentence: text.sensitivity(quantity, poses),
-    cards: [card(text.worst, [digits(scale * worst[key]!), unitOf(unit)], [text.at(x, y, z)])],
+    cards: [card(text.worst, [digits(scale * worst[key]!), unitOf(unit)], [text.at(x, y, z) + tilted])],
     notes: assumptions(assumed),
   };
 }
