@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "export_text.hpp"
+#include "struts.hpp"
 
 namespace paracal {
 namespace {
@@ -34,13 +35,25 @@ std::string limb_constants(const CompensatorParameters<double>& parameters) {
   return text;
 }
 
-std::string test_vector(const std::vector<SelfTestCase>& cases) {
+std::string strut_constants_text(const std::array<StrutConstants, kStruts>& struts) {
+  std::string text;
+  for (const auto& [base, plate, length, growth] : struts) {
+    text += fmt::format("    {{{},\n     {},\n     {}, {}}},\n", braced(base), braced(plate), decimal(length),
+                        decimal(growth));
+  }
+  return text;
+}
+
+/// Poses as the language takes them, x, y, z and phi or three tilts.
+std::string test_vector(const std::vector<SelfTestCase>& cases, bool tilts) {
   std::string text;
   for (const auto& [pose, joints] : cases) {
-    const std::array numbers{pose.position.x(), pose.position.y(), pose.position.z(), pose.rotation};
-    CompensatorJoints<double> found{};
+    const Eigen::Vector3d &r = pose.position, &turn = pose.tilt;
+    std::array numbers{r.x(), r.y(), r.z(), tilts ? turn.x() : pose.rotation, turn.y(), turn.z()};
+    std::array<double, kMaxLimbs> found{};
     std::ranges::copy(joints, found.begin());
-    text += fmt::format("    {{{}, {}}},\n", braced(numbers), braced(found, static_cast<std::size_t>(joints.size())));
+    text += fmt::format("    {{{}, {}}},\n", braced(numbers, tilts ? 6 : 4),
+                        braced(found, static_cast<std::size_t>(joints.size())));
   }
   return text;
 }
@@ -89,9 +102,26 @@ std::string settle_functions(const RecordedMachine& recorded, Values values) {
   return filled_template("settle_c99.h", values);
 }
 
+std::string strut_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  const Machine machine = build(robot, errors);
+  const auto struts = strut_constants(machine);
+  const RecordedStruts recorded = record(struts);
+  const std::vector<SelfTestCase> cases = strut_self_test(robot, machine);
+  const C99 language;
+  Values values = head(robot, origin);
+  values.emplace_back("OPERATIONS", operations(recorded.joints));
+  values.emplace_back("LIMB_CONSTANTS", strut_constants_text(struts));
+  values.emplace_back("JOINTS", recorded.joints.text(language, "  "));
+  values.emplace_back("ROWS", recorded.rows.text(language, "  "));
+  values.emplace_back("TESTS", std::to_string(cases.size()));
+  values.emplace_back("TEST_VECTOR", test_vector(cases, true));
+  return filled_template("struts_c99.h", values);
+}
+
 }  // namespace
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  if (robot.has_six_freedoms()) return strut_header(robot, errors, origin);
   const ExportedMachine machine(robot, errors);
   const C99 language;
   Values values = head(robot, origin);
@@ -105,14 +135,14 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
   values.emplace_back("LEVEL", machine.recorded.level.text(language, "  "));
   values.emplace_back("WAY_BACK", machine.recorded.way_back.text(language, "  "));
   values.emplace_back("TESTS", std::to_string(machine.cases.size()));
-  values.emplace_back("TEST_VECTOR", test_vector(machine.cases));
+  values.emplace_back("TEST_VECTOR", test_vector(machine.cases, false));
   return filled_template("compensator_c99.h", values);
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
   Values values = head(robot, origin);
   values.emplace_back("C99", c99_header(robot, errors, origin));
-  return filled_template("paracal_kins.comp", values);
+  return filled_template(robot.has_six_freedoms() ? "struts_kins.comp" : "paracal_kins.comp", values);
 }
 
 }  // namespace paracal

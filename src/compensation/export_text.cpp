@@ -45,9 +45,9 @@ void add(OperationCount& sum, const Procedure& procedure, const RecordedMachine&
   add_one(recorded.turn_sine.count(), times * one.turns / 2);
 }
 
-std::string brief(const OperationCount& count) {
-  return fmt::format("{} additions, {} multiplications, {} divisions, {} square roots, {} arctangents", count.additions,
-                     count.multiplications, count.divisions, count.square_roots, count.functions);
+std::string brief(const OperationCount& count, std::string_view functions) {
+  return fmt::format("{} additions, {} multiplications, {} divisions, {} square roots, {} {}", count.additions,
+                     count.multiplications, count.divisions, count.square_roots, count.functions, functions);
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::string filled_template(std::string_view name, const Values& values) {
 }
 
 Values head(const Robot& robot, const ExportOrigin& origin) {
-  const bool on_rails = robot.actuator() == Actuator::linear;
+  const bool in_mm = joint_unit(robot.actuator()) == Unit::mm;
   return {{"PROGRAM", fmt::format("paracal {}", version())},
           {"ROBOT", harmless(robot.name())},
           {"CALIBRATION", harmless(origin.calibration)},
@@ -76,9 +76,9 @@ Values head(const Robot& robot, const ExportOrigin& origin) {
           {"DATE", origin.date},
           {"LIMBS", std::to_string(robot.limb_count())},
           {"LAST_JOINT", std::to_string(robot.limb_count() - 1)},
-          {"JOINT_UNIT", on_rails ? "mm" : "rad"},
-          {"SHOWN_JOINT_UNIT", on_rails ? "mm" : "deg"},
-          {"JOINT_TOLERANCE", on_rails ? "1.0E-9" : "1.7E-11"},
+          {"JOINT_UNIT", in_mm ? "mm" : "rad"},
+          {"SHOWN_JOINT_UNIT", in_mm ? "mm" : "deg"},
+          {"JOINT_TOLERANCE", in_mm ? "1.0E-9" : "1.7E-11"},
           {"SERIES_REACH", decimal(kSeriesReach)},
           {"MOST_STEPS", std::to_string(kMostSteps)},
           {"SETTLED", decimal(kSettled<double>)}};
@@ -93,10 +93,14 @@ std::string operations(const ExportedMachine& machine) {
   const RecordedMachine& recorded = machine.recorded;
   OperationCount count;
   add(count, recorded.level, recorded, 1);
-  if (machine.parameters.tilts_plate == 0) return brief(count) + " a call";
+  if (machine.parameters.tilts_plate == 0) return brief(count, "arctangents") + " a call";
   add(count, recorded.answer, recorded, 1);
   add(count, recorded.step, recorded, 4);
-  return fmt::format("{} a call of four steps, the rule", brief(count));
+  return fmt::format("{} a call of four steps, the rule", brief(count, "arctangents"));
+}
+
+std::string operations(const Procedure& joints_of_struts) {
+  return brief(joints_of_struts.count(), "sines and cosines") + " a call";
 }
 
 std::string decimal(double value) {

@@ -26,7 +26,7 @@ struct Options {
 using Writer = std::string (*)(const Robot&, const SourceErrors&, const ExportOrigin&);
 /// Targets that are a text made of the calibration alone.
 const std::map<std::string, Writer> kTexts{
-    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}};
+    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}, {"genhexkins", genhexkins}};
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
                  Session& session) {
@@ -69,6 +69,11 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   session.print_json(json);
 }
 
+/// Whether a target knows plates with six freedoms.
+bool is_for_struts(std::string_view target) {
+  return target == "c99" || target == "linuxcnc" || target == "genhexkins";
+}
+
 /// What --config asks for.
 /// @throws WrongUsage where another target was, or a file for it, too.
 std::optional<OutputFolder> configuration_folder(const Options& options, const Session& session) {
@@ -84,7 +89,9 @@ std::optional<OutputFolder> configuration_folder(const Options& options, const S
 
 void run(const Options& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
-  const Robot robot = session.level_robot("export", {.calibrations = {options.calibration}});
+  const Robot robot = session.robot({.calibrations = {options.calibration}});
+  if (folder || !is_for_struts(options.target))
+    require_level(robot, folder ? "export --config" : "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
@@ -128,10 +135,10 @@ void add_export(Command& program, Session& session) {
       ->add_option(
           "--target", options->target,
           "c99: one freestanding header, C99 and C++; linuxcnc: a kinematics component (paracal_kins.comp); st: "
-          "IEC 61131-3 Structured Text; json: the compensator's parameters; gcode, csv: a program or a "
-          "pose table with corrected targets")
+          "IEC 61131-3 Structured Text; genhexkins: HAL lines for LinuxCNC's own kinematics of hexapods; json: the "
+          "compensator's parameters; gcode, csv: a program or a pose table with corrected targets")
       ->required()
-      ->check(one_of({"c99", "linuxcnc", "st", "json", "gcode", "csv"}));
+      ->check(one_of({"c99", "linuxcnc", "st", "genhexkins", "json", "gcode", "csv"}));
   command
       ->add_choice(
           "--config", [options](const std::string& folder) { options->folder = folder; },

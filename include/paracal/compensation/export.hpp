@@ -18,9 +18,9 @@ struct ExportOrigin {
 /// Text, as a file's name, that cannot end a comment or a string of any target.
 std::string harmless(std::string text);
 
-/// A compensator as one header for freestanding targets, C99 and C++: the exact way of compensator.hpp with the
-/// constants of this machine, the way back from joints to pose, and a self-test vector with a function that runs it. It
-/// needs sqrt, sin, cos and atan2.
+/// A compensator as one header for freestanding targets, C99 and C++: the exact way of compensator.hpp, or of struts,
+/// with the constants of this machine, the way back from joints to pose, and a self-test vector with a function that
+/// runs it. It needs sqrt, sin, cos and, where there are arms, atan2.
 /// @throws Unreachable when the machine does not reach the centre of the robot's workspace.
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 
@@ -28,6 +28,11 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 /// (forward and inverse) and, for trying, a HAL function between pins.
 /// @throws as c99_header.
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+
+/// A plate on struts for LinuxCNC's own genhexkins: the 36 coordinates of its joints, and the lengths and gains of its
+/// drives, as lines of HAL.
+/// @throws InvalidArgument for other robots.
+std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
 
 /// A sample machine of LinuxCNC around that component: the files of a folder by their names, with INI, HAL, tools, work
 /// offsets, a program and README.md. Its motors are loops in HAL. Joints are homed where they take the plate to the

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <iterator>
+
+#include "export_text.hpp"
+#include "paracal/error.hpp"
+#include "struts.hpp"
+
+namespace paracal {
+namespace {
+
+using namespace compensation_detail;
+
+std::string coordinates(std::string_view of, std::size_t limb, const std::array<double, 3>& point) {
+  std::string text;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("setp genhexkins.{}.{}.{} {}\n", of, limb, "xyz"[axis], point.at(axis));
+  }
+  return text;
+}
+
+/// "strut.0,strut.1,..."
+std::string names(std::string_view name) {
+  std::string text;
+  for (std::size_t i = 0; i < kStruts; ++i) text += fmt::format("{}{}.{}", i == 0 ? "" : ",", name, i);
+  return text;
+}
+
+std::string scale(std::string_view name, std::size_t limb, double gain, double offset) {
+  return fmt::format("setp {0}.{1}.gain {2}\nsetp {0}.{1}.offset {3}\naddf {0}.{1} servo-thread\n", name, limb, gain,
+                     offset);
+}
+
+}  // namespace
+
+std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  if (!robot.has_six_freedoms()) {
+    throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
+  }
+  const auto struts = strut_constants(build(robot, errors));
+  std::string base, platform, lengths, drives;
+  for (std::size_t i = 0; i < struts.size(); ++i) {
+    const auto& [at_base, at_plate, length, growth] = struts[i];
+    base += coordinates("base", i, at_base);
+    platform += coordinates("platform", i, at_plate);
+    lengths += fmt::format("#   [JOINT_{}] LENGTH {} GROWTH {}\n", i, length, growth);
+    drives += scale("strut", i, 1.0 / growth, -length / growth) + scale("strut-back", i, growth, length);
+  }
+  Values values = head(robot, origin);
+  values.emplace_back("BASE", base);
+  values.emplace_back("PLATFORM", platform);
+  values.emplace_back("LENGTHS", lengths);
+  values.emplace_back("STRUTS", names("strut"));
+  values.emplace_back("STRUTS_BACK", names("strut-back"));
+  values.emplace_back("DRIVES", drives);
+  return filled_template("genhexkins.hal", values);
+}
+
+}  // namespace paracal

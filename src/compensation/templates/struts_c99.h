@@ -1,0 +1,227 @@
+/* Compensator of one machine on struts, written by $PROGRAM$. Do not edit: export again.
+ *
+ *   robot        $ROBOT$
+ *   calibration  $CALIBRATION$
+ *   SHA-256      $SHA256$
+ *   date         $DATE$
+ *   units        mm and rad, joints in mm; poses in the base frame, z up: x, y, z of the plate's origin, then tilt_x,
+ *                tilt_y, tilt_z, by which the plate is turned R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)
+ *   way          exact: inverse of the identified machine with all its errors, in closed form
+ *   operations   $OPERATIONS$
+ *
+ * Use:
+ *
+ *   double joints[PARACAL_LIMBS] = {where the machine stands, mm};
+ *   const double pose[6] = {x, y, z, tilt_x, tilt_y, tilt_z};
+ *   in every cycle: if (paracal_compensate(pose, joints) != PARACAL_OK) stop on path;
+ *   joints are then the last good ones
+ *
+ * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
+ * Where the machine stands: paracal_forward(joints, pose) gives the pose of joints near the pose that it finds there,
+ * paracal_home(pose) a first one.
+ *
+ * C99 and C++, freestanding, no state, no allocation, bounded time. Of a library it needs sqrt, sin and cos.
+ *
+ * MISRA C:2012, as cppcheck's add-on sees it, but for 2.5 (macros for the program that includes this), 15.5 (a return where
+ * a pose cannot be taken) and 21.2 (the three functions above, declared where there is no math.h).
+ */
+#ifndef PARACAL_COMPENSATOR_H
+#define PARACAL_COMPENSATOR_H
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "poses without an answer are told by numbers that are not finite: compile without -ffinite-math-only"
+#endif
+
+#if defined(__cplusplus) || (defined(__STDC_HOSTED__) && (__STDC_HOSTED__ == 1) && !defined(__KERNEL__))
+#include <math.h>
+#else
+double sqrt(double x);
+double sin(double x);
+double cos(double x);
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PARACAL_ROBOT "$ROBOT$"
+#define PARACAL_CALIBRATION_SHA256 "$SHA256$"
+#define PARACAL_DATE "$DATE$"
+#define PARACAL_LIMBS $LIMBS$
+
+/* What functions return. */
+#define PARACAL_OK 0
+#define PARACAL_UNREACHABLE 1 /* forward: no pose with these joints near that one */
+#define PARACAL_NOT_FINITE 2  /* the pose, or a joint, is NaN or infinity */
+#define PARACAL_SINGULAR 3    /* the struts do not hold the plate there */
+
+/* One strut, errors included: |r + R plate - base| = length + growth joint. */
+struct paracal_limb {
+  double base[3];  /* joint at the base, in the base frame, mm */
+  double plate[3]; /* joint at the plate, in its frame */
+  double length;   /* from joint to joint where the drive stands at zero */
+  double growth;   /* mm a mm of the drive */
+};
+
+static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
+$LIMB_CONSTANTS$};
+
+/* Both are false for NaN. */
+static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
+static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
+
+/* The straight lines below were made from one formula with this machine's zeros left out: the joints of a pose. */
+static inline void paracal_joints(const double pose[6], double joints[PARACAL_LIMBS]) {
+  const struct paracal_limb* const limb = paracal_limbs;
+$JOINTS$}
+
+/* The same, and rows of their derivative by the pose. */
+static inline void paracal_rows(const double pose[6], double joints[PARACAL_LIMBS], double rows[36]) {
+  const struct paracal_limb* const limb = paracal_limbs;
+$ROWS$}
+
+/* The largest difference of two sets of joints; NaN or infinity where one is. */
+static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b[PARACAL_LIMBS]) {
+  double largest = 0.0;
+  int i;
+  for (i = 0; i < PARACAL_LIMBS; ++i) {
+    if (!(paracal_abs(a[i] - b[i]) <= largest)) { largest = paracal_abs(a[i] - b[i]); }
+  }
+  return largest;
+}
+
+/* Joint coordinates (mm) that bring the plate to a pose (mm, rad). They are written when the result is PARACAL_OK and
+ * left as they are otherwise. */
+static inline int paracal_compensate(const double pose[6], double joints_mm[PARACAL_LIMBS]) {
+  double joints[PARACAL_LIMBS];
+  int i;
+  paracal_joints(pose, joints);
+  for (i = 0; i < PARACAL_LIMBS; ++i) {
+    if (!paracal_is_finite(joints[i])) { return PARACAL_NOT_FINITE; }
+  }
+  for (i = 0; i < PARACAL_LIMBS; ++i) { joints_mm[i] = joints[i]; }
+  return PARACAL_OK;
+}
+
+/* Poses, and the joints that the library found for them. */
+struct paracal_test {
+  double pose[6];
+  double joints[PARACAL_LIMBS];
+};
+
+static const struct paracal_test paracal_tests[$TESTS$] = {
+$TEST_VECTOR$};
+
+/* The centre of the workspace, from where paracal_forward finds every pose of it: a start where nothing else is known. */
+static inline void paracal_home(double pose[6]) {
+  int k;
+  for (k = 0; k < 6; ++k) { pose[k] = paracal_tests[0].pose[k]; }
+}
+
+/* rows x = right by elimination, rows swapped for the largest pivot; the answer replaces `right`. */
+static inline int paracal_solve(double rows[36], double right[6]) {
+  int column;
+  int row;
+  int k;
+  for (column = 0; column < 6; ++column) {
+    int pivot = column;
+    double kept;
+    for (row = column + 1; row < 6; ++row) {
+      if (paracal_abs(rows[(6 * row) + column]) > paracal_abs(rows[(6 * pivot) + column])) { pivot = row; }
+    }
+    for (k = 0; k < 6; ++k) {
+      kept = rows[(6 * column) + k];
+      rows[(6 * column) + k] = rows[(6 * pivot) + k];
+      rows[(6 * pivot) + k] = kept;
+    }
+    kept = right[column];
+    right[column] = right[pivot];
+    right[pivot] = kept;
+    for (row = column + 1; row < 6; ++row) {
+      const double share = rows[(6 * row) + column] / rows[(6 * column) + column];
+      for (k = column; k < 6; ++k) { rows[(6 * row) + k] = rows[(6 * row) + k] - (share * rows[(6 * column) + k]); }
+      right[row] = right[row] - (share * right[column]);
+    }
+  }
+  for (row = 5; row >= 0; --row) {
+    for (k = row + 1; k < 6; ++k) { right[row] = right[row] - (rows[(6 * row) + k] * right[k]); }
+    right[row] = right[row] / rows[(6 * row) + row];
+    if (!paracal_is_finite(right[row])) { return PARACAL_SINGULAR; }
+  }
+  return PARACAL_OK;
+}
+
+/* The pose (mm, rad) that the identified machine takes with these joints (mm): the inverse of paracal_compensate, by
+ * Newton from `pose`, whose assembly mode it keeps to: give the last pose, or one commanded nearby. At most 50 steps,
+ * halved while they bring the joints no nearer. `pose` is written when the result is PARACAL_OK and left as it is
+ * otherwise. */
+static inline int paracal_forward(const double joints_mm[PARACAL_LIMBS], double pose[6]) {
+  double at[6];
+  double next[6];
+  double joints[PARACAL_LIMBS];
+  double rows[36];
+  double step[6];
+  double fraction = 1.0;
+  double apart;
+  int count;
+  int k;
+  for (k = 0; k < 6; ++k) {
+    at[k] = pose[k];
+    step[k] = 0.0;
+    if ((!paracal_is_finite(pose[k])) || (!paracal_is_finite(joints_mm[k]))) { return PARACAL_NOT_FINITE; }
+  }
+  paracal_rows(at, joints, rows);
+  apart = paracal_apart(joints_mm, joints);
+  for (count = 0; count < 50; ++count) {
+    double largest = 0.0;
+    double next_apart;
+    if (fraction >= 1.0) {
+      for (k = 0; k < 6; ++k) { step[k] = joints_mm[k] - joints[k]; }
+      if (paracal_solve(rows, step) != PARACAL_OK) { return PARACAL_SINGULAR; }
+    }
+    for (k = 0; k < 6; ++k) {
+      next[k] = at[k] + (fraction * step[k]);
+      if (paracal_abs(fraction * step[k]) > largest) { largest = paracal_abs(fraction * step[k]); }
+    }
+    paracal_rows(next, joints, rows);
+    next_apart = paracal_apart(joints_mm, joints);
+    if ((next_apart < apart) || (largest < 1.0E-9)) {
+      apart = next_apart;
+      fraction = 1.0;
+      for (k = 0; k < 6; ++k) { at[k] = next[k]; }
+      if ((largest < 1.0E-9) && (apart < 1.0E-6)) {
+        for (k = 0; k < 6; ++k) { pose[k] = at[k]; }
+        return PARACAL_OK;
+      }
+    } else {
+      fraction = 0.5 * fraction;
+    }
+  }
+  return PARACAL_UNREACHABLE;
+}
+
+/* 0: every joint within $JOINT_TOLERANCE$ mm, and back from the joints and the centre of the workspace within 1e-6 mm and rad;
+ * otherwise the number, from 1, of the first pose that is not. */
+static inline int paracal_self_test(void) {
+  int k;
+  int i;
+  for (k = 0; k < $TESTS$; ++k) {
+    const struct paracal_test* const test = &paracal_tests[k];
+    double joints[PARACAL_LIMBS];
+    double pose[6];
+    if (paracal_compensate(test->pose, joints) != PARACAL_OK) { return k + 1; }
+    if (!(paracal_apart(joints, test->joints) < $JOINT_TOLERANCE$)) { return k + 1; }
+    paracal_home(pose);
+    if (paracal_forward(joints, pose) != PARACAL_OK) { return k + 1; }
+    for (i = 0; i < 6; ++i) {
+      if (!(paracal_abs(pose[i] - test->pose[i]) < 1.0E-6)) { return k + 1; }
+    }
+  }
+  return 0;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,119 @@
+component paracal_kins "Kinematics of one calibrated machine on struts, written by $PROGRAM$";
+
+description
+"""
+Joints that bring the identified machine to a pose, all its errors corrected. Do not edit: export again.
+
+robot        $ROBOT$
+calibration  $CALIBRATION$
+SHA-256      $SHA256$
+date         $DATE$
+units        mm and deg, joints in mm; base frame of the robot, z up. A, B and C turn the plate: R = Rot(x, A) Rot(y, B) Rot(z, C)
+joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move (U, V, W)
+
+Build it with: halcompile --install paracal_kins.comp
+
+As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree.
+
+As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
+
+While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ mm.
+""";
+
+pin in float command.x "wanted position of the plate's origin, mm";
+pin in float command.y;
+pin in float command.z;
+pin in float command.a "wanted tilt_x of the plate, deg";
+pin in float command.b "tilt_y";
+pin in float command.c "tilt_z";
+pin out float joint.#[$LIMBS$] "joints to command, mm; the last good ones while status is not 0";
+pin out signed status "0 ok, 2 not finite";
+
+option singleton yes;
+option period no;
+option extra_setup yes;
+function compensate "from command to joint and status";
+license "GPL"; // what LinuxCNC asks of its modules; this file may be used under GPL-2.0-or-later as well as Apache-2.0
+;;
+
+#include "rtapi_math.h"
+#include "kinematics.h"
+
+$C99$
+#define PARACAL_DEGREES 57.295779513082320877
+
+FUNCTION(compensate) {
+  const double pose[6] = {command_x,
+                          command_y,
+                          command_z,
+                          command_a / PARACAL_DEGREES,
+                          command_b / PARACAL_DEGREES,
+                          command_c / PARACAL_DEGREES};
+  double robot_joints[PARACAL_LIMBS];
+  int i;
+  status = paracal_compensate(pose, robot_joints);
+  if (status != PARACAL_OK) return;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = robot_joints[i];
+}
+
+EXTRA_SETUP() {
+  const int failed = paracal_self_test();
+  (void)__comp_inst, (void)prefix, (void)extra_arg;
+  if (failed) rtapi_print_msg(RTAPI_MSG_ERR, "paracal_kins: pose %d of the self-test failed\n", failed);
+  return failed ? -1 : 0;
+}
+
+static void paracal_pose(const EmcPose* world, double pose[6]) {
+  pose[0] = world->tran.x;
+  pose[1] = world->tran.y;
+  pose[2] = world->tran.z;
+  pose[3] = world->a / PARACAL_DEGREES;
+  pose[4] = world->b / PARACAL_DEGREES;
+  pose[5] = world->c / PARACAL_DEGREES;
+}
+
+KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
+
+/* Leaves the joints as they are, the last good ones, where the pose cannot be taken. */
+int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INVERSE_FLAGS* iflags,
+                      KINEMATICS_FORWARD_FLAGS* fflags) {
+  double pose[6], robot_joints[PARACAL_LIMBS];
+  int i;
+  (void)iflags, (void)fflags;
+  paracal_pose(world, pose);
+  if (paracal_compensate(pose, robot_joints) != PARACAL_OK) return -1;
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i];
+  joints[6] = world->u;
+  joints[7] = world->v;
+  joints[8] = world->w;
+  return 0;
+}
+
+/* From the pose in `world`; where no pose near it has these joints, as before homing, from the centre of the workspace. */
+int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FORWARD_FLAGS* fflags,
+                      KINEMATICS_INVERSE_FLAGS* iflags) {
+  double pose[6];
+  (void)iflags, (void)fflags;
+  paracal_pose(world, pose);
+  if (paracal_forward(joints, pose) != PARACAL_OK) {
+    paracal_home(pose);
+    if (paracal_forward(joints, pose) != PARACAL_OK) return -1;
+  }
+  world->tran.x = pose[0];
+  world->tran.y = pose[1];
+  world->tran.z = pose[2];
+  world->a = pose[3] * PARACAL_DEGREES;
+  world->b = pose[4] * PARACAL_DEGREES;
+  world->c = pose[5] * PARACAL_DEGREES;
+  world->u = joints[6];
+  world->v = joints[7];
+  world->w = joints[8];
+  return 0;
+}
+
+#ifdef KINS_NOT_SWITCHABLE
+KINS_NOT_SWITCHABLE
+#endif
+EXPORT_SYMBOL(kinematicsType);
+EXPORT_SYMBOL(kinematicsForward);
+EXPORT_SYMBOL(kinematicsInverse);

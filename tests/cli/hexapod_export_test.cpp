@@ -1,0 +1,321 @@
+// Exports of a plate on struts, each with the real thing: compilers, cppcheck, and HAL with the kinematics that
+// LinuxCNC brings and with ours.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "linuxcnc_export.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+using TiltedPose = std::array<double, 6>;  ///< mm, deg
+
+/// Anywhere in the template's workspace.
+std::vector<TiltedPose> tilted_poses(std::size_t count) {
+  std::mt19937_64 engine(6);
+  std::uniform_real_distribution<double> side(-56.0, 56.0), z(450.0, 550.0), tilt(-10.0, 10.0);
+  std::vector<TiltedPose> poses(count);
+  for (TiltedPose& pose : poses) {
+    pose = {side(engine), side(engine), z(engine), tilt(engine), tilt(engine), tilt(engine)};
+  }
+  return poses;
+}
+
+std::string line(const TiltedPose& pose, const char* separator) {
+  std::ostringstream text;
+  text.precision(17);
+  for (std::size_t k = 0; k < pose.size(); ++k) text << (k == 0 ? "" : separator) << pose.at(k);
+  return text.str();
+}
+
+/// Errors of every kind of a strut.
+void calibrate_hexapod(const TemporaryFolder& folder) {
+  ASSERT_EQ(folder.run(words("robot --template hexapod --out h.toml")).exit_code, kDone);
+  folder.write("hexapod.json", R"({"format": "paracal calibration 1", "accepted": true, "parameters": [
+    {"name": "zero", "limb": 1, "value": -0.3, "unit": "mm"},
+    {"name": "base_x", "limb": 2, "value": 0.4, "unit": "mm"},
+    {"name": "gain", "limb": 3, "value": 0.7, "unit": "mm/m"},
+    {"name": "plate_z", "limb": 5, "value": 0.2, "unit": "mm"}], "robot": )" +
+                                   folder.run(words("robot --robot h.toml --json")).out + "}");
+}
+
+void export_hexapod(const TemporaryFolder& folder, const std::string& target, const std::string& file) {
+  const ProgramResult result =
+      folder.run(words(fmt::format("export --calibration hexapod.json --target {} --out {}", target, file)));
+  ASSERT_EQ(result.exit_code, kDone) << result.err;
+}
+
+/// The library's joints, mm.
+json joints_of(const TemporaryFolder& folder, const std::vector<TiltedPose>& poses) {
+  std::string text = "x_mm,y_mm,z_mm,tilt_x_deg,tilt_y_deg,tilt_z_deg\n";
+  for (const TiltedPose& pose : poses) text += line(pose, ",") + "\n";
+  folder.write("tilted.csv", text);
+  return json_of(folder.run(words("compensate --calibration hexapod.json --poses tilted.csv --json"))).at("joints_mm");
+}
+
+// ---- C99
+
+/// Reads poses (mm, rad), prints joints (mm) and how far forward from the first pose is from each.
+const std::string kProgram = R"(#include <stdio.h>
+#include "compensator.h"
+int main(void) {
+  double pose[6], joints[6] = {7.0, 7.0, 7.0, 7.0, 7.0, 7.0}, found[6];
+  const double never = 0.0;
+  int k;
+  if (paracal_self_test() != 0) return 10;
+  for (k = 0; k < 6; ++k) pose[k] = found[k] = paracal_tests[0].pose[k];
+  pose[3] = never / never;
+  if (paracal_compensate(pose, joints) != PARACAL_NOT_FINITE || joints[0] != 7.0) return 11;
+  if (paracal_forward(joints, pose) != PARACAL_NOT_FINITE) return 12;
+  for (k = 0; k < 6; ++k) joints[k] = k == 0 ? 5000.0 : -400.0;
+  if (paracal_forward(joints, found) == PARACAL_OK || found[0] != paracal_tests[0].pose[0]) return 13;
+  while (scanf("%lf %lf %lf %lf %lf %lf", &pose[0], &pose[1], &pose[2], &pose[3], &pose[4], &pose[5]) == 6) {
+    double away = 0.0;
+    if (paracal_compensate(pose, joints) != PARACAL_OK) return 14;
+    for (k = 0; k < 6; ++k) found[k] = paracal_tests[0].pose[k];
+    if (paracal_forward(joints, found) != PARACAL_OK) return 15;
+    for (k = 0; k < 6; ++k) away = paracal_abs(found[k] - pose[k]) > away ? paracal_abs(found[k] - pose[k]) : away;
+    for (k = 0; k < 6; ++k) printf("%.17g ", joints[k]);
+    printf("%.17g\n", away);
+  }
+  return 0;
+}
+)";
+
+class StrutC99 : public Export, public testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    Export::SetUp();
+    if (*GetParam() == '\0') GTEST_SKIP() << "this compiler is not installed";
+    calibrate_hexapod(folder);
+    export_hexapod(folder, "c99", "compensator.h");
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Compilers, StrutC99, testing::Values(PARACAL_GCC, PARACAL_CLANG),
+                         [](const auto& one) { return one.index == 0 ? "gcc" : "clang"; });
+
+TEST_P(StrutC99, GivesTheLibrarysJointsAndTheWayBack) {
+  folder.write("program.c", kProgram);
+  for (const char* language : {"-std=c99", "-x c++ -std=c++98", "-x c++ -std=c++20"}) {
+    ASSERT_EQ(shell(fmt::format("{} {} -O2 -pedantic -Wall -Wextra -Wconversion -Werror program.c -lm -o program",
+                                GetParam(), language)),
+              0)
+        << language;
+  }
+  std::vector<TiltedPose> poses = tilted_poses(10'000);
+  const json expected = joints_of(folder, poses);
+  std::string text;
+  for (TiltedPose pose : poses) {
+    for (std::size_t k = 3; k < 6; ++k) pose.at(k) /= kDegrees;
+    text += line(pose, " ") + "\n";
+  }
+  folder.write("poses.txt", text);
+  ASSERT_EQ(shell("./program < poses.txt > joints.txt"), 0);
+  std::istringstream found(folder.read("joints.txt"));
+  double worst = 0.0, worst_return = 0.0, number = 0.0;
+  for (const json& row : expected) {
+    for (const json& joint : row) {
+      found >> number;
+      worst = std::max(worst, std::abs(number - joint.get<double>()));
+    }
+    found >> number;
+    worst_return = std::max(worst_return, number);
+  }
+  ASSERT_TRUE(found);
+  RecordProperty("worst_mm", json(worst).dump());
+  EXPECT_LT(worst, 1e-9);
+  EXPECT_LT(worst_return, 1e-9);
+}
+
+TEST_P(StrutC99, KeepsToMisra) {
+  if (*PARACAL_CPPCHECK == '\0') GTEST_SKIP() << "cppcheck is not installed";
+  folder.write("kernel.c",
+               "#include \"compensator.h\"\nint self_test(void);\n"
+               "int self_test(void) { return paracal_self_test(); }\n");
+  const std::string check = std::string(PARACAL_CPPCHECK) +
+                            " --addon=misra --enable=style,warning,performance,portability --std=c99 --quiet "
+                            "--error-exitcode=1 --suppress=misra-c2012-2.5 --suppress=misra-c2012-15.5 "
+                            "--suppress=misra-c2012-21.2 kernel.c 2> said.txt";
+  EXPECT_EQ(shell(check), 0);
+  EXPECT_EQ(folder.read("said.txt"), "");
+}
+
+// ---- HAL
+
+/// Calls whatever kinematics are loaded as the motion controller does: inverse, and forward of its answer from nearby.
+const std::string kProbe = R"(component paracal_probe "calls kinematics";
+pin in float world.x;
+pin in float world.y;
+pin in float world.z;
+pin in float world.a;
+pin in float world.b;
+pin in float world.c;
+pin out float joint.#[6];
+pin out float away "largest difference of forward(inverse(world)) and world, mm or deg";
+pin out signed result;
+option singleton yes;
+option period no;
+function call;
+license "GPL";
+;;
+#include "rtapi_math.h"
+#include "kinematics.h"
+
+static double larger(double a, double b) { return a > b ? a : b; }
+
+FUNCTION(call) {
+  EmcPose wanted = {{world_x, world_y, world_z}, world_a, world_b, world_c, 0, 0, 0}, found = wanted;
+  double joints[16] = {0};
+  unsigned long flags = 0;
+  int i;
+  found.tran.x += 2.0;
+  found.tran.z -= 1.0;
+  found.a += 0.5;
+  found.c -= 0.5;
+  result = kinematicsInverse(&wanted, joints, &flags, &flags);
+  if (result == 0) result = kinematicsForward(joints, &found, &flags, &flags);
+  for (i = 0; i < 6; ++i) joint(i) = joints[i];
+  away = larger(larger(fabs(found.tran.x - wanted.tran.x), fabs(found.tran.y - wanted.tran.y)),
+                fabs(found.tran.z - wanted.tran.z));
+  away = larger(larger(away, fabs(found.a - wanted.a)), larger(fabs(found.b - wanted.b), fabs(found.c - wanted.c)));
+}
+)";
+
+/// Streams poses and the joints of the library, and samples 1e9 times what they differ by from pins named by
+/// `joint_pin`, and how far the way back is off. `lines` stand behind the kinematics and their caller.
+std::string hal_of(const std::string& kinematics, const std::string& lines, const std::string& joint_pin) {
+  std::string hal = "loadrt " + kinematics + R"(
+loadrt threads name1=servo-thread period1=200000
+loadrt streamer depth=2001 cfg=ffffffffffff
+loadrt sampler depth=2001 cfg=fffffffs
+loadrt paracal_probe
+loadrt sum2 count=6
+loadrt mult2 count=1
+addf streamer.0 servo-thread
+addf paracal-probe.call servo-thread
+)" + lines;
+  for (std::size_t k = 0; k < 6; ++k) {
+    hal += fmt::format("net {1} streamer.0.pin.{0} paracal-probe.world.{1}\n", k, "xyzabc"[k]);
+    hal += fmt::format("net expected{0} streamer.0.pin.{1} sum2.{0}.in1\n", k, 6 + k);
+    hal += fmt::format("net found{0} {1} sum2.{0}.in0\n", k, fmt::format(fmt::runtime(joint_pin), k));
+    hal += fmt::format("addf sum2.{0} servo-thread\nsetp sum2.{0}.gain0 1e9\nsetp sum2.{0}.gain1 -1e9\n", k);
+    hal += fmt::format("net difference{0} sum2.{0}.out sampler.0.pin.{0}\n", k);
+  }
+  return hal + R"(addf mult2.0 servo-thread
+setp mult2.0.in1 1e9
+net away paracal-probe.away mult2.0.in0
+net scaled mult2.0.out sampler.0.pin.6
+net result paracal-probe.result sampler.0.pin.7
+addf sampler.0 servo-thread
+loadusr -w halstreamer stream.txt
+start
+loadusr -w halsampler -n 2000 samples.txt
+stop
+)";
+}
+
+/// The angles of R = Rot(z, C) Rot(y, B) Rot(x, A) that turn a plate as its tilts do.
+TiltedPose roll_pitch_yaw(TiltedPose pose) {
+  const double a = pose[3] / kDegrees, b = pose[4] / kDegrees, g = pose[5] / kDegrees;
+  const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b), cg = std::cos(g),
+               sg = std::sin(g);
+  const double x0 = cb * cg, x1 = ca * sg + sa * sb * cg, x2 = sa * sg - ca * sb * cg;
+  const double y2 = sa * cg + ca * sb * sg, z2 = ca * cb;
+  pose[3] = std::atan2(y2, z2) * kDegrees;
+  pose[4] = std::atan2(-x2, std::hypot(x0, x1)) * kDegrees;
+  pose[5] = std::atan2(x1, x0) * kDegrees;
+  return pose;
+}
+
+class StrutHal : public LinuxcncExport {
+ protected:
+  void SetUp() override {
+    LinuxcncExport::SetUp();
+    if (IsSkipped()) return;
+    calibrate_hexapod(folder);
+    folder.write("paracal_probe.comp", kProbe);
+    ASSERT_EQ(install("paracal_probe"), 0) << folder.read("halcompile.log");
+  }
+
+  /// Joints may differ by `joint`, and the way back by `way_back`, in 1e-9 mm or deg; that of so many first poses is
+  /// not asked for.
+  void run_hal(const std::string& hal, TiltedPose angles_of(TiltedPose), double joint, double way_back,
+               std::size_t first = 0) {
+    const std::vector<TiltedPose> poses = tilted_poses(2000);
+    const json joints = joints_of(folder, poses);
+    std::ostringstream stream;
+    stream.precision(17);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      stream << line(angles_of(poses[k]), " ");
+      for (const json& one : joints[k]) stream << ' ' << one.get<double>();
+      stream << '\n';
+    }
+    folder.write("stream.txt", stream.str());
+    folder.write("trial.hal", hal);
+    ASSERT_EQ(halrun(), 0) << folder.read("halrun.log");
+    std::istringstream samples(folder.read("samples.txt"));
+    std::size_t count = 0;
+    for (std::string sample; std::getline(samples, sample); ++count) {
+      std::istringstream fields(sample);
+      double value = 0.0;
+      for (int k = 0; k < 6 && fields >> value; ++k) EXPECT_LT(std::abs(value), joint) << sample;
+      fields >> value;
+      int result = -1;
+      fields >> result;
+      ASSERT_TRUE(fields) << sample;
+      if (count < first) continue;
+      EXPECT_LT(value, way_back) << sample;
+      ASSERT_EQ(result, 0) << sample;
+    }
+    EXPECT_EQ(count, poses.size());
+  }
+};
+
+TEST_F(StrutHal, OurComponentGivesTheLibrarysJoints) {
+  export_hexapod(folder, "linuxcnc", "paracal_kins.comp");
+  write_trial(folder.read("paracal_kins.comp"));
+  ASSERT_EQ(install("paracal_trial"), 0) << folder.read("halcompile.log");
+  const auto same = [](TiltedPose pose) { return pose; };
+  run_hal(hal_of("paracal_trial", "", "paracal-probe.joint.{}"), same, 1.0, 100.0);
+  // And on its own pins, without the controller.
+  std::string commands;
+  for (const char axis : std::string("xyzabc")) commands += fmt::format("net {0} paracal-trial.command.{0}\n", axis);
+  run_hal(replaced(hal_of("paracal_trial", "addf paracal-trial.compensate servo-thread\n", "paracal-trial.joint.{}"),
+                   "addf sampler.0", commands + "addf sampler.0"),
+          same, 1.0, 100.0);
+}
+
+/// LinuxCNC's own kinematics with our lines: lengths of struts, and through the drives' scales the joints that our
+/// inverse gives.
+TEST_F(StrutHal, GenhexkinsWithOurLinesGivesTheLibrarysJoints) {
+  export_hexapod(folder, "genhexkins", "hexapod.hal");
+  std::string drives = "source hexapod.hal\n";
+  for (int k = 0; k < 6; ++k) drives += fmt::format("net length{0} paracal-probe.joint.{0} strut.{0}.in\n", k);
+  run_hal(hal_of("genhexkins", drives, "strut.{}.out"), roll_pitch_yaw, 1.0, 1000.0,
+          1);  // it starts from the last pose that it had
+  // What a drive has done, as the controller takes it.
+  const std::string said = folder.read("hexapod.hal");
+  EXPECT_THAT(said, HasSubstr("setp strut-back.2.gain 1.0007\n"));
+  EXPECT_THAT(said, HasSubstr("setp strut-back.0.offset 499.7\n"));
+  EXPECT_THAT(said, HasSubstr("#   [JOINT_2] LENGTH 500 GROWTH 1.0007\n"));
+}
+
+TEST_F(Export, GenhexkinsIsOfStruts) {
+  const ProgramResult refused = folder.run("export --calibration calibration.json --target genhexkins");
+  EXPECT_NE(refused.exit_code, kDone);
+  EXPECT_THAT(refused.err, HasSubstr("expected a plate on six struts, got huang2016"));
+}
+
+}  // namespace
+}  // namespace paracal::test
