@@ -76,11 +76,11 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
     auto of_limb = jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb);
     if constexpr (detail::kOnStruts<N>) {
       of_limb = residual_to_plate.col(i) * strut_derivative(joints(i), rotation, linear.direction[i]);
-      continue;
-    }
-    for (int row = 2 * i; row < 2 * i + 2; ++row) {
-      of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], elbows[i], rotation,
-                                                             linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
+    } else {
+      for (int row = 2 * i; row < 2 * i + 2; ++row) {
+        of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], elbows[i], rotation,
+                                                               linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
+      }
     }
   }
   jacobian.ok = true;

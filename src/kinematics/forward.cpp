@@ -3,7 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <type_traits>
 
+#include "elimination.hpp"
 #include "linear_closure.hpp"
 
 namespace paracal {
@@ -33,8 +37,7 @@ PlateState struts_start(const Machine& machine, const detail::Elbows<6>& elbows)
 
 /// First guess: the plate level below the mean of the elbows (drawn in by the plate radius), one rod away from them.
 template <int N>
-PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows) {
-  if constexpr (detail::kOnStruts<N>) return struts_start(machine, elbows);
+requires(!detail::kOnStruts<N>) PlateState elbows_start(const Machine& machine, const detail::Elbows<N>& elbows) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double spread = 0.0, rod = 0.0;
   for (int i = 0; i < N; ++i) {
@@ -57,7 +60,8 @@ PlateState default_start(const Machine& machine, const detail::Elbows<N>& elbows
 /// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
 /// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
 template <int N>
-PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
+requires(!detail::kOnStruts<N>) PlateState
+    level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
   constexpr int kIterations = 3;
   constexpr double kSettled = 10.0;  // mm, of the last step
   PlateState plate = start;
@@ -88,26 +92,69 @@ double step_length(const Unknowns<N>& step, double lever) {
   return std::max(step.template head<detail::kUnknowns<N> - 3>().norm(), lever * step.template tail<3>().norm());
 }
 
+/// What Newton's steps from a closure need: of struts, as many as unknowns, its derivative, of more rods than unknowns
+/// the normal equations.
+template <int N>
+using Factors = std::conditional_t<detail::kOnStruts<N>, detail::Elimination<detail::kUnknowns<N>>,
+                                   Eigen::LLT<detail::NormalMatrix<N>>>;
+
+template <int N>
+Factors<N> factorized(const LinearClosure<N>& linear) {
+  if constexpr (detail::kOnStruts<N>) {
+    return detail::Elimination<detail::kUnknowns<N>>(linear.jacobian);
+  } else {
+    return Eigen::LLT<detail::NormalMatrix<N>>(linear.normal());
+  }
+}
+
+/// Empty at a singular closure.
+template <int N>
+std::optional<Unknowns<N>> newton_step(const Factors<N>& factors, const LinearClosure<N>& linear) {
+  if constexpr (detail::kOnStruts<N>) {
+    const Unknowns<N> step = -factors.solve(linear.residual);
+    return step.allFinite() ? std::optional(step) : std::nullopt;
+  } else {
+    if (factors.info() != Eigen::Success) return std::nullopt;
+    return -factors.solve(linear.gradient());
+  }
+}
+
+/// The step that is still to come, by the derivative of the one before, which hardly changed since: where it is too
+/// small to be looked at, it is taken, and the answer found an iteration earlier.
+template <int N>
+bool settles(const Factors<N>& factors, double tolerance, double lever, LinearClosure<N>& linear, PlateState& plate) {
+  constexpr double kMost = 10.0;  // mm of a rod a mm of such a step: a large residual spares the question
+  if (linear.residual.cwiseAbs().maxCoeff() > kMost * tolerance) return false;
+  const std::optional<Unknowns<N>> rest = newton_step<N>(factors, linear);
+  if (!rest || !(step_length<N>(*rest, lever) < tolerance)) return false;
+  advance<N>(plate, *rest);
+  linear.residual += linear.jacobian * *rest;
+  return true;
+}
+
 template <int N>
 ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardOptions& options) {
   constexpr int kMaxHalvings = 8;
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  result.plate = options.start ? *options.start : default_start<N>(machine, elbows);
-  // From a good guess, that of a machine which tilts its plate is as far away as the level one.
-  if constexpr (!detail::kOnStruts<N>) {
+  if constexpr (detail::kOnStruts<N>) {
+    result.plate = options.start ? *options.start : struts_start(machine, elbows);
+  } else {
+    result.plate = options.start ? *options.start : elbows_start<N>(machine, elbows);
+    // From a good guess, that of a machine which tilts its plate is as far away as the level one.
     if (!options.start || !machine.tilts_plate) result.plate = level_start<N>(machine, elbows, result.plate);
   }
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
   double last_step = 0.0;
   while (result.iterations < options.max_iterations) {
-    const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
-    if (normal.info() != Eigen::Success) {
+    const Factors<N> factors = factorized<N>(linear);
+    const std::optional<Unknowns<N>> newton = newton_step<N>(factors, linear);
+    if (!newton) {
       result.status = ForwardStatus::singular;
       break;
     }
-    Unknowns<N> step = -normal.solve(linear.gradient());
+    Unknowns<N> step = *newton;
     last_step = step_length<N>(step, lever);
     const double cost = linear.residual.squaredNorm();
     PlateState trial = result.plate;
@@ -122,7 +169,13 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
     }
     result.plate = trial;
     ++result.iterations;
-    if (last_step < options.step_tolerance) {
+    bool settled = last_step < options.step_tolerance;
+    if constexpr (detail::kOnStruts<N>) {
+      constexpr double kNear = 1.0;  // mm
+      settled =
+          settled || (last_step < kNear && settles<N>(factors, options.step_tolerance, lever, linear, result.plate));
+    }
+    if (settled) {
       result.status = ForwardStatus::converged;
       break;
     }

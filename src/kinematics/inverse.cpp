@@ -16,15 +16,22 @@ void take(InverseResult& result, std::size_t limb, const JointSolution& solution
   }
 }
 
-/// Closed form on struts, with all their errors.
+/// Closed form on struts, with all their errors; as solve_joint(), but roots and quotients of all struts together.
 InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
-  InverseResult result;
-  result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
-  result.status = InverseStatus::reached;
+  using PerStrut = Eigen::Array<double, kMaxLimbs, 1>;
   const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    take(result, i, stretch(machine.limbs[i], pose.position + rotation * machine.limbs[i].plate));
+  PerStrut square, zero, gain;
+  for (Eigen::Index i = 0; i < kMaxLimbs; ++i) {
+    const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
+    square(i) = (pose.position + rotation * limb.plate - limb.base).squaredNorm();
+    zero(i) = limb.rod[0] + limb.joint_offset;
+    gain(i) = limb.gain;
   }
+  const PerStrut joints = (square.sqrt() - zero) / gain;
+  InverseResult result{.status = InverseStatus::reached, .joints = joints};
+  if (joints.isFinite().all()) return result;
+  for (std::size_t i = 0; i < kMaxLimbs; ++i)
+    take(result, i, {joints(static_cast<Eigen::Index>(i)), std::isfinite(joints(static_cast<Eigen::Index>(i)))});
   return result;
 }
 

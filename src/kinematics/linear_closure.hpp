@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <type_traits>
 #include <utility>
 
 #include "paracal/kinematics/closure.hpp"
@@ -47,14 +48,27 @@ struct LinearClosure {
   }
 };
 
+/// What of an elbow a strut has: where it is hinged, and how long it is.
+struct StrutEnd {
+  std::array<Eigen::Vector3d, 1> joint;
+  std::array<double, 1> rod;
+};
+
 /// The elbows of all limbs: fixed while the plate is sought.
 template <int N>
-using Elbows = std::array<Elbow<double>, N>;
+using Elbows = std::array<std::conditional_t<kOnStruts<N>, StrutEnd, Elbow<double>>, N>;
 
 template <int N>
 Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
   Elbows<N> elbows;
-  for (int i = 0; i < N; ++i) elbows[i] = elbow_of(machine.limbs[i], joints(i));
+  for (int i = 0; i < N; ++i) {
+    const Limb& limb = machine.limbs[i];
+    if constexpr (kOnStruts<N>) {
+      elbows[i] = {{limb.base}, {rods_at(limb, joints(i))[0]}};
+    } else {
+      elbows[i] = elbow_of(limb, joints(i));
+    }
+  }
   return elbows;
 }
 

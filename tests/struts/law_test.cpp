@@ -243,6 +243,26 @@ TEST_P(TemplateLaw, ThePlateIsFoundFromNothing) {
   }
 }
 
+/// Newton from the last pose of a path: two steps and what they leave over, which no step of its own is needed for.
+TEST_P(TemplateLaw, TheNextPoseOfAPathIsTwoStepsAway) {
+  test::Random random(15);
+  const Machine machine = build(robot, random.errors(robot, 0.5, 1e-3));
+  int steps = 0;
+  constexpr int kPoses = 200;
+  for (int k = 0; k < kPoses; ++k) {
+    const Pose pose = random.pose(robot);
+    PlateState near = plate_at(machine, pose);
+    near.position += 0.5 * random.within(1.0);
+    const ForwardResult found = forward(machine, inverse(machine, pose).joints, {.start = near});
+    ASSERT_TRUE(found.ok());
+    EXPECT_LT((found.plate.position - pose.position).norm(), 1e-11);
+    EXPECT_LT((found.plate.tilt - pose.tilt).norm(), 1e-13);
+    EXPECT_LT(found.residual, 1e-11);
+    steps += found.iterations;
+  }
+  EXPECT_LT(steps, 2.7 * kPoses);
+}
+
 /// Use is asked for with the plate tilted as far as the workspace says, about each axis, both ways, and about all.
 TEST_P(TemplateLaw, UseIsThatOfTheTiltedPlate) {
   const std::vector<Station> stations = workspace_stations(robot);
