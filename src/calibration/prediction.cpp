@@ -48,6 +48,19 @@ Eigen::VectorXd variances(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& co
   return (rows * covariance).cwiseProduct(rows).rowwise().sum().cwiseMax(0.0);  // rounding may leave a zero below
 }
 
+/// Rows of a pose's rotation: phi, or of a plate with six freedoms its turn about x, y and z of {O}.
+Eigen::Index rows_of_a_turn(const Robot& robot) { return robot.has_six_freedoms() ? 3 : 1; }
+
+Eigen::MatrixXd turns_of(const Machine& machine, const PlateState& plate, const PlateMotions& motions) {
+  if (!machine.has_six_freedoms()) return motions.row(3);
+  return plate_rotation(plate.tilt).axes * motions.bottomRows<3>();
+}
+
+/// Lengths of vectors that stand below each other, so many rows each.
+Eigen::MatrixXd lengths(const Eigen::MatrixXd& vectors, Eigen::Index rows) {
+  return vectors.reshaped(rows, vectors.size() / rows).colwise().norm().reshaped(vectors.rows() / rows, vectors.cols());
+}
+
 }  // namespace
 
 double coverage_factor(double dof) {
@@ -141,9 +154,10 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   const Machine machine = build(robot, errors);
   const auto n = static_cast<Eigen::Index>(parameters.size()), poses = static_cast<Eigen::Index>(stations.size());
   const auto limbs = static_cast<Eigen::Index>(robot.limb_count());
-  Eigen::MatrixXd displacements(3 * poses, n), rotations(poses, n);
+  const Eigen::Index turns = rows_of_a_turn(robot);
+  Eigen::MatrixXd displacements(3 * poses, n), rotations(turns * poses, n);
   position_joint_.resize(3 * poses, limbs);
-  rotation_joint_.resize(poses, limbs);
+  rotation_joint_.resize(turns * poses, limbs);
   std::vector<SoughtSource> with_joints = parameters;  // a joint that stands elsewhere is one whose zero lies elsewhere
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) with_joints.push_back({limb, Source::theta_offset});
   std::vector<Eigen::Vector3d> points;
@@ -155,20 +169,21 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
       throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
     }
     displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topLeftCorner(3, n);
-    rotations.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).head(n);
+    const Eigen::MatrixXd turned = turns_of(machine, pose.plate, jacobian);
+    rotations.middleRows(turns * static_cast<Eigen::Index>(k), turns) = turned.leftCols(n);
     position_joint_.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topRightCorner(3, limbs);
-    rotation_joint_.row(static_cast<Eigen::Index>(k)) = jacobian.row(3).tail(limbs);
+    rotation_joint_.middleRows(turns * static_cast<Eigen::Index>(k), turns) = turned.rightCols(limbs);
     points.push_back(pose.plate.position);
   }
   aligned_ = without_rigid_motion(displacements, points);
   distance_.resize(poses - 1, n);
-  rotation_.resize(poses - 1, n);
+  rotation_.resize(turns * (poses - 1), n);
   distance_joint_.resize(poses - 1, limbs);
   home_distance_joint_.resize(poses - 1, limbs);
   for (Eigen::Index k = 1; k < poses; ++k) {
     const Eigen::Vector3d direction = (points[static_cast<std::size_t>(k)] - points[0]).normalized();
     distance_.row(k - 1) = direction.transpose() * (displacements.middleRows<3>(3 * k) - displacements.topRows<3>());
-    rotation_.row(k - 1) = rotations.row(k) - rotations.row(0);
+    rotation_.middleRows(turns * (k - 1), turns) = rotations.middleRows(turns * k, turns) - rotations.topRows(turns);
     distance_joint_.row(k - 1) = direction.transpose() * position_joint_.middleRows<3>(3 * k);
     home_distance_joint_.row(k - 1) = direction.transpose() * position_joint_.topRows<3>();
   }
@@ -176,8 +191,9 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
 
 std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance, double joint_std) const {
   const Eigen::VectorXd distance = variances(distance_, covariance), aligned = variances(aligned_, covariance),
-                        rotation = variances(rotation_, covariance);
+                        turn = variances(rotation_, covariance);
   const double joint = joint_std * joint_std;
+  const Eigen::Index turns = turn_rows();
   std::vector<PoseStd> poses(static_cast<std::size_t>(aligned.size() / 3));
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
@@ -186,8 +202,9 @@ std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance, double 
     if (k == 0) continue;
     poses[k].distance = std::sqrt(distance(row - 1) + joint * (distance_joint_.row(row - 1).squaredNorm() +
                                                                home_distance_joint_.row(row - 1).squaredNorm()));
-    poses[k].rotation = std::sqrt(
-        rotation(row - 1) + joint * (rotation_joint_.row(row).squaredNorm() + rotation_joint_.row(0).squaredNorm()));
+    poses[k].rotation = std::sqrt(turn.segment(turns * (row - 1), turns).sum() +
+                                  joint * (rotation_joint_.middleRows(turns * row, turns).squaredNorm() +
+                                           rotation_joint_.topRows(turns).squaredNorm()));
   }
   return poses;
 }
@@ -201,7 +218,7 @@ Use PoseSpread::worst(const KnownErrors& known) const {
   const Eigen::MatrixXd errors = root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, normal);
   Eigen::MatrixXd distances = distance_ * errors, aligned = aligned_ * errors, rotations = rotation_ * errors;
   const double joint_std = known.expanded_joint_std();
-  const Eigen::Index poses = aligned_.rows() / 3;
+  const Eigen::Index poses = aligned_.rows() / 3, turns = turn_rows();
   for (Eigen::Index machine = 0; joint_std > 0.0 && machine < kMachines; ++machine) {
     const Eigen::MatrixXd joints = joint_std * Eigen::MatrixXd::NullaryExpr(position_joint_.cols(), poses, normal);
     for (Eigen::Index k = 0; k < poses; ++k) {
@@ -209,19 +226,18 @@ Use PoseSpread::worst(const KnownErrors& known) const {
       if (k == 0) continue;
       distances(k - 1, machine) +=
           distance_joint_.row(k - 1).dot(joints.col(k)) - home_distance_joint_.row(k - 1).dot(joints.col(0));
-      rotations(k - 1, machine) +=
-          rotation_joint_.row(k).dot(joints.col(k)) - rotation_joint_.row(0).dot(joints.col(0));
+      rotations.col(machine).segment(turns * (k - 1), turns) +=
+          rotation_joint_.middleRows(turns * k, turns) * joints.col(k) - rotation_joint_.topRows(turns) * joints.col(0);
     }
   }
-  const Eigen::MatrixXd positions = aligned.reshaped(3, poses * kMachines).colwise().norm().reshaped(poses, kMachines);
   return {.distance = {exceeded_by_a_twentieth(distances)},
-          .aligned = {exceeded_by_a_twentieth(positions)},
-          .rotation = UseQuantity{exceeded_by_a_twentieth(rotations)}};
+          .aligned = {exceeded_by_a_twentieth(lengths(aligned, 3))},
+          .rotation = UseQuantity{exceeded_by_a_twentieth(lengths(rotations, turns))}};
 }
 
 Use use_over_workspace(const Robot& robot, const KnownErrors& known) {
   Use use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
-  if (!robot.slide()) use.rotation.reset();
+  if (!robot.slide() && !robot.has_six_freedoms()) use.rotation.reset();
   return use;
 }
 
@@ -244,7 +260,8 @@ WorkspaceUncertainty PoseSpread::uncertainty(const Eigen::MatrixXd& covariance) 
 
 Eigen::MatrixXd PoseSpread::mean_square(double lever) const {
   return aligned_.transpose() * aligned_ / (static_cast<double>(aligned_.rows()) / 3.0) +
-         lever * lever / static_cast<double>(rotation_.rows()) * (rotation_.transpose() * rotation_);
+         lever * lever * static_cast<double>(turn_rows()) / static_cast<double>(rotation_.rows()) *
+             (rotation_.transpose() * rotation_);
 }
 
 }  // namespace paracal

@@ -143,11 +143,14 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
     check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
           kCoverageFactor * sigma.point);
   }
-  if (options.limits.rotation && !validation.after.max_abs_rotation) {
-    validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
-  } else if (options.limits.rotation) {
+  if (validation.after.max_abs_rotation) {
     check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
           kCoverageFactor * std::max(std::sqrt(2.0) * sigma.rotation, rotation_of_distances(measurements, options)));
+  } else if (validation.after.max_orientation) {
+    check("orientation error, rad", options.limits.rotation, *validation.after.max_orientation,
+          kCoverageFactor * sigma.rotation);
+  } else if (options.limits.rotation) {
+    validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
   }
   if (!options.limits.any()) require_gain(two_points, validation);
   if (validation.agreement && validation.agreement->contradicts()) {

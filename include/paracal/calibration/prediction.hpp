@@ -75,7 +75,7 @@ PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints
 struct WorkspaceUncertainty {
   double rms_distance = 0.0, max_distance = 0.0;  ///< of d_rho, the distance to home, mm
   double rms_aligned = 0.0, max_aligned = 0.0;    ///< of |dr| after the best rigid motion has been removed, mm
-  double rms_rotation = 0.0, max_rotation = 0.0;  ///< of d_phi relative to home, rad
+  double rms_rotation = 0.0, max_rotation = 0.0;  ///< of d_phi, or the turn of a plate on struts, relative to home, rad
 };
 
 /// Standard deviations at one pose, of the same quantities.
@@ -102,7 +102,10 @@ class PoseSpread {
   Eigen::MatrixXd mean_square(double lever) const;
 
  private:
-  // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home.
+  Eigen::Index turn_rows() const { return rotation_joint_.rows() / (position_joint_.rows() / 3); }
+
+  // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home: one of phi, or three of
+  // a plate on struts, about x, y, z of {O}.
   Eigen::MatrixXd distance_, aligned_, rotation_;
   // The same by the joints of one pose: distance (along its direction from home) and rotation at every pose but home,
   // then what home's own do; x, y, z at every pose.
