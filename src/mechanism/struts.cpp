@@ -20,9 +20,13 @@ constexpr std::size_t kStruts = 6;
 /// not.
 constexpr double kHeld = 1e-3;
 
-std::string place(const Eigen::Vector3d& point) {
-  return fmt::format("({:g}, {:g}, {:g}) mm", point.x(), point.y(), point.z());
+/// So that a point on an axis reads 0, and not 5e-15 or -0.
+std::string numbers(const Eigen::Vector3d& vector) {
+  const Eigen::Vector3d tidy = (vector * 1e6).array().round() / 1e6 + 0.0;
+  return fmt::format("({:g}, {:g}, {:g})", tidy.x(), tidy.y(), tidy.z());
 }
+
+std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
 
 /// Rows (n, R a x n / radius of the plate) of all struts: how they hold it.
 Eigen::Matrix<double, kStruts, 6> hold(const Machine& machine, const Pose& pose, double radius) {
@@ -93,11 +97,11 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
     const auto rows = hold(machine, pose, geometry.plate_radius);
     const Eigen::Matrix<double, 6, 1> values = rows.jacobiSvd().singularValues();
     if (values(5) > kHeld * values(0)) continue;
-    throw InvalidArgument(fmt::format(
-        "workspace: the struts do not hold the plate at {} tilted by ({:g}, {:g}, {:g}) deg: it could move with all of "
-        "them as they are (singular; {:.1g} of how the stiffest motion is held)",
-        place(pose.position), to_degrees(pose.tilt.x()), to_degrees(pose.tilt.y()), to_degrees(pose.tilt.z()),
-        values(5) / values(0)));
+    throw InvalidArgument(
+        fmt::format("workspace: the struts do not hold the plate at {} tilted by {} deg: it could move with all of "
+                    "them as they are "
+                    "(singular; {:.1g} of how the stiffest motion is held)",
+                    place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)), values(5) / values(0)));
   }
 }
 
