@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -80,6 +81,27 @@ TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
         const double value = spread_at(model.rows(random.pose(robot), what), tolerances, criterion);
         ASSERT_LE(value, worst.value * (1.0 + 1e-6)) << name(what) << ", " << name(criterion);
       }
+    }
+  }
+}
+
+/// The worst pose is refined from the grid that finds it: no step away from it, within the workspace, is worse.
+TEST_P(SensitivityLaw, TheWorstIsAPeak) {
+  test::Random random(4);
+  const LinearModel model(robot);
+  const Workspace& workspace = robot.workspace();
+  for (const Characteristic what : all_characteristics(robot)) {
+    const ValueAtPose worst = worst_spread(robot, what, *robot.tolerances(), Spread::statistical);
+    for (int k = 0; k < 200; ++k) {
+      Pose near = worst.pose;
+      near.position += 0.1 * random.within(workspace.radius);
+      const double reach = near.position.head<2>().norm() / workspace.radius;
+      near.position.head<2>() /= std::max(reach, 1.0);
+      near.position.z() = std::clamp(near.position.z(), workspace.top_z - workspace.height, workspace.top_z);
+      near.tilt += 0.1 * random.within(workspace.max_tilt);
+      near.tilt = near.tilt.cwiseMin(workspace.max_tilt).cwiseMax(-workspace.max_tilt);
+      ASSERT_LE(spread_at(model.rows(near, what), *robot.tolerances(), Spread::statistical), worst.value * (1.0 + 1e-4))
+          << name(what);
     }
   }
 }
