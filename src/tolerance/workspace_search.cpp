@@ -10,6 +10,8 @@ namespace paracal::detail {
 namespace {
 
 constexpr std::size_t kStarts = 3;
+constexpr int kAttempts = 10;
+constexpr double kGain = 1e-6;  // relative, below which the best is not begun anew
 constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
 
 /// Radius, azimuth, height and rotation, each over its range but the azimuth, which may turn freely; then, where the
@@ -81,6 +83,12 @@ ValueAtPose largest_in_workspace(const Robot& robot, const std::function<double(
   for (const ValueAtPose& start : candidates) {
     const ValueAtPose end = refined(coordinates, start, value);
     if (end.value > best.value) best = end;
+  }
+  // The search may stop early on the surface of the workspace.
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const double before = best.value;
+    best = refined(coordinates, best, value);
+    if (!(best.value > (1.0 + kGain) * before)) break;
   }
   return best;
 }
