@@ -230,5 +230,5 @@ int main() {
   for (const std::string& kind : io::robot_templates()) report(io::read_robot(io::robot_template(kind)));
   fmt::print(
       "genhexkins as its package has it: a call iterates once more for its display pins, and Debian compiles it with\n"
-      "little optimisation (the same source at -O3 was about twice as quick)\n");
+      "little optimisation (its source at -O3 is said to be about twice as quick)\n");
 }
