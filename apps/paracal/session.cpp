@@ -129,7 +129,8 @@ Pose pose_of_option(const Robot& robot, std::string_view option, const std::vect
     pose.tilt(static_cast<Eigen::Index>(k) - 3) = to_radians(numbers[k]);
   }
   if (const std::string_view why = why_not_turned(robot, pose); !why.empty()) {
-    throw WrongUsage(fmt::format("{}: {}", option, why));
+    throw MathematicsSaysNo(
+        fmt::format("{}: {:g} deg for {}: {}", option, to_degrees(pose.rotation), robot.name(), why));
   }
   return pose;
 }

@@ -44,7 +44,7 @@ std::string pose_text(const std::string& name, const Pose& pose);
 
 /// The pose of an option: x,y,z and, of a plate with six freedoms, its tilts, else phi; mm and deg. What is left out is
 /// zero.
-/// @throws WrongUsage for numbers that are none, too many, or ask for what the plate cannot do.
+/// @throws WrongUsage for numbers that are none or too many, MathematicsSaysNo for a turn that the plate cannot take.
 Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers);
 
 /// What a plate is asked that it cannot do: "a rigid plate does not turn: expected phi = 0 deg"; empty where it can.

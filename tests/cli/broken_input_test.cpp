@@ -412,7 +412,7 @@ const std::vector<BrokenInput> kUsage{
     usage("calibrate_without_poses", "calibrate --measurements distances.csv", {"--poses"}),
     usage("error_model_without_pose", "error-model", {"--pose"}),
     usage("pose_of_two_numbers", "error-model --pose 0,0", {"--pose", "3"}),
-    usage("pose_of_five_numbers", "error-model --pose 0,0,-888,0,0", {"--pose", "4"}),
+    usage("pose_of_five_numbers", "error-model --pose 0,0,-888,0,0", {"--pose", "x,y,z,phi", "5 numbers"}),
     usage("pose_of_text", "error-model --pose 0,0,low", {"--pose"}),
     usage("pose_not_a_number", "error-model --pose nan,0,-888,0", {"--pose", "nan"}),
     usage("pose_infinite", "error-model --pose 0,0,-inf,0", {"--pose", "inf"}),
