@@ -220,12 +220,14 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
 
 /// U of a compensated pose, position and tilt in the robot's frame, on machines whose drives are not even, which no
 /// error of the model is: 93 to 98 % of what becomes of poses that were not measured lies within it, written down
-/// before.
+/// before; of a tenth of the machines, where shares scatter by 1 %, 90 % and more.
 TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
   constexpr double kUneven = 0.05;  // mm
   const Measurements plan = this->plan(50);
   const std::vector<Station> others = candidate_stations(robot, 30, 13);
-  const int machines = test::machines(48);
+  constexpr int kAll = 48;
+  const int machines = test::machines(kAll);
+  const double fewer = machines < kAll ? 0.03 : 0.0;
   for (const Frame frame : {Frame::unknown, Frame::robot}) {
     int numbers = 0, held = 0;
     for (int number = 0; number < machines; ++number) {
@@ -261,8 +263,8 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
     }
     const double share = static_cast<double>(held) / numbers;
     RecordProperty(frame == Frame::robot ? "known_frame" : "unknown_frame", fmt::format("{:.4f}", share));
-    EXPECT_GT(share, 0.93);
-    EXPECT_LT(share, 0.98);
+    EXPECT_GT(share, 0.93 - fewer);
+    EXPECT_LT(share, 0.98 + fewer);
   }
 }
 
