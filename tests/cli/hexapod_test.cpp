@@ -178,6 +178,26 @@ TEST_F(Hexapod, ARobotOfArmsDoesNotTilt) {
   }
 }
 
+/// Orientations that were read are held to the limit on rotations, and U in use of the calibration too.
+TEST_F(Hexapod, OrientationsAreHeldToALimit) {
+  for (const char* command :
+       {"poses --robot h.toml --measure pose --optimal 20 --candidates 300 --seed 9 --out q.csv",
+        "simulate --robot h.toml --poses q.csv --measure pose --errors t.toml --seed 4 --noise-mm 0.02 "
+        "--rotation-noise-deg 0.01 --frame random --out check.csv"}) {
+    ASSERT_EQ(run(command).exit_code, kDone) << command;
+  }
+  const std::string validate =
+      "validate --robot h.toml --calibration c.json --measurements check.csv --sigma-mm 0.02 --sigma-deg 0.01 "
+      "--limit-deg ";
+  EXPECT_EQ(run(validate + "0.5").exit_code, kDone);
+  const ProgramResult tight = run(validate + "0.002");
+  EXPECT_EQ(tight.exit_code, kVerdictIsNo);
+  EXPECT_THAT(tight.out, HasSubstr("orientation error, rad"));
+  const ProgramResult in_use = run("calibrate --robot h.toml --measurements m.csv --limit-deg 0.002");
+  EXPECT_EQ(in_use.exit_code, kVerdictIsNo);
+  EXPECT_THAT(in_use.out, HasSubstr("rotations"));
+}
+
 TEST_F(Hexapod, AnotherHexapodsCalibrationIsRefused) {
   std::string other = folder.read("h.toml");
   other.replace(other.find("281.908"), 7, "282.908");
