@@ -17,7 +17,6 @@
 #include "interleaved_timing.hpp"
 #include "linuxcnc_hal.hpp"
 #include "paracal/io/toml.hpp"
-#include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"

@@ -144,8 +144,7 @@ class Finder {
     all.push_back(joint_candidate(drop_by_joints(fit_), [](const StageFit& fit, double) {
       return fmt::format(
           "beside noise of {:.3f} mm, poses disagree with the model by {:.3f} mm, the way that joints move and turn "
-          "the "
-          "plate: backlash, friction, load or uneven drives",
+          "the plate: backlash, friction, load or uneven drives",
           reading_noise(fit.observation()), pose_disagreement(fit));
     }));
   }

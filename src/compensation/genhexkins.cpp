@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cstddef>
-#include <iterator>
 
 #include "export_text.hpp"
 #include "paracal/error.hpp"

@@ -30,6 +30,7 @@ std::vector<StrutMotion> motions(const std::array<StrutConstants, kStruts>& stru
   const ArmDirection<Expression> about_x = turn(0);
   const PlateFrame<Expression> plate{plate_columns(about_x, turn(1), turn(2))};
   const Vector<Expression> position{input("pose", 0), input("pose", 1), input("pose", 2)};
+  const std::array<Vector<Expression>, 3> axes = tilt_axes(about_x, plate);
   std::vector<StrutMotion> all;
   for (std::size_t i = 0; i < kStruts; ++i) {
     const NamedConstants constants(i);
@@ -40,7 +41,7 @@ std::vector<StrutMotion> motions(const std::array<StrutConstants, kStruts>& stru
     const Vector<Expression> along = scaled(rod, Expression(1.0) / (length * growth));
     motion.by_pose.assign(along.begin(), along.end());
     const Vector<Expression> moment = cross(lever, along);
-    for (const Vector<Expression>& axis : tilt_axes(about_x, plate)) motion.by_pose.push_back(dot(axis, moment));
+    for (const Vector<Expression>& axis : axes) motion.by_pose.push_back(dot(axis, moment));
     all.push_back(std::move(motion));
   }
   return all;

@@ -33,7 +33,7 @@ struct RecordedStruts {
 RecordedStruts record(const std::array<StrutConstants, kStruts>& struts);
 
 /// The centre of the workspace, and its rims in all tilts, with the joints of a machine.
-/// @throws Unreachable when it does not reach the centre.
+/// @throws Unreachable when it does not reach one of these.
 std::vector<SelfTestCase> strut_self_test(const Robot& robot, const Machine& machine);
 
 }  // namespace paracal::compensation_detail

@@ -142,8 +142,9 @@ AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
   AllocationProblem problem{.rest = rest};
-  for (const Section& section : root.tables("requirement"))
+  for (const Section& section : root.tables("requirement")) {
     problem.requirements.push_back(requirement_of(section, robot));
+  }
   if (problem.requirements.empty()) root.fail("expected at least one [[requirement]], got none");
   if (const std::optional<Section> costs = root.optional_table("cost")) {
     problem.variables = variables_of(*costs, robot.actuator());

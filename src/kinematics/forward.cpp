@@ -37,7 +37,7 @@ PlateState struts_start(const Machine& machine, const detail::Elbows<6>& elbows)
 
 /// First guess: the plate level below the mean of the elbows (drawn in by the plate radius), one rod away from them.
 template <int N>
-requires(!detail::kOnStruts<N>) PlateState elbows_start(const Machine& machine, const detail::Elbows<N>& elbows) {
+PlateState elbows_start(const Machine& machine, const detail::Elbows<N>& elbows) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double spread = 0.0, rod = 0.0;
   for (int i = 0; i < N; ++i) {
@@ -60,8 +60,7 @@ requires(!detail::kOnStruts<N>) PlateState elbows_start(const Machine& machine, 
 /// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
 /// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
 template <int N>
-requires(!detail::kOnStruts<N>) PlateState
-    level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
+PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
   constexpr int kIterations = 3;
   constexpr double kSettled = 10.0;  // mm, of the last step
   PlateState plate = start;

@@ -30,8 +30,9 @@ InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
   const PerStrut joints = (square.sqrt() - zero) / gain;
   InverseResult result{.status = InverseStatus::reached, .joints = joints};
   if (joints.isFinite().all()) return result;
-  for (std::size_t i = 0; i < kMaxLimbs; ++i)
-    take(result, i, {joints(static_cast<Eigen::Index>(i)), std::isfinite(joints(static_cast<Eigen::Index>(i)))});
+  for (Eigen::Index i = 0; i < kMaxLimbs; ++i) {
+    take(result, static_cast<std::size_t>(i), {joints(i), std::isfinite(joints(i))});
+  }
   return result;
 }
 

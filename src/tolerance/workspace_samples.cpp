@@ -38,9 +38,8 @@ std::vector<Node> tilt_rule(const Workspace& workspace, int n) {
 
 /// Poses at the origin, each with its share.
 std::vector<WeightedPose> orientation_rule(const Workspace& workspace, int n, bool all_rotations) {
-  std::vector<WeightedPose> turned{{.pose = {Eigen::Vector3d::Zero()}, .weight = 1.0}};
-  if (!all_rotations) return turned;
-  turned.clear();
+  if (!all_rotations) return {{.pose = {Eigen::Vector3d::Zero()}, .weight = 1.0}};
+  std::vector<WeightedPose> turned;
   const std::vector<Node> tilts = tilt_rule(workspace, n);
   for (const Node& rotation : rotation_rule(workspace, n)) {
     for (const Node& x : tilts) {
@@ -59,8 +58,9 @@ std::vector<WeightedPose> orientation_rule(const Workspace& workspace, int n, bo
 std::vector<Pose> extreme_orientations(const Workspace& workspace, bool all_rotations) {
   if (!all_rotations) return {{Eigen::Vector3d::Zero()}};
   std::vector<double> rotations{0.0};
-  if (workspace.min_rotation != workspace.max_rotation)
+  if (workspace.min_rotation != workspace.max_rotation) {
     rotations = {workspace.min_rotation, 0.0, workspace.max_rotation};
+  }
   std::vector<Pose> turned;
   for (const double rotation : rotations) {
     for (const Eigen::Vector3d& tilt : workspace.tilts()) turned.push_back({Eigen::Vector3d::Zero(), rotation, tilt});

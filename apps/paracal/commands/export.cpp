@@ -23,14 +23,19 @@ struct Options {
   FilterOptions filter;
 };
 
-using Writer = std::string (*)(const Robot&, const SourceErrors&, const ExportOrigin&);
-/// Targets that are a text made of the calibration alone.
-const std::map<std::string, Writer> kTexts{
-    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}, {"genhexkins", genhexkins}};
+/// A target that is a text made of the calibration alone.
+struct TextTarget {
+  std::string (*write)(const Robot&, const SourceErrors&, const ExportOrigin&);
+  bool for_struts = true;  ///< it knows plates with six freedoms
+};
+const std::map<std::string, TextTarget> kTexts{{"c99", {c99_header}},
+                                               {"linuxcnc", {linuxcnc_component}},
+                                               {"st", {.write = structured_text, .for_struts = false}},
+                                               {"genhexkins", {genhexkins}}};
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
                  Session& session) {
-  const std::string text = kTexts.at(target)(robot, errors, origin);
+  const std::string text = kTexts.at(target).write(robot, errors, origin);
   if (!session.json()) return session.print(text);
   io::Json json{{"target", target}};
   json.update(io::to_json(robot, origin));
@@ -69,9 +74,9 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   session.print_json(json);
 }
 
-/// Whether a target knows plates with six freedoms.
-bool is_for_struts(std::string_view target) {
-  return target == "c99" || target == "linuxcnc" || target == "genhexkins";
+bool is_for_struts(const Options& options) {
+  const auto text = kTexts.find(options.target);
+  return !options.folder && text != kTexts.end() && text->second.for_struts;
 }
 
 /// What --config asks for.
@@ -90,8 +95,7 @@ std::optional<OutputFolder> configuration_folder(const Options& options, const S
 void run(const Options& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  if (folder || !is_for_struts(options.target))
-    require_level(robot, folder ? "export --config" : "export --target " + options.target);
+  if (!is_for_struts(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),

@@ -45,6 +45,7 @@ std::string map_csv(const Robot& robot, const Characteristic& what, const std::v
 struct Scale {
   double factor = 1.0;
   std::string unit;
+  bool over_width = false;  ///< of lengths over the parallelogram's width
 };
 
 /// Tilt in the paper's units, rad per rad, but on struts, whose errors are lengths.
@@ -56,7 +57,8 @@ Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
     return {factor, fmt::format("{} per {}", shown(quantity, 0.0).unit, per)};
   }
   if (robot.has_six_freedoms()) return {1e3 * factor, fmt::format("mrad per {}", per)};
-  return {factor * paper_units(robot)(place(source)), "rad per rad"};
+  const double size = paper_units(robot)(place(source));
+  return {factor * size, "rad per rad", size != 1.0};
 }
 
 std::string text_of(const Robot& robot, const SensitivityFindings& found) {
@@ -66,8 +68,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   for (const Source source : sources_of(robot.actuator())) {
     const Eigen::Index k = place(source);
     if (found.global.largest(k) == 0.0) continue;
-    const auto [factor, unit] = scale_of(robot, found.what.quantity, source);
-    const bool over_width = unit == "rad per rad" && paper_units(robot)(k) != 1.0;
+    const auto [factor, unit, over_width] = scale_of(robot, found.what.quantity, source);
     fmt::format_to(out, "  {:<21}{:>10.4f} +- {:<8.1g}{:>10.4f}",
                    fmt::format("{}{}", name(source, robot.actuator()), over_width ? " / c" : ""),
                    factor * found.global.mean(k), factor * found.global.error(k), factor * found.global.largest(k));
@@ -93,13 +94,12 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
 void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Characteristic what = *characteristic_named(options.quantity);
+  std::optional<Pose> pose;
+  if (!options.pose.empty()) pose = pose_of_option(robot, "--pose", options.pose);
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   SensitivityFindings found = find_sensitivity(
       robot, what, tolerances, {.all_rotations = options.all_rotations, .relative_error = options.error});
-  if (!options.pose.empty()) {
-    const Pose pose = pose_of_option(robot, "--pose", options.pose);
-    found.local = squared_sensitivities(LinearModel(robot).rows(pose, what)).sqrt();
-  }
+  if (pose) found.local = squared_sensitivities(LinearModel(robot).rows(*pose, what)).sqrt();
   if (!options.map.empty()) {
     session.outputs.write(
         options.map,

@@ -1,6 +1,6 @@
 // Which parts matter [huang2016, Figs. 5, 6] and how tight they must be.
 import { barX, dot, ruleX, text as label } from "@observablehq/plot";
-import type { Allocation, Contributor, Report, Sensitivity, SigmaMap } from "../data";
+import { strutsOf, type Allocation, type Contributor, type Report, type Sensitivity, type SigmaMap } from "../data";
 import { bandLegend, discs } from "../disc";
 import { h } from "../dom";
 import { figure } from "../figure";
@@ -43,9 +43,9 @@ function pareto(quantity: string, contributors: Contributor[], number: number): 
   });
 }
 
-function globalFigure(sensitivity: Sensitivity): HTMLElement {
+function globalFigure(sensitivity: Sensitivity, onStruts: boolean): HTMLElement {
   const rows = Object.entries(sensitivity.global).map(([name, mean]) => ({ name: words(name), mean, largest: sensitivity.largest[name]! })).filter((row) => row.largest > 0).sort((one, other) => other.mean - one.mean);
-  const tilt = sensitivity.quantity === "tilt" && !("zero" in sensitivity.global); // in the paper's units, but on struts
+  const tilt = sensitivity.quantity === "tilt" && !onStruts; // in the paper's units
   return figure({
     id: "global-sensitivity",
     title: text.global(sensitivity.quantity),
@@ -64,29 +64,18 @@ function globalFigure(sensitivity: Sensitivity): HTMLElement {
   });
 }
 
-/// Of struts, whose half-widths are lengths.
-function halfWidthsFigure(allocation: Allocation): HTMLElement {
-  const rows = Object.entries(allocation.half_widths).flatMap(([name, value]) => (typeof value === "number" ? [{ name, value }] : []));
+/// Of the tilt group in the paper's units; of struts, which have none, all half-widths.
+function tolerancesFigure({ tolerances, half_widths: halfWidths }: Allocation): HTMLElement {
+  const values = tolerances ?? Object.fromEntries(Object.entries(halfWidths).filter((one): one is [string, number] => typeof one[1] === "number"));
+  const scale = tolerances ? 1e3 : 1;
+  const rows = Object.entries(values).map(([name, value]) => ({ name: words(name), value: scale * value }));
   return figure({
     id: "allocated-tolerances",
-    title: text.allocatedStruts,
-    shows: text.allocatedStrutsShows,
+    title: tolerances ? text.allocated : text.allocatedStruts,
+    shows: tolerances ? text.allocatedShows : text.allocatedStrutsShows,
     marks: rows.length,
-    sheet: { columns: ["name", "half_width"], rows: rows.map((row) => [row.name, row.value]) },
-    draw: labelledBars(rows, text.half),
-  });
-}
-
-function tolerancesFigure(allocation: Allocation): HTMLElement {
-  if (!allocation.tolerances) return halfWidthsFigure(allocation);
-  const rows = Object.entries(allocation.tolerances).map(([name, value]) => ({ name: words(name), value: 1e3 * value }));
-  return figure({
-    id: "allocated-tolerances",
-    title: text.allocated,
-    shows: text.allocatedShows,
-    marks: rows.length,
-    sheet: { columns: ["name", "tolerance_mrad"], rows: rows.map((row) => [row.name, row.value]) },
-    draw: labelledBars(rows, text.milli),
+    sheet: { columns: ["name", tolerances ? "tolerance_mrad" : "half_width"], rows: rows.map((row) => [row.name, row.value]) },
+    draw: labelledBars(rows, tolerances ? text.milli : text.half),
   });
 }
 
@@ -107,11 +96,11 @@ function sigmaFigure(map: SigmaMap): HTMLElement {
   });
 }
 
-export function contributors({ results, figures }: Report): Section | null {
+export function contributors({ robot, results, figures }: Report): Section | null {
   const { sensitivity, allocation, analysis } = results;
   const parts = [
     ...(allocation && allocation.reason === "" ? [tolerancesFigure(allocation)] : []),
-    ...(sensitivity ? [globalFigure(sensitivity), pareto(sensitivity.quantity, sensitivity.contributors, 1)] : []),
+    ...(sensitivity ? [globalFigure(sensitivity, strutsOf(robot).length > 0), pareto(sensitivity.quantity, sensitivity.contributors, 1)] : []),
     ...(analysis?.requirements.map((one, k) => pareto(one.quantity, one.contributors, k + 1)) ?? []),
   ];
   if (parts.length === 0 && !figures.sigma_map) return null;
