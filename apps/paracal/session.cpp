@@ -101,8 +101,8 @@ Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {
 void require_level(const Robot& robot, std::string_view task) {
   if (!robot.has_six_freedoms()) return;
   throw WrongUsage(
-      fmt::format("{}: expected a robot whose plate stays level, got {}, which hangs on struts: this is not "
-                  "done for struts (docs/hexapods.md)",
+      fmt::format("{}: expected a robot whose plate stays level, got {}, whose plate has six freedoms: this is "
+                  "not done for such plates (docs/hexapods.md)",
                   task, robot.name()));
 }
 

@@ -87,8 +87,8 @@ SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, co
 
 namespace {
 
-/// By source: of tilt in the paper's units under the contract's six keys, of anything else, and on struts, per mm, mm/m
-/// or rad.
+/// By source: of tilt in the paper's units under the contract's six keys, of anything else, and with six freedoms, per
+/// mm, mm/m or rad.
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
   if (quantity == Quantity::tilt && !robot.has_six_freedoms()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();

@@ -40,7 +40,7 @@ py::list sources_of(const Robot& robot) {
   py::list sources;
   for (const Source source : paracal::sources_of(robot.actuator())) {
     sources.append(py::make_tuple(std::string(name(source, robot.actuator())),
-                                  tilts_plate(source) ? "tilt" : "position",
+                                  tilts_plate(source, robot.actuator()) ? "tilt" : "position",
                                   unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
   }
   return sources;

@@ -133,7 +133,7 @@ std::string Calibration::brief() const {
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const std::string& one : assumed) fmt::format_to(out, "  assumed: {}\n", one);
   for (const ParameterEstimate& parameter : parameters) {
-    if (!parameter.held && (!tilts_plate(parameter.source) || parameter.identified())) {
+    if (!parameter.held && (!tilts_plate(parameter.source, robot.actuator()) || parameter.identified())) {
       text += line_of(parameter, robot.actuator());
     }
   }

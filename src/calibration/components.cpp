@@ -216,11 +216,11 @@ class Finder {
       };
     };
     add(times("all errors are"), groups, places([](const SoughtSource&) { return true; }));
-    add(times("the errors of the position group are"), groups,
-        places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
-    add(times("the errors of the tilt group are"), groups,
-        places([](const SoughtSource& one) { return tilts_plate(one.source); }));
     const Actuator actuator = fit_.observation().robot().actuator();
+    add(times("the errors of the position group are"), groups,
+        places([actuator](const SoughtSource& one) { return !tilts_plate(one.source, actuator); }));
+    add(times("the errors of the tilt group are"), groups,
+        places([actuator](const SoughtSource& one) { return tilts_plate(one.source, actuator); }));
     for (const Source source : sources_of(actuator)) {
       add(times(fmt::format("{} of all limbs is", name(source, actuator))), kinds,
           places([source](const SoughtSource& one) { return one.source == source; }));

@@ -70,6 +70,13 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) 
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), count);
 }
 
+/// What of a limb shifts it along an axis of {O}.
+std::string_view shifted_along(Actuator actuator, std::size_t axis) {
+  if (actuator == Actuator::carriage) return "zero, normal and across";
+  if (axis == 2 && !is_felt(Source::e_z, actuator)) return "theta_offset";
+  return name(static_cast<Source>(index(Source::e_x) + axis), actuator);
+}
+
 }  // namespace
 
 std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
@@ -79,10 +86,7 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   const std::array<std::string, 3> axes{"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
     motions.push_back({fmt::format("translation along {}: {} of all limbs alike", axes[static_cast<std::size_t>(k)],
-                                   k == 2 && !is_felt(Source::e_z, robot.actuator())
-                                       ? "theta_offset"
-                                       : name(static_cast<Source>(index(Source::e_x) + static_cast<std::size_t>(k)),
-                                              robot.actuator())),
+                                   shifted_along(robot.actuator(), static_cast<std::size_t>(k))),
                        moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
   }
   if (robot.slide()) {

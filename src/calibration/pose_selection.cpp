@@ -17,14 +17,13 @@ namespace {
 
 using detail::Exchange, detail::Problem;
 
-/// Directions of the errors that are to be found (position group; all where tilt is read) that all candidates together
-/// see.
-Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<SoughtSource>& sought, bool tilt) {
+/// Directions of the errors that are to be found (`all`, or the position group) that all candidates together see.
+Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<SoughtSource>& sought, bool all) {
   constexpr double kRankTolerance = 1e-6;
   const Eigen::Index unknowns = problem.weighted.rows(), sources = problem.scale.size();
   std::vector<Eigen::Index> wanted;
   for (Eigen::Index k = 0; k < sources; ++k) {
-    if (tilt || !tilts_plate(sought[static_cast<std::size_t>(k)].source)) wanted.push_back(unknowns - sources + k);
+    if (all || !tilts_plate(sought[static_cast<std::size_t>(k)].source)) wanted.push_back(unknowns - sources + k);
   }
   const Eigen::Index n = static_cast<Eigen::Index>(wanted.size()), setup = unknowns - sources;
   Eigen::MatrixXd rows(problem.weighted.cols(), setup + n + 1);
@@ -83,8 +82,9 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
     auto columns = problem.weighted.middleCols(problem.rows * static_cast<Eigen::Index>(group.station), problem.rows);
     columns = unit.asDiagonal() * block.leftCols(n).transpose();
   }
-  const bool tilt = options.readings.second || options.readings.measurand == Measurand::poses;
-  problem.visible = visible_directions(problem, observation.sought(), tilt);
+  const bool all = options.readings.second || options.readings.measurand == Measurand::poses ||
+                   observation.robot().has_six_freedoms();
+  problem.visible = visible_directions(problem, observation.sought(), all);
   return problem;
 }
 

@@ -33,7 +33,7 @@ std::vector<SoughtSource> encoder_offsets(const Robot& robot, const CalibrationO
 }
 
 std::vector<SoughtSource> position_group(const Robot& robot, const CalibrationOptions& options) {
-  return select(robot, options, [](Source source) { return !tilts_plate(source); });
+  return select(robot, options, [&](Source source) { return !tilts_plate(source, robot.actuator()); });
 }
 
 std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOptions& options) {

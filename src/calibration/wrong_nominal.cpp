@@ -47,20 +47,28 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
   return one;
 }
 
-/// A strut of another length.
-std::vector<Dimension> lengths_of_struts(const Robot& robot) {
+/// What is off by `source` where a number of a limb with one rod is wrong.
+Dimension length_of_limb(const Robot& robot, std::string_view key, double SingleRod::*number, Source source,
+                         std::size_t limb) {
+  return {fmt::format("{} of limb {}", key, limb + 1), false,
+          [limb, number](RobotDescription& r) -> double& { return r.geometry.single_rods[limb].*number; },
+          only_limb(each(robot, source), limb)};
+}
+
+/// A rod or an arm of another length.
+std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
+  const bool is_strut = robot.actuator() == Actuator::strut, swings = robot.actuator() == Actuator::crank;
   std::vector<Dimension> all;
-  all.reserve(robot.limb_count());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    all.push_back({fmt::format("length_at_zero_mm of limb {}", limb + 1), false,
-                   [limb](RobotDescription& r) -> double& { return r.geometry.struts[limb].length_at_zero; },
-                   only_limb(each(robot, Source::theta_offset), limb)});
+    all.push_back(length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &SingleRod::length,
+                                 is_strut ? Source::theta_offset : Source::rod_length, limb));
+    if (swings) all.push_back(length_of_limb(robot, "arm_mm", &SingleRod::arm, Source::arm_length, limb));
   }
   return all;
 }
 
 std::vector<Dimension> dimensions(const Robot& robot) {
-  if (robot.has_six_freedoms()) return lengths_of_struts(robot);
+  if (robot.has_six_freedoms()) return lengths_of_single_rods(robot);
   std::vector<Dimension> all{
       {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
       {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},

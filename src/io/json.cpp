@@ -1,9 +1,9 @@
 #include "paracal/io/json.hpp"
 
 #include "json_parts.hpp"
+#include "limb_tables.hpp"
 #include "names.hpp"
 #include "robot_tables.hpp"
-#include "strut_tables.hpp"
 
 namespace paracal::io {
 
@@ -36,8 +36,8 @@ Json to_json(const Robot& robot) {
   Json azimuth = Json::array();
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   Json json{{"name", robot.name()}};
-  if (!geometry.struts.empty()) {
-    json["limb"] = struts_json(geometry);
+  if (!geometry.single_rods.empty()) {
+    json["limb"] = limbs_json(geometry);
   } else {
     json["geometry"] = {{"base_radius_mm", geometry.base_radius},
                         {"plate_radius_mm", geometry.plate_radius},

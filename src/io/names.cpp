@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "t
 }  // namespace
 
 std::string_view actuator_name(Actuator actuator) {
-  static constexpr std::array<std::string_view, 3> kNames{"revolute", "linear", "strut"};
+  static constexpr std::array<std::string_view, 5> kNames{"revolute", "linear", "strut", "arm", "rail"};
   return kNames[static_cast<std::size_t>(actuator)];
 }
 

@@ -8,11 +8,11 @@
 #include <iterator>
 #include <sstream>
 
+#include "limb_tables.hpp"
 #include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "robot_tables.hpp"
-#include "strut_tables.hpp"
 
 namespace paracal::io {
 namespace {
@@ -155,8 +155,8 @@ std::string robot_toml(const Robot& robot) {
   std::vector<double> azimuth;
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   fmt::format_to(out, "name = {}\n", quoted(robot.name()));
-  if (!geometry.struts.empty()) {
-    text += struts_toml(geometry);
+  if (!geometry.single_rods.empty()) {
+    text += limbs_toml(geometry);
   } else {
     fmt::format_to(out, "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
                    geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);

@@ -13,7 +13,7 @@ namespace {
 /// mm that an angle of the actuator counts for: L, or the rod of a limb on a rail, whose arm may be short or none.
 double angle_lever(const Machine& machine) {
   const Limb& limb = machine.limbs[0];
-  return limb.actuator == Actuator::linear ? limb.mean_rod() : limb.arm;
+  return runs_on_rail(limb.actuator) ? limb.mean_rod() : limb.arm;
 }
 
 /// Fills A and B, limb by limb, in the letters of [huang2016, Eq. (4)].
@@ -108,7 +108,7 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
 }
 
 double paper_scale(const Robot& robot, Source source) {
-  if (robot.has_six_freedoms()) return 1.0;
+  if (robot.has_six_freedoms() && unit(source, robot.actuator()) != Unit::rad) return 1.0;
   switch (source) {
     case Source::theta_offset:
       return joint_ratio(robot.nominal().limbs[0]);

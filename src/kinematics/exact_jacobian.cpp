@@ -48,15 +48,34 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const El
   return derivative;
 }
 
-/// The same of a strut: f = |r + R a - b| - (l_0 + theta_offset + (1 + gain / 1000) q).
-Eigen::Matrix<double, 1, kSourceCount> strut_derivative(double joint, const Eigen::Matrix3d& rotation,
-                                                        const Eigen::Vector3d& n) {
+/// The same of a limb with one rod: f = |r + R a - C| - l. All its errors but those of the joint at the plate move its
+/// upper end C by m and shorten f by n.m, or make the rod longer.
+Eigen::Matrix<double, 1, kSourceCount> single_rod_derivative(const Limb& limb, double joint,
+                                                             const Eigen::Matrix3d& rotation,
+                                                             const Eigen::Vector3d& n) {
+  const Elbow<double> elbow = elbow_of(limb, joint);
   Eigen::Matrix<double, 1, kSourceCount> derivative = Eigen::Matrix<double, 1, kSourceCount>::Zero();
-  const auto at = [&](Source source) { return static_cast<Eigen::Index>(index(source)); };
-  derivative(at(Source::theta_offset)) = -1.0;
-  derivative.segment<3>(at(Source::e_x)) = -n;
-  derivative(at(Source::gain)) = -joint / kGainLength;
-  derivative.segment<3>(at(Source::plate_x)) = n.transpose() * rotation;
+  const auto column = [](Source source) { return static_cast<Eigen::Index>(index(source)); };
+  const auto at = [&](Source source) -> double& { return derivative(column(source)); };
+  const auto turn = [&](const Eigen::Vector3d& axis) { return -n.dot(axis.cross(elbow.lever)); };
+  derivative.segment<3>(column(Source::plate_x)) = n.transpose() * rotation;
+  if (limb.actuator == Actuator::carriage) {
+    at(Source::theta_offset) = -n.dot(elbow.arm_normal);
+    at(Source::normal) = -n.dot(limb.radial);
+    at(Source::across) = -n.dot(limb.sideways);
+    at(Source::gain) = -n.dot(elbow.arm_normal) * joint / kGainLength;
+  } else {
+    at(Source::theta_offset) = limb.is_strut() ? -1.0 : turn(limb.frame.col(2));
+    derivative.segment<3>(column(Source::e_x)) = -n;
+  }
+  if (limb.is_strut()) {
+    at(Source::gain) = -joint / kGainLength;
+    return derivative;
+  }
+  if (limb.actuator == Actuator::crank) at(Source::arm_length) = -n.dot(elbow.arm);
+  at(Source::alpha0) = turn(limb.radial);
+  at(Source::beta0) = turn(limb.frame.col(limb.actuator == Actuator::crank ? 1 : 2));
+  at(Source::rod_length) = -1.0;
   return derivative;
 }
 
@@ -74,8 +93,9 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   jacobian.plate.setZero(detail::kUnknowns<N>, N * kPerLimb);
   for (int i = 0; i < N; ++i) {
     auto of_limb = jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb);
-    if constexpr (detail::kOnStruts<N>) {
-      of_limb = residual_to_plate.col(i) * strut_derivative(joints(i), rotation, linear.direction[i]);
+    if constexpr (detail::kOnSingleRods<N>) {
+      of_limb =
+          residual_to_plate.col(i) * single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[i]);
     } else {
       for (int row = 2 * i; row < 2 * i + 2; ++row) {
         of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], elbows[i], rotation,

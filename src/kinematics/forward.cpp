@@ -18,17 +18,19 @@ using detail::LinearClosure;
 using detail::linearize;
 using detail::Unknowns;
 
-/// First guess on struts: the plate level, as high above the mean of the base joints, or below, as struts of that mean
-/// square would hold it.
-PlateState struts_start(const Machine& machine, const detail::Elbows<6>& elbows) {
+/// First guess on single rods: the plate level, as high above the mean of their upper ends, or below, as rods of that
+/// mean square would hold it.
+PlateState rods_start(const Machine& machine, const detail::Elbows<6>& elbows) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double square = 0.0;
   for (std::size_t i = 0; i < 6; ++i) {
-    centre += (machine.limbs[i].base - machine.limbs[i].plate) / 6.0;
+    centre += (elbows[i].joint[0] - machine.limbs[i].plate) / 6.0;
     square += elbows[i].rod[0] * elbows[i].rod[0] / 6.0;
   }
   double spread = 0.0;
-  for (const Limb& limb : machine.limbs) spread += (limb.base - limb.plate - centre).squaredNorm() / 6.0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    spread += (elbows[i].joint[0] - machine.limbs[i].plate - centre).squaredNorm() / 6.0;
+  }
   PlateState start;
   start.position = centre;
   start.position.z() += machine.side * std::sqrt(std::max(square - spread, 0.25 * square));
@@ -91,15 +93,15 @@ double step_length(const Unknowns<N>& step, double lever) {
   return std::max(step.template head<detail::kUnknowns<N> - 3>().norm(), lever * step.template tail<3>().norm());
 }
 
-/// What Newton's steps from a closure need: of struts, as many as unknowns, its derivative, of more rods than unknowns
+/// What Newton's steps from a closure need: of rods as many as unknowns, its derivative, of more rods than unknowns
 /// the normal equations.
 template <int N>
-using Factors = std::conditional_t<detail::kOnStruts<N>, detail::Elimination<detail::kUnknowns<N>>,
+using Factors = std::conditional_t<detail::kOnSingleRods<N>, detail::Elimination<detail::kUnknowns<N>>,
                                    Eigen::LLT<detail::NormalMatrix<N>>>;
 
 template <int N>
 Factors<N> factorized(const LinearClosure<N>& linear) {
-  if constexpr (detail::kOnStruts<N>) {
+  if constexpr (detail::kOnSingleRods<N>) {
     return detail::Elimination<detail::kUnknowns<N>>(linear.jacobian);
   } else {
     return Eigen::LLT<detail::NormalMatrix<N>>(linear.normal());
@@ -109,7 +111,7 @@ Factors<N> factorized(const LinearClosure<N>& linear) {
 /// Empty at a singular closure.
 template <int N>
 std::optional<Unknowns<N>> newton_step(const Factors<N>& factors, const LinearClosure<N>& linear) {
-  if constexpr (detail::kOnStruts<N>) {
+  if constexpr (detail::kOnSingleRods<N>) {
     const Unknowns<N> step = -factors.solve(linear.residual);
     return step.allFinite() ? std::optional(step) : std::nullopt;
   } else {
@@ -137,8 +139,8 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  if constexpr (detail::kOnStruts<N>) {
-    result.plate = options.start ? *options.start : struts_start(machine, elbows);
+  if constexpr (detail::kOnSingleRods<N>) {
+    result.plate = options.start ? *options.start : rods_start(machine, elbows);
   } else {
     result.plate = options.start ? *options.start : elbows_start<N>(machine, elbows);
     // From a good guess, that of a machine which tilts its plate is as far away as the level one.
@@ -169,7 +171,7 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
     result.plate = trial;
     ++result.iterations;
     bool settled = last_step < options.step_tolerance;
-    if constexpr (detail::kOnStruts<N>) {
+    if constexpr (detail::kOnSingleRods<N>) {
       constexpr double kNear = 1.0;  // mm
       settled =
           settled || (last_step < kNear && settles<N>(factors, options.step_tolerance, lever, linear, result.plate));

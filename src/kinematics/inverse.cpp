@@ -36,6 +36,23 @@ InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
   return result;
 }
 
+/// Closed form of arms and carriages with one rod, with all their errors.
+InverseResult rod_inverse(const Machine& machine, const Pose& pose) {
+  const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
+  InverseResult result;
+  result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
+  result.status = InverseStatus::reached;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    take(result, i, solve_joint(limb, pose.position + rotation * limb.plate));
+  }
+  return result;
+}
+
+InverseResult closed_inverse(const Machine& machine, const Pose& pose) {
+  return machine.actuator() == Actuator::strut ? strut_inverse(machine, pose) : rod_inverse(machine, pose);
+}
+
 /// Closed form on the centre lines of the limbs, plate level.
 InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   InverseResult result;
@@ -102,7 +119,7 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
 }  // namespace
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
-  InverseResult result = machine.has_six_freedoms() ? strut_inverse(machine, pose) : level_inverse(machine, pose);
+  InverseResult result = machine.has_six_freedoms() ? closed_inverse(machine, pose) : level_inverse(machine, pose);
   const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
   if ((!machine.has_slide() && turns) || (!machine.has_six_freedoms() && leans)) {
     result.status = InverseStatus::unreachable;

@@ -12,13 +12,13 @@
 namespace paracal::detail {
 
 /// A machine of N limbs has N compensable freedoms delta = (position, slide; no slide when N = 3), three tilts, and 2 N
-/// rods. One of six limbs is a plate on struts: its freedoms are position and tilt, and a limb is one rod.
+/// rods. One of six limbs has one rod a limb, and its freedoms are position and tilt.
 template <int N>
-inline constexpr bool kOnStruts = N == 6;
+inline constexpr bool kOnSingleRods = N == 6;
 template <int N>
-inline constexpr int kUnknowns = kOnStruts<N> ? 6 : N + 3;
+inline constexpr int kUnknowns = kOnSingleRods<N> ? 6 : N + 3;
 template <int N>
-inline constexpr int kRodsALimb = kOnStruts<N> ? 1 : 2;
+inline constexpr int kRodsALimb = kOnSingleRods<N> ? 1 : 2;
 template <int N>
 inline constexpr int kRods = kRodsALimb<N>* N;
 
@@ -48,23 +48,28 @@ struct LinearClosure {
   }
 };
 
-/// What of an elbow a strut has: where it is hinged, and how long it is.
-struct StrutEnd {
+/// What of an elbow a limb with one rod needs: where the rod is hinged, and how long it is.
+struct RodEnd {
   std::array<Eigen::Vector3d, 1> joint;
   std::array<double, 1> rod;
 };
 
+inline RodEnd rod_end(const Limb& limb, double joint) {
+  if (limb.is_strut()) return {{limb.base}, {rods_at(limb, joint)[0]}};
+  return {{limb.base + elbow_lever(limb, joint, arm_directions(limb, joint))}, {limb.rod[0]}};
+}
+
 /// The elbows of all limbs: fixed while the plate is sought.
 template <int N>
-using Elbows = std::array<std::conditional_t<kOnStruts<N>, StrutEnd, Elbow<double>>, N>;
+using Elbows = std::array<std::conditional_t<kOnSingleRods<N>, RodEnd, Elbow<double>>, N>;
 
 template <int N>
 Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
   Elbows<N> elbows;
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
-    if constexpr (kOnStruts<N>) {
-      elbows[i] = {{limb.base}, {rods_at(limb, joints(i))[0]}};
+    if constexpr (kOnSingleRods<N>) {
+      elbows[i] = rod_end(limb, joints(i));
     } else {
       elbows[i] = elbow_of(limb, joints(i));
     }
@@ -111,7 +116,7 @@ auto with_pair_count(std::size_t limbs, Task&& task) {
   return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
 }
 
-/// The same for the limbs of any Robot: 6 on struts.
+/// The same for the limbs of any Robot: 6 of them have one rod each.
 template <typename Task>
 auto with_limb_count(std::size_t limbs, Task&& task) {
   return limbs == 6 ? task.template operator()<6>() : with_pair_count(limbs, std::forward<Task>(task));

@@ -7,9 +7,16 @@
 namespace paracal {
 
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
+  const Limb& nominal = robot.nominal().limbs[limb];
+  if (robot.actuator() == Actuator::carriage) {
+    errors(limb, Source::theta_offset) += shift.dot(nominal.frame.col(1));
+    errors(limb, Source::normal) += shift.dot(nominal.radial);
+    errors(limb, Source::across) += shift.dot(nominal.sideways);
+    return;
+  }
   Eigen::Vector3d e = shift;
   if (robot.actuator() == Actuator::linear) {
-    const Eigen::Vector3d rail = robot.nominal().limbs[limb].frame.col(1);
+    const Eigen::Vector3d rail = nominal.frame.col(1);
     const double along = shift.z() / rail.z();
     errors(limb, Source::theta_offset) += along;
     e -= along * rail;
@@ -35,16 +42,29 @@ double felt_std(const Robot& robot, const Tolerances& tolerances, Source source)
   return takes_e_z ? std::hypot(own, tolerances.std(Source::e_z)) : own;
 }
 
+namespace {
+
+/// @param along  the turn in the limb's frame.
+void turn_single_rod(Actuator kind, const Eigen::Vector3d& along, std::size_t limb, SourceErrors& errors) {
+  if (kind == Actuator::strut) return;
+  errors(limb, Source::alpha0) = along.x();
+  errors(limb, Source::beta0) = kind == Actuator::crank ? along.y() : along.z();
+  if (kind == Actuator::crank) errors(limb, Source::theta_offset) = along.z();
+}
+
+}  // namespace
+
 SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
   SourceErrors errors;
   const Machine& machine = robot.nominal();
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    if (limb.is_strut()) {
+    const Eigen::Vector3d along = limb.frame.transpose() * turn;
+    if (limb.has_one_rod()) {
+      turn_single_rod(limb.actuator, along, i, errors);
       shift_limb(robot, i, turn.cross(limb.base), errors);
       continue;
     }
-    const Eigen::Vector3d along = limb.frame.transpose() * turn;
     Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
     if (limb.actuator == Actuator::linear) {
       const Eigen::Vector3d radial = limb.frame.transpose() * limb.radial;

@@ -8,7 +8,7 @@
 
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
-#include "struts.hpp"
+#include "single_rods.hpp"
 
 namespace paracal {
 namespace {
@@ -99,7 +99,7 @@ void check_workspace(const Workspace& workspace, bool has_slide, bool six_freedo
 /// "with an arm of 375 mm it needs a rod of 400.0 to 1100.0 mm there": what would reach from the base joint along d.
 std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
   const Eigen::Vector3d local = limb.frame.transpose() * d;
-  if (limb.actuator == Actuator::linear) {
+  if (runs_on_rail(limb.actuator)) {
     return fmt::format("its rail needs a rod of at least {:.1f} mm there", std::hypot(local.x() + limb.arm, local.z()));
   }
   const double in_plane = std::hypot(local.x(), local.y());
@@ -107,18 +107,27 @@ std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
                      std::hypot(in_plane - limb.arm, local.z()), std::hypot(in_plane + limb.arm, local.z()));
 }
 
+/// "(1.0, 2.0, 3.0) mm at 90 deg", or "... tilted by (8, -8, 8) deg".
+std::string shown(const Machine& machine, const Pose& pose) {
+  const Eigen::Vector3d &at = pose.position, tilt = pose.tilt.unaryExpr(&to_degrees).array() + 0.0;
+  const std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
+  if (!machine.has_six_freedoms()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
+  return fmt::format("{} tilted by ({:g}, {:g}, {:g}) deg", place, tilt.x(), tilt.y(), tilt.z());
+}
+
 /// Names the first limb that cannot close its triangle of arm and rod somewhere on the rims of the workspace.
 void check_reach(const Machine& machine, const Workspace& workspace) {
+  if (machine.actuator() == Actuator::strut) return;
   for (const Pose& pose : workspace.rim(kRimPoints)) {
     const double slide = machine.slide_of(pose.rotation);
+    const Eigen::Matrix3d turn = detail::rotation_of(pose.tilt);
     for (std::size_t i = 0; i < machine.limb_count; ++i) {
       const Limb& limb = machine.limbs[i];
-      const Eigen::Vector3d joint = pose.position + limb.plate + limb.slide_sign * slide * machine.slide_axis;
+      const Eigen::Vector3d joint = pose.position + turn * limb.plate + limb.slide_sign * slide * machine.slide_axis;
       if (solve_joint(limb, joint).reached) continue;
-      throw InvalidArgument(fmt::format(
-          "workspace: limb {} cannot reach ({:.1f}, {:.1f}, {:.1f}) mm at {:.0f} deg: {}, geometry.rod_mm is {:g}",
-          i + 1, pose.position.x(), pose.position.y(), pose.position.z(), to_degrees(pose.rotation),
-          rod_needed(limb, joint - limb.base), limb.mean_rod()));
+      throw InvalidArgument(fmt::format("workspace: limb {} cannot reach {}: {}, {}rod_mm is {:g}", i + 1,
+                                        shown(machine, pose), rod_needed(limb, joint - limb.base),
+                                        limb.has_one_rod() ? "its " : "geometry.", limb.mean_rod()));
     }
   }
 }
@@ -134,7 +143,7 @@ void check_tolerances(const Tolerances& tolerances, Actuator actuator) {
 }
 
 std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  if (geometry.actuator == Actuator::strut) return detail::absurd_strut(geometry.struts[limb], errors, limb);
+  if (has_six_freedoms(geometry.actuator)) return detail::absurd_single_rod(geometry, errors, limb);
   struct Length {
     const char* of;
     double nominal, error;
@@ -159,7 +168,7 @@ void check_intended(const RobotDescription& robot) {
         throw InvalidArgument(
             fmt::format("limb: expected a number for {} of limb {}", name(source, actuator), limb + 1));
       }
-      if (!tilts_plate(source) || robot.intended(limb, source) == 0.0) continue;
+      if (!tilts_plate(source, actuator) || robot.intended(limb, source) == 0.0) continue;
       throw InvalidArgument(fmt::format("limb: expected no {} of limb {}: nobody intends a plate that tilts",
                                         name(source, actuator), limb + 1));
     }
@@ -171,8 +180,8 @@ void check_intended(const RobotDescription& robot) {
 
 void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
-  if (description.geometry.actuator == Actuator::strut) {
-    detail::check_struts(description.geometry.struts);
+  if (has_six_freedoms(description.geometry.actuator)) {
+    detail::check_single_rods(description.geometry);
     if (has_slide) throw InvalidArgument("plate: expected no slide on a plate with six freedoms");
     return;
   }
@@ -184,18 +193,15 @@ void check_parts(RobotDescription& description) {
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
-  const bool on_struts = description.geometry.actuator == Actuator::strut;
+  const bool six_freedoms = has_six_freedoms(description.geometry.actuator);
   check_parts(description);
-  check_workspace(description.workspace, description.slide.has_value(), on_struts);
+  check_workspace(description.workspace, description.slide.has_value(), six_freedoms);
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry.actuator);
   check_intended(description);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   Machine nominal = build(description, SourceErrors{});
-  if (on_struts) {
-    detail::check_hold(nominal, description.geometry, description.workspace);
-  } else {
-    check_reach(nominal, description.workspace);
-  }
+  check_reach(nominal, description.workspace);
+  if (six_freedoms) detail::check_hold(nominal, description.geometry, description.workspace);
   return nominal;
 }
 

@@ -28,20 +28,30 @@ constexpr std::array<SourceEntry, kSourceCount> kSources{{
     {"beta2", Unit::rad},
 }};
 
-constexpr std::array<SourceEntry, kPositionSourceCount> kStrutSources{{
+/// Of limbs with one rod, but where one of these has its own.
+constexpr std::array<SourceEntry, kSourceCount> kSingleRodSources{{
     {"zero", Unit::mm},
     {"base_x", Unit::mm},
     {"base_y", Unit::mm},
     {"base_z", Unit::mm},
     {"gain", Unit::mm_per_m},
+    {"alpha0", Unit::rad},
+    {"beta0", Unit::rad},
+    {"rod_length", Unit::mm},
     {"plate_x", Unit::mm},
     {"plate_y", Unit::mm},
     {"plate_z", Unit::mm},
 }};
+constexpr SourceEntry kNormal{"normal", Unit::mm}, kAcross{"across", Unit::mm};
 
-std::span<const SourceEntry> entries_of(Actuator actuator) {
-  if (actuator == Actuator::strut) return kStrutSources;
-  return kSources;
+/// A place that the kind of limb does not have reads as elsewhere.
+const SourceEntry& entry_of(Source source, Actuator actuator) {
+  const SourceEntry &of_parallelogram = kSources[index(source)], &of_one_rod = kSingleRodSources[index(source)];
+  if (!has_six_freedoms(actuator) || of_one_rod.name.empty()) return of_parallelogram;
+  if (actuator == Actuator::crank && source == Source::arm_length) return of_parallelogram;
+  if (actuator == Actuator::carriage && source == Source::normal) return kNormal;
+  if (actuator == Actuator::carriage && source == Source::across) return kAcross;
+  return of_one_rod;
 }
 
 SourceErrors combined(SourceErrors one, const SourceErrors& other, auto by) {
@@ -54,21 +64,16 @@ SourceErrors combined(SourceErrors one, const SourceErrors& other, auto by) {
 }  // namespace
 
 Unit unit(Source source, Actuator actuator) {
-  const std::span<const SourceEntry> entries = entries_of(actuator);
-  if (source == Source::theta_offset || index(source) >= entries.size()) return joint_unit(actuator);
-  return entries[index(source)].unit;
+  return source == Source::theta_offset ? joint_unit(actuator) : entry_of(source, actuator).unit;
 }
 
-std::string_view name(Source source, Actuator actuator) {
-  const std::span<const SourceEntry> entries = entries_of(actuator);
-  return index(source) < entries.size() ? entries[index(source)].name : kSources[index(source)].name;
-}
+std::string_view name(Source source, Actuator actuator) { return entry_of(source, actuator).name; }
 
 std::optional<Source> source_named(std::string_view name, Actuator actuator) {
-  const std::span<const SourceEntry> entries = entries_of(actuator);
-  const auto found = std::ranges::find(entries, name, &SourceEntry::name);
-  if (found == entries.end()) return std::nullopt;
-  return static_cast<Source>(found - entries.begin());
+  const std::span<const Source> own = sources_of(actuator);
+  const auto found = std::ranges::find(own, name, [&](Source source) { return paracal::name(source, actuator); });
+  if (found == own.end()) return std::nullopt;
+  return *found;
 }
 
 std::string_view shared_name(Source source, Actuator actuator) {
@@ -89,7 +94,7 @@ SourceErrors operator-(SourceErrors one, const SourceErrors& other) { return com
 SourceErrors without_tilt_group(SourceErrors errors) {
   for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
     for (const Source source : all_sources()) {
-      if (tilts_plate(source)) errors(limb, source) = 0.0;
+      if (index(source) >= kPositionSourceCount) errors(limb, source) = 0.0;
     }
   }
   return errors;

@@ -86,21 +86,33 @@ void list_assumed(Tolerances& tolerances, Actuator actuator) {
 
 namespace {
 
-/// Spherical joints bolted on, and a drive whose pitch the catalogue says.
-Tolerances generous_struts() {
+/// Spherical joints bolted on, arms on splines, and a drive whose pitch the catalogue says.
+double generous_of_single_rod(Source source, Actuator actuator) {
+  switch (unit(source, actuator)) {
+    case Unit::rad:
+      return to_radians(source == Source::theta_offset ? 1.5 : 1.0);
+    case Unit::mm_per_m:
+      return 15.0;
+    default:
+      return 3.0;
+  }
+}
+
+Tolerances generous_single_rods(Actuator actuator) {
   Tolerances tolerances;
-  for (const Source source : sources_of(Actuator::strut)) tolerances[source] = 3.0;
-  tolerances[Source::gain] = 15.0;
   tolerances.origin.fill(Origin::exact);
-  for (const Source source : sources_of(Actuator::strut)) tolerances.origin[index(source)] = Origin::generous;
-  list_assumed(tolerances, Actuator::strut);
+  for (const Source source : sources_of(actuator)) {
+    tolerances[source] = generous_of_single_rod(source, actuator);
+    tolerances.origin[index(source)] = Origin::generous;
+  }
+  list_assumed(tolerances, actuator);
   return tolerances;
 }
 
 }  // namespace
 
 Tolerances generous_tolerances(const Geometry& geometry) {
-  if (geometry.actuator == Actuator::strut) return generous_struts();
+  if (has_six_freedoms(geometry.actuator)) return generous_single_rods(geometry.actuator);
   const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
   tolerances[Source::theta_offset] = geometry.actuator == Actuator::linear ? 3.0 : to_radians(1.5);

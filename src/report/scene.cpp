@@ -31,8 +31,8 @@ io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& join
     for (std::size_t j = 0; j < rod_count(limb); ++j) {
       rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + turn * hinges[j]))});
     }
-    if (limb.is_strut()) {
-      limbs.push_back({{"base_mm", rounded(limb.base)}, {"rods_mm", std::move(rods)}});
+    if (limb.has_one_rod() && limb.actuator != Actuator::crank) {  // from the base, or from the carriage
+      limbs.push_back({{"base_mm", rounded(elbow.joint[0])}, {"rods_mm", std::move(rods)}});
       continue;
     }
     // A rail's arm begins where its carriage stands.

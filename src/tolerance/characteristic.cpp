@@ -84,7 +84,7 @@ int component_count(Quantity quantity) {
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
   if (characteristic.compensated && robot.has_six_freedoms()) {
-    return "expected a robot whose plate stays level: on struts all errors can be compensated";
+    return "expected a robot whose plate stays level: one with six freedoms follows all errors";
   }
   return {};
 }

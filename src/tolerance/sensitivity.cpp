@@ -57,7 +57,7 @@ GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characte
 PerSource paper_units(const Robot& robot) {
   PerSource factor = PerSource::Ones();
   for (const Source source : all_sources()) {
-    if (tilts_plate(source)) factor(place(source)) = 1.0 / paper_scale(robot, source);
+    if (tilts_plate(source, robot.actuator())) factor(place(source)) = 1.0 / paper_scale(robot, source);
   }
   return factor;
 }

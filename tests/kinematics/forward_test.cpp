@@ -8,6 +8,7 @@
 #include "kinematics/linear_closure.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/mechanism/base_motion.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
@@ -99,9 +100,7 @@ TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
     const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
     const ForwardResult before = forward(build(robot, errors), joints);
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        errors(limb, static_cast<Source>(index(Source::e_x) + axis)) += shift(static_cast<Eigen::Index>(axis));
-      }
+      shift_limb(robot, limb, shift, errors);
     }
     const ForwardResult after = forward(build(robot, errors), joints);
     ASSERT_TRUE(before.ok() && after.ok());
@@ -120,10 +119,11 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
     *length *= kScale;
   }
   if (description.slide) description.slide->pinion_radius *= kScale;
-  for (Strut& strut : description.geometry.struts) {
-    strut.base *= kScale;
-    strut.plate *= kScale;
-    strut.length_at_zero *= kScale;
+  for (SingleRod& limb : description.geometry.single_rods) {
+    limb.base *= kScale;
+    limb.plate *= kScale;
+    limb.length *= kScale;
+    limb.arm *= kScale;
   }
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {

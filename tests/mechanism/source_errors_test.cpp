@@ -32,12 +32,13 @@ TEST(Source, StrutsHaveEightOfTheirOwn) {
                                                  "gain", "plate_x", "plate_y", "plate_z"};
   const auto sources = sources_of(Actuator::strut);
   ASSERT_EQ(sources.size(), contract.size());
-  for (const Source source : sources) {
-    EXPECT_EQ(name(source, Actuator::strut), contract[index(source)]);
-    EXPECT_EQ(source_named(contract[index(source)], Actuator::strut), source);
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const Source source = sources[k];
+    EXPECT_EQ(name(source, Actuator::strut), contract[k]);
+    EXPECT_EQ(source_named(contract[k], Actuator::strut), source);
     EXPECT_EQ(unit(source, Actuator::strut), source == Source::gain ? Unit::mm_per_m : Unit::mm);
     EXPECT_TRUE(is_felt(source, Actuator::strut));
-    EXPECT_FALSE(tilts_plate(source));
+    EXPECT_FALSE(tilts_plate(source, Actuator::strut));
   }
   EXPECT_FALSE(source_named("theta_offset", Actuator::strut));
   EXPECT_FALSE(source_named("alpha2", Actuator::strut));

@@ -34,14 +34,14 @@ struct Published {
 
 Published published() {
   const io::CsvTable table(io::read_file(data("nategh2009.csv")));
-  std::vector<Strut> nominal(6), real(6);
+  std::vector<SingleRod> nominal(6), real(6);
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const std::string& quantity = table.text(row, "quantity");
     const auto leg = static_cast<std::size_t>(table.number(row, "leg")) - 1;
     for (const auto& [struts, column] : {std::pair(&nominal, "nominal_mm"), std::pair(&real, "real_mm")}) {
-      Strut& strut = (*struts)[leg];
+      SingleRod& strut = (*struts)[leg];
       const double value = table.number(row, column);
-      if (quantity == "l0") strut.length_at_zero = value;
+      if (quantity == "l0") strut.length = value;
       if (quantity.starts_with("u_")) strut.base(quantity.back() - 'x') = value;
       if (quantity.starts_with("s_")) strut.plate(quantity.back() - 'x') = value;
     }
@@ -49,7 +49,7 @@ Published published() {
   SourceErrors errors;
   for (std::size_t leg = 0; leg < 6; ++leg) {
     const Eigen::Vector3d base = real[leg].base - nominal[leg].base, plate = real[leg].plate - nominal[leg].plate;
-    errors(leg, Source::theta_offset) = real[leg].length_at_zero - nominal[leg].length_at_zero;
+    errors(leg, Source::theta_offset) = real[leg].length - nominal[leg].length;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       errors(leg, static_cast<Source>(index(Source::e_x) + axis)) = base(static_cast<Eigen::Index>(axis));
       errors(leg, static_cast<Source>(index(Source::plate_x) + axis)) = plate(static_cast<Eigen::Index>(axis));
@@ -57,7 +57,7 @@ Published published() {
   }
   RobotDescription robot;
   robot.name = "nategh2009";
-  robot.geometry = strut_geometry(nominal);
+  robot.geometry = single_rod_geometry(Actuator::strut, nominal);
   robot.workspace = {.radius = 150.0, .height = 150.0, .top_z = 640.0, .max_tilt = 0.3};
   Tolerances tolerances = generous_tolerances(robot.geometry);
   for (const Source source : sources_of(Actuator::strut)) tolerances.state(source, 15.0);
@@ -235,7 +235,7 @@ TEST_F(Measured, SwappedStrutsAreNamed) {
 /// One strut 100 mm longer than the file says, five times what is assumed of such files.
 TEST_F(Measured, AWrongLengthIsSaid) {
   RobotDescription wrong = robot.description();
-  wrong.geometry.struts[3].length_at_zero += 100.0;
+  wrong.geometry.single_rods[3].length += 100.0;
   const Calibration found = calibrate(Robot(wrong), half(0));
   std::vector<std::string> said = found.notes;
   said.insert(said.end(), found.reasons.begin(), found.reasons.end());

@@ -12,9 +12,9 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// The hexapod's file, changed.
-std::string text_with(std::string_view found, std::string_view replaced) {
-  std::string text = robot_template("hexapod").text;
+/// A template's file, changed where a text stands first.
+std::string text_with(std::string_view found, std::string_view replaced, std::string_view kind = "hexapod") {
+  std::string text = robot_template(kind).text;
   const std::size_t at = text.find(found);
   EXPECT_NE(at, std::string::npos) << found;
   return text.replace(at, found.size(), replaced);
@@ -48,10 +48,10 @@ TEST_P(RobotTemplate, ErrorsReadBackAsTheyAreWritten) {
   const std::string text = source_errors_toml(errors, robot.joint_space());
   const SourceErrors again = read_source_errors({"errors.toml", text}, robot.joint_space());
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    for (const Source source : sources_of(robot.actuator())) EXPECT_EQ(again(i, source), errors(i, source));
+    for (const Source source : sources_of(robot.actuator())) EXPECT_DOUBLE_EQ(again(i, source), errors(i, source));
   }
-  for (const char* of_arms : {"theta_offset", "\ne_mm", "arm_length", "alpha", "rod_"}) {
-    EXPECT_EQ(text.find(of_arms), std::string::npos) << of_arms;
+  for (const char* of_parallelograms : {"theta_offset", "\ne_mm", "rod_mean", "rod_difference", "alpha2"}) {
+    EXPECT_EQ(text.find(of_parallelograms), std::string::npos) << of_parallelograms;
   }
 }
 
@@ -60,7 +60,8 @@ TEST(RobotTemplates, AKindThatIsNoneIsRefused) {
 }
 
 TEST(StrutFile, WhatMakesNoSenseIsRefusedWithTheReason) {
-  expect_refused(text_with("kind = \"strut\"", "kind = \"cord\""), "robot.toml:8: expected \"strut\" for limb.kind");
+  expect_refused(text_with("kind = \"strut\"", "kind = \"cord\""),
+                 "robot.toml:8: expected \"strut\", \"arm\" or \"rail\"");
   expect_refused(text_with("length_at_zero_mm = 500.0", "length_at_zero_mm = -5"), "length_at_zero_mm of limb 1");
   expect_refused(text_with("top_z_mm = 550", "top_z_mm = 50"), "above the base, or one below");
   expect_refused(text_with("tilt_deg = 10", "tilt_deg = 95"), "workspace.tilt_deg");
@@ -71,20 +72,59 @@ TEST(StrutFile, WhatMakesNoSenseIsRefusedWithTheReason) {
   expect_refused(text_with("gain_mm_per_m", "alpha0_deg"), "alpha0_deg");
   const std::string text = robot_template("hexapod").text;
   const std::size_t last = text.rfind("[[limb]]"), end = text.find("\n#", last);
-  expect_refused(text.substr(0, last) + text.substr(end), "expected 6 struts for a plate with six freedoms, got 5");
+  expect_refused(text.substr(0, last) + text.substr(end),
+                 "expected 6 limbs with one rod for a plate with six freedoms, got 5");
   const std::string of_limb_2 = "base_joint_mm = [281.908, 102.606, 0.0]\nplate_joint_mm = [129.481, 125.039, 0.0]";
   expect_refused(
       text_with(of_limb_2, "base_joint_mm = [281.908, -102.606, 0.0]\nplate_joint_mm = [129.481, -125.039, 0.0]"),
       "limbs 1 and 2 both from");
 }
 
+TEST(ArmFile, WhatMakesNoSenseIsRefusedWithTheReason) {
+  const auto refused = [](std::string_view found, std::string_view replaced, std::string_view complaint) {
+    expect_refused(text_with(found, replaced, "6-rss"), complaint);
+  };
+  refused("kind = \"arm\"", "kind = \"rail\"", "robot.toml:7: expected limb.direction");
+  refused("arm_mm = 110.0", "arm_mm = 0", "arm_mm of limb 1: expected a length above 0 mm");
+  refused("rod_mm = 280.0", "rod_mm = -1", "rod_mm of limb 1");
+  refused("axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "axis of limb 1: expected a direction, got (0, 0, 0)");
+  refused("arm_at_zero = [0.0, -1.0, 0.0]", "arm_at_zero = [2.0, 0.1, 0.0]",
+          "arm_at_zero of limb 1: expected an arm that points away from its axis (-1, 0, 0), got (2, 0.1, 0)");
+  refused("arm_at_zero = [0.0, -1.0, 0.0]", "", "arm_at_zero");
+  refused("axis = ", "length_at_zero_mm = 3\naxis = ", "length_at_zero_mm");
+  refused("rod_mm = 280.0", "rod_mm = 180.0",
+          "workspace: limb 1 cannot reach (30.0, 0.0, 270.0) mm tilted by (0, -8, 0) deg: "
+          "with an arm of 110 mm it needs a rod of ");
+  refused("zero_deg = 0.5", "zero_mm = 0.5", "zero_mm");
+}
+
+TEST(RailFile, WhatMakesNoSenseIsRefusedWithTheReason) {
+  const auto refused = [](std::string_view found, std::string_view replaced, std::string_view complaint) {
+    expect_refused(text_with(found, replaced, "6-pss"), complaint);
+  };
+  refused("carriage = \"behind\"", "carriage = \"beside\"",
+          "robot.toml:14: expected \"ahead\" or \"behind\" for limb.carriage, got \"beside\"");
+  refused("direction = [0.0, 1.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "direction of limb 1");
+  refused("rod_mm = 500.0", "rod_mm = 300.0", "its rail needs a rod of at least ");
+  std::string mixed = robot_template("6-pss").text;
+  mixed.replace(mixed.rfind("kind = \"rail\""), 13, "kind = \"strut\"");
+  expect_refused(mixed, "expected \"rail\", as of the first limb, for limb.kind, got \"strut\"");
+  // Ahead where nothing is said.
+  std::string silent = robot_template("6-pss").text;
+  for (std::size_t at = silent.find("carriage = \"ahead\""); at != std::string::npos;
+       at = silent.find("carriage = \"ahead\"", at)) {
+    silent.erase(at, 18);
+  }
+  EXPECT_EQ(to_json(read_robot({"robot.toml", silent})), to_json(read_robot(robot_template("6-pss"))));
+}
+
 /// Base and plate alike, each strut straight up: the plate could be turned with all of them as they are.
 TEST(StrutFile, StrutsThatDoNotHoldThePlateAreRefused) {
   const Robot robot = read_robot(robot_template("hexapod"));
   RobotDescription alike = robot.description();
-  std::vector<Strut> struts = alike.geometry.struts;
-  for (Strut& strut : struts) strut.plate = 0.6 * strut.base;
-  alike.geometry = strut_geometry(struts);
+  std::vector<SingleRod> struts = alike.geometry.single_rods;
+  for (SingleRod& strut : struts) strut.plate = 0.6 * strut.base;
+  alike.geometry = single_rod_geometry(Actuator::strut, struts);
   EXPECT_THAT([&] { Robot{alike}; },
               ThrowsMessage<InvalidArgument>(HasSubstr("do not hold the plate at (0, 0, 500) mm")));
 }

@@ -2,31 +2,62 @@
 
 #include <SimTKsimbody.h>
 
+#include <vector>
+
 namespace paracal::test {
 namespace {
 
 SimTK::Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
+SimTK::Rotation rotation(const std::array<double, 9>& rows) {
+  SimTK::Mat33 matrix;
+  for (int k = 0; k < 9; ++k) matrix(k / 3, k % 3) = rows[static_cast<std::size_t>(k)];
+  return SimTK::Rotation(matrix);
+}
+
+struct Mechanism {
+  SimTK::MultibodySystem system;
+  SimTK::SimbodyMatterSubsystem matter{system};
+  SimTK::Body::Rigid body{SimTK::MassProperties(1.0, SimTK::Vec3(0), SimTK::Inertia(1.0))};
+  SimTK::MobilizedBody::Free plate{matter.Ground(), SimTK::Transform(), body, SimTK::Transform()};
+
+  SimTK::MobilizedBody driven(const AssembledLimb& limb) {
+    const SimTK::Transform at(rotation(limb.frame), vector(limb.base));
+    SimTK::MobilizedBody& ground = matter.updGround();
+    switch (limb.motor) {
+      case AssembledLimb::Motor::turns:
+        return SimTK::MobilizedBody::Pin(ground, at, body, SimTK::Transform());
+      case AssembledLimb::Motor::pushes:
+        return SimTK::MobilizedBody::Slider(ground, at, body, SimTK::Transform());
+      default:
+        return SimTK::MobilizedBody::Weld(ground, at, body, SimTK::Transform());
+    }
+  }
+};
+
 }  // namespace
 
-AssembledPlate assemble(const std::array<AssembledRod, 6>& rods, const AssembledPlate& near) {
-  SimTK::MultibodySystem system;
-  SimTK::SimbodyMatterSubsystem matter(system);
-  const SimTK::Body::Rigid body(SimTK::MassProperties(1.0, SimTK::Vec3(0), SimTK::Inertia(1.0)));
-  SimTK::MobilizedBody::Free plate(matter.Ground(), SimTK::Transform(), body, SimTK::Transform());
-  for (const AssembledRod& rod : rods) {
-    SimTK::Constraint::Rod(matter.Ground(), vector(rod.base), plate, vector(rod.plate), rod.length);
+AssembledPlate assemble(const std::array<AssembledLimb, 6>& limbs, const AssembledPlate& near) {
+  Mechanism mechanism;
+  std::vector<SimTK::MobilizedBody> driven;
+  for (const AssembledLimb& limb : limbs) {
+    driven.push_back(mechanism.driven(limb));
+    SimTK::Constraint::Rod(driven.back(), SimTK::Vec3(limb.arm, 0, 0), mechanism.plate, vector(limb.plate),
+                           limb.length);
   }
-  SimTK::State state = system.realizeTopology();
-  SimTK::Mat33 rotation;
-  for (int k = 0; k < 9; ++k) rotation(k / 3, k % 3) = near.rotation[static_cast<std::size_t>(k)];
-  plate.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(rotation), vector(near.position)));
-  system.realize(state, SimTK::Stage::Position);
-  SimTK::Assembler assembler(system);
+  SimTK::State state = mechanism.system.realizeTopology();
+  mechanism.plate.setQToFitTransform(state, SimTK::Transform(rotation(near.rotation), vector(near.position)));
+  SimTK::Assembler assembler(mechanism.system);
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    if (limbs[i].motor == AssembledLimb::Motor::none) continue;
+    driven[i].setOneQ(state, 0, limbs[i].coordinate);
+    assembler.lockMobilizer(driven[i]);
+  }
+  mechanism.system.realize(state, SimTK::Stage::Position);
   assembler.setErrorTolerance(1e-14);
   assembler.assemble(state);
-  system.realize(state, SimTK::Stage::Position);
-  const SimTK::Transform& found = plate.getBodyTransform(state);
+  mechanism.system.realize(state, SimTK::Stage::Position);
+  const SimTK::Transform& found = mechanism.plate.getBodyTransform(state);
   AssembledPlate there{};
   const SimTK::Mat33& turned = found.R();
   for (int k = 0; k < 9; ++k) there.rotation[static_cast<std::size_t>(k)] = turned(k / 3, k % 3);

@@ -83,7 +83,7 @@ SourceErrors Random::realistic_errors(const Robot& robot) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : sources_of(robot.actuator())) {
       const double position_group = 0.7 / paper_scale(robot, source);
-      const double size = tilts_plate(source) ? (*robot.tolerances())[source] : position_group;
+      const double size = tilts_plate(source, robot.actuator()) ? (*robot.tolerances())[source] : position_group;
       errors(limb, source) = uniform(-size, size);
     }
   }

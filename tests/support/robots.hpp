@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cstdint>
 #include <random>
 #include <string>
@@ -27,8 +29,11 @@ class EveryRobot : public ::testing::TestWithParam<std::string_view> {
 /// io::robot_templates(), for good.
 const std::vector<std::string_view>& template_names();
 
+/// As names of tests may be.
 inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& info) {
-  return std::string(info.param);
+  std::string name(info.param);
+  std::ranges::replace(name, '-', '_');
+  return name;
 }
 
 /// By how much more joint coordinates of a robot count than radians: mm of a carriage turn a rod by 1 / its length.

@@ -38,7 +38,7 @@ struct Options {
   bool json_lines = false;
 };
 
-/// U of a pose in the robot's frame, mm and rad: of position and rotation, of position and tilt on struts.
+/// U of a pose in the robot's frame, mm and rad: of position and rotation, of position and tilt with six freedoms.
 struct StatedU {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   double rotation = 0.0;
@@ -152,10 +152,11 @@ Corrector by_compensator(const Robot& robot, const io::CalibratedMachine& machin
   };
 }
 
-/// Plates on struts, whose joints have a closed form with all errors.
-Corrector by_struts(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
+/// Plates with six freedoms, whose joints have a closed form with all errors.
+Corrector by_inverse(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
   if (way != "exact")
-    throw WrongUsage("--way: expected exact on struts: the linear ways are of plates that stay level");
+    throw WrongUsage(
+        "--way: expected exact where the plate has six freedoms: the linear ways are of plates that stay level");
   const KnownErrors known = machine.known();
   const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
   return [=, &robot, actual = build(robot, machine.errors)](const Station& station) {
@@ -188,7 +189,7 @@ void run(const Options& options, Session& session) {
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
   const io::CalibratedMachine machine = known_machine(options, robot);
-  const Corrector corrected = (robot.has_six_freedoms() ? by_struts : by_compensator)(robot, machine, options.way);
+  const Corrector corrected = (robot.has_six_freedoms() ? by_inverse : by_compensator)(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {

@@ -33,7 +33,7 @@ template <typename Task>
 void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : sources_of(robot.actuator())) {
-      if (tilts_plate(source) == tilt_group) task(limb + 1, source);
+      if (tilts_plate(source, robot.actuator()) == tilt_group) task(limb + 1, source);
     }
   }
 }
@@ -79,12 +79,16 @@ std::string report(const Robot& robot, const ErrorModel& model) {
                      model.G_ee);
 }
 
-/// The columns of a robot's own sources out of those of all places.
+/// The columns of a robot's own sources out of those of all places, per unit of files.
 Eigen::MatrixXd of_own_sources(const Robot& robot, const SourceRows& rows) {
-  const auto own = static_cast<Eigen::Index>(sources_of(robot.actuator()).size());
-  Eigen::MatrixXd columns(rows.rows(), own * static_cast<Eigen::Index>(robot.limb_count()));
-  for (Eigen::Index limb = 0; limb * own < columns.cols(); ++limb) {
-    columns.middleCols(limb * own, own) = rows.middleCols(limb * static_cast<Eigen::Index>(kSourceCount), own);
+  const std::span<const Source> own = sources_of(robot.actuator());
+  Eigen::MatrixXd columns(rows.rows(), static_cast<Eigen::Index>(own.size() * robot.limb_count()));
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const auto to = static_cast<Eigen::Index>(limb * own.size() + k);
+      const auto from = static_cast<Eigen::Index>(limb * kSourceCount + index(own[k]));
+      columns.col(to) = from_file_unit(unit(own[k], robot.actuator()), 1.0) * rows.col(from);
+    }
   }
   return columns;
 }
@@ -95,8 +99,8 @@ io::Json head(const Robot& robot, const Pose& pose) {
           {"parameters", parameters_json(robot)}};
 }
 
-/// All errors move and turn a plate on struts: one matrix says how.
-void run_on_struts(const Robot& robot, const Pose& pose, Session& session) {
+/// All errors move and turn a plate with six freedoms: one matrix says how.
+void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& session) {
   const LinearModel model(robot);
   const Eigen::MatrixXd motion = of_own_sources(robot, model.rows(pose, {Quantity::position}));
   Eigen::MatrixXd turn(3, motion.cols());
@@ -108,15 +112,16 @@ void run_on_struts(const Robot& robot, const Pose& pose, Session& session) {
     json["G_turn"] = io::rows_json(turn);
     return session.print_json(json);
   }
-  session.print(matrix_text("mm of plate per mm or mm/m of source error", robot, false, {"dx", "dy", "dz"}, motion) +
-                matrix_text("mrad of plate, about x, y and z of the base, per mm or mm/m of source error", robot, false,
-                            {"turn_x", "turn_y", "turn_z"}, 1e3 * turn));
+  session.print(
+      matrix_text("mm of plate per mm, deg or mm/m of source error", robot, false, {"dx", "dy", "dz"}, motion) +
+      matrix_text("mrad of plate, about x, y and z of the base, per mm, deg or mm/m of source error", robot, false,
+                  {"turn_x", "turn_y", "turn_z"}, 1e3 * turn));
 }
 
 void run(const std::vector<double>& numbers, Session& session) {
   const Robot robot = session.robot();
   const Pose pose = pose_of_option(robot, "--pose", numbers);
-  if (robot.has_six_freedoms()) return run_on_struts(robot, pose, session);
+  if (robot.has_six_freedoms()) return run_with_six_freedoms(robot, pose, session);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {
     throw MathematicsSaysNo(fmt::format("pose: {} does not reach ({:g}, {:g}, {:g}) mm at {:g} deg", robot.name(),

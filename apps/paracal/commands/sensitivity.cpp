@@ -48,7 +48,7 @@ struct Scale {
   bool over_width = false;  ///< of lengths over the parallelogram's width
 };
 
-/// Tilt in the paper's units, rad per rad, but on struts, whose errors are lengths.
+/// Tilt in the paper's units, rad per rad, but of a plate with six freedoms, which lengths tilt.
 Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
   const double factor = shown(quantity, 1.0).value;
   const Unit of_source = unit(source, robot.actuator());

@@ -76,19 +76,19 @@ struct Elbow {
   std::array<Scalar, 2> rod;
 };
 
-/// One rod of a strut, two of any other limb.
 template <typename Scalar>
 constexpr std::size_t rod_count(const BasicLimb<Scalar>& limb) {
-  return limb.is_strut() ? 1 : 2;
+  return limb.has_one_rod() ? 1 : 2;
 }
 
 template <typename Scalar>
 Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
-  if (limb.is_strut()) {
-    const Vector3<Scalar> none = Vector3<Scalar>::Zero();
-    return {limb.frame.col(0), limb.frame.col(1), none, none, {limb.base, limb.base}, rods_at(limb, joint)};
-  }
   const ArmDirections<Scalar> direction = arm_directions(limb, joint);
+  if (limb.has_one_rod()) {
+    const Vector3<Scalar> none = Vector3<Scalar>::Zero(), lever = elbow_lever(limb, joint, direction);
+    const Vector3<Scalar> hinge = limb.base + lever;
+    return {direction.u1, direction.v1, lever, none, {hinge, hinge}, rods_at(limb, joint)};
+  }
   const Vector3<Scalar> half = (Scalar(0.5) * limb.elbow_width) * limb.elbow_frame.col(2);
   Elbow<Scalar> elbow;
   elbow.arm = direction.u1;
@@ -108,11 +108,11 @@ inline Eigen::Vector3d hinge_motion(const Limb& limb, const Elbow<double>& elbow
 }
 
 /// Where the rods of one limb are hinged on the plate, from O', in the plate frame, mm:
-/// a_i + mu_i s shat + sgn(j) (c_a / 2) R_3 e_3; a_i of a strut.
+/// a_i + mu_i s shat + sgn(j) (c_a / 2) R_3 e_3; a_i of a limb with one rod.
 template <typename Scalar>
 std::array<Vector3<Scalar>, 2> plate_joints(const BasicMachine<Scalar>& machine, const BasicLimb<Scalar>& limb,
                                             const Scalar& slide) {
-  if (limb.is_strut()) return {limb.plate, limb.plate};
+  if (limb.has_one_rod()) return {limb.plate, limb.plate};
   const Vector3<Scalar> centre = limb.plate + (limb.slide_sign * slide) * machine.slide_axis.template cast<Scalar>();
   const Vector3<Scalar> half = (Scalar(0.5) * limb.plate_width) * limb.plate_frame.col(2);
   return {centre + half, centre - half};

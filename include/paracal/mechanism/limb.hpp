@@ -18,22 +18,27 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 /// One limb as built: an actuator that places the elbow C_i, and a parallelogram of two rods down to the plate. The
 /// members are the constants of the loop closure [huang2016, Eq. (1)], errors included; lengths in mm.
 ///
-///   actuator           revolute: C = b + L u_1(q), an arm of length L that the joint turns;
-///                      linear:   C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points inward
-///                      strut:    C = b, whence the one rod to the plate grows: l = l_1 + gain q + joint_offset
+///   actuator           revolute, crank:   C = b + L u_1(q), an arm of length L that the joint turns;
+///                      linear, carriage:  C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points
+///                                         inward (linear) or has none (carriage)
+///                      strut:             C = b, whence the one rod to the plate grows: l = l_1 + gain q +
+///                      joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
-///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent)
+///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent); of
+///                      limbs with one rod see frame_of()
 ///   arm       L_i      arm (proximal link) from B_i, or from the carriage, to the elbow C_i
 ///   joint_offset       added to the believed joint coordinate, rad or mm
-///   gain               mm that a strut grows a mm of its joint coordinate
+///   gain               mm that a strut grows, or a carriage runs, a mm of its joint coordinate
 ///   elbow_frame R_2,i  short side of the parallelogram at the elbow, relative to the arm
 ///   elbow_width c_c,i  its length
 ///   plate     a_i      plate joint A_i in the plate frame {O'}
 ///   plate_frame R_3,i  short side at the plate, relative to {O'}
 ///   plate_width c_a,i  its length
-///   rod       l_1,i, l_2,i; of a strut its length at joint coordinate 0, twice
+///   rod       l_1,i, l_2,i; of limbs with one rod its length twice, of a strut at joint coordinate 0
 ///   slide_sign mu_i    how the slide of an articulated plate moves A_i; 0 for a rigid plate
-///   radial             nominal (cos gamma, sin gamma, 0): the axis about which alpha0 and alpha3 turn
+///   radial             nominal (cos gamma, sin gamma, 0), or u_0: the axis about which alpha0 and alpha3 turn
+///   sideways           nominal w_0, along which a carriage's rail stands off by `across`
+///   ahead              +1 where a carriage stands ahead of the plate joint along its rail, -1 behind
 template <typename Scalar>
 struct BasicLimb {
   Actuator actuator = Actuator::revolute;
@@ -50,10 +55,13 @@ struct BasicLimb {
   std::array<Scalar, 2> rod;
   double slide_sign;
   Eigen::Vector3d radial;
+  Eigen::Vector3d sideways = Eigen::Vector3d::Zero();
+  double ahead = 1.0;
 
   /// Length of the rod that would replace the pair along the centre line C_i A_i.
   Scalar mean_rod() const { return Scalar(0.5) * (rod[0] + rod[1]); }
   bool is_strut() const { return actuator == Actuator::strut; }
+  bool has_one_rod() const { return has_six_freedoms(actuator); }
 };
 using Limb = BasicLimb<double>;
 
@@ -69,7 +77,7 @@ struct ArmDirections {
 template <typename Scalar>
 ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint) {
   using std::cos, std::sin;
-  if (limb.actuator != Actuator::revolute) return {limb.frame.col(0), limb.frame.col(1)};
+  if (!swings_arm(limb.actuator)) return {limb.frame.col(0), limb.frame.col(1)};
   const Scalar c = cos(joint + limb.joint_offset);
   const Scalar s = sin(joint + limb.joint_offset);
   return {c * limb.frame.col(0) + s * limb.frame.col(1), c * limb.frame.col(1) - s * limb.frame.col(0)};
@@ -79,12 +87,14 @@ ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint
 template <typename Scalar>
 Vector3<Scalar> elbow_lever(const BasicLimb<Scalar>& limb, Scalar joint, const ArmDirections<Scalar>& direction) {
   if (limb.is_strut()) return Vector3<Scalar>::Zero();
-  if (limb.actuator == Actuator::linear) return (joint + limb.joint_offset) * direction.v1 - limb.arm * direction.u1;
+  if (runs_on_rail(limb.actuator)) {
+    return (limb.gain * joint + limb.joint_offset) * direction.v1 - limb.arm * direction.u1;
+  }
   return limb.arm * direction.u1;
 }
 
 /// mm that the elbow moves, or the strut grows, per rad or mm of the joint: L, or 1 where it is a length itself.
-inline double joint_ratio(const Limb& limb) { return limb.actuator == Actuator::revolute ? limb.arm : 1.0; }
+inline double joint_ratio(const Limb& limb) { return swings_arm(limb.actuator) ? limb.arm : 1.0; }
 
 /// Length of each rod at a joint coordinate, mm.
 template <typename Scalar>
@@ -108,12 +118,13 @@ inline ArmDirection<double> close_triangle(const Limb& limb, const Eigen::Vector
                                          .rod = limb.mean_rod()});
 }
 
-/// The carriage that is one (mean) rod away from a point, above the plate.
+/// The carriage that is one (mean) rod away from a point, above the plate; or ahead of it, or behind, which is ahead on
+/// the rail that leads the other way.
 ///
-/// @returns q with its offset, mm; NaN when out of reach. Real-time: yes.
+/// @returns its place with its offset, mm; NaN when out of reach. Real-time: yes.
 inline double close_on_rail(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
   const Eigen::Vector3d d = limb.frame.transpose() * (joint_at_plate - limb.base);
-  return close_on_rail(RailReach<double>{d.x(), d.y(), d.z(), limb.arm, limb.mean_rod()});
+  return limb.ahead * close_on_rail(RailReach<double>{d.x(), limb.ahead * d.y(), d.z(), limb.arm, limb.mean_rod()});
 }
 
 /// Joint coordinate of a limb.
@@ -122,27 +133,29 @@ struct JointSolution {
   bool reached;
 };
 
-/// @param place  where the joint stands, offset included.
-inline JointSolution believed_joint(const Limb& limb, double place) noexcept {
-  const double joint = place - limb.joint_offset;
-  return {joint, std::isfinite(joint)};
-}
+inline JointSolution solution(double joint) noexcept { return {joint, std::isfinite(joint)}; }
 
 inline JointSolution arm_along(const Limb& limb, const ArmDirection<double>& direction) noexcept {
-  return believed_joint(limb, std::atan2(direction.sine, direction.cosine));
+  return solution(std::atan2(direction.sine, direction.cosine) - limb.joint_offset);
 }
 
-/// The strut that reaches a point: any does.
-inline JointSolution stretch(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
-  const double joint = ((joint_at_plate - limb.base).norm() - limb.rod[0] - limb.joint_offset) / limb.gain;
-  return {joint, std::isfinite(joint)};
+/// The joint coordinate of a drive with a gain that stands at a place, offset included.
+inline JointSolution driven_to(const Limb& limb, double place) noexcept {
+  return solution((place - limb.joint_offset) / limb.gain);
 }
 
-/// Joint coordinate that puts the elbow one (mean) rod away from a point.
+/// Joint coordinate that puts the elbow one (mean) rod away from a point; a strut reaches any.
 inline JointSolution solve_joint(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
-  if (limb.is_strut()) return stretch(limb, joint_at_plate);
-  if (limb.actuator == Actuator::linear) return believed_joint(limb, close_on_rail(limb, joint_at_plate));
-  return arm_along(limb, close_triangle(limb, joint_at_plate));
+  switch (limb.actuator) {
+    case Actuator::strut:
+      return driven_to(limb, (joint_at_plate - limb.base).norm() - limb.rod[0]);
+    case Actuator::carriage:
+      return driven_to(limb, close_on_rail(limb, joint_at_plate));
+    case Actuator::linear:
+      return solution(close_on_rail(limb, joint_at_plate) - limb.joint_offset);
+    default:
+      return arm_along(limb, close_triangle(limb, joint_at_plate));
+  }
 }
 
 }  // namespace paracal

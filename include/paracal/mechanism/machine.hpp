@@ -24,7 +24,7 @@ struct BasicMachine {
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
   /// The tilt of the plate is commanded.
-  bool has_six_freedoms() const { return actuator() == Actuator::strut; }
+  bool has_six_freedoms() const { return paracal::has_six_freedoms(actuator()); }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
@@ -40,7 +40,12 @@ using Machine = BasicMachine<double>;
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
 /// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it:
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03.
-/// Of a strut b and a are shifted each by an error of its own, and l = l_0 + theta_offset + (1 + gain) q.
+/// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()
+///   strut:     l = l_0 + theta_offset + (1 + gain) q;
+///   crank:     l = l_1 + rod_length, an arm L + arm_length in R_0 = F Rot(x, alpha0) Rot(y, beta0);
+///   carriage:  l = l_1 + rod_length, C = b + normal u_0 + across w_0 + ((1 + gain) q + theta_offset) v_1 along the
+///   rail
+///              v_1 of R_0 = F Rot(x, alpha0) Rot(z, beta0).
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);

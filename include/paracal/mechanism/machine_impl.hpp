@@ -45,23 +45,43 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
   return frame;
 }
 
+template <typename Scalar, typename ErrorOf>
+Vector3<Scalar> shift_of_base(Actuator kind, const Eigen::Matrix3d& frame, const ErrorOf& error) {
+  if (kind != Actuator::carriage) return {error(Source::e_x), error(Source::e_y), error(Source::e_z)};
+  return frame.col(0).cast<Scalar>() * error(Source::normal) + frame.col(2).cast<Scalar>() * error(Source::across);
+}
+
+template <typename Scalar, typename ErrorOf>
+Matrix3<Scalar> leaning(Actuator kind, const Eigen::Matrix3d& frame, const ErrorOf& error) {
+  if (kind == Actuator::strut) return frame.cast<Scalar>();
+  const Scalar beta = error(Source::beta0);
+  const Matrix3<Scalar> by_beta = kind == Actuator::crank ? rotation_y(beta) : rotation_z(beta);
+  return frame.cast<Scalar>() * (rotation_x(Scalar(error(Source::alpha0))) * by_beta);
+}
+
 /// @param error  of this limb, by its source.
-template <typename Scalar>
-BasicLimb<Scalar> strut(const Geometry& nominal, std::size_t limb, auto&& error) {
-  const Strut& strut = nominal.struts[limb];
+template <typename Scalar, typename ErrorOf>
+BasicLimb<Scalar> single_rod(const Geometry& nominal, std::size_t limb, const ErrorOf& error) {
+  const SingleRod& rod = nominal.single_rods[limb];
+  const Actuator kind = nominal.actuator;
+  const Eigen::Matrix3d frame = frame_of(kind, rod);
+  const bool swings = kind == Actuator::crank, is_strut = kind == Actuator::strut;
+  const Scalar length = rod.length + (is_strut ? Scalar(0) : error(Source::rod_length));
   BasicLimb<Scalar> built;
-  built.actuator = Actuator::strut;
-  built.radial = Eigen::Vector3d(std::cos(nominal.limb_azimuth[limb]), std::sin(nominal.limb_azimuth[limb]), 0.0);
-  built.base = strut.base.cast<Scalar>() + Vector3<Scalar>(error(Source::e_x), error(Source::e_y), error(Source::e_z));
-  built.frame = nominal_frame(nominal.limb_azimuth[limb]).cast<Scalar>();
-  built.arm = Scalar(0);
+  built.actuator = kind;
+  built.radial = frame.col(0);
+  built.sideways = frame.col(2);
+  built.ahead = rod.behind ? -1.0 : 1.0;
+  built.base = rod.base.cast<Scalar>() + shift_of_base<Scalar>(kind, frame, error);
+  built.frame = leaning<Scalar>(kind, frame, error);
+  built.arm = swings ? Scalar(rod.arm + error(Source::arm_length)) : Scalar(0);
   built.joint_offset = error(Source::theta_offset);
-  built.gain = Scalar(1) + error(Source::gain) / Scalar(kGainLength);
+  built.gain = swings ? Scalar(1) : Scalar(Scalar(1) + error(Source::gain) / Scalar(kGainLength));
   built.elbow_frame = built.plate_frame = Matrix3<Scalar>::Identity();
   built.elbow_width = built.plate_width = Scalar(nominal.parallelogram_width);
-  built.plate = strut.plate.cast<Scalar>() +
+  built.plate = rod.plate.cast<Scalar>() +
                 Vector3<Scalar>(error(Source::plate_x), error(Source::plate_y), error(Source::plate_z));
-  built.rod = {Scalar(strut.length_at_zero), Scalar(strut.length_at_zero)};
+  built.rod = {length, length};
   built.slide_sign = 0.0;
   return built;
 }
@@ -81,8 +101,8 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
   }
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
-    if (nominal.actuator == Actuator::strut) {
-      machine.limbs[i] = detail::strut<Scalar>(nominal, i, error);
+    if (has_six_freedoms(nominal.actuator)) {
+      machine.limbs[i] = detail::single_rod<Scalar>(nominal, i, error);
       continue;
     }
     const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);

@@ -12,12 +12,23 @@
 
 namespace paracal {
 
-/// Where a strut is hinged, nominally, and how long it is; mm.
-struct Strut {
-  Eigen::Vector3d base;         ///< joint at the base, in the base frame
-  Eigen::Vector3d plate;        ///< joint at the plate, in the plate frame
-  double length_at_zero = 0.0;  ///< at joint coordinate 0
+/// A limb with one rod, nominally; mm. Its upper end is where the drive puts it, the lower end a joint of the plate.
+struct SingleRod {
+  /// In the base frame. Of a strut the joint at the base; of an arm the centre of the circle on which the rod's upper
+  /// end goes; of a rail where that end stands at joint coordinate 0.
+  Eigen::Vector3d base = Eigen::Vector3d::Zero();
+  Eigen::Vector3d plate = Eigen::Vector3d::Zero();    ///< joint at the plate, in the plate frame
+  double length = 0.0;                                ///< of the rod; of a strut at joint coordinate 0
+  double arm = 0.0;                                   ///< of an arm: the radius of that circle
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();     ///< of an arm's motor, turning right-handed; of a rail along it
+  Eigen::Vector3d at_zero = Eigen::Vector3d::Zero();  ///< where an arm points at joint coordinate 0, square to its axis
+  bool behind = false;  ///< a carriage that stands behind the joint at the plate, along the rail, and not ahead of it
 };
+
+/// Base of a limb: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0, where it goes from
+/// there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from the z axis), along
+/// it, and w_0 = u_0 x v_0.
+Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb);
 
 /// Nominal dimensions that all limbs share; mm and rad [huang2016, Table 1, in brackets].
 struct Geometry {
@@ -28,13 +39,15 @@ struct Geometry {
   double parallelogram_width = 0.0;  ///< short side of the parallelogram [c]
   std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
   Actuator actuator = Actuator::revolute;
-  std::vector<Strut> struts = {};  ///< of Actuator::strut, whose limbs share nothing; see strut_geometry()
+  std::vector<SingleRod> single_rods = {};  ///< of limbs with one rod, which share nothing; see single_rod_geometry()
 };
 
-/// The geometry of a plate with six freedoms on struts. What the limbs of other robots share is here the size of
-/// things: radii of the joints (root mean square), the mean length at zero for the rod, the width of the plate for that
-/// of a parallelogram.
-Geometry strut_geometry(std::vector<Strut> struts);
+/// The geometry of a plate with six freedoms on limbs with one rod. What the limbs of other robots share is here the
+/// size of things: radii of the joints (root mean square), mean lengths of arms and rods, the width of the plate for
+/// that of a parallelogram.
+///
+/// @param kind  strut, crank or carriage.
+Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs);
 
 /// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
 /// into rotation, phi = s / r_g. With s > 0 the plate joints of limb i stand at a_i + mu_i s shat in the plate frame.
@@ -59,7 +72,8 @@ struct RobotDescription {
 };
 
 /// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
-/// freedoms (3 for a rigid plate, 4 with a slide, 6 on struts), and every limb reaches the whole workspace. Immutable.
+/// freedoms (3 for a rigid plate, 4 with a slide, 6 on limbs with one rod), and every limb reaches the whole workspace.
+/// Immutable.
 class Robot {
  public:
   /// @throws InvalidArgument naming the quantity and the limit that it breaks.
@@ -77,7 +91,7 @@ class Robot {
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const { return {limb_count(), actuator()}; }
   /// The tilt of the plate is commanded.
-  bool has_six_freedoms() const { return actuator() == Actuator::strut; }
+  bool has_six_freedoms() const { return paracal::has_six_freedoms(actuator()); }
 
   /// The machine without source errors: what the controller believes.
   const Machine& nominal() const { return nominal_; }

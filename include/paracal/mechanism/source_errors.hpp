@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +15,8 @@ namespace paracal {
 
 /// The 14 reduced source errors of one limb with an arm or a carriage, in the order of the paper's columns [huang2016,
 /// Eq. (4)]. Each is actual minus nominal, in mm or rad; docs/conventions.md has the figure of a limb that names them.
-/// The enumerators are spelled as in every file and JSON key. Another kind of limb has a list of its own (sources_of),
-/// in the first places of this one.
+/// The enumerators are spelled as in every file and JSON key. A limb with one rod has a list of its own (sources_of),
+/// in places of this one.
 enum class Source : std::uint8_t {
   // Position group: they move the plate but do not tilt it; compensation removes their effect.
   theta_offset,  ///< joint zero: the actuator stands at q + theta_offset when the controller believes q; a length on a
@@ -36,12 +37,14 @@ enum class Source : std::uint8_t {
   alpha2,            ///< the short side at the elbow turned about the arm
   beta2,             ///< the short side at the elbow turned about the normal of the arm
 
-  // The eight of a strut, which a plate with six freedoms hangs on: it can follow them all, so they take the places of
-  // the position group. The joint zero is theta_offset here, too, and where the base joint stands is e.
-  gain = arm_length,  ///< travel of the drive, mm that it moves too far in a metre
-  plate_x = alpha0,   ///< plate joint, in the plate frame
-  plate_y = beta0,
-  plate_z = rod_mean,
+  // Of a limb with one rod. A plate with six freedoms can follow all its errors, wherever they stand.
+  normal = e_x,              ///< of a rail: it stands off along its upward normal
+  across = e_y,              ///< of a rail: it stands off sideways
+  gain = arm_length,         ///< travel of a drive that is a length, mm that it moves too far in a metre
+  rod_length = rod_mean,     ///< length of the one rod
+  plate_x = rod_difference,  ///< plate joint, in the plate frame
+  plate_y = width_difference,
+  plate_z = alpha03,
 };
 
 /// Travel in which `gain` is what a drive moves too far, mm.
@@ -56,10 +59,23 @@ enum class Actuator : std::uint8_t {
   revolute,  ///< a motor swings an arm; joint coordinate: angle, rad
   linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
   strut,     ///< the limb is one rod that grows; joint coordinate: by how much, mm
+  crank,     ///< a motor swings an arm on which one rod hangs; joint coordinate: angle, rad
+  carriage,  ///< one rod hangs on a carriage that runs along a rail; joint coordinate: how far, mm
 };
 
+/// A plate on limbs with one rod each: its tilt is commanded, and it follows all their errors.
+constexpr bool has_six_freedoms(Actuator actuator) { return actuator >= Actuator::strut; }
+
+/// The joint coordinate is the angle of an arm.
+constexpr bool swings_arm(Actuator actuator) { return actuator == Actuator::revolute || actuator == Actuator::crank; }
+
+/// The joint coordinate is a place on a rail.
+constexpr bool runs_on_rail(Actuator actuator) {
+  return actuator == Actuator::linear || actuator == Actuator::carriage;
+}
+
 /// Unit of a joint coordinate.
-constexpr Unit joint_unit(Actuator actuator) { return actuator == Actuator::revolute ? Unit::rad : Unit::mm; }
+constexpr Unit joint_unit(Actuator actuator) { return swings_arm(actuator) ? Unit::rad : Unit::mm; }
 
 constexpr std::size_t index(Source source) { return static_cast<std::size_t>(source); }
 
@@ -69,6 +85,15 @@ inline constexpr std::array<Source, kSourceCount> kAllSources = [] {
   for (std::size_t k = 0; k < kSourceCount; ++k) sources[k] = static_cast<Source>(k);
   return sources;
 }();
+
+inline constexpr std::array kStrutSources{Source::theta_offset, Source::e_x,     Source::e_y,     Source::e_z,
+                                          Source::gain,         Source::plate_x, Source::plate_y, Source::plate_z};
+inline constexpr std::array kCrankSources{Source::theta_offset, Source::e_x,     Source::e_y,    Source::e_z,
+                                          Source::arm_length,   Source::alpha0,  Source::beta0,  Source::rod_length,
+                                          Source::plate_x,      Source::plate_y, Source::plate_z};
+inline constexpr std::array kCarriageSources{Source::theta_offset, Source::normal, Source::across,     Source::gain,
+                                             Source::alpha0,       Source::beta0,  Source::rod_length, Source::plate_x,
+                                             Source::plate_y,      Source::plate_z};
 }  // namespace detail
 
 /// Every place of a source, in column order.
@@ -76,11 +101,22 @@ constexpr const std::array<Source, kSourceCount>& all_sources() { return detail:
 
 /// Those that a kind of limb has, in column order.
 constexpr std::span<const Source> sources_of(Actuator actuator) {
-  return std::span(detail::kAllSources).first(actuator == Actuator::strut ? kPositionSourceCount : kSourceCount);
+  switch (actuator) {
+    case Actuator::strut:
+      return detail::kStrutSources;
+    case Actuator::crank:
+      return detail::kCrankSources;
+    case Actuator::carriage:
+      return detail::kCarriageSources;
+    default:
+      return detail::kAllSources;
+  }
 }
 
-/// True for the group that tilts the plate.
-constexpr bool tilts_plate(Source source) { return index(source) >= kPositionSourceCount; }
+/// True for the group that tilts a plate which is to stay level.
+constexpr bool tilts_plate(Source source, Actuator actuator = Actuator::revolute) {
+  return !has_six_freedoms(actuator) && index(source) >= kPositionSourceCount;
+}
 
 /// The joint coordinates of a robot: how many, and of which kind. The default, none, stands for those of any robot.
 struct JointSpace {
@@ -97,11 +133,11 @@ Unit unit(Source source, Actuator actuator);
 /// (arm_length shifts the elbow as e does) nor where along itself it begins (e_z shifts it as theta_offset does): a
 /// calibration holds these two at zero. A revolute limb feels all.
 constexpr bool is_felt(Source source, Actuator actuator) {
-  if (actuator == Actuator::strut) return index(source) < kPositionSourceCount;
+  if (has_six_freedoms(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
   return actuator == Actuator::revolute || (source != Source::arm_length && source != Source::e_z);
 }
 
-/// The name used in every file and JSON key, e.g. "theta_offset"; of a strut's own errors "zero", "base_x", "gain",
+/// The name used in every file and JSON key, e.g. "theta_offset"; of a limb with one rod "zero", "base_x", "gain",
 /// "plate_x", ...
 std::string_view name(Source source, Actuator actuator = Actuator::revolute);
 

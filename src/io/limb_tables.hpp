@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: the [[limb]] tables of a robot whose plate hangs on struts.
+// Private to io: the [[limb]] tables of a robot whose limbs have one rod each.
 
 #include <string>
 #include <vector>
@@ -14,10 +14,11 @@ namespace paracal::io {
 /// Whether the tables say what each limb is, rather than what it differs by from a [geometry].
 bool define_limbs(const toml::table& document);
 
-/// @throws InputFileError for a kind that is none, and for missing, unknown or wrongly typed keys.
+/// Limbs of one kind.
+/// @throws InputFileError for a kind that is none or another, and for missing, unknown or wrongly typed keys.
 Geometry limbs_geometry(Section& root);
 
-std::string struts_toml(const Geometry& geometry);
-Json struts_json(const Geometry& geometry);
+std::string limbs_toml(const Geometry& geometry);
+Json limbs_json(const Geometry& geometry);
 
 }  // namespace paracal::io

@@ -1,0 +1,121 @@
+#include "limb_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "json_parts.hpp"
+#include "names.hpp"
+#include "robot_tables.hpp"
+
+namespace paracal::io {
+namespace {
+
+constexpr std::array kKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
+constexpr std::string_view kAhead = "ahead", kBehind = "behind";
+
+Eigen::Vector3d vector_of(Section& limb, std::string_view key) {
+  const std::vector<double> values = limb.numbers(key, 3);
+  return {values[0], values[1], values[2]};
+}
+
+[[noreturn]] void fail(Section& limb, std::string_view key, std::string_view expected, std::string_view got) {
+  limb.fail(*limb.find(key), fmt::format("expected {} for {}, got \"{}\"", expected, limb.key_path(key), got));
+}
+
+/// @param first  kind of the first limb, which all others share; empty where this is the first.
+Actuator kind_of(Section& limb, std::optional<Actuator> first) {
+  const std::string name = limb.text("kind");
+  const auto* kind = std::ranges::find(kKinds, name, &actuator_name);
+  if (kind == kKinds.end()) {
+    fail(limb, "kind", "\"strut\", \"arm\" or \"rail\" (limbs with two rods are described by [geometry])", name);
+  }
+  if (first && *kind != *first) {
+    fail(limb, "kind", fmt::format("\"{}\", as of the first limb,", actuator_name(*first)), name);
+  }
+  return *kind;
+}
+
+bool stands_behind(Section& rail) {
+  if (!rail.find("carriage")) return false;
+  const std::string stands = rail.text("carriage");
+  if (stands != kAhead && stands != kBehind) {
+    fail(rail, "carriage", fmt::format("\"{}\" or \"{}\"", kAhead, kBehind), stands);
+  }
+  return stands == kBehind;
+}
+
+SingleRod limb_of(Section& limb, Actuator kind) {
+  SingleRod one{.base = vector_of(limb, "base_joint_mm"), .plate = vector_of(limb, "plate_joint_mm")};
+  one.length = limb.number(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm");
+  if (kind == Actuator::crank) {
+    one.arm = limb.number("arm_mm");
+    one.axis = vector_of(limb, "axis");
+    one.at_zero = vector_of(limb, "arm_at_zero");
+  }
+  if (kind == Actuator::carriage) {
+    one.axis = vector_of(limb, "direction");
+    one.behind = stands_behind(limb);
+  }
+  limb.refuse_others();
+  return one;
+}
+
+Json limb_json(const SingleRod& limb, Actuator kind) {
+  Json json{{"kind", actuator_name(kind)},
+            {"base_joint_mm", json_array(limb.base)},
+            {"plate_joint_mm", json_array(limb.plate)},
+            {kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length}};
+  if (kind == Actuator::crank) {
+    json["arm_mm"] = limb.arm;
+    json["axis"] = json_array(limb.axis);
+    json["arm_at_zero"] = json_array(limb.at_zero);
+  }
+  if (kind == Actuator::carriage) {
+    json["direction"] = json_array(limb.axis);
+    json["carriage"] = limb.behind ? kBehind : kAhead;
+  }
+  return json;
+}
+
+std::string toml_value(const Json& value) {
+  if (value.is_string()) return value.dump();
+  if (value.is_array()) return array(value.get<std::vector<double>>());
+  return fmt::format("{}", value.get<double>());
+}
+
+}  // namespace
+
+bool define_limbs(const toml::table& document) {
+  const toml::array* limbs = document["limb"].as_array();
+  return !document.contains("geometry") && limbs != nullptr && !limbs->empty() && limbs->front().is_table();
+}
+
+Geometry limbs_geometry(Section& root) {
+  std::optional<Actuator> kind;
+  std::vector<SingleRod> limbs;
+  for (Section& limb : root.tables("limb")) {
+    kind = kind_of(limb, kind);
+    limbs.push_back(limb_of(limb, *kind));
+  }
+  return single_rod_geometry(kind.value(), std::move(limbs));
+}
+
+std::string limbs_toml(const Geometry& geometry) {
+  std::string text;
+  for (const Json& limb : limbs_json(geometry)) {
+    text += "\n[[limb]]\n";
+    for (const auto& [key, value] : limb.items()) text += fmt::format("{} = {}\n", key, toml_value(value));
+  }
+  return text;
+}
+
+Json limbs_json(const Geometry& geometry) {
+  Json limbs = Json::array();
+  for (const SingleRod& limb : geometry.single_rods) limbs.push_back(limb_json(limb, geometry.actuator));
+  return limbs;
+}
+
+}  // namespace paracal::io

@@ -1,0 +1,32 @@
+#pragma once
+
+// Private to mechanism: what is asked of a plate on limbs with one rod before it is a robot.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal::detail {
+
+/// @throws InvalidArgument naming the quantity.
+void require_positive_mm(std::string_view quantity, double value);
+
+/// Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& tilt);
+
+/// Six of them, each with places, lengths and directions, no two alike.
+void check_single_rods(const Geometry& geometry);
+
+/// The whole workspace is on one side of the base, and its tilt less than a right angle.
+void check_side(const Workspace& workspace);
+
+/// Rods may reach everywhere and not hold the plate everywhere: at the centre of the workspace and its rims they do.
+void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace);
+
+/// Why there can be no such limb; empty where there can.
+std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb);
+
+}  // namespace paracal::detail
