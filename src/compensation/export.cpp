@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "export_text.hpp"
-#include "struts.hpp"
+#include "single_rods.hpp"
 
 namespace paracal {
 namespace {
@@ -35,11 +35,26 @@ std::string limb_constants(const CompensatorParameters<double>& parameters) {
   return text;
 }
 
-std::string strut_constants_text(const std::array<StrutConstants, kStruts>& struts) {
+/// The members of a limb as C has them.
+std::string members(const Limb& limb) {
   std::string text;
-  for (const auto& [base, plate, length, growth] : struts) {
-    text += fmt::format("    {{{},\n     {},\n     {}, {}}},\n", braced(base), braced(plate), decimal(length),
-                        decimal(growth));
+  for (const LimbConstant& one : constants_of(limb)) {
+    text += fmt::format("  double {}{}; /* {} */\n", one.name,
+                        one.values.size() == 1 ? "" : fmt::format("[{}]", one.values.size()), one.what);
+  }
+  return text;
+}
+
+std::string initializers(const Machine& machine) {
+  const auto value = [](const LimbConstant& one) {
+    if (one.values.size() == 1) return decimal(one.values[0]);
+    return braced(std::array{one.values[0], one.values[1], one.values[2]});
+  };
+  std::string text;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    std::vector<std::string> values;
+    for (const LimbConstant& one : constants_of(machine.limbs[i])) values.push_back(value(one));
+    text += fmt::format("    {{{}}},\n", fmt::join(values, ",\n     "));
   }
   return text;
 }
@@ -102,26 +117,49 @@ std::string settle_functions(const RecordedMachine& recorded, Values values) {
   return filled_template("settle_c99.h", values);
 }
 
-std::string strut_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const Machine machine = build(robot, errors);
-  const auto struts = strut_constants(machine);
-  const RecordedStruts recorded = record(struts);
-  const std::vector<SelfTestCase> cases = strut_self_test(robot, machine);
-  const C99 language;
+/// "a machine on struts", and what closes a limb of it.
+std::pair<std::string_view, std::string_view> limbs_in_words(Actuator actuator) {
+  switch (actuator) {
+    case Actuator::crank:
+      return {"rods on arms", "|r + R plate - base - arm (cos(joint + zero) u + sin(joint + zero) v)| = rod"};
+    case Actuator::carriage:
+      return {"rods on carriages", "|r + R plate - base - (zero + growth joint) v| = rod"};
+    default:
+      return {"struts", "|r + R plate - base| = length + growth joint"};
+  }
+}
+
+Values of_single_rods(const Robot& robot, const ExportOrigin& origin) {
+  const auto [limbs, equation] = limbs_in_words(robot.actuator());
+  const bool in_mm = joint_unit(robot.actuator()) == Unit::mm;
   Values values = head(robot, origin);
-  values.emplace_back("OPERATIONS", operations(recorded.joints));
-  values.emplace_back("LIMB_CONSTANTS", strut_constants_text(struts));
+  values.emplace_back("LIMBS_IN_WORDS", limbs);
+  values.emplace_back("EQUATION", equation);
+  values.emplace_back("SHOWN_JOINT", in_mm ? "1.0" : "PARACAL_DEGREES");
+  values.emplace_back("ARCTANGENT", in_mm ? "" : "double atan2(double y, double x);\n");
+  return values;
+}
+
+std::string single_rod_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  const Machine machine = build(robot, errors);
+  const RecordedRods recorded = record_single_rods(machine);
+  const std::vector<SelfTestCase> cases = single_rod_self_test(robot, machine);
+  const C99 language;
+  Values values = of_single_rods(robot, origin);
+  values.emplace_back("OPERATIONS", operations(recorded.joints, robot.actuator()));
+  values.emplace_back("LIMB_MEMBERS", members(machine.limbs[0]));
+  values.emplace_back("LIMB_CONSTANTS", initializers(machine));
   values.emplace_back("JOINTS", recorded.joints.text(language, "  "));
   values.emplace_back("ROWS", recorded.rows.text(language, "  "));
   values.emplace_back("TESTS", std::to_string(cases.size()));
   values.emplace_back("TEST_VECTOR", test_vector(cases, true));
-  return filled_template("struts_c99.h", values);
+  return filled_template("single_rods_c99.h", values);
 }
 
 }  // namespace
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  if (robot.has_six_freedoms()) return strut_header(robot, errors, origin);
+  if (robot.has_six_freedoms()) return single_rod_header(robot, errors, origin);
   const ExportedMachine machine(robot, errors);
   const C99 language;
   Values values = head(robot, origin);
@@ -140,9 +178,10 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  Values values = head(robot, origin);
+  const bool six_freedoms = robot.has_six_freedoms();
+  Values values = six_freedoms ? of_single_rods(robot, origin) : head(robot, origin);
   values.emplace_back("C99", c99_header(robot, errors, origin));
-  return filled_template(robot.has_six_freedoms() ? "struts_kins.comp" : "paracal_kins.comp", values);
+  return filled_template(six_freedoms ? "single_rods_kins.comp" : "paracal_kins.comp", values);
 }
 
 }  // namespace paracal

@@ -99,8 +99,9 @@ std::string operations(const ExportedMachine& machine) {
   return fmt::format("{} a call of four steps, the rule", brief(count, "arctangents"));
 }
 
-std::string operations(const Procedure& joints_of_struts) {
-  return brief(joints_of_struts.count(), "sines and cosines") + " a call";
+std::string operations(const Procedure& joints, Actuator actuator) {
+  return brief(joints.count(), swings_arm(actuator) ? "sines, cosines and arctangents" : "sines and cosines") +
+         " a call";
 }
 
 std::string decimal(double value) {

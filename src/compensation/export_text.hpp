@@ -32,8 +32,8 @@ struct ExportedMachine {
 
 /// What one compensation computes, as a sentence.
 std::string operations(const ExportedMachine& machine);
-/// The same of one on struts.
-std::string operations(const Procedure& joints_of_struts);
+/// The same of one on limbs with one rod.
+std::string operations(const Procedure& joints, Actuator actuator);
 
 /// A number with a decimal point, the fewest digits that give it back.
 std::string decimal(double value);

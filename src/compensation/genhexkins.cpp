@@ -1,21 +1,20 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <cstddef>
 
 #include "export_text.hpp"
 #include "paracal/error.hpp"
-#include "struts.hpp"
+#include "single_rods.hpp"
 
 namespace paracal {
 namespace {
 
 using namespace compensation_detail;
 
-std::string coordinates(std::string_view of, std::size_t limb, const std::array<double, 3>& point) {
+std::string coordinates(std::string_view of, std::size_t limb, const Eigen::Vector3d& point) {
   std::string text;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    text += fmt::format("setp genhexkins.{}.{}.{} {}\n", of, limb, "xyz"[axis], point.at(axis));
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    text += fmt::format("setp genhexkins.{}.{}.{} {}\n", of, limb, "xyz"[axis], point(axis));
   }
   return text;
 }
@@ -23,7 +22,7 @@ std::string coordinates(std::string_view of, std::size_t limb, const std::array<
 /// "strut.0,strut.1,..."
 std::string names(std::string_view name) {
   std::string text;
-  for (std::size_t i = 0; i < kStruts; ++i) text += fmt::format("{}{}.{}", i == 0 ? "" : ",", name, i);
+  for (std::size_t i = 0; i < kSingleRods; ++i) text += fmt::format("{}{}.{}", i == 0 ? "" : ",", name, i);
   return text;
 }
 
@@ -35,15 +34,16 @@ std::string scale(std::string_view name, std::size_t limb, double gain, double o
 }  // namespace
 
 std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  if (!robot.has_six_freedoms()) {
+  if (robot.actuator() != Actuator::strut) {
     throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
   }
-  const auto struts = strut_constants(build(robot, errors));
+  const Machine machine = build(robot, errors);
   std::string base, platform, lengths, drives;
-  for (std::size_t i = 0; i < struts.size(); ++i) {
-    const auto& [at_base, at_plate, length, growth] = struts[i];
-    base += coordinates("base", i, at_base);
-    platform += coordinates("platform", i, at_plate);
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& strut = machine.limbs[i];
+    const double length = rods_at(strut, 0.0)[0], growth = strut.gain;
+    base += coordinates("base", i, strut.base);
+    platform += coordinates("platform", i, strut.plate);
     lengths += fmt::format("#   [JOINT_{}] LENGTH {} GROWTH {}\n", i, length, growth);
     drives += scale("strut", i, 1.0 / growth, -length / growth) + scale("strut-back", i, growth, length);
   }

@@ -26,11 +26,11 @@ struct Options {
 /// A target that is a text made of the calibration alone.
 struct TextTarget {
   std::string (*write)(const Robot&, const SourceErrors&, const ExportOrigin&);
-  bool for_struts = true;  ///< it knows plates with six freedoms
+  bool for_six_freedoms = true;  ///< it knows plates with six freedoms
 };
 const std::map<std::string, TextTarget> kTexts{{"c99", {c99_header}},
                                                {"linuxcnc", {linuxcnc_component}},
-                                               {"st", {.write = structured_text, .for_struts = false}},
+                                               {"st", {.write = structured_text, .for_six_freedoms = false}},
                                                {"genhexkins", {genhexkins}}};
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
@@ -74,9 +74,9 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   session.print_json(json);
 }
 
-bool is_for_struts(const Options& options) {
+bool knows_robot(const Options& options) {
   const auto text = kTexts.find(options.target);
-  return !options.folder && text != kTexts.end() && text->second.for_struts;
+  return !options.folder && text != kTexts.end() && text->second.for_six_freedoms;
 }
 
 /// What --config asks for.
@@ -95,7 +95,7 @@ std::optional<OutputFolder> configuration_folder(const Options& options, const S
 void run(const Options& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  if (!is_for_struts(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
+  if (!knows_robot(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),

@@ -1,17 +1,17 @@
-/* Compensator of one machine on struts, written by $PROGRAM$. Do not edit: export again.
+/* Compensator of one machine, a plate on six $LIMBS_IN_WORDS$, written by $PROGRAM$. Do not edit: export again.
  *
  *   robot        $ROBOT$
  *   calibration  $CALIBRATION$
  *   SHA-256      $SHA256$
  *   date         $DATE$
- *   units        mm and rad, joints in mm; poses in the base frame, z up: x, y, z of the plate's origin, then tilt_x,
+ *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame, z up: x, y, z of the plate's origin, then tilt_x,
  *                tilt_y, tilt_z, by which the plate is turned R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)
  *   way          exact: inverse of the identified machine with all its errors, in closed form
  *   operations   $OPERATIONS$
  *
  * Use:
  *
- *   double joints[PARACAL_LIMBS] = {where the machine stands, mm};
+ *   double joints[PARACAL_LIMBS] = {where the machine stands, $JOINT_UNIT$};
  *   const double pose[6] = {x, y, z, tilt_x, tilt_y, tilt_z};
  *   in every cycle: if (paracal_compensate(pose, joints) != PARACAL_OK) stop on path;
  *   joints are then the last good ones
@@ -20,10 +20,10 @@
  * Where the machine stands: paracal_forward(joints, pose) gives the pose of joints near the pose that it finds there,
  * paracal_home(pose) a first one.
  *
- * C99 and C++, freestanding, no state, no allocation, bounded time. Of a library it needs sqrt, sin and cos.
+ * C99 and C++, freestanding, no state, no allocation, bounded time. Of a library it needs the functions declared below.
  *
  * MISRA C:2012, as cppcheck's add-on sees it, but for 2.5 (macros for the program that includes this), 15.5 (a return where
- * a pose cannot be taken) and 21.2 (the three functions above, declared where there is no math.h).
+ * a pose cannot be taken) and 21.2 (functions of the library, declared where there is no math.h).
  */
 #ifndef PARACAL_COMPENSATOR_H
 #define PARACAL_COMPENSATOR_H
@@ -38,7 +38,7 @@
 double sqrt(double x);
 double sin(double x);
 double cos(double x);
-#endif
+$ARCTANGENT$#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -51,17 +51,13 @@ extern "C" {
 
 /* What functions return. */
 #define PARACAL_OK 0
-#define PARACAL_UNREACHABLE 1 /* forward: no pose with these joints near that one */
+#define PARACAL_UNREACHABLE 1 /* a limb does not reach the pose; forward: no pose with these joints near that one */
 #define PARACAL_NOT_FINITE 2  /* the pose, or a joint, is NaN or infinity */
-#define PARACAL_SINGULAR 3    /* the struts do not hold the plate there */
+#define PARACAL_SINGULAR 3    /* the limbs do not hold the plate there */
 
-/* One strut, errors included: |r + R plate - base| = length + growth joint. */
+/* One limb, errors included: $EQUATION$. */
 struct paracal_limb {
-  double base[3];  /* joint at the base, in the base frame, mm */
-  double plate[3]; /* joint at the plate, in its frame */
-  double length;   /* from joint to joint where the drive stands at zero */
-  double growth;   /* mm a mm of the drive */
-};
+$LIMB_MEMBERS$};
 
 static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
 $LIMB_CONSTANTS$};
@@ -90,16 +86,19 @@ static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b
   return largest;
 }
 
-/* Joint coordinates (mm) that bring the plate to a pose (mm, rad). They are written when the result is PARACAL_OK and
+/* Joint coordinates ($JOINT_UNIT$) that bring the plate to a pose (mm, rad). They are written when the result is PARACAL_OK and
  * left as they are otherwise. */
-static inline int paracal_compensate(const double pose[6], double joints_mm[PARACAL_LIMBS]) {
-  double joints[PARACAL_LIMBS];
+static inline int paracal_compensate(const double pose[6], double joints[PARACAL_LIMBS]) {
+  double found[PARACAL_LIMBS];
   int i;
-  paracal_joints(pose, joints);
-  for (i = 0; i < PARACAL_LIMBS; ++i) {
-    if (!paracal_is_finite(joints[i])) { return PARACAL_NOT_FINITE; }
+  for (i = 0; i < 6; ++i) {
+    if (!paracal_is_finite(pose[i])) { return PARACAL_NOT_FINITE; }
   }
-  for (i = 0; i < PARACAL_LIMBS; ++i) { joints_mm[i] = joints[i]; }
+  paracal_joints(pose, found);
+  for (i = 0; i < PARACAL_LIMBS; ++i) {
+    if (!paracal_is_finite(found[i])) { return PARACAL_UNREACHABLE; }
+  }
+  for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = found[i]; }
   return PARACAL_OK;
 }
 
@@ -151,11 +150,11 @@ static inline int paracal_solve(double rows[36], double right[6]) {
   return PARACAL_OK;
 }
 
-/* The pose (mm, rad) that the identified machine takes with these joints (mm): the inverse of paracal_compensate, by
+/* The pose (mm, rad) that the identified machine takes with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
  * Newton from `pose`, whose assembly mode it keeps to: give the last pose, or one commanded nearby. At most 50 steps,
  * halved while they bring the joints no nearer. `pose` is written when the result is PARACAL_OK and left as it is
  * otherwise. */
-static inline int paracal_forward(const double joints_mm[PARACAL_LIMBS], double pose[6]) {
+static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pose[6]) {
   double at[6];
   double next[6];
   double joints[PARACAL_LIMBS];
@@ -168,15 +167,15 @@ static inline int paracal_forward(const double joints_mm[PARACAL_LIMBS], double 
   for (k = 0; k < 6; ++k) {
     at[k] = pose[k];
     step[k] = 0.0;
-    if ((!paracal_is_finite(pose[k])) || (!paracal_is_finite(joints_mm[k]))) { return PARACAL_NOT_FINITE; }
+    if ((!paracal_is_finite(pose[k])) || (!paracal_is_finite(wanted[k]))) { return PARACAL_NOT_FINITE; }
   }
   paracal_rows(at, joints, rows);
-  apart = paracal_apart(joints_mm, joints);
+  apart = paracal_apart(wanted, joints);
   for (count = 0; count < 50; ++count) {
     double largest = 0.0;
     double next_apart;
     if (fraction >= 1.0) {
-      for (k = 0; k < 6; ++k) { step[k] = joints_mm[k] - joints[k]; }
+      for (k = 0; k < 6; ++k) { step[k] = wanted[k] - joints[k]; }
       if (paracal_solve(rows, step) != PARACAL_OK) { return PARACAL_SINGULAR; }
     }
     for (k = 0; k < 6; ++k) {
@@ -184,7 +183,7 @@ static inline int paracal_forward(const double joints_mm[PARACAL_LIMBS], double 
       if (paracal_abs(fraction * step[k]) > largest) { largest = paracal_abs(fraction * step[k]); }
     }
     paracal_rows(next, joints, rows);
-    next_apart = paracal_apart(joints_mm, joints);
+    next_apart = paracal_apart(wanted, joints);
     if ((next_apart < apart) || (largest < 1.0E-9)) {
       apart = next_apart;
       fraction = 1.0;
@@ -200,7 +199,7 @@ static inline int paracal_forward(const double joints_mm[PARACAL_LIMBS], double 
   return PARACAL_UNREACHABLE;
 }
 
-/* 0: every joint within $JOINT_TOLERANCE$ mm, and back from the joints and the centre of the workspace within 1e-6 mm and rad;
+/* 0: every joint within $JOINT_TOLERANCE$ $JOINT_UNIT$, and back from the joints and the centre of the workspace within 1e-6 mm and rad;
  * otherwise the number, from 1, of the first pose that is not. */
 static inline int paracal_self_test(void) {
   int k;

@@ -1,4 +1,4 @@
-component paracal_kins "Kinematics of one calibrated machine on struts, written by $PROGRAM$";
+component paracal_kins "Kinematics of one calibrated machine, a plate on six $LIMBS_IN_WORDS$, written by $PROGRAM$";
 
 description
 """
@@ -8,7 +8,7 @@ robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
 date         $DATE$
-units        mm and deg, joints in mm; base frame of the robot, z up. A, B and C turn the plate: R = Rot(x, A) Rot(y, B) Rot(z, C)
+units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot, z up. A, B and C turn the plate: R = Rot(x, A) Rot(y, B) Rot(z, C)
 joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move (U, V, W)
 
 Build it with: halcompile --install paracal_kins.comp
@@ -17,7 +17,7 @@ As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and 
 
 As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
 
-While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ mm.
+While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
 """;
 
 pin in float command.x "wanted position of the plate's origin, mm";
@@ -26,8 +26,8 @@ pin in float command.z;
 pin in float command.a "wanted tilt_x of the plate, deg";
 pin in float command.b "tilt_y";
 pin in float command.c "tilt_z";
-pin out float joint.#[$LIMBS$] "joints to command, mm; the last good ones while status is not 0";
-pin out signed status "0 ok, 2 not finite";
+pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
+pin out signed status "0 ok, 1 unreachable, 2 not finite";
 
 option singleton yes;
 option period no;
@@ -41,6 +41,7 @@ license "GPL"; // what LinuxCNC asks of its modules; this file may be used under
 
 $C99$
 #define PARACAL_DEGREES 57.295779513082320877
+#define PARACAL_SHOWN_JOINT $SHOWN_JOINT$
 
 FUNCTION(compensate) {
   const double pose[6] = {command_x,
@@ -53,7 +54,7 @@ FUNCTION(compensate) {
   int i;
   status = paracal_compensate(pose, robot_joints);
   if (status != PARACAL_OK) return;
-  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = robot_joints[i];
+  for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = robot_joints[i] * PARACAL_SHOWN_JOINT;
 }
 
 EXTRA_SETUP() {
@@ -82,7 +83,7 @@ int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INV
   (void)iflags, (void)fflags;
   paracal_pose(world, pose);
   if (paracal_compensate(pose, robot_joints) != PARACAL_OK) return -1;
-  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i];
+  for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i] * PARACAL_SHOWN_JOINT;
   joints[6] = world->u;
   joints[7] = world->v;
   joints[8] = world->w;
@@ -92,12 +93,14 @@ int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INV
 /* From the pose in `world`; where no pose near it has these joints, as before homing, from the centre of the workspace. */
 int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FORWARD_FLAGS* fflags,
                       KINEMATICS_INVERSE_FLAGS* iflags) {
-  double pose[6];
+  double pose[6], robot_joints[PARACAL_LIMBS];
+  int i;
   (void)iflags, (void)fflags;
   paracal_pose(world, pose);
-  if (paracal_forward(joints, pose) != PARACAL_OK) {
+  for (i = 0; i < PARACAL_LIMBS; ++i) robot_joints[i] = joints[i] / PARACAL_SHOWN_JOINT;
+  if (paracal_forward(robot_joints, pose) != PARACAL_OK) {
     paracal_home(pose);
-    if (paracal_forward(joints, pose) != PARACAL_OK) return -1;
+    if (paracal_forward(robot_joints, pose) != PARACAL_OK) return -1;
   }
   world->tran.x = pose[0];
   world->tran.y = pose[1];
