@@ -82,6 +82,13 @@ export function samples(program, folder) {
   writeFileSync(at("strut_problem.toml"), readFileSync(fileURLToPath(new URL("../samples/strut_problem.toml", import.meta.url))));
   run("tolerance", "allocate", ...hexapod, "--problem", "strut_problem.toml", "--report", "strutallocation.html");
 
+  for (const kind of ["6-rss", "6-pss"]) {
+    run("robot", "--template", kind, "--out", `${kind}.toml`);
+    run("poses", "--robot", `${kind}.toml`, "--optimal", "24", "--candidates", "500", "--measure", "pose", "--out", `${kind}-plan.csv`);
+    run("simulate", "--robot", `${kind}.toml`, "--poses", `${kind}-plan.csv`, "--measure", "pose", ...machine, "--rotation-noise-deg", "0.01", "--out", `${kind}.csv`);
+    run("calibrate", "--robot", `${kind}.toml`, "--measurements", `${kind}.csv`, "--out", `${kind}.json`, "--report", `${kind}.html`);
+  }
+
   writeFileSync(at("K18.cfg"), printerConfig("K18", 160.3)); // as if it had been changed since
   writeFileSync(at("K37.cfg"), printerConfig("K37"));
   run("calibrate", "--printer", "K18.cfg", "--out", "printer.json", "--report", "printer.html");

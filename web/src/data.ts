@@ -3,22 +3,25 @@
 
 export type Vector = [number, number, number];
 
-/// A limb of a plate with six freedoms: where it is hinged, and how long it is where its joint stands at zero.
-export interface Strut {
-  kind: "strut";
+/// A limb of a plate with six freedoms, as its robot file has it: a strut, or one rod on an arm or on a rail's carriage.
+export interface SingleRod {
+  kind: "strut" | "arm" | "rail";
   base_joint_mm: Vector;
   plate_joint_mm: Vector;
-  length_at_zero_mm: number;
+  length_at_zero_mm?: number; ///< of a strut
+  rod_mm?: number;
+  arm_mm?: number;
+  direction?: Vector; ///< of a rail
 }
 export interface Robot {
   name: string;
-  /// What all limbs share; none on struts.
+  /// What all limbs share; none on limbs with one rod.
   geometry?: { base_radius_mm: number; plate_radius_mm: number; actuator: "revolute" | "linear"; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
-  limb?: (Strut | { kind?: undefined })[];
+  limb?: (SingleRod | { kind?: undefined })[];
   plate?: { slide_axis: Vector };
   workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number]; tilt_deg?: number };
 }
-export const strutsOf = (robot: Robot): Strut[] => (robot.limb ?? []).filter((one): one is Strut => one.kind === "strut");
+export const singleRodsOf = (robot: Robot): SingleRod[] => (robot.limb ?? []).filter((one): one is SingleRod => one.kind !== undefined);
 
 export interface Largest {
   max_abs_distance_mm: number | null; ///< the first four: null where lengths alone were read
@@ -272,9 +275,9 @@ export interface ScenePose {
   before_mm: Vector;
   after_mm: Vector | null;
   tilt_rad: [number, number] | null; ///< away from how it was commanded
-  tilt_deg?: Vector; ///< commanded, and the plate's normal there: of plates on struts
+  tilt_deg?: Vector; ///< commanded, and the plate's normal there: of plates with six freedoms
   normal?: Vector;
-  limbs?: { base_mm: Vector; elbow_mm?: Vector; rods_mm: [Vector, Vector][] }[]; ///< a strut has no elbow, and one rod
+  limbs?: { base_mm: Vector; elbow_mm?: Vector; rods_mm: [Vector, Vector][] }[]; ///< struts and carriages have no elbow, and one rod
 }
 export interface Scene {
   measured: boolean;

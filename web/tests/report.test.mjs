@@ -50,7 +50,7 @@ async function checkMarks(page) {
   }
 }
 
-const kinds = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation"];
+const kinds = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation", "6-rss", "6-pss"];
 for (const kind of kinds) {
   test(`${kind}: draws every figure, says nothing, asks for nothing`, async () => {
     assert.ok(statSync(pages[kind]).size <= kLargestFile);

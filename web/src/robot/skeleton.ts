@@ -1,6 +1,6 @@
-// Base, arms, parallelograms or struts, and plate of the nominal robot at a pose.
+// Base, arms, rails, parallelograms or single rods, and plate of the nominal robot at a pose.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Object3D, SphereGeometry, TorusGeometry, Vector3 } from "three";
-import { strutsOf, type Robot, type ScenePose, type Strut, type Vector } from "../data";
+import { singleRodsOf, type Robot, type ScenePose, type SingleRod, type Vector } from "../data";
 import { Rods, type Segment } from "./arrows";
 
 const kRound = 16;
@@ -14,10 +14,17 @@ export interface Size {
   above: number; ///< how high arms reach above the base
 }
 
+const lengthOf = (limb: SingleRod) => limb.length_at_zero_mm ?? limb.rod_mm ?? 0;
+
 export function sizeOf(robot: Robot): Size {
   if (robot.geometry) return { base: robot.geometry.base_radius_mm, plate: robot.geometry.plate_radius_mm, rod: robot.geometry.rod_mm, above: robot.geometry.arm_mm / 2 }; // arms seldom stand steeper
-  const struts = strutsOf(robot), largest = (of: (strut: Strut) => number) => Math.max(...struts.map(of));
-  return { base: largest(({ base_joint_mm: [x, y] }) => Math.hypot(x, y)), plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)), rod: largest((one) => one.length_at_zero_mm), above: largest((one) => one.base_joint_mm[2]) };
+  const limbs = singleRodsOf(robot), largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
+  return {
+    base: largest(({ base_joint_mm: [x, y] }) => Math.hypot(x, y)),
+    plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)),
+    rod: largest(lengthOf),
+    above: largest(({ base_joint_mm: [, , z], arm_mm: arm = 0 }) => z + arm / 2),
+  };
 }
 
 const middleOf = (corners: Vector3[]) => corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
@@ -50,10 +57,16 @@ function rails(robot: Robot, azimuths: number[], thickness: number, material: Me
   return rods.object;
 }
 
+/// A rail as far as its carriage could hold a rod to where it begins, and half as far again.
+function along(limb: SingleRod): Segment {
+  const base = vector(limb.base_joint_mm), reach = vector(limb.direction ?? [0, 0, 1]).normalize().multiplyScalar(1.5 * lengthOf(limb));
+  return [base.clone().sub(reach), base.clone().add(reach)];
+}
+
 function baseOf(robot: Robot, thickness: number, material: MeshLambertMaterial): Object3D {
   if (!robot.geometry) {
-    const corners = strutsOf(robot).map((one) => vector(one.base_joint_mm)), rods = new Rods(corners.length, thickness, material, kRound);
-    rods.set(edges(corners));
+    const limbs = singleRodsOf(robot), corners = limbs.map((one) => vector(one.base_joint_mm)), rods = new Rods(corners.length, thickness, material, kRound);
+    rods.set(limbs.some((one) => one.direction) ? limbs.map(along) : edges(corners));
     return rods.object;
   }
   if (robot.geometry.actuator === "linear") return rails(robot, robot.geometry.limb_azimuth_deg, thickness, material);
@@ -69,7 +82,7 @@ export class Skeleton {
   private readonly plate: Mesh;
 
   constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
-    const limbs = robot.geometry?.limb_azimuth_deg.length ?? strutsOf(robot).length, size = sizeOf(robot).rod / 950;
+    const limbs = robot.geometry?.limb_azimuth_deg.length ?? singleRodsOf(robot).length, size = sizeOf(robot).rod / 950;
     this.arms = new Rods(limbs, 11 * size, material.links, kRound);
     this.rods = new Rods(4 * limbs, (robot.geometry ? 5 : 9) * size, material.links, kRound);
     this.pointer = new Rods(1, 6 * size, material.pointer, kRound);

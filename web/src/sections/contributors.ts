@@ -1,6 +1,6 @@
 // Which parts matter [huang2016, Figs. 5, 6] and how tight they must be.
 import { barX, dot, ruleX, text as label } from "@observablehq/plot";
-import { strutsOf, type Allocation, type Contributor, type Report, type Sensitivity, type SigmaMap } from "../data";
+import { singleRodsOf, type Allocation, type Contributor, type Report, type Sensitivity, type SigmaMap } from "../data";
 import { bandLegend, discs } from "../disc";
 import { h } from "../dom";
 import { figure } from "../figure";
@@ -64,15 +64,15 @@ function globalFigure(sensitivity: Sensitivity, onStruts: boolean): HTMLElement 
   });
 }
 
-/// Of the tilt group in the paper's units; of struts, which have none, all half-widths.
+/// Of the tilt group in the paper's units; of limbs with one rod, which have none, all half-widths.
 function tolerancesFigure({ tolerances, half_widths: halfWidths }: Allocation): HTMLElement {
   const values = tolerances ?? Object.fromEntries(Object.entries(halfWidths).filter((one): one is [string, number] => typeof one[1] === "number"));
   const scale = tolerances ? 1e3 : 1;
   const rows = Object.entries(values).map(([name, value]) => ({ name: words(name), value: scale * value }));
   return figure({
     id: "allocated-tolerances",
-    title: tolerances ? text.allocated : text.allocatedStruts,
-    shows: tolerances ? text.allocatedShows : text.allocatedStrutsShows,
+    title: tolerances ? text.allocated : text.allocatedAll,
+    shows: tolerances ? text.allocatedShows : text.allocatedAllShows,
     marks: rows.length,
     sheet: { columns: ["name", tolerances ? "tolerance_mrad" : "half_width"], rows: rows.map((row) => [row.name, row.value]) },
     draw: labelledBars(rows, tolerances ? text.milli : text.half),
@@ -100,7 +100,7 @@ export function contributors({ robot, results, figures }: Report): Section | nul
   const { sensitivity, allocation, analysis } = results;
   const parts = [
     ...(allocation && allocation.reason === "" ? [tolerancesFigure(allocation)] : []),
-    ...(sensitivity ? [globalFigure(sensitivity, strutsOf(robot).length > 0), pareto(sensitivity.quantity, sensitivity.contributors, 1)] : []),
+    ...(sensitivity ? [globalFigure(sensitivity, singleRodsOf(robot).length > 0), pareto(sensitivity.quantity, sensitivity.contributors, 1)] : []),
     ...(analysis?.requirements.map((one, k) => pareto(one.quantity, one.contributors, k + 1)) ?? []),
   ];
   if (parts.length === 0 && !figures.sigma_map) return null;

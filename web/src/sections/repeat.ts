@@ -1,5 +1,5 @@
 // What it takes to get the same numbers again.
-import { strutsOf, type Report } from "../data";
+import { singleRodsOf, type Report } from "../data";
 import { h, table } from "../dom";
 import { exact } from "../numbers";
 import { section, type Section } from "../section";
@@ -12,8 +12,8 @@ export function repeat(report: Report): Section {
   const { calibration } = report.results;
   const value = (given: string | number | number[]) => (typeof given === "string" ? given : [given].flat().map(exact).join(", "));
   const listed = (names: Record<string, string>, given: Record<string, string | number | number[]>) => Object.entries(names).flatMap(([key, name]) => (given[key] === undefined ? [] : [[name, value(given[key])]]));
-  const struts = strutsOf(report.robot).map((one, k) => [text.strut(k + 1), [one.base_joint_mm, one.plate_joint_mm, one.length_at_zero_mm].map(value).join("; ")]);
-  const dimensions = [...listed(text.geometry, report.robot.geometry ?? {}), ...struts, ...listed(text.workspace, report.robot.workspace)];
+  const limbs = singleRodsOf(report.robot).map(({ kind, ...numbers }, k) => [text.limb(k + 1, kind), Object.entries(numbers).map(([key, given]) => `${key} ${value(given)}`).join("; ")]);
+  const dimensions = [...listed(text.geometry, report.robot.geometry ?? {}), ...limbs, ...listed(text.workspace, report.robot.workspace)];
   return section("repeat", strings.nav.repeat, text.heading, text.intro,
     h("p", {}, `${text.program}: ${report.program}. ${text.date}: ${report.date}. ${text.command}:`),
     h("code", { class: "command" }, report.command),
