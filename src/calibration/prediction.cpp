@@ -128,7 +128,10 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   if (!pose.usable()) return {};
   const PlateMotions motions = plate_jacobian(machine, pose.plate, joints, parameters);
   if (motions.cols() == 0 && !parameters.empty()) return {};
-  return motions.topRows<4>();
+  if (!machine.has_six_freedoms()) return motions.topRows<4>();
+  Eigen::MatrixXd commanded(6, motions.cols());
+  commanded << motions.topRows<3>(), motions.bottomRows<3>();
+  return commanded;
 }
 
 std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& machine, const PlateState& plate,

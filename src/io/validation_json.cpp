@@ -41,10 +41,13 @@ Json poses_json(const Validation& validation) {
     };
     json.push_back({{"series", one.series}, {"pose", one.pose}, {"before", error(before)}, {"after", error(after)}});
     if (!one.covariance) continue;
-    const Eigen::Matrix4d& c = *one.covariance;
-    json.back()["predicted_U_mm"] = {kCoverageFactor * std::sqrt(c(0, 0)), kCoverageFactor * std::sqrt(c(1, 1)),
-                                     kCoverageFactor * std::sqrt(c(2, 2))};
-    json.back()["predicted_U_deg"] = to_degrees(kCoverageFactor * std::sqrt(c(3, 3)));
+    const auto U = [&](Eigen::Index k) { return kCoverageFactor * std::sqrt((*one.covariance)(k, k)); };
+    json.back()["predicted_U_mm"] = {U(0), U(1), U(2)};
+    if (one.covariance->rows() == 4) {
+      json.back()["predicted_U_deg"] = to_degrees(U(3));
+    } else {
+      json.back()["predicted_U_tilt_deg"] = {to_degrees(U(3)), to_degrees(U(4)), to_degrees(U(5))};
+    }
   }
   return json;
 }

@@ -190,6 +190,10 @@ TEST_F(Hexapod, OrientationsAreHeldToALimit) {
       "validate --robot h.toml --calibration c.json --measurements check.csv --sigma-mm 0.02 --sigma-deg 0.01 "
       "--limit-deg ";
   EXPECT_EQ(run(validate + "0.5").exit_code, kDone);
+  const json pose = json_from(validate + "0.5").at("poses")[3];
+  EXPECT_EQ(pose.at("predicted_U_tilt_deg").size(), 3u);
+  EXPECT_GT(pose.at("predicted_U_tilt_deg")[2].get<double>(), 1e-4);
+  EXPECT_FALSE(pose.contains("predicted_U_deg"));  // of an end-effector that turns
   const ProgramResult tight = run(validate + "0.002");
   EXPECT_EQ(tight.exit_code, kVerdictIsNo);
   EXPECT_THAT(tight.out, HasSubstr("orientation error, rad"));

@@ -46,7 +46,8 @@ using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
                             const std::vector<SoughtSource>& parameters);
 
-/// Its first four rows, d(x, y, z, phi) / d(parameters), at joints. Empty where the machine is singular.
+/// Its rows of what is commanded, d(x, y, z, phi) / d(parameters), of a plate with six freedoms d(x, y, z, tilt), at
+/// joints. Empty where the machine is singular.
 Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters);
 
@@ -62,10 +63,13 @@ std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& mach
 /// @throws Unreachable when it does not reach them.
 Use use_over_workspace(const Robot& robot, const KnownErrors& known);
 
+/// Of what is commanded, as pose_jacobian() has it: (4, 4) of x, y, z, phi, or (6, 6) of x, y, z, tilt; mm and rad.
+using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+
 /// A pose as the identified machine takes it, with its uncertainty in the robot's frame.
 struct PredictedPose {
   Pose pose;
-  Eigen::Matrix4d covariance;  ///< of x, y, z (mm), phi (rad), by KnownErrors::pose_covariance: U = 2 std
+  PoseCovariance covariance;  ///< by KnownErrors::pose_covariance: U = 2 std
 };
 
 /// @throws Unreachable when the machine does not close at these joints.

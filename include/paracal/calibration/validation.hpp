@@ -55,10 +55,10 @@ struct ValidationOptions {
 /// One validated pose, in the robot's frame: home is the first.
 struct ValidatedPose {
   std::string series, pose;
-  PosePair before;                            ///< commanded, measured
-  PosePair after;                             ///< as the calibrated machine predicts it, measured
-  bool rotation = false;                      ///< phi was read
-  std::optional<Eigen::Matrix4d> covariance;  ///< of the prediction: x, y, z (mm), phi (rad)
+  PosePair before;                           ///< commanded, measured
+  PosePair after;                            ///< as the calibrated machine predicts it, measured
+  bool rotation = false;                     ///< phi was read
+  std::optional<PoseCovariance> covariance;  ///< of the prediction
 };
 
 /// A reading of one number (a distance, a length) against the nominal and the calibrated machine: measured minus
