@@ -12,6 +12,7 @@
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
+#include "paracal/mechanism/level.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::app {
@@ -99,11 +100,11 @@ Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {
 }
 
 void require_level(const Robot& robot, std::string_view task) {
-  if (!robot.has_six_freedoms()) return;
-  throw WrongUsage(
-      fmt::format("{}: expected a robot whose plate stays level, got {}, whose plate has six freedoms: this is "
-                  "not done for such plates (docs/hexapods.md)",
-                  task, robot.name()));
+  try {
+    check_level(robot, task);
+  } catch (const InvalidArgument& refused) {
+    throw WrongUsage(refused.what());
+  }
 }
 
 std::string_view why_not_turned(const Robot& robot, const Pose& pose) {

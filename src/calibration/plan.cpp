@@ -10,6 +10,7 @@
 
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/level.hpp"
 #include "sought.hpp"
 
 namespace paracal {
@@ -126,6 +127,7 @@ Measurements planned(const Robot& robot, const std::vector<Station>& stations, c
 
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth, double threshold, int show_up_to) {
   if (stage == Stage::automatic) throw InvalidArgument("plan: expected the rough or the fine stage");
+  check_level(robot, "poses by stage");
   const CalibrationOptions options;
   const std::vector<SoughtSource> sought =
       stage == Stage::rough ? detail::encoder_offsets(robot, options) : detail::paper_columns(robot, options);

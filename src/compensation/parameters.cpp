@@ -2,6 +2,7 @@
 
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/level.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -36,6 +37,7 @@ CompensatorLimb<Scalar> compensator_limb(const Machine& machine, const Limb& lim
 
 template <typename Scalar>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors) {
+  check_level(robot, "compensator");
   const Machine identified = build(robot, errors);
   CompensatorParameters<Scalar> parameters;
   parameters.limb_count = static_cast<std::uint32_t>(identified.limb_count);

@@ -8,6 +8,7 @@
 
 #include "cutting_planes.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/level.hpp"
 
 namespace paracal {
 namespace {
@@ -196,6 +197,7 @@ std::string_view name(AllocationStatus status) {
 }
 
 Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
+  check_level(robot, "tolerances of equal influence");
   if (!(problem.max_tilt > 0.0) || !std::isfinite(problem.max_tilt)) {
     throw InvalidArgument(fmt::format("largest tilt: expected a number above 0 rad, got {}", problem.max_tilt));
   }

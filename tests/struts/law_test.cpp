@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calibration/mistakes.hpp"
 #include "calibration/sought.hpp"
@@ -17,9 +18,13 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/calibration/validation.hpp"
+#include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/pose_correction.hpp"
+#include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/tolerance/allocation.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
@@ -364,6 +369,66 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
     RecordProperty(frame == Frame::robot ? "known_frame" : "unknown_frame", fmt::format("{:.4f}", share));
     EXPECT_GT(share, 0.93 - fewer);
     EXPECT_LT(share, 0.98 + fewer);
+  }
+}
+
+/// Joints, target and U of a wanted pose: the machine with its errors goes there, the nominal robot goes to the target
+/// with the same joints, and U is twice the standard deviation of the predicted pose, angle by angle.
+TEST_P(TemplateLaw, CorrectedPosesAreReached) {
+  RandomStream stream(5, 6);
+  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const Calibration found = calibrate(robot, simulate(robot, truth, plan(30), {.noise = 0.02}, stream));
+  const KnownErrors known = known_errors(found);
+  const PoseCorrector corrector = pose_corrector(robot, known);
+  const Machine identified = build(robot, known.errors);
+  for (const Station& one : candidate_stations(robot, 20, 13)) {
+    const CorrectedPose corrected = corrector(one.commanded);
+    ASSERT_EQ(corrected.status, CompensationStatus::ok);
+    const PlateState plate = forward(identified, corrected.joints).plate;
+    EXPECT_LT((plate.position - one.commanded.position).norm(), 1e-8);
+    EXPECT_LT((plate.tilt - one.commanded.tilt).norm(), 1e-10);
+    ASSERT_TRUE(corrected.target);
+    EXPECT_LT((inverse(robot.nominal(), *corrected.target).joints - corrected.joints).norm(), 1e-8);
+    EXPECT_GT((corrected.target->tilt - one.commanded.tilt).norm(), 1e-6);
+    ASSERT_TRUE(corrected.uncertainty && corrected.uncertainty->tilt);
+    const PoseCovariance predicted = predict(robot, known, corrected.joints).covariance;
+    Eigen::Matrix<double, 6, 1> U;
+    U << corrected.uncertainty->position, *corrected.uncertainty->tilt;
+    EXPECT_LT((U - 2.0 * predicted.diagonal().cwiseSqrt()).norm(), 1e-7 * U.norm());
+  }
+  const KnownErrors exact{truth, {}, {}};
+  EXPECT_FALSE(pose_corrector(robot, exact)({robot.workspace().centre()}).uncertainty);
+}
+
+TEST_P(TemplateLaw, WhatCannotBeCorrectedHasAStatus) {
+  const PoseCorrector corrector = pose_corrector(robot, {});
+  Pose pose{robot.workspace().centre()};
+  EXPECT_EQ(corrector(pose).status, CompensationStatus::ok);
+  pose.rotation = 0.1;  // of an end-effector that is not there
+  EXPECT_EQ(corrector(pose).status, CompensationStatus::unreachable);
+  pose.rotation = 0.0;
+  pose.tilt.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(corrector(pose).status, CompensationStatus::not_finite);
+  pose.tilt.y() = 0.0;
+  pose.position.z() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(corrector(pose).status, CompensationStatus::not_finite);
+}
+
+/// What falls into level motions and tilts is refused, whoever asks.
+TEST_P(TemplateLaw, WhatIsOfLevelPlatesIsRefused) {
+  const auto expect_refused = [](auto&& task, const char* why) {
+    try {
+      task();
+      ADD_FAILURE() << why;
+    } catch (const InvalidArgument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+  };
+  expect_refused([&] { (void)paper_plan(robot, Stage::fine); }, "poses by stage: expected a robot whose plate stays");
+  expect_refused([&] { (void)compensator_parameters(robot, {}); }, "compensator: expected a robot whose plate stays");
+  expect_refused([&] { (void)allocate(robot, EqualInfluence{}); }, "equal influence: expected a robot whose plate");
+  for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware}) {
+    expect_refused([&] { (void)pose_corrector(robot, {}, way); }, "way: expected exact of a plate with six freedoms");
   }
 }
 

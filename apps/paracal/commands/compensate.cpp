@@ -1,27 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
-#include "paracal/calibration/prediction.hpp"
-#include "paracal/compensation/parameters.hpp"
-#include "paracal/kinematics/inverse.hpp"
+#include "paracal/compensation/pose_correction.hpp"
 #include "paracal/units.hpp"
 #include "rows.hpp"
 #include "session.hpp"
 #include "tolerancing.hpp"
-
-namespace paracal {
-
-// The library's, built for speed. One built here, for a short build, would take its place in the whole program.
-extern template CompensationStatus compensate(const CompensatorParameters<double>& parameters, CompensationWay way,
-                                              const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,
-                                              CompensatorTilt<double>* tilt) noexcept;
-
-}  // namespace paracal
 
 namespace paracal::app {
 namespace {
@@ -38,19 +27,9 @@ struct Options {
   bool json_lines = false;
 };
 
-/// U of a pose in the robot's frame, mm and rad: of position and rotation, of position and tilt with six freedoms.
-struct StatedU {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double rotation = 0.0;
-  std::optional<Eigen::Vector3d> tilt = {};
-};
-
 struct Compensated {
   std::string name;
-  Joints joints;
-  Pose target;
-  CompensatorTilt<double> tilt;             ///< that remains
-  std::optional<StatedU> uncertainty = {};  ///< where a covariance is known
+  CorrectedPose corrected;
 };
 
 io::CalibratedMachine known_machine(const Options& options, const Robot& robot) {
@@ -78,10 +57,11 @@ io::Json uncertainty_json(const std::optional<StatedU>& stated) {
 }
 
 io::Json json_of(const Compensated& row, const Robot& robot) {
-  io::Json json = joints_json({row.name, row.joints}, robot.actuator());
-  json["target"] = io::to_json(row.target, robot.has_six_freedoms());
-  json["remaining_tilt"] = {{"tilt_x_rad", row.tilt.eps_x}, {"tilt_y_rad", row.tilt.eps_y}};
-  json["uncertainty"] = uncertainty_json(row.uncertainty);
+  const auto& [status, joints, target, tilt, uncertainty] = row.corrected;
+  io::Json json = joints_json({row.name, joints}, robot.actuator());
+  json["target"] = io::to_json(*target, robot.has_six_freedoms());
+  json["remaining_tilt"] = {{"tilt_x_rad", tilt.eps_x}, {"tilt_y_rad", tilt.eps_y}};
+  json["uncertainty"] = uncertainty_json(uncertainty);
   return json;
 }
 
@@ -122,55 +102,19 @@ class LargestUncertainty {
   bool is_known_ = true;
 };
 
-/// Corrects the poses of a machine, one by one.
-using Corrector = std::function<Compensated(const Station&)>;
-
-/// Plates that stay level.
-Corrector by_compensator(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
-  const Compensator<double> compensator(compensator_parameters(robot, machine.errors), kWays.at(way));
-  std::optional<CompensatorCovariance<double>> covariance;
-  if (machine.covariance.size() > 0) {
-    covariance = compensator_covariance(robot, machine.parameters, machine.known().pose_covariance());
+PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
+  if (robot.has_six_freedoms() && way != "exact") {
+    throw WrongUsage("--way: expected exact of a plate with six freedoms: the linear ways are of one that stays level");
   }
-  return [=, &robot](const Station& station) {
-    const CompensatorPose<double> pose = compensator_pose(station.commanded);
-    CompensatorJoints<double> joints{};
-    CompensatorTilt<double> tilt;
-    const CompensationStatus status = compensator.compensate(pose, joints, &tilt);
-    if (status == CompensationStatus::unreachable) refuse(station, "out of reach of the machine");
-    if (status != CompensationStatus::ok) refuse(station, "the machine is singular there");
-    Compensated row{station.name, compensated_joints(robot, joints), {}, tilt};
-    const std::optional<Pose> target = corrected_target(robot, row.joints, station.commanded);
-    if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
-    row.target = *target;
-    CompensatorUncertainty<double> stated;
-    if (covariance &&
-        stated_uncertainty(compensator.parameters(), *covariance, pose, stated) == CompensationStatus::ok) {
-      row.uncertainty = {{stated.x, stated.y, stated.z}, stated.phi};
-    }
-    return row;
-  };
+  return pose_corrector(robot, machine.known(), kWays.at(way));
 }
 
-/// Plates with six freedoms, whose joints have a closed form with all errors.
-Corrector by_inverse(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
-  if (way != "exact")
-    throw WrongUsage(
-        "--way: expected exact where the plate has six freedoms: the linear ways are of plates that stay level");
-  const KnownErrors known = machine.known();
-  const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
-  return [=, &robot, actual = build(robot, machine.errors)](const Station& station) {
-    const InverseResult found = inverse(actual, station.commanded);
-    if (!found.ok()) refuse(station, "out of reach of the machine");
-    const std::optional<Pose> target = corrected_target(robot, found.joints, station.commanded);
-    if (!target) refuse(station, "no target of the nominal robot has the corrected joints");
-    Compensated row{station.name, found.joints, *target, {}};
-    const PlateState plate = plate_at(actual, station.commanded);
-    if (const auto U = plate_uncertainty(actual, plate, found.joints, known.parameters, covariance)) {
-      row.uncertainty = {U->head<3>(), 0.0, U->tail<3>()};
-    }
-    return row;
-  };
+Compensated compensated(const PoseCorrector& corrector, const Station& station) {
+  CorrectedPose found = corrector(station.commanded);
+  if (found.status == CompensationStatus::unreachable) refuse(station, "out of reach of the machine");
+  if (found.status != CompensationStatus::ok) refuse(station, "the machine is singular there");
+  if (!found.target) refuse(station, "no target of the nominal robot has the corrected joints");
+  return {station.name, std::move(found)};
 }
 
 std::string table_header(const Options& options, const Robot& robot) {
@@ -179,8 +123,8 @@ std::string table_header(const Options& options, const Robot& robot) {
 }
 
 std::string table_row(const Options& options, const Robot& robot, const Compensated& row) {
-  return options.targets ? io::pose_table_row({row.name, row.target}, robot.has_six_freedoms())
-                         : io::joint_table_row({row.name, row.joints}, robot.actuator());
+  return options.targets ? io::pose_table_row({row.name, *row.corrected.target}, robot.has_six_freedoms())
+                         : io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
 }
 
 void run(const Options& options, Session& session) {
@@ -189,13 +133,13 @@ void run(const Options& options, Session& session) {
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
   const io::CalibratedMachine machine = known_machine(options, robot);
-  const Corrector corrected = (robot.has_six_freedoms() ? by_inverse : by_compensator)(robot, machine, options.way);
+  const PoseCorrector corrector = corrector_of(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
     if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
-    const Compensated row = corrected(station);
-    largest.add(row.uncertainty);
+    const Compensated row = compensated(corrector, station);
+    largest.add(row.corrected.uncertainty);
     rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });
   });
   rows.head(largest.line() + table_header(options, robot));

@@ -47,6 +47,7 @@ struct [[nodiscard]] PaperPlan {
 /// [huang2016, Eqs. (18), (20)]: O2 of the unweighted distances between all pairs, of the encoder offsets alone (rough)
 /// or the whole position group (fine), over the smallest singular value that is not zero. The curve goes on to
 /// `show_up_to` points.
+/// @throws InvalidArgument for a plate with six freedoms.
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth = kStartAzimuth, double threshold = 0.01,
                      int show_up_to = 12);
 

@@ -12,6 +12,7 @@
 namespace paracal {
 
 /// What the compensator of a machine with these (identified) errors has to know, mm and rad, rounded to Scalar last.
+/// @throws InvalidArgument for a plate with six freedoms, whose joints inverse() has in closed form.
 /// Instantiated for double and float. Real-time: no; make them before the control thread needs them.
 template <typename Scalar = double>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors);

@@ -62,6 +62,7 @@ struct EqualInfluence {
 
 /// Cost: mean of 1 / sigma_k in the paper's units, 1 / rad  [huang2016, Eq. (12) with w_k = 1/6]. `worst` is the
 /// largest 3 sigma in the whole workspace, rotations included, whatever the bound says.
+/// @throws InvalidArgument for a plate with six freedoms, which has no tilt group.
 Allocation allocate(const Robot& robot, const EqualInfluence& problem);
 
 /// A tolerance that the designer may choose; several sources (e_x, e_y, e_z) may share one.

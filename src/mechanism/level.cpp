@@ -1,0 +1,17 @@
+#include "paracal/mechanism/level.hpp"
+
+#include <fmt/format.h>
+
+#include "paracal/error.hpp"
+
+namespace paracal {
+
+void check_level(const Robot& robot, std::string_view task) {
+  if (!robot.has_six_freedoms()) return;
+  throw InvalidArgument(
+      fmt::format("{}: expected a robot whose plate stays level, got {}, whose plate has six freedoms: this is not "
+                  "done for these (docs/hexapods.md)",
+                  task, robot.name()));
+}
+
+}  // namespace paracal
