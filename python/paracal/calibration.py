@@ -243,7 +243,8 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, list):
-            flat.update({key.replace("_mm", f"_{axis}_mm"): one for axis, one in zip("xyz", value)})
+            stem, unit = key.rsplit("_", 1)
+            flat.update({f"{stem}_{axis}_{unit}": one for axis, one in zip("xyz", value)})
         else:
             flat[key] = value
     return flat

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Iterable, Sequence
 
 from . import _html, _paracal, _tables
@@ -50,11 +51,16 @@ class Measurements:
 
     def to_csv(self, robot: Robot | None = None) -> dict[str, str]:
         """The tables as files hold them (mm and deg), by their names; each is read again as it was.
+        A name that comes again gets a number: "points", "points 2".
 
         robot: needed where neither the tables nor read_measurements() said which.
         Raises InvalidArgument for a robot that nobody said, or names that would not be read back.
         """
-        return {name: text for _, name, text in self._tables(robot)}
+        tables: dict[str, str] = {}
+        for _, name, text in self._tables(robot):
+            numbered = (f"{name} {k}" for k in itertools.count(2))
+            tables[next(one for one in itertools.chain([name], numbered) if one not in tables)] = text
+        return tables
 
     def to_frame(self, kind: str | None = None, robot: Robot | None = None) -> pandas.DataFrame:
         """Readings of a kind ("points", "distances", "heights", "ball bar lengths", ... as in

@@ -135,6 +135,25 @@ class Out(TestCase):
             ["pose", "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg"],
         )
 
+    def test_tables_of_one_name_are_all_there(self):
+        robot = pc.robot("huang2016")
+        measured = pc.simulate(robot, pc.validation_poses(robot), measure="pose", noise_mm=0.1)
+        tables = measured.to_csv()
+        self.assertEqual(list(tables), ["poses", "poses 2"])
+        self.assertIn("qw", tables["poses"])
+        self.assertEqual(tables["poses 2"].splitlines()[0].count(","), 4)
+
+    def test_residuals_of_orientations_have_a_column_an_axis(self):
+        robot = pc.robot("huang2016")
+        plan = pc.select_poses(robot, 14, candidates=100, measure="pose")
+        measured = pc.simulate(robot, plan, measure="pose", noise_mm=0.1, rotation_noise_rad=1e-3)
+        calibration = pc.calibrate(robot, measured)
+        residuals, file = calibration.residuals(), calibration.as_dict()["residuals"]
+        for key in ("orientation_before", "orientation_after"):
+            for axis, column in enumerate("xyz"):
+                of = [one[f"{key}_deg"][axis] for one in file]
+                self.same(residuals[f"{key}_{column}_deg"], of)
+
     def test_distances_come_back_too(self):
         measured = pc.read_measurements(DISTANCES, poses=POSES)
         frame = measured.to_frame()
