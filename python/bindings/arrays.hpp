@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "paracal/calibration/measurement.hpp"
 #include "paracal/mechanism/pose.hpp"
+#include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal::python {
@@ -35,14 +37,30 @@ class Rows {
   std::size_t count_, columns_;
 };
 
-/// (n, 4): x, y, z in mm, phi in rad.
-Pose pose_of(const double* row);
-void write_pose(const Pose& pose, double* row);
+/// How many numbers a pose has: x, y, z in mm, phi in rad; of a plate with six freedoms x, y, z in mm, tilt_x, tilt_y,
+/// tilt_z in rad.
+inline constexpr std::size_t kLevelPose = 4, kTiltedPose = 6;
+std::size_t pose_width(const Robot& robot);
+
+/// @param width  kLevelPose or kTiltedPose.
+Pose pose_of(const double* row, std::size_t width);
+void write_pose(const Pose& pose, double* row, std::size_t width);
+Array array_of(const Pose& pose, const Robot& robot);
 Joints joints_of(const double* row, std::size_t count);
 
-/// (limbs, 14), mm and rad.
-SourceErrors errors_of(const Array& array, std::size_t limb_count);
-Array array_of(const SourceErrors& errors, std::size_t limb_count);
+/// (names, (n, width)) of commanded poses.
+/// @param robot  that they are of; none: tilted ones are of a plate with six freedoms.
+/// @throws InvalidArgument for a pose that such a plate does not take.
+py::tuple named_poses(const std::vector<Station>& stations, const Robot* robot);
+
+/// (limbs, sources), mm, rad and mm/m; columns as sources_of(actuator).
+SourceErrors errors_of(const Array& array, const Robot& robot);
+Array array_of(const SourceErrors& errors, const Robot& robot);
+/// The numbers of a robot's own sources out of those of all places.
+Array vector_of_sources(const Eigen::Ref<const Eigen::ArrayXd>& numbers, const Robot& robot);
+
+/// Unit of what stands in arrays: "mm", "rad", "mm/m".
+std::string array_unit(Unit unit);
 
 Array array_of(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 Array vector_of(const Eigen::Ref<const Eigen::VectorXd>& vector);

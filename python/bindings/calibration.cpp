@@ -43,7 +43,7 @@ py::list parameters_of(const Robot& robot, const std::vector<Parameter>& paramet
   py::list list;
   for (const Parameter& one : parameters) {
     list.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.limb + 1,
-                               unit(one.source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
+                               array_unit(unit(one.source, robot.actuator()))));
   }
   return list;
 }
@@ -80,11 +80,11 @@ std::string validated(const KnownMachine& machine, const GivenMeasurements& give
   return io::to_json(found).dump(-1, ' ', false, io::Json::error_handler_t::replace);
 }
 
-/// Poses (n, 4) that the machine takes at joints, their covariance (n, 4, 4), and whether it closes there.
+/// Poses (n, width) that the machine takes at joints, their covariance (n, width, width), and whether it closes there.
 py::tuple predicted(const KnownMachine& machine, const Array& joints) {
-  const std::size_t limbs = machine.robot.limb_count();
+  const std::size_t limbs = machine.robot.limb_count(), width = pose_width(machine.robot);
   const Rows given(joints, "joints", limbs);
-  Array poses({given.count(), std::size_t{4}}), covariances({given.count(), std::size_t{4}, std::size_t{4}});
+  Array poses({given.count(), width}), covariances({given.count(), width, width});
   py::array_t<bool> closes(static_cast<py::ssize_t>(given.count()));
   double *pose = poses.mutable_data(), *covariance = covariances.mutable_data();
   bool* ok = closes.mutable_data();
@@ -92,12 +92,12 @@ py::tuple predicted(const KnownMachine& machine, const Array& joints) {
     const py::gil_scoped_release released;
     std::fill_n(pose, poses.size(), kNaN);
     std::fill_n(covariance, covariances.size(), kNaN);
-    for (std::size_t k = 0; k < given.count(); ++k, pose += 4, covariance += 16) {
+    for (std::size_t k = 0; k < given.count(); ++k, pose += width, covariance += width * width) {
       ok[k] = false;
       try {
         const PredictedPose found = predict(machine.robot, machine.known, joints_of(given[k], limbs));
-        write_pose(found.pose, pose);
-        Eigen::Map<Eigen::Matrix4d>{covariance} = found.covariance;  // symmetric
+        write_pose(found.pose, pose, width);
+        std::ranges::copy(found.covariance.reshaped(), covariance);  // symmetric
         ok[k] = true;
       } catch (const Unreachable&) {  // NaN says so
       }
@@ -111,8 +111,7 @@ py::tuple predicted(const KnownMachine& machine, const Array& joints) {
 void add_calibration(py::module_& module) {
   py::class_<KnownMachine>(module, "KnownMachine")
       .def_readonly("robot", &KnownMachine::robot)
-      .def_property_readonly("errors",
-                             [](const KnownMachine& m) { return array_of(m.known.errors, m.robot.limb_count()); })
+      .def_property_readonly("errors", [](const KnownMachine& m) { return array_of(m.known.errors, m.robot); })
       .def_property_readonly("parameters",
                              [](const KnownMachine& m) { return parameters_of(m.robot, m.known.parameters); })
       .def_property_readonly("covariance", [](const KnownMachine& m) { return array_of(m.known.covariance); })
@@ -158,8 +157,7 @@ void add_calibration(py::module_& module) {
       .def_property_readonly("covariance", [](const Calibration& found) { return array_of(found.covariance); })
       .def_property_readonly("rank", [](const Calibration& found) { return found.rank; })
       .def_property_readonly("null_space", [](const Calibration& found) { return null_space_of(found.null_space); })
-      .def_property_readonly(
-          "errors", [](const Calibration& found) { return array_of(found.errors(), found.robot.limb_count()); })
+      .def_property_readonly("errors", [](const Calibration& found) { return array_of(found.errors(), found.robot); })
       .def_property_readonly("noise_mm", [](const Calibration& found) { return found.noise; })
       .def_property_readonly("degrees_of_freedom", [](const Calibration& found) { return found.degrees_of_freedom; })
       .def_property_readonly("known", &known_of)

@@ -2,7 +2,7 @@
 
 #include "arrays.hpp"
 #include "options.hpp"
-#include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/pose_correction.hpp"
 #include "rooms.hpp"
 
 namespace paracal::python {
@@ -31,54 +31,36 @@ struct Answers {
   std::uint8_t* status;
 };
 
-/// Commands and targets for poses, one after the other.
-class Path {
+/// Row by row; where there is no answer nothing but the status.
+class AnswerRows {
  public:
-  Path(const KnownMachine& machine, CompensationWay way)
-      : robot_(machine.robot), compensator_(compensator_parameters(machine.robot, machine.known.errors), way) {
-    if (machine.known.covariance.size() == 0) return;
-    covariance_ = compensator_covariance(robot_, machine.known.parameters, machine.known.pose_covariance());
-  }
+  AnswerRows(const Robot& robot, const Answers& to) : limbs_(robot.limb_count()), width_(pose_width(robot)), to_(to) {}
 
-  /// Writes nothing but the status where there is no answer.
-  void compensate(const Pose& pose, std::size_t row, const Answers& to) const {
-    CompensatorJoints<double> joints{};
-    CompensatorTilt<double> tilt;
-    CompensationStatus status = compensator_.compensate(compensator_pose(pose), joints, &tilt);
-    std::optional<Pose> target;
-    if (status == CompensationStatus::ok) {
-      target = corrected_target(robot_, compensated_joints(robot_, joints), pose);
-      if (!target) status = CompensationStatus::singular;
-    }
-    to.status[row] = static_cast<std::uint8_t>(status);
-    if (!target) return;
-    std::copy_n(joints.begin(), robot_.limb_count(), to.joints + robot_.limb_count() * row);
-    write_pose(*target, to.targets + 4 * row);
-    to.tilts[2 * row] = tilt.eps_x;
-    to.tilts[2 * row + 1] = tilt.eps_y;
-    write_uncertainty(pose, to.uncertainties + 4 * row);
+  void write(const CorrectedPose& found, std::size_t row) const {
+    const bool has_no_target = found.status == CompensationStatus::ok && !found.target;
+    to_.status[row] = static_cast<std::uint8_t>(has_no_target ? CompensationStatus::singular : found.status);
+    if (!found.target) return;
+    std::ranges::copy(found.joints, to_.joints + limbs_ * row);
+    write_pose(*found.target, to_.targets + width_ * row, width_);
+    to_.tilts[2 * row] = found.tilt.eps_x;
+    to_.tilts[2 * row + 1] = found.tilt.eps_y;
+    if (!found.uncertainty) return;
+    const auto& [position, rotation, tilt] = *found.uncertainty;
+    write_pose({position, rotation, tilt.value_or(Eigen::Vector3d::Zero())}, to_.uncertainties + width_ * row, width_);
   }
 
  private:
-  void write_uncertainty(const Pose& pose, double* to) const {
-    CompensatorUncertainty<double> U;
-    if (!covariance_) return;
-    const CompensationStatus status =
-        stated_uncertainty(compensator_.parameters(), *covariance_, compensator_pose(pose), U);
-    if (status == CompensationStatus::ok) std::ranges::copy(std::array{U.x, U.y, U.z, U.phi}, to);
-  }
-
-  const Robot& robot_;
-  Compensator<double> compensator_;
-  std::optional<CompensatorCovariance<double>> covariance_ = {};
+  std::size_t limbs_, width_;
+  Answers to_;
 };
 
 py::tuple compensated(const KnownMachine& machine, const Array& poses, const py::dict& keywords) {
-  const Rows wanted(poses, "poses", 4);
+  const std::size_t width = pose_width(machine.robot);
+  const Rows wanted(poses, "poses", width);
   const CompensationWay way = way_of(Keywords(keywords));
   const std::size_t n = wanted.count();
-  Array joints({n, machine.robot.limb_count()}), targets({n, std::size_t{4}}), tilts({n, std::size_t{2}}),
-      uncertainties({n, std::size_t{4}});
+  Array joints({n, machine.robot.limb_count()}), targets({n, width}), tilts({n, std::size_t{2}}),
+      uncertainties({n, width});
   Codes status(static_cast<py::ssize_t>(n));
   const Answers to{joints.mutable_data(), targets.mutable_data(), tilts.mutable_data(), uncertainties.mutable_data(),
                    status.mutable_data()};
@@ -87,8 +69,9 @@ py::tuple compensated(const KnownMachine& machine, const Array& poses, const py:
   }
   {
     const py::gil_scoped_release released;
-    const Path path(machine, way);
-    for (std::size_t k = 0; k < n; ++k) path.compensate(pose_of(wanted[k]), k, to);
+    const PoseCorrector corrected = pose_corrector(machine.robot, machine.known, way);
+    const AnswerRows rows(machine.robot, to);
+    for (std::size_t k = 0; k < n; ++k) rows.write(corrected(pose_of(wanted[k], width)), k);
   }
   return py::make_tuple(joints, targets, tilts, uncertainties, status);
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
-#include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "rooms.hpp"
@@ -17,16 +17,14 @@ static_assert(static_cast<int>(InverseStatus::reached) == 0 && static_cast<int>(
 static_assert(static_cast<int>(ForwardStatus::converged) == 0 && static_cast<int>(ForwardStatus::strained) == 1 &&
               static_cast<int>(ForwardStatus::singular) == 2 && static_cast<int>(ForwardStatus::not_converged) == 3);
 
-constexpr std::size_t kRows = 7;  // x, y, z, phi, tilt_x, tilt_y, tilt_z
-
 template <typename Status>
 std::uint8_t code(Status status) {
   return static_cast<std::uint8_t>(status);
 }
 
 py::tuple inverse_of(const BuiltMachine& built, const Array& poses) {
-  const Rows wanted(poses, "poses", 4);
-  const std::size_t limbs = built.robot.limb_count();
+  const std::size_t limbs = built.robot.limb_count(), width = pose_width(built.robot);
+  const Rows wanted(poses, "poses", width);
   Array joints({wanted.count(), limbs});
   Codes status(static_cast<py::ssize_t>(wanted.count()));
   double* to = joints.mutable_data();
@@ -34,7 +32,7 @@ py::tuple inverse_of(const BuiltMachine& built, const Array& poses) {
   {
     const py::gil_scoped_release released;
     for (std::size_t k = 0; k < wanted.count(); ++k) {
-      const InverseResult found = inverse(built.machine, pose_of(wanted[k]));
+      const InverseResult found = inverse(built.machine, pose_of(wanted[k], width));
       codes[k] = code(found.status);
       for (std::size_t limb = 0; limb < limbs; ++limb) {
         *to++ = found.ok() ? found.joints[static_cast<Eigen::Index>(limb)] : kNaN;
@@ -44,16 +42,10 @@ py::tuple inverse_of(const BuiltMachine& built, const Array& poses) {
   return py::make_tuple(joints, status);
 }
 
-/// x, y, z, phi, tilt_x, tilt_y, tilt_z of a plate.
-void write_plate(const Machine& machine, const PlateState& plate, double* pose, double* tilt) {
-  write_pose({plate.position, machine.rotation_of(plate.slide)}, pose);
-  std::ranges::copy(plate.tilt, tilt);
-}
-
 py::tuple forward_of(const BuiltMachine& built, const Array& joints) {
   const Rows given(joints, "joints", built.robot.limb_count());
-  const std::size_t n = given.count();
-  Array poses({n, std::size_t{4}}), tilts({n, std::size_t{3}}), residuals(static_cast<py::ssize_t>(n));
+  const std::size_t n = given.count(), width = pose_width(built.robot);
+  Array poses({n, width}), tilts({n, std::size_t{3}}), residuals(static_cast<py::ssize_t>(n));
   py::array_t<int> iterations(static_cast<py::ssize_t>(n));
   Codes status(static_cast<py::ssize_t>(n));
   double *pose = poses.mutable_data(), *tilt = tilts.mutable_data(), *residual = residuals.mutable_data();
@@ -66,50 +58,81 @@ py::tuple forward_of(const BuiltMachine& built, const Array& joints) {
       codes[k] = code(found.status);
       residual[k] = found.residual;
       steps[k] = found.iterations;
-      write_plate(built.machine, found.plate, pose + 4 * k, tilt + 3 * k);
+      write_pose(paracal::pose_of(built.machine, found.plate), pose + width * k, width);
+      std::ranges::copy(found.plate.tilt, tilt + 3 * k);
       if (found.usable()) continue;
-      std::fill_n(pose + 4 * k, 4, kNaN);
+      std::fill_n(pose + width * k, width, kNaN);
       std::fill_n(tilt + 3 * k, 3, kNaN);
     }
   }
   return py::make_tuple(poses, tilts, residuals, iterations, status);
 }
 
-/// d(x, y, z, phi, tilt_x, tilt_y, tilt_z) / d(source errors, 14 a limb) at one set of joints.
-ForwardStatus write_jacobian(const Machine& machine, const Joints& joints, double* to) {
-  const std::size_t columns = machine.limb_count * kSourceCount;
-  std::fill_n(to, kRows * columns, kNaN);
-  const ForwardResult found = forward(machine, joints);
-  if (!found.usable()) return found.status;
-  const ExactJacobian exact = exact_jacobian(machine, found.plate, joints);
-  if (!exact.ok) return ForwardStatus::singular;
-  const Eigen::Index tilt = machine.has_slide() ? 4 : 3;
-  for (std::size_t column = 0; column < columns; ++column) {
-    const auto at = static_cast<Eigen::Index>(column);
-    for (std::size_t k = 0; k < 3; ++k) {
-      to[k * columns + column] = exact.plate(static_cast<Eigen::Index>(k), at);
-      to[(4 + k) * columns + column] = exact.plate(tilt + static_cast<Eigen::Index>(k), at);
-    }
-    to[3 * columns + column] = machine.has_slide() ? machine.rotation_of(exact.plate(3, at)) : 0.0;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// What moves a plate, column by column: every source error of every limb.
+std::vector<SoughtSource> every_source(const Robot& robot) {
+  std::vector<SoughtSource> sources;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : sources_of(robot.actuator())) sources.push_back({limb, source});
   }
-  return found.status;
+  return sources;
 }
 
+/// d(pose, tilt) / d(joints) and / d(source errors) of machines of a robot: rows x, y, z, phi, tilt_x, tilt_y, tilt_z,
+/// without phi where the plate has six freedoms. A joint's column is that of its zero, times
+/// the gain of its drive.
+class Derivatives {
+ public:
+  explicit Derivatives(const BuiltMachine& built) : machine_(built.machine), sources_(every_source(built.robot)) {
+    if (built.robot.has_six_freedoms()) std::erase(rows_, 3);
+  }
+
+  std::size_t rows() const { return rows_.size(); }
+
+  /// NaN where there are none.
+  ForwardStatus write(const Joints& joints, double* to_joints, double* to_errors) const {
+    const auto columns = static_cast<Eigen::Index>(sources_.size()), rows = static_cast<Eigen::Index>(rows_.size());
+    Eigen::Map<RowMajor> by_joint(to_joints, rows, joints.size()), by_error(to_errors, rows, columns);
+    by_joint.setConstant(kNaN);
+    by_error.setConstant(kNaN);
+    const ForwardResult found = forward(machine_, joints);
+    if (!found.usable()) return found.status;
+    const PlateMotions motions = plate_jacobian(machine_, found.plate, joints, sources_);
+    if (motions.cols() == 0) return ForwardStatus::singular;
+    by_error = motions(rows_, Eigen::all);
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      const auto& [limb, source, prior] = sources_[static_cast<std::size_t>(k)];
+      if (source != Source::theta_offset) continue;
+      by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(k);
+    }
+    return found.status;
+  }
+
+ private:
+  const Machine& machine_;
+  std::vector<SoughtSource> sources_;
+  std::vector<int> rows_{0, 1, 2, 3, 4, 5, 6};
+};
+
 py::tuple jacobian_of(const BuiltMachine& built, const Array& joints) {
-  const std::size_t limbs = built.robot.limb_count();
+  const std::size_t limbs = built.robot.limb_count(), sources = sources_of(built.robot.actuator()).size();
   const Rows given(joints, "joints", limbs);
-  Array jacobians({given.count(), kRows, limbs, kSourceCount});
+  const Derivatives derivatives(built);
+  const std::size_t rows = derivatives.rows();
+  Array by_joint({given.count(), rows, limbs}), by_error({given.count(), rows, limbs, sources});
   Codes status(static_cast<py::ssize_t>(given.count()));
-  double* to = jacobians.mutable_data();
+  double *to_joints = by_joint.mutable_data(), *to_errors = by_error.mutable_data();
   std::uint8_t* codes = status.mutable_data();
   {
     const py::gil_scoped_release released;
     for (std::size_t k = 0; k < given.count(); ++k) {
-      codes[k] = code(write_jacobian(built.machine, joints_of(given[k], limbs), to));
-      to += kRows * limbs * kSourceCount;
+      codes[k] = code(derivatives.write(joints_of(given[k], limbs), to_joints, to_errors));
+      to_joints += rows * limbs;
+      to_errors += rows * limbs * sources;
     }
   }
-  return py::make_tuple(jacobians, status);
+  return py::make_tuple(by_joint, by_error, status);
 }
 
 }  // namespace

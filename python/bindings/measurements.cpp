@@ -139,15 +139,21 @@ py::list tables_of(const GivenMeasurements& given, const Robot& robot) {
   return tables;
 }
 
-/// (names, (n, 4)): mm, rad.
-py::tuple stations_of(const std::vector<Station>& stations) {
-  py::list names;
-  Array poses({stations.size(), std::size_t{4}});
-  for (std::size_t k = 0; k < stations.size(); ++k) {
-    names.append(text_of(stations[k].name));
-    write_pose(stations[k].commanded, poses.mutable_data(static_cast<py::ssize_t>(k), py::ssize_t{0}));
-  }
-  return py::make_tuple(names, poses);
+/// The robot that is said, or that tables say they are of.
+const Robot* robot_of(const Robot* said, const std::optional<io::RobotStatement>& stated) {
+  return said != nullptr || !stated ? said : &stated->robot;
+}
+
+py::tuple stations_of(const GivenMeasurements& given, const Robot* robot) {
+  return named_poses(given.readings.stations, robot_of(robot, given.stated));
+}
+
+py::tuple pose_table(const GivenTable& table, const Robot* said) {
+  const io::TextFile file = file_of(table);
+  const std::optional<io::RobotStatement> stated = io::robot_of_table(file);
+  if (said != nullptr && stated) io::require_same({.robot = *said, .by = "robot"}, *stated);
+  const Robot* robot = robot_of(said, stated);
+  return named_poses(io::read_poses(file, robot != nullptr ? robot->joint_space() : JointSpace()), robot);
 }
 
 /// How many readings there are of each kind that was read.
@@ -189,7 +195,7 @@ void require_robot(const Robot& robot, const GivenMeasurements& given) {
 
 void add_measurements(py::module_& module) {
   py::class_<GivenMeasurements>(module, "Measurements")
-      .def_property_readonly("stations", [](const GivenMeasurements& g) { return stations_of(g.readings.stations); })
+      .def("stations", &stations_of, "robot"_a)
       .def_property_readonly("counts", &counts_of)
       .def_property_readonly("notes", [](const GivenMeasurements& given) { return texts_of(given.readings.notes); })
       .def_property_readonly(
@@ -200,8 +206,7 @@ void add_measurements(py::module_& module) {
   module.def("read_measurements", &read, "tables"_a, "poses"_a, "columns"_a, "robot"_a,
              py::call_guard<py::gil_scoped_release>());
   module.def("merge", &merged, "parts"_a);
-  module.def(
-      "read_poses", [](const GivenTable& table) { return stations_of(io::read_poses(file_of(table))); }, "table"_a);
+  module.def("read_poses", &pose_table, "table"_a, "robot"_a);
   module.def("read_joints", &joint_table, "table"_a, "robot"_a);
 }
 

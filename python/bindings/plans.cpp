@@ -16,23 +16,14 @@ namespace {
 
 using namespace py::literals;
 
-py::tuple poses_of(const std::vector<Station>& stations) {
-  py::list names;
-  Array poses({stations.size(), std::size_t{4}});
-  for (std::size_t k = 0; k < stations.size(); ++k) {
-    names.append(stations[k].name);
-    write_pose(stations[k].commanded, poses.mutable_data(static_cast<py::ssize_t>(k), py::ssize_t{0}));
-  }
-  return py::make_tuple(names, poses);
-}
-
-std::vector<Station> stations_of(const std::vector<std::string>& names, const Array& poses) {
-  const Rows rows(poses, "poses", 4);
+std::vector<Station> stations_of(const Robot& robot, const std::vector<std::string>& names, const Array& poses) {
+  const std::size_t width = pose_width(robot);
+  const Rows rows(poses, "poses", width);
   if (names.size() != rows.count()) {
     throw InvalidArgument(fmt::format("names: expected {}, one a pose, got {}", rows.count(), names.size()));
   }
   std::vector<Station> stations;
-  for (std::size_t k = 0; k < names.size(); ++k) stations.push_back({names[k], pose_of(rows[k])});
+  for (std::size_t k = 0; k < names.size(); ++k) stations.push_back({names[k], pose_of(rows[k], width)});
   return stations;
 }
 
@@ -59,7 +50,7 @@ py::dict paper_plan_of(const Robot& robot, const std::string& stage, double star
     entry["change"] = point.change;
     curve.append(entry);
   }
-  return py::dict("n"_a = plan.n, "curve"_a = curve, "poses"_a = poses_of(plan.stations));
+  return py::dict("n"_a = plan.n, "curve"_a = curve, "poses"_a = named_poses(plan.stations, &robot));
 }
 
 Criterion criterion_of(const Keywords& given) {
@@ -85,7 +76,7 @@ py::dict selected(const Robot& robot, int poses, int candidates, std::uint64_t s
   }();
   py::list curve;
   for (const WorkspaceUncertainty& spread : plan.curve) curve.append(std_of(spread));
-  return py::dict("poses"_a = poses_of(plan.stations), "value"_a = plan.criterion, "sweeps"_a = plan.sweeps,
+  return py::dict("poses"_a = named_poses(plan.stations, &robot), "value"_a = plan.criterion, "sweeps"_a = plan.sweeps,
                   "exchanges"_a = plan.exchanges, "travel"_a = plan.travel,
                   "workspace_std"_a = std_of(plan.uncertainty), "curve"_a = curve);
 }
@@ -115,8 +106,8 @@ py::list parameters_of(const Robot& robot, const Promise& promise) {
     if (!wanted) continue;
     const auto at = static_cast<Eigen::Index>(k);
     parameters.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.limb + 1,
-                                     unit(one.source, robot.actuator()) == Unit::mm ? "mm" : "rad",
-                                     one.prior_std.value_or(0.0), std::sqrt(promise.after.covariance(at, at))));
+                                     array_unit(unit(one.source, robot.actuator())), one.prior_std.value_or(0.0),
+                                     std::sqrt(promise.after.covariance(at, at))));
   }
   return parameters;
 }
@@ -124,7 +115,7 @@ py::list parameters_of(const Robot& robot, const Promise& promise) {
 py::dict identifiable(const Robot& robot, const std::vector<std::string>& names, const Array& poses,
                       const py::dict& keywords) {
   const Keywords given(keywords);
-  const Measurements plan = planned(robot, stations_of(names, poses), planned_readings(given));
+  const Measurements plan = planned(robot, stations_of(robot, names, poses), planned_readings(given));
   CalibrationOptions options = calibration_options(robot, given);
   if (plan.series.empty()) options.frame = Frame::unknown;
   const auto promise = [&] {
@@ -184,7 +175,7 @@ GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::
   PlannedReadings readings = planned_readings(given);
   readings.second = instrument.second.has_value();
   instrument.mount = readings.mount;
-  Measurements plan = planned(machine.robot, stations_of(names, poses), readings);
+  Measurements plan = planned(machine.robot, stations_of(machine.robot, names, poses), readings);
   if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
   if (repeats > 1 && !plan.distances.empty()) {
     throw InvalidArgument("repeats: expected another measure than distances with it");
@@ -205,9 +196,10 @@ void add_plans(py::module_& module) {
   module.def("simulate", &simulated, "machine"_a, "names"_a, "poses"_a, "repeats"_a, "seed"_a, "stream"_a,
              "keywords"_a);
   module.def(
-      "validation_poses", [](const Robot& robot) { return poses_of(validation_stations(robot)); }, "robot"_a);
+      "validation_poses", [](const Robot& robot) { return named_poses(validation_stations(robot), &robot); },
+      "robot"_a);
   module.def(
-      "workspace_poses", [](const Robot& robot) { return poses_of(workspace_stations(robot)); }, "robot"_a);
+      "workspace_poses", [](const Robot& robot) { return named_poses(workspace_stations(robot), &robot); }, "robot"_a);
 }
 
 }  // namespace paracal::python

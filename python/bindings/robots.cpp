@@ -3,6 +3,7 @@
 #include "arrays.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/json.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/mechanism/random.hpp"
@@ -14,7 +15,7 @@ namespace {
 using namespace py::literals;
 
 BuiltMachine built(const Robot& robot, const Array& errors) {
-  const SourceErrors wanted = errors_of(errors, robot.limb_count());
+  const SourceErrors wanted = errors_of(errors, robot);
   if (const auto complaint = implausible(robot, wanted)) throw InvalidArgument("errors: " + *complaint);
   return {robot, wanted, build(robot, wanted)};
 }
@@ -31,8 +32,13 @@ py::dict geometry_of(const Robot& robot) {
 
 py::dict workspace_of(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
-  return py::dict("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z,
-                  "rotation_rad"_a = py::make_tuple(workspace.min_rotation, workspace.max_rotation));
+  py::dict found("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z);
+  if (robot.has_six_freedoms()) {
+    found["tilt_rad"] = workspace.max_tilt;
+  } else {
+    found["rotation_rad"] = py::make_tuple(workspace.min_rotation, workspace.max_rotation);
+  }
+  return found;
 }
 
 /// (name, "position" or "tilt", unit), in column order.
@@ -41,14 +47,15 @@ py::list sources_of(const Robot& robot) {
   for (const Source source : paracal::sources_of(robot.actuator())) {
     sources.append(py::make_tuple(std::string(name(source, robot.actuator())),
                                   tilts_plate(source, robot.actuator()) ? "tilt" : "position",
-                                  unit(source, robot.actuator()) == Unit::mm ? "mm" : "rad"));
+                                  array_unit(unit(source, robot.actuator()))));
   }
   return sources;
 }
 
 Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64_t seed, std::uint64_t first,
                    std::size_t count) {
-  Array drawn({count, robot.limb_count(), kSourceCount});
+  const auto sources = paracal::sources_of(robot.actuator());
+  Array drawn({count, robot.limb_count(), sources.size()});
   double* numbers = drawn.mutable_data();
   {
     const py::gil_scoped_release released;
@@ -56,7 +63,7 @@ Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64
       RandomStream random(seed, first + machine);
       const SourceErrors errors = draw_errors(tolerances, robot.limb_count(), random);
       for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-        for (const Source source : all_sources()) *numbers++ = errors(limb, source);
+        for (const Source source : sources) *numbers++ = errors(limb, source);
       }
     }
   }
@@ -76,20 +83,20 @@ void add_robots(py::module_& module) {
   py::class_<Robot>(module, "Robot")
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
-      .def_property_readonly("joint_unit",
-                             [](const Robot& robot) { return joint_unit(robot.actuator()) == Unit::mm ? "mm" : "rad"; })
+      .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
+      .def_property_readonly("has_six_freedoms", &Robot::has_six_freedoms)
       .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })
       .def_property_readonly("geometry", &geometry_of)
       .def_property_readonly("workspace", &workspace_of)
       .def_property_readonly("sources", &sources_of)
-      .def_property_readonly("intended",
-                             [](const Robot& robot) { return array_of(robot.intended(), robot.limb_count()); })
+      .def_property_readonly("intended", [](const Robot& robot) { return array_of(robot.intended(), robot); })
+      .def("json", [](const Robot& robot) { return text_of(io::to_json(robot).dump()); })
       .def("toml", [](const Robot& robot) { return text_of(io::robot_toml(robot)); });
   py::class_<BuiltMachine>(module, "Machine")
       .def(py::init(&built), "robot"_a, "errors"_a)
       .def_readonly("robot", &BuiltMachine::robot)
-      .def_property_readonly(
-          "errors", [](const BuiltMachine& machine) { return array_of(machine.errors, machine.robot.limb_count()); })
+      .def_property_readonly("errors",
+                             [](const BuiltMachine& machine) { return array_of(machine.errors, machine.robot); })
       .def_property_readonly("tilts_plate", [](const BuiltMachine& machine) { return machine.machine.tilts_plate; });
   module.def("catalogue", [] {
     std::vector<std::string> names;
@@ -101,22 +108,19 @@ void add_robots(py::module_& module) {
   module.def(
       "robot_of_toml",
       [](const std::string& name, const std::string& text) {
-        Robot robot = io::read_robot({name, text});
-        if (!robot.has_six_freedoms()) return robot;
-        throw InvalidArgument(name +
-                              ": expected a robot whose plate stays level, got one on struts: these are the program's");
+        return io::read_robot({name, text});
       },
       "name"_a, "text"_a);
   module.def(
+      "robot_template", [](const std::string& kind) { return text_of(io::robot_template(kind).text); }, "kind"_a);
+  module.def(
       "read_errors",
-      [](const Robot& robot, const std::string& path) {
-        return array_of(read_errors(robot, path), robot.limb_count());
-      },
-      "robot"_a, "path"_a);
+      [](const Robot& robot, const std::string& path) { return array_of(read_errors(robot, path), robot); }, "robot"_a,
+      "path"_a);
   module.def(
       "errors_toml",
       [](const Robot& robot, const Array& errors) {
-        return io::source_errors_toml(errors_of(errors, robot.limb_count()), robot.joint_space());
+        return io::source_errors_toml(errors_of(errors, robot), robot.joint_space());
       },
       "robot"_a, "errors"_a);
   module.def("draw_errors", &drawn_errors, "robot"_a, "tolerances"_a, "seed"_a, "first"_a, "count"_a);

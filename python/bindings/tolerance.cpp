@@ -15,19 +15,15 @@ namespace {
 
 using namespace py::literals;
 
-Array one_pose(const Pose& pose) {
-  Array array(py::ssize_t{4});
-  write_pose(pose, array.mutable_data());
-  return array;
-}
-
 py::tuple pair_of(const Interval& interval, double factor = 1.0) {
   return py::make_tuple(factor * interval.low, factor * interval.high);
 }
 
-py::list shares_of(const std::vector<Contributor>& contributors) {
+py::list shares_of(const Robot& robot, const std::vector<Contributor>& contributors) {
   py::list list;
-  for (const Contributor& one : contributors) list.append(py::make_tuple(std::string(name(one.source)), one.share));
+  for (const Contributor& one : contributors) {
+    list.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.share));
+  }
   return list;
 }
 
@@ -103,15 +99,16 @@ Progress watched() {
   };
 }
 
-std::vector<Pose> drawn_poses(const std::vector<RequirementAnalysis>& analyses, const Rows& poses) {
+std::vector<Pose> drawn_poses(const Robot& robot, const std::vector<RequirementAnalysis>& analyses, const Rows& poses) {
   std::vector<Pose> all;
   all.reserve(analyses.size());
   for (const RequirementAnalysis& one : analyses) all.push_back(one.three_sigma.pose);
-  for (std::size_t k = 0; k < poses.count(); ++k) all.push_back(pose_of(poses[k]));
+  for (std::size_t k = 0; k < poses.count(); ++k) all.push_back(pose_of(poses[k], pose_width(robot)));
   return all;
 }
 
-py::dict requirement_of(const RequirementAnalysis& one, const RequirementStatistics& drawn, double confidence) {
+py::dict requirement_of(const Robot& robot, const RequirementAnalysis& one, const RequirementStatistics& drawn,
+                        double confidence) {
   const SigmaAtPose& worst = drawn.at_worst();
   py::dict largest;
   for (const double share : {0.5, 0.9, 0.95, 0.99}) {
@@ -119,13 +116,13 @@ py::dict requirement_of(const RequirementAnalysis& one, const RequirementStatist
   }
   largest["p95_interval"] = pair_of(drawn.largest.quantile_interval(0.95, confidence));
   return py::dict("quantity"_a = name(one.requirement.characteristic),
-                  "unit"_a = unit(one.requirement.characteristic.quantity) == Unit::mm ? "mm" : "rad",
+                  "unit"_a = array_unit(unit(one.requirement.characteristic.quantity)),
                   "limit"_a = one.requirement.limit, "worst_case"_a = one.worst_case.value,
-                  "worst_case_pose"_a = one_pose(one.worst_case.pose), "rss_3sigma"_a = one.three_sigma.value,
-                  "rss_pose"_a = one_pose(one.three_sigma.pose), "monte_carlo_3sigma"_a = 3.0 * worst.sigma,
+                  "worst_case_pose"_a = array_of(one.worst_case.pose, robot), "rss_3sigma"_a = one.three_sigma.value,
+                  "rss_pose"_a = array_of(one.three_sigma.pose, robot), "monte_carlo_3sigma"_a = 3.0 * worst.sigma,
                   "monte_carlo_3sigma_interval"_a = pair_of(worst.interval, 3.0),
-                  "monte_carlo_pose"_a = one_pose(worst.pose), "cpk"_a = drawn.cpk(), "passed"_a = drawn.passed,
-                  "largest_on_a_machine"_a = largest, "contributors"_a = shares_of(one.contributors));
+                  "monte_carlo_pose"_a = array_of(worst.pose, robot), "cpk"_a = drawn.cpk(), "passed"_a = drawn.passed,
+                  "largest_on_a_machine"_a = largest, "contributors"_a = shares_of(robot, one.contributors));
 }
 
 MonteCarloOptions sampling_of(const Keywords& given) {
@@ -145,16 +142,16 @@ py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
                   const py::dict& keywords) {
   const std::vector<Requirement> requirements = requirements_of(wanted);
   const MonteCarloOptions options = sampling_of(Keywords(keywords));
-  const Rows at(poses, "poses", 4);
+  const Rows at(poses, "poses", pose_width(robot));
   std::vector<RequirementAnalysis> analyses;
   const MonteCarlo batch = [&] {
     const py::gil_scoped_release released;
     analyses = analyze(robot, tolerances, requirements);
-    return monte_carlo(robot, tolerances, requirements, drawn_poses(analyses, at), options, watched());
+    return monte_carlo(robot, tolerances, requirements, drawn_poses(robot, analyses, at), options, watched());
   }();
   py::list list;
   for (std::size_t k = 0; k < analyses.size(); ++k) {
-    list.append(requirement_of(analyses[k], batch.requirements[k], options.confidence));
+    list.append(requirement_of(robot, analyses[k], batch.requirements[k], options.confidence));
   }
   const Proportion yield = batch.yield(options.confidence);
   return py::dict("machines"_a = batch.machines, "converged"_a = batch.converged, "not_closed"_a = batch.not_closed,
@@ -163,13 +160,13 @@ py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
                   "dpmo"_a = defects_per_million(yield).value);
 }
 
-py::dict allocation_of(const Allocation& found) {
+py::dict allocation_of(const Robot& robot, const Allocation& found) {
   py::list outcomes;
   for (const RequirementOutcome& one : found.requirements) {
     outcomes.append(py::dict("quantity"_a = name(one.requirement.characteristic),
                              "criterion"_a = std::string(name(one.requirement.criterion)),
                              "limit"_a = one.requirement.limit, "worst"_a = one.worst.value,
-                             "worst_pose"_a = one_pose(one.worst.pose), "price"_a = one.price));
+                             "worst_pose"_a = array_of(one.worst.pose, robot), "price"_a = one.price));
   }
   return py::dict("status"_a = std::string(name(found.status)), "reason"_a = found.reason, "cost"_a = found.cost,
                   "ok"_a = found.ok(), "tolerances"_a = found.tolerances, "requirements"_a = outcomes);
@@ -189,7 +186,7 @@ py::dict equal_influence(const Robot& robot, const Tolerances& rest, const py::d
     const py::gil_scoped_release released;
     return allocate(robot, problem);
   }();
-  return allocation_of(found);
+  return allocation_of(robot, found);
 }
 
 py::dict solved(const Robot& robot, const Tolerances& rest, const std::string& path) {
@@ -199,7 +196,7 @@ py::dict solved(const Robot& robot, const Tolerances& rest, const std::string& p
     if (problem.variables.empty()) throw InputFileError(path, 0, "expected costs ([cost.NAME]), got none");
     return allocate(robot, problem);
   }();
-  return allocation_of(found);
+  return allocation_of(robot, found);
 }
 
 py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const std::string& quantity,
@@ -215,19 +212,23 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
     shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances, robot.actuator());
   }
   const PerSource units = paper_units(robot);
-  const auto vector = [](const PerSource& values) { return vector_of(values.matrix()); };
+  const auto vector = [&](const PerSource& values) { return vector_of_sources(values, robot); };
   return py::dict("mean"_a = vector(global.mean), "error"_a = vector(global.error),
                   "largest"_a = vector(global.largest), "paper_units"_a = vector(units), "poses"_a = global.poses,
-                  "unit"_a = unit(what.quantity) == Unit::mm ? "mm" : "rad", "worst_3sigma"_a = worst.value,
-                  "worst_pose"_a = one_pose(worst.pose), "contributors"_a = shares_of(shares));
+                  "unit"_a = array_unit(unit(what.quantity)), "worst_3sigma"_a = worst.value,
+                  "worst_pose"_a = array_of(worst.pose, robot), "contributors"_a = shares_of(robot, shares));
 }
 
 }  // namespace
 
 void add_tolerance(py::module_& module) {
   py::class_<Tolerances>(module, "Tolerances")
-      .def_property_readonly("half_widths", [](const Tolerances& t) { return vector_of(half_widths(t).matrix()); })
-      .def_property_readonly("std", [](const Tolerances& t) { return vector_of(variances(t).sqrt().matrix()); })
+      .def(
+          "half_widths",
+          [](const Tolerances& t, const Robot& robot) { return vector_of_sources(half_widths(t), robot); }, "robot"_a)
+      .def(
+          "std", [](const Tolerances& t, const Robot& robot) { return vector_of_sources(variances(t).sqrt(), robot); },
+          "robot"_a)
       .def_property_readonly("assumed", [](const Tolerances& t) { return texts_of(t.assumed); })
       .def(
           "toml", [](const Tolerances& t, const Robot& robot) { return io::tolerances_toml(t, robot.actuator()); },

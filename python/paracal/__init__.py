@@ -54,6 +54,7 @@ from .robots import (
     read_errors,
     robot,
     robot_of_toml,
+    robot_template,
 )
 from .tolerances import Tolerances
 from .validation import Validation, validate
@@ -104,6 +105,7 @@ __all__ = [
     "read_poses",
     "robot",
     "robot_of_toml",
+    "robot_template",
     "select_poses",
     "simulate",
     "tolerance",

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _paracal
 from .errors import InvalidArgument
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,17 +35,26 @@ def as_rows(what: str, numbers: npt.ArrayLike, columns: int) -> tuple[FloatArray
     return array.reshape(-1, columns), array.shape[:-1]
 
 
-def as_poses(poses: npt.ArrayLike) -> tuple[FloatArray, tuple[int, ...]]:
-    """(n, 4) of x, y, z in mm, phi in rad; phi is 0 where the last axis has three entries."""
+def pose_axes(robot: _paracal.Robot) -> tuple[str, ...]:
+    """What the numbers of a pose are: places in mm, then angles in rad."""
+    angles = ("tilt_x", "tilt_y", "tilt_z") if robot.has_six_freedoms else ("phi",)
+    return ("x", "y", "z", *angles)
+
+
+def as_poses(poses: npt.ArrayLike, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
+    """(n, 4) of x, y, z in mm, phi in rad, or (n, 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in
+    rad where the plate has six freedoms; angles are 0 where the last axis has three entries."""
     array = as_doubles("poses", poses)
+    angles = pose_axes(robot)[3:]
     if array.ndim > 0 and array.shape[-1] == 3:
-        array = np.concatenate([array, np.zeros(array.shape[:-1] + (1,))], axis=-1)
-    if array.ndim == 0 or array.shape[-1] != 4:
+        array = np.concatenate([array, np.zeros(array.shape[:-1] + (len(angles),))], axis=-1)
+    width = 3 + len(angles)
+    if array.ndim == 0 or array.shape[-1] != width:
         raise InvalidArgument(
-            "poses: expected an array of shape (..., 4) of x, y, z in mm, phi in rad, or (..., 3), "
-            f"got {array.shape}"
+            f"poses: expected an array of shape (..., {width}) of x, y, z in mm, "
+            f"{', '.join(angles)} in rad for {robot.name}, or (..., 3), got {array.shape}"
         )
-    return array.reshape(-1, 4), array.shape[:-1]
+    return array.reshape(-1, width), array.shape[:-1]
 
 
 def shaped(array: Any, lead: tuple[int, ...]) -> Any:

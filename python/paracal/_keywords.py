@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from .errors import InvalidArgument
+from .robots import Robot
 
 
-def keywords(given: dict[str, Any]) -> dict[str, Any]:
+def keywords(given: dict[str, Any], robot: Robot) -> dict[str, Any]:
     """Keywords as the compiled module takes them: lists for any iterable, its own objects for
-    ours."""
+    ours, which are of this robot."""
     made = dict(given)
     for key in ("fixed", "free"):
         if isinstance(made.get(key), str):
@@ -19,5 +20,5 @@ def keywords(given: dict[str, Any]) -> dict[str, Any]:
     if made.get("tracker_um") is not None:
         made["tracker_um"] = [float(one) for one in made["tracker_um"]]
     if made.get("tolerances") is not None:
-        made["tolerances"] = made["tolerances"]._native
+        made["tolerances"] = made["tolerances"].native_of(robot)
     return made

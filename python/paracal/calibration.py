@@ -67,7 +67,7 @@ class Calibration:
 
     @property
     def units(self) -> list[str]:
-        """Of the parameters: "mm" or "rad"."""
+        """Of the parameters: "mm", "rad" or "mm/m"."""
         return [unit for _, _, unit in self._native.parameters]
 
     @property
@@ -129,7 +129,8 @@ class Calibration:
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, 14) source errors of all limbs, mm and rad; those not identified are zero."""
+        """(limbs, sources) source errors of all limbs, in the units of robot.units; those not
+        identified are zero."""
         return self._native.errors
 
     @property
@@ -307,4 +308,6 @@ def calibrate(
     doubtful fit is a verdict.
     """
     given = {key: value for key, value in locals().items() if key not in ("robot", "measurements")}
-    return Calibration(_paracal.calibrate(robot._native, measurements._native, keywords(given)))
+    return Calibration(
+        _paracal.calibrate(robot._native, measurements._native, keywords(given, robot))
+    )

@@ -30,10 +30,11 @@ class CompensationStatus(IntEnum):
 class Compensation(NamedTuple):
     """What to tell a controller; all NaN where the status is not ok."""
 
-    joints: FloatArray  #: (..., limbs) to command, rad (mm of linear actuators)
-    targets: FloatArray  #: (..., 4) for a controller that computes with the nominal robot: mm, rad
+    joints: FloatArray  #: (..., limbs) to command, rad (mm of rails and struts)
+    #: As the poses, for a controller that computes with the nominal robot: mm, rad
+    targets: FloatArray
     remaining_tilt: FloatArray  #: (..., 2) about x and y, rad: what no joint removes
-    U: FloatArray  #: (..., 4) of x, y, z (mm), phi (rad), about 95 %; NaN without covariance
+    U: FloatArray  #: of the numbers of a pose, mm and rad, about 95 %; NaN without covariance
     status: CodeArray  #: (...), codes of CompensationStatus
 
     @property
@@ -48,9 +49,11 @@ def compensate(
     """Corrected joint coordinates and targets for wanted poses.
 
     machine: a Calibration, what read_calibration() knows, or a Machine (then without uncertainty).
-    poses: (..., 4) of x, y, z in mm, phi in rad; or (..., 3) with phi = 0: where the plate is
-        wanted.
-    way: "exact", or as in the paper: "linear" [huang2016, Eqs. (22), (23)], "tilt-aware" [Eq. (8)].
+    poses: where the plate is wanted: (..., 4) of x, y, z in mm, phi in rad; of a plate with six
+        freedoms (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with
+        angles = 0.
+    way: "exact", or as in the paper, where the plate stays level: "linear" [huang2016, Eqs. (22),
+        (23)], "tilt-aware" [Eq. (8)].
     Raises InvalidArgument for another shape, dtype or way; poses out of reach, or NaN, have a
     status.
     """
@@ -59,7 +62,7 @@ def compensate(
         if isinstance(machine, Machine)
         else native_known(machine)
     )
-    rows, lead = as_poses(poses)
+    rows, lead = as_poses(poses, native.robot)
     return Compensation(
         *(shaped(one, lead) for one in _paracal.compensate(native, rows, {"way": way}))
     )

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _paracal
 from ._arrays import BoolArray, CodeArray, FloatArray, IntArray, as_poses, as_rows, shaped
-from .robots import SOURCES, MachineLike, native_machine
+from .robots import MachineLike, native_machine
 
 
 class InverseStatus(IntEnum):
@@ -33,7 +33,7 @@ class ForwardStatus(IntEnum):
 class Inverse(NamedTuple):
     """Joint coordinates for poses; `joints, status = inverse(...)` takes it apart."""
 
-    joints: FloatArray  #: (..., limbs), rad (mm of linear actuators); NaN where not reached
+    joints: FloatArray  #: (..., limbs), rad (mm of rails and struts); NaN where not reached
     status: CodeArray  #: (...), codes of InverseStatus
 
     @property
@@ -45,7 +45,9 @@ class Inverse(NamedTuple):
 class Forward(NamedTuple):
     """Poses that joint coordinates lead to."""
 
-    poses: FloatArray  #: (..., 4): x, y, z in mm, phi in rad; NaN where singular or not converged
+    #: (..., 4): x, y, z in mm, phi in rad; of a plate with six freedoms (..., 6): x, y, z, tilt_x,
+    #: tilt_y, tilt_z. NaN where singular or not converged
+    poses: FloatArray
     tilt: FloatArray  #: (..., 3): about x, y, z of the plate, rad; R = Rot(x) Rot(y) Rot(z)
     residual: FloatArray  #: (...): largest rod-length residual, mm
     iterations: IntArray  #: (...)
@@ -58,10 +60,11 @@ class Forward(NamedTuple):
 
 
 class Jacobian(NamedTuple):
-    """Derivatives of x, y, z (mm), phi, tilt_x, tilt_y, tilt_z (rad): seven rows."""
+    """Derivatives of x, y, z (mm), phi, tilt_x, tilt_y, tilt_z (rad): seven rows; six, without phi,
+    where the plate has six freedoms: those of its pose."""
 
-    joints: FloatArray  #: (..., 7, limbs), per rad (mm of linear actuators) of the joints
-    errors: FloatArray  #: (..., 7, limbs, 14), per mm or rad of the errors, as SOURCES
+    joints: FloatArray  #: (..., rows, limbs), per rad (mm of rails and struts) of the joints
+    errors: FloatArray  #: (..., rows, limbs, sources), per unit of the errors, as Robot.sources
     status: CodeArray  #: (...), codes of ForwardStatus; NaN where neither converged nor strained
 
     @property
@@ -74,11 +77,13 @@ def inverse(machine: MachineLike, poses: npt.ArrayLike) -> Inverse:
     """Joint coordinates that bring the plate to poses, elbows outward  [huang2016, Eq. (1)], exact.
 
     machine: a Robot (nominal), a Machine, or a Calibration: the joints then compensate.
-    poses: (..., 4) of x, y, z in mm in the robot's frame, phi in rad; or (..., 3) with phi = 0.
+    poses: (..., 4) of x, y, z in mm in the robot's frame, phi in rad; of a plate with six freedoms
+        (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with angles = 0.
     Raises InvalidArgument for another shape or dtype; poses out of reach, or NaN, have a status.
     """
-    rows, lead = as_poses(poses)
-    joints, status = _paracal.inverse(native_machine(machine), rows)
+    native = native_machine(machine)
+    rows, lead = as_poses(poses, native.robot)
+    joints, status = _paracal.inverse(native, rows)
     return Inverse(shaped(joints, lead), shaped(status, lead))
 
 
@@ -86,7 +91,7 @@ def forward(machine: MachineLike, joints: npt.ArrayLike) -> Forward:
     """Where a machine puts its plate: min over the pose of the sum of squared rod-length residuals,
     exact.
 
-    joints: (..., limbs) as the controller believes them, rad (mm of linear actuators).
+    joints: (..., limbs) as the controller believes them, rad (mm of rails and struts).
     Raises InvalidArgument for another shape or dtype; joints that hold no plate have a status.
     """
     native = native_machine(machine)
@@ -107,13 +112,12 @@ def jacobian(machine: MachineLike, joints: npt.ArrayLike) -> Jacobian:
 
         d plate / d p = -(J^T J)^-1 J^T J_p
 
-    Exact for three limbs; for four the curvature of residuals is neglected (below 1e-3 of a row's
-    largest entry with the tolerances of huang2016). A joint's column is that of its theta_offset:
-    the actuator stands at q + theta_offset.
-    joints: (..., limbs), rad (mm of linear actuators). Raises InvalidArgument as forward().
+    Exact for three and six limbs; for four the curvature of residuals is neglected (below 1e-3 of a
+    row's largest entry with the tolerances of huang2016). A joint's column is that of its zero
+    (theta_offset), times 1 + gain / 1000 on a strut: the actuator stands at q + theta_offset, the
+    strut grows by zero + (1 + gain / 1000) q.
+    joints: (..., limbs), rad (mm of rails and struts). Raises InvalidArgument as forward().
     """
     native = native_machine(machine)
     rows, lead = as_rows("joints", joints, native.robot.limb_count)
-    errors, status = _paracal.jacobian(native, rows)
-    errors = shaped(errors, lead)
-    return Jacobian(errors[..., SOURCES.index("theta_offset")], errors, shaped(status, lead))
+    return Jacobian(*(shaped(one, lead) for one in _paracal.jacobian(native, rows)))

@@ -24,13 +24,15 @@ class NullDirection(NamedTuple):
 class Prediction(NamedTuple):
     """Poses that a calibrated machine takes, with their uncertainty."""
 
-    poses: FloatArray  #: (..., 4): x, y, z in mm, phi in rad; NaN where it does not close
-    covariance: FloatArray  #: (..., 4, 4) of them: U = 2 sqrt(diagonal), about 95 %
+    #: (..., 4): x, y, z in mm, phi in rad; of a plate with six freedoms (..., 6): x, y, z, tilt_x,
+    #: tilt_y, tilt_z; NaN where it does not close
+    poses: FloatArray
+    covariance: FloatArray  #: (..., 4, 4) or (..., 6, 6) of them: U = 2 sqrt(diagonal), about 95 %
     ok: BoolArray  #: (...): the machine closes there
 
     @property
     def U(self) -> FloatArray:
-        """(..., 4) expanded uncertainty of x, y, z (mm) and phi (rad), about 95 %."""
+        """As the poses: their expanded uncertainty, mm and rad, about 95 %."""
         return np.asarray(2.0 * np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
 
 
@@ -44,7 +46,7 @@ class KnownMachine:
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, 14) source errors, mm and rad; those not identified are zero."""
+        """(limbs, sources) source errors, mm and rad; those not identified are zero."""
         return self._native.errors
 
     @property
@@ -63,8 +65,8 @@ class KnownMachine:
         return Machine(self.robot, self.errors)
 
     def predict(self, joints: npt.ArrayLike) -> Prediction:
-        """Where the machine goes at joint coordinates (..., limbs), rad (mm of rails), and how sure
-        that is.
+        """Where the machine goes at joint coordinates (..., limbs), rad (mm of rails and struts),
+        and how sure that is.
         Raises InvalidArgument for another shape."""
         rows, lead = as_rows("joints", joints, self.robot.limb_count)
         return Prediction(*(shaped(one, lead) for one in self._native.predict(rows)))

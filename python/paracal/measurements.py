@@ -25,13 +25,19 @@ class Measurements:
 
     @property
     def poses(self) -> FloatArray:
-        """(n, 4) commanded poses of the stations: x, y, z in mm, phi in rad. The first is home."""
-        return self._native.stations[1]
+        """(n, 4) commanded poses of the stations: x, y, z in mm, phi in rad; (n, 6) of x, y, z,
+        tilt_x, tilt_y, tilt_z of a robot with six freedoms, and where tilts are commanded of one
+        that nobody said. The first is home."""
+        return self._stations[1]
 
     @property
     def names(self) -> list[str]:
         """Names of the stations."""
-        return self._native.stations[0]
+        return self._stations[0]
+
+    @property
+    def _stations(self) -> tuple[list[str], FloatArray]:
+        return self._native.stations(None if self._robot is None else self._robot._native)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -181,15 +187,21 @@ def merge(parts: Iterable[Measurements]) -> Measurements:
     )
 
 
-def read_poses(table: Table) -> tuple[list[str], FloatArray]:
+def read_poses(table: Table, robot: Robot | None = None) -> tuple[list[str], FloatArray]:
     """Names and (n, 4) poses of a pose table (x_mm, y_mm, z_mm, phi_deg; or commanded ones), in mm
-    and rad.
-    Raises InputFileError."""
-    return _paracal.read_poses(_tables.native(table, "poses"))
+    and rad; (n, 6) with tilt_x_deg, tilt_y_deg, tilt_z_deg of a robot with six freedoms.
+
+    robot: what they are of; default: what a line "# robot: NAME" says, else one with six freedoms
+        where some pose is tilted.
+    Raises InputFileError, InvalidArgument for a pose that such a robot does not take.
+    """
+    return _paracal.read_poses(
+        _tables.native(table, "poses"), None if robot is None else robot._native
+    )
 
 
 def read_joints(table: Table, robot: Robot) -> tuple[list[str], FloatArray]:
-    """Names and (n, limbs) joint coordinates of a joint table (q1_deg, ...; q1_mm of rails), in rad
-    or mm.
+    """Names and (n, limbs) joint coordinates of a joint table (q1_deg, ...; q1_mm of rails and
+    struts), in rad or mm.
     Raises InputFileError."""
     return _paracal.read_joints(_tables.native(table, "joints"), robot._native)

@@ -34,7 +34,7 @@ class Plan:
 
     robot: Robot
     names: list[str]  #: of the poses
-    poses: FloatArray  #: (n, 4) x, y, z in mm, phi in rad; home first
+    poses: FloatArray  #: (n, 4) or (n, 6), mm and rad, columns as robot.pose_axes; home first
     curve: list[dict[str, Any]]  #: what fewer and more poses would give
     details: dict[str, Any]  #: how it was found
 
@@ -55,20 +55,19 @@ class Plan:
             file.write(_tables.text_of(columns))
 
     def _columns(self) -> dict[str, Any]:
-        axes = ("x_cmd_mm", "y_cmd_mm", "z_cmd_mm")
-        return {
-            "pose": self.names,
-            **{axis: self.poses[:, k] for k, axis in enumerate(axes)},
-            "phi_cmd_deg": self.poses[:, 3] * (180.0 / np.pi),
-        }
+        return {"pose": self.names, **{f"{axis}_cmd_{unit}": of for axis, unit, of in self._axes()}}
+
+    def _axes(self) -> list[tuple[str, str, FloatArray]]:
+        """Name, unit in files and column of what the poses are made of."""
+        places = [(axis, "mm", self.poses[:, k]) for k, axis in enumerate("xyz")]
+        angles = enumerate(self.robot.pose_axes[3:], start=3)
+        return places + [(axis, "deg", self.poses[:, k] * (180.0 / np.pi)) for k, axis in angles]
 
     def _repr_html_(self) -> str:
-        rows = [
-            [name, *map(float, row[:3]), float(np.degrees(row[3]))]
-            for name, row in zip(self.names, self.poses)
-        ]
+        axes = self._axes()
+        rows = zip(self.names, *(map(float, of) for _, _, of in axes))
         return _html.heading(f"{len(self)} poses for {self.robot.name}") + _html.table(
-            ["pose", "x, mm", "y, mm", "z, mm", "phi, deg"], rows
+            ["pose", *(f"{axis}, {unit}" for axis, unit, _ in axes)], rows
         )
 
 
@@ -78,7 +77,7 @@ class Identifiability:
     be."""
 
     names: list[str]  #: of the parameters: "e_x.2" is e_x of limb 2
-    units: list[str]  #: "mm" or "rad"
+    units: list[str]  #: "mm", "rad" or "mm/m"
     rank: int  #: how many directions the readings see
     rows: int  #: of readings
     prior_std: FloatArray  #: (n) before measuring, from the tolerances, mm or rad
@@ -120,6 +119,7 @@ def paper_plan(
         and bottom.
     threshold: relative change of O2 that counts as settled.
     details: {"n": points a circle; 0: never settled}; curve: n, O1 ... O5, change.
+    Raises InvalidArgument for a plate with six freedoms: the schemes are of plates that stay level.
     """
     if stage not in ("rough", "fine"):
         raise InvalidArgument(f"stage: expected rough or fine, got {stage}")
@@ -160,9 +160,9 @@ def select_poses(
         second: phi, a second reflector are read, too. reflectors: what carries it, or the body, as
         in calibrate().
     The noise is said as in calibrate(). Raises InvalidArgument for what does not go together.
-    details: value of the criterion, sweeps, exchanges, travel (rad, mm of rails), workspace_std;
-        curve: what 2, 3, ...
-    poses would give. The same numbers as `paracal poses --optimal`.
+    details: value of the criterion, sweeps, exchanges, travel (rad, mm of rails and
+        struts), workspace_std; curve: what 2, 3, ... poses would give.
+    The same numbers as `paracal poses --optimal`.
     """
     if not 2 <= poses <= candidates:
         raise InvalidArgument(f"poses: expected 2 to the {candidates} candidates, got {poses}")
@@ -171,7 +171,7 @@ def select_poses(
         for key, value in locals().items()
         if key not in ("robot", "poses", "candidates", "seed")
     }
-    found = _paracal.select_poses(robot._native, poses, candidates, seed, keywords(given))
+    found = _paracal.select_poses(robot._native, poses, candidates, seed, keywords(given, robot))
     names, chosen = found.pop("poses")
     return Plan(robot, names, chosen, found.pop("curve"), found)
 
@@ -196,7 +196,8 @@ def identifiability(
 ) -> Identifiability:
     """What readings at these poses will reveal and what they cannot, before measuring.
 
-    poses: a Plan, a pose table, or (n, 4) in mm and rad; the first is home.
+    poses: a Plan, a pose table, or (n, 4), with six freedoms (n, 6), in mm and rad; the first is
+        home.
     measure: "coordinates", "pose", "distance" (all pairs), "home-distance", "height", "ball-bar",
         "dial"; the rest as in select_poses() and calibrate(). frame, body and rotation: whether they are known:
         "robot", "plate", "absolute".
@@ -206,13 +207,13 @@ def identifiability(
         raise InvalidArgument(
             "rotation: expected relative with distances, which only tell poses from each other"
         )
-    names, rows = named_poses(poses)
+    names, rows = named_poses(poses, robot)
     given = {
         key: value
         for key, value in locals().items()
         if key not in ("robot", "poses", "names", "rows")
     }
-    found = _paracal.identifiability(robot._native, names, rows, keywords(given))
+    found = _paracal.identifiability(robot._native, names, rows, keywords(given, robot))
     parameters = found["parameters"]
     return Identifiability(
         names=parameter_names([one[:3] for one in parameters]),
@@ -261,7 +262,8 @@ def simulate(
     Raises Unreachable where the machine does not reach a pose, InvalidArgument for what does not go
     together.
     """
-    names, rows = named_poses(poses)
+    built = machine if isinstance(machine, Machine) else Machine(machine)
+    names, rows = named_poses(poses, built.robot)
     given = {
         "measure": measure,
         "at": at,
@@ -274,8 +276,9 @@ def simulate(
         "body": None if body is None else as_doubles("body", body),
         "reflectors": reflectors,
     }
-    built = machine if isinstance(machine, Machine) else Machine(machine)
-    native = _paracal.simulate(built._native, names, rows, repeats, seed, stream, keywords(given))
+    native = _paracal.simulate(
+        built._native, names, rows, repeats, seed, stream, keywords(given, built.robot)
+    )
     return Measurements(native, built.robot)
 
 
@@ -287,21 +290,23 @@ def validation_poses(robot: Robot) -> Plan:
 
 
 def workspace_poses(robot: Robot) -> Plan:
-    """The same positions, turned in turn to the smallest, no and the largest rotation."""
+    """The same positions, turned in turn to the smallest, no and the largest rotation; level and to
+    all tilts where the plate has six freedoms."""
     names, poses = _paracal.workspace_poses(robot._native)
     return Plan(robot, names, poses, [], {})
 
 
-def named_poses(poses: Any) -> tuple[list[str], FloatArray]:
-    """Names and (n, 4) of a plan, a pose table or an array; poses of an array are named P0, P1,
-    ..."""
+def named_poses(poses: Any, robot: Robot) -> tuple[list[str], FloatArray]:
+    """Names and (n, 4) or (n, 6) of a plan, a pose table or an array of this robot; poses of an
+    array are named P0, P1, ..."""
     if isinstance(poses, Plan):
         return poses.names, np.ascontiguousarray(poses.poses)
     if isinstance(poses, str) or hasattr(poses, "__fspath__") or hasattr(poses, "keys"):
-        return read_poses(poses)
-    rows, lead = as_poses(poses)
+        return read_poses(poses, robot)
+    rows, lead = as_poses(poses, robot._native)
     if len(lead) != 1 or lead[0] == 0:
         raise InvalidArgument(
-            f"poses: expected an array of shape (n, 4), at least one pose, got {np.shape(poses)}"
+            f"poses: expected an array of shape (n, {rows.shape[1]}), at least one pose, "
+            f"got {np.shape(poses)}"
         )
     return [f"P{k}" for k in range(len(rows))], rows

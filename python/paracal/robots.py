@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import TYPE_CHECKING, Any, Sequence, Union
 
@@ -9,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray, as_doubles, as_rows
+from ._arrays import FloatArray, as_doubles, as_rows, pose_axes
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 #: the machine that it found.
 MachineLike = Union["Robot", "Machine", "Calibration", "KnownMachine"]
 
-#: The 14 source errors of a limb, in the order of the columns of every array of errors.
+#: The 14 source errors of a limb with an arm or a carriage, in the order of the columns of every
+#: array of errors; Robot.sources has those of any robot.
 SOURCES = (
     "theta_offset",
     "e_x",
@@ -55,59 +57,81 @@ class Robot:
 
     @property
     def limb_count(self) -> int:
-        """4 with an articulated plate, 3 with a rigid one."""
+        """4 with an articulated plate, 3 with a rigid one, 6 with six freedoms."""
         return self._native.limb_count
 
     @property
     def joint_unit(self) -> str:
-        """Unit of joint coordinates: "rad" of revolute actuators, "mm" of linear ones."""
+        """Unit of joint coordinates: "rad" of revolute actuators, "mm" of rails and struts."""
         return self._native.joint_unit
 
     @property
+    def has_six_freedoms(self) -> bool:
+        """Whether the tilt of the plate is commanded, as on struts; else the plate stays level."""
+        return self._native.has_six_freedoms
+
+    @property
+    def pose_axes(self) -> tuple[str, ...]:
+        """What a pose in an array is made of: x, y, z in mm, then angles in rad: phi, or of a plate
+        with six freedoms tilt_x, tilt_y, tilt_z with R = Rot(x) Rot(y) Rot(z)."""
+        return pose_axes(self._native)
+
+    @property
     def rotates(self) -> bool:
-        """Whether the end-effector turns; phi of a rigid plate is 0."""
+        """Whether an end-effector turns on the plate; phi of any other is 0."""
         return self._native.rotates
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """Dimensions that all limbs share; mm and rad, as the keys say."""
-        return self._native.geometry
+        """Dimensions that all limbs share; of a plate with six freedoms `limb`, a dict a limb as in
+        robot files. The keys say the unit."""
+        if not self.has_six_freedoms:
+            return self._native.geometry
+        return {"limb": json.loads(self._native.json())["limb"]}
 
     @property
     def workspace(self) -> dict[str, Any]:
         """The cylinder in which it works; mm and rad, as the keys say. z runs from top_z_mm
-        down."""
+        down; rotation_rad is the smallest and the largest phi, tilt_rad of a plate with six
+        freedoms how far each tilt goes either way."""
         return self._native.workspace
 
     @property
+    def sources(self) -> tuple[str, ...]:
+        """The source errors of a limb, in the order of the columns of every array of errors."""
+        return tuple(self.units)
+
+    @property
     def units(self) -> dict[str, str]:
-        """Unit of each source error in arrays, "mm" or "rad"."""
+        """Unit of each source error in arrays: "mm", "rad" or "mm/m"."""
         return {name: unit for name, _, unit in self._native.sources}
 
     @property
     def intended(self) -> FloatArray:
-        """(limbs, 14) by which limbs differ on purpose; mm and rad. Source errors count from
-        here."""
+        """(limbs, sources) by which limbs differ on purpose; mm and rad. Source errors
+        count from here."""
         return self._native.intended
 
     def errors(self, **by_name: npt.ArrayLike) -> FloatArray:
-        """(limbs, 14) source errors, actual minus nominal, mm or rad; zero where not named.
+        """(limbs, sources) source errors, actual minus nominal, in their units; zero where not
+        named.
 
         robot.errors(theta_offset=np.radians([0.2, 0.8, 0.9, 0.3]), e_x=0.1): one number is meant
         for all limbs, else one a limb.
         Raises InvalidArgument for another name or count.
         """
-        errors = np.zeros((self.limb_count, len(SOURCES)))
+        sources = self.sources
+        errors = np.zeros((self.limb_count, len(sources)))
         for name, values in by_name.items():
-            if name not in SOURCES:
-                raise InvalidArgument(f"errors: expected names of {', '.join(SOURCES)}, got {name}")
+            if name not in sources:
+                raise InvalidArgument(f"errors: expected names of {', '.join(sources)}, got {name}")
             column = as_doubles(name, values)
             if column.shape not in ((), (1,), (self.limb_count,)) and column.size != 1:
                 raise InvalidArgument(
                     f"{name}: expected one number, or one for each of {self.limb_count} limbs, "
                     f"got shape {column.shape}"
                 )
-            errors[:, SOURCES.index(name)] = column
+            errors[:, sources.index(name)] = column
         return errors
 
     def to_toml(self) -> str:
@@ -118,27 +142,36 @@ class Robot:
         return f"<paracal.Robot {self.name}: {self.limb_count} limbs, joints in {self.joint_unit}>"
 
     def _repr_html_(self) -> str:
+        geometry = self.geometry
+        limbs = geometry.pop("limb", [])
         shown = {
             key: str(value) if isinstance(value, np.ndarray) else value
-            for key, value in {**self.geometry, **self.workspace}.items()
+            for key, value in {**geometry, **self.workspace}.items()
         }
-        return _html.heading(f"robot {self.name}") + _html.pairs(shown)
+        rows = [[k, *limb.values()] for k, limb in enumerate(limbs, start=1)]
+        return (
+            _html.heading(f"robot {self.name}")
+            + (_html.table(["limb", *limbs[0]], rows) if limbs else "")
+            + _html.pairs(shown)
+        )
 
 
 class Machine:
     """A robot as built: with the source errors that it has.
 
-    errors: (limbs, 14), actual minus nominal, mm and rad, columns as SOURCES; default: none.
+    errors: (limbs, sources), actual minus nominal, columns as robot.sources in the units of
+        robot.units; default: none.
     Raises InvalidArgument for another shape, numbers that are not finite, and machines that cannot
     be.
     """
 
     def __init__(self, robot: Robot, errors: npt.ArrayLike | None = None) -> None:
-        given = np.zeros((robot.limb_count, len(SOURCES))) if errors is None else errors
-        rows, lead = as_rows("errors", given, len(SOURCES))
+        columns = len(robot.sources)
+        given = np.zeros((robot.limb_count, columns)) if errors is None else errors
+        rows, lead = as_rows("errors", given, columns)
         if lead != (robot.limb_count,):
             raise InvalidArgument(
-                f"errors: expected shape ({robot.limb_count}, {len(SOURCES)}), "
+                f"errors: expected shape ({robot.limb_count}, {columns}), "
                 f"got {np.shape(given)}"
             )
         if not np.all(np.isfinite(rows)):
@@ -148,7 +181,7 @@ class Machine:
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, 14), mm and rad."""
+        """(limbs, sources), mm, rad and mm/m."""
         return self._native.errors
 
     def __repr__(self) -> str:
@@ -170,27 +203,38 @@ def robot_of_toml(text: str, name: str = "robot.toml") -> Robot:
     return Robot(_paracal.robot_of_toml(name.encode(), text))
 
 
+def robot_template(kind: str) -> str:
+    """The text of a commented robot file to put a machine's numbers into: "hexapod"; for
+    robot_of_toml(), as `paracal robot --template` prints it. Raises InvalidArgument for another
+    kind."""
+    return _paracal.robot_template(kind)
+
+
 def catalogue() -> list[str]:
     """Names that robot() knows."""
     return _paracal.catalogue()
 
 
 def read_errors(robot: Robot, path: str | os.PathLike[str]) -> FloatArray:
-    """(limbs, 14) source errors of a file (TOML, mm and deg), in mm and rad. Raises
+    """(limbs, sources) source errors of a file (TOML, mm and deg), in mm, rad and mm/m. Raises
     InputFileError."""
     return _paracal.read_errors(robot._native, _tables.path_of(path))
 
 
 def errors_toml(robot: Robot, errors: npt.ArrayLike) -> str:
-    """Source errors (limbs, 14), mm and rad, as a file that read_errors() and the program read."""
+    """Source errors (limbs, sources), mm, rad and mm/m, as a file that read_errors() and the
+    program read."""
     return _paracal.errors_toml(robot._native, Machine(robot, errors).errors)
 
 
 def errors_frame(robot: Robot, errors: npt.ArrayLike) -> pandas.DataFrame:
-    """Source errors (limbs, 14) as a DataFrame: a row a limb, columns with their units (e_x_mm,
-    alpha0_rad)."""
+    """Source errors (limbs, sources) as a DataFrame: a row a limb, columns with their units
+    (e_x_mm, alpha0_rad, gain_mm_per_m)."""
     rows = Machine(robot, errors).errors
-    columns = {f"{name}_{unit}": rows[:, k] for k, (name, unit) in enumerate(robot.units.items())}
+    columns = {
+        f"{name}_{unit.replace('/', '_per_')}": rows[:, k]
+        for k, (name, unit) in enumerate(robot.units.items())
+    }
     return _tables.frame(columns, [f"limb {k + 1}" for k in range(robot.limb_count)])
 
 
@@ -204,7 +248,7 @@ def draw_errors(
     """Source errors of machines out of a batch, each error independent within its tolerance.
 
     Machine m is stream m of the seed, the same as `paracal simulate --seed SEED --machine m`.
-    machines: how many, for (machines, limbs, 14); None: one, for (limbs, 14). mm and rad.
+    machines: how many, for (machines, limbs, sources); None: one, for (limbs, sources). mm and rad.
     tolerances: default: the robot's own, or generous ones where it states none.
     first: number of the first machine.
     """
@@ -212,7 +256,7 @@ def draw_errors(
         raise InvalidArgument(f"machines: expected at least 0, got {machines}")
     from .tolerances import Tolerances as Default
 
-    native = (tolerances or Default.of(robot))._native
+    native = (tolerances or Default.of(robot)).native_of(robot)
     drawn = _paracal.draw_errors(
         robot._native, native, seed, first, 1 if machines is None else machines
     )

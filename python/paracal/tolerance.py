@@ -16,7 +16,7 @@ from . import _html, _paracal, _tables
 from ._arrays import FloatArray
 from .errors import InvalidArgument
 from .plans import named_poses, workspace_poses
-from .robots import SOURCES, Robot
+from .robots import Robot
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class Sensitivity:
 
     quantity: str
     unit: str  #: of the quantity, "mm" or "rad"
-    mean: dict[str, float]  #: mean over the workspace, unit per mm or rad of the error
+    mean: dict[str, float]  #: mean over the workspace, unit per mm, rad or mm/m of the error
     error: dict[str, float]  #: of the quadrature
     largest: dict[str, float]
     in_paper_units: dict[
@@ -114,22 +114,24 @@ class Sensitivity:
     ]  #: mean; rod and width differences over the parallelogram's width  [huang2016]
     poses: int  #: of the quadrature
     worst_3sigma: float  #: with the tolerances, where it is largest
-    worst_pose: FloatArray  #: (4) mm, rad
+    worst_pose: FloatArray  #: (4), or (6) with six freedoms; mm, rad
     contributors: list[tuple[str, float]]  #: to the variance there, largest first
 
     def to_frame(self) -> pandas.DataFrame:
         """A row a source error: mean, error, largest."""
         columns = {"mean": self.mean, "error": self.error, "largest": self.largest}
-        return _tables.frame({key: list(of.values()) for key, of in columns.items()}, list(SOURCES))
+        return _tables.frame(
+            {key: list(of.values()) for key, of in columns.items()}, list(self.mean)
+        )
 
     def _repr_html_(self) -> str:
         rows = [
             [name, self.mean[name], self.largest[name]]
-            for name in SOURCES
+            for name in self.mean
             if self.largest[name] != 0.0
         ]
         return (
-            _html.heading(f"sensitivity of {self.quantity}, {self.unit} per mm or rad")
+            _html.heading(f"sensitivity of {self.quantity}, {self.unit} per unit of the error")
             + _html.table(["source error", "mean", "largest"], rows)
             + _html.table(["what makes 3 sigma", "share"], self.contributors)
         )
@@ -154,25 +156,28 @@ def analyze(
 
     tolerances: default: the robot's own.
     requirements: limits (mm or rad) by quantity: "tilt", "twist", "position", "distance",
-        "rotation", each also with "-compensated" behind it; default: {"tilt": 1e-3}. problem:
+        "rotation", each also with "-compensated" behind it where the plate stays level; default:
+        {"tilt": 1e-3}. problem:
         instead: the requirements of this file (TOML).
-    poses: (n, 4) in mm and rad where machines are held against the limits; default:
-        workspace_poses() and each requirement's worst, as `paracal tolerance analyze`.
+    poses: (n, 4), or (n, 6) with six freedoms, in mm and rad, where machines are held against the
+        limits; default: workspace_poses() and each requirement's worst, as `paracal tolerance
+        analyze`.
     model: of the Monte Carlo: "linear" or "exact". Draws machines until every sigma is known to
         sigma_error at
     `confidence`, at most max_machines. threads: 0: all; the numbers do not depend on it.
     Raises InvalidArgument for what makes no sense.
     """
     of = tolerances or Tolerances.of(robot)
+    native = of.native_of(robot)
     if requirements is not None and problem is not None:
         raise InvalidArgument("requirements, problem: expected one of them, got both")
     wanted = list((requirements if requirements is not None else {"tilt": 1e-3}).items())
     if problem is not None:
-        wanted = _paracal.problem_requirements(robot._native, of._native, _tables.path_of(problem))
-    at = workspace_poses(robot).poses if poses is None else named_poses(poses)[1]
+        wanted = _paracal.problem_requirements(robot._native, native, _tables.path_of(problem))
+    at = workspace_poses(robot).poses if poses is None else named_poses(poses, robot)[1]
     found = _paracal.analyze(
         robot._native,
-        of._native,
+        native,
         [(name, float(limit)) for name, limit in wanted],
         at,
         {
@@ -206,9 +211,10 @@ def allocate(
         sigma) or "sigma".
     problem: instead: requirements, costs and bounds of a file (TOML; docs/tolerance.md).
     rest: of the source errors that are not chosen; default: the robot's own.
-    Raises InvalidArgument, or InputFileError of the file.
+    Raises InvalidArgument, or InputFileError of the file. Of a plate with six freedoms, which no
+    error tilts for good, only a problem can be solved.
     """
-    native = (rest or Tolerances.of(robot))._native
+    native = (rest or Tolerances.of(robot)).native_of(robot)
     if problem is not None:
         found = _paracal.allocate(robot._native, native, _tables.path_of(problem))
     else:
@@ -243,10 +249,10 @@ def sensitivity(
     """
     if not relative_error > 0.0:
         raise InvalidArgument(f"relative_error: expected above 0, got {relative_error}")
-    native = (tolerances or Tolerances.of(robot))._native
+    native = (tolerances or Tolerances.of(robot)).native_of(robot)
     found = _paracal.sensitivity(robot._native, native, quantity, all_rotations, relative_error)
     units = found.pop("paper_units")
-    in_paper_units = dict(zip(SOURCES, (found["mean"] * np.asarray(units)).tolist()))
+    in_paper_units = dict(zip(robot.sources, (found["mean"] * np.asarray(units)).tolist()))
     for key in ("mean", "error", "largest"):
-        found[key] = dict(zip(SOURCES, found[key].tolist()))
+        found[key] = dict(zip(robot.sources, found[key].tolist()))
     return Sensitivity(quantity=quantity, in_paper_units=in_paper_units, **found)

@@ -6,18 +6,30 @@ import os
 from typing import TYPE_CHECKING, Mapping
 
 from . import _html, _paracal, _tables
-from .robots import SOURCES, Robot
+from ._arrays import FloatArray
+from .errors import InvalidArgument
+from .robots import Robot
 
 if TYPE_CHECKING:
     import pandas
 
 
 class Tolerances:
-    """Half-widths of all 14 source errors. Made by Tolerances.of(), .stated() or .read()."""
+    """Half-widths of all source errors of a robot. Made by Tolerances.of(), .stated() or
+    .read()."""
 
     def __init__(self, native: _paracal.Tolerances, robot: Robot) -> None:
         self._native = native
         self._robot = robot
+
+    def native_of(self, robot: Robot) -> _paracal.Tolerances:
+        """What the library takes; refused for a robot with other source errors."""
+        if robot.units == self._robot.units:
+            return self._native
+        raise InvalidArgument(
+            f"tolerances: expected those of {robot.name}, got those of {self._robot.name}, "
+            "whose source errors are others"
+        )
 
     @classmethod
     def of(cls, robot: Robot) -> Tolerances:
@@ -32,8 +44,8 @@ class Tolerances:
         others: str = "exact",
         distribution: str = "normal",
     ) -> Tolerances:
-        """Half-widths by name, mm or rad; `others` says what the rest are: "exact" (zero) or
-        "generous".
+        """Half-widths by name, in the units of robot.units; `others` says what the rest are:
+        "exact" (zero) or "generous".
 
         distribution: "normal", "uniform" or "truncated_normal".
         Raises InvalidArgument for another name, and half-widths below zero.
@@ -49,13 +61,16 @@ class Tolerances:
 
     @property
     def half_widths(self) -> dict[str, float]:
-        """T of every source error, mm or rad."""
-        return dict(zip(SOURCES, self._native.half_widths.tolist()))
+        """T of every source error, in its unit (robot.units)."""
+        return self._by_name(self._native.half_widths(self._robot._native))
 
     @property
     def std(self) -> dict[str, float]:
-        """Standard deviation of every source error, mm or rad."""
-        return dict(zip(SOURCES, self._native.std.tolist()))
+        """Standard deviation of every source error, in its unit."""
+        return self._by_name(self._native.std(self._robot._native))
+
+    def _by_name(self, numbers: FloatArray) -> dict[str, float]:
+        return dict(zip(self._robot.sources, numbers.tolist()))
 
     @property
     def assumed(self) -> list[str]:
@@ -67,14 +82,14 @@ class Tolerances:
         return self._native.toml(self._robot._native)
 
     def to_frame(self) -> pandas.DataFrame:
-        """A row a source error: half_width and std, mm or rad."""
+        """A row a source error: half_width and std, see unit."""
         return _tables.frame(
             {
                 "unit": list(self._robot.units.values()),
                 "half_width": list(self.half_widths.values()),
                 "std": list(self.std.values()),
             },
-            list(SOURCES),
+            list(self._robot.sources),
         )
 
     def __repr__(self) -> str:

@@ -149,7 +149,9 @@ def validate(
         key: value for key, value in locals().items() if key not in ("machine", "measurements")
     }
     native = native_known(machine)
-    return Validation(_paracal.validate(native, measurements._native, keywords(given)))
+    return Validation(
+        _paracal.validate(native, measurements._native, keywords(given, machine.robot))
+    )
 
 
 def native_known(machine: Union[Calibration, KnownMachine]) -> _paracal.KnownMachine:

@@ -6,6 +6,7 @@ import os
 import subprocess
 import tempfile
 import unittest
+from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ import paracal as pc
 SOURCE = Path(__file__).resolve().parents[2]
 PUBLISHED = SOURCE / "data" / "huang2016"
 DISTANCES, POSES = PUBLISHED / "distances.csv", PUBLISHED / "poses.csv"
+#: A plate with six freedoms: pc.robot() and the program take the file.
+HEXAPOD = SOURCE / "data" / "robots" / "hexapod.toml"
 
 
 def program(*arguments):
@@ -34,19 +37,62 @@ def in_deg(numbers):
     return np.asarray(numbers) * (180.0 / math.pi)
 
 
-def pose_rows(poses):
-    """(n, 4) of a list of JSON poses, in mm and deg as they stand there."""
-    keys = ("x_mm", "y_mm", "z_mm", "phi_deg")
-    return np.array(
-        [[pose.get(key, pose.get(key.replace("_", "_cmd_"))) for key in keys] for pose in poses]
-    )
+LEVEL = ("x", "y", "z", "phi")
+
+
+def keys_of(axes):
+    """What files call them: x_mm ... phi_deg."""
+    return [f"{axis}_{'mm' if axis in 'xyz' else 'deg'}" for axis in axes]
+
+
+def pose_rows(poses, axes=LEVEL):
+    """(n, 4) or (n, 6) of a list of JSON poses, in mm and deg as they stand there; tilts that are
+    left out are 0."""
+
+    def number(pose, key):
+        stem, unit = key.rsplit("_", 1)
+        unsaid = 0.0 if key.startswith("tilt") else None
+        return pose.get(key, pose.get(f"{stem}_cmd_{unit}", unsaid))
+
+    return np.array([[number(pose, key) for key in keys_of(axes)] for pose in poses], dtype=float)
 
 
 def as_printed(poses):
-    """(n, 4) in mm and rad as the program prints them: mm and deg."""
+    """Poses in mm and rad as the program prints them: mm and deg."""
     rows = np.array(poses)
-    rows[..., 3] = in_deg(rows[..., 3])
+    rows[..., 3:] = in_deg(rows[..., 3:])
     return rows
+
+
+def pose_table(robot, poses):
+    """Poses in mm and rad as the file that the program and read_poses() take."""
+    rows = "".join(",".join(map(repr, row)) + "\n" for row in as_printed(poses).tolist())
+    return ",".join(keys_of(robot.pose_axes)) + "\n" + rows
+
+
+class Page(HTMLParser):
+    """Tags that are open, and the text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.text = [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        self.text += data + " "
+
+
+def text_shown(result):
+    """What a notebook shows of a result, without its tags."""
+    page = Page(result._repr_html_())
+    assert not page.open, page.open
+    return page.text
 
 
 class TestCase(unittest.TestCase):
@@ -70,11 +116,12 @@ class TestCase(unittest.TestCase):
 
 
 class VirtualMachine:
-    """A machine out of a batch, measured at well chosen poses by a tracker that stands anywhere."""
+    """A machine out of a batch, measured at well chosen poses by an instrument that stands
+    anywhere."""
 
-    def __init__(self, robot="huang2016", poses=14, repeats=2):
+    def __init__(self, robot="huang2016", poses=14, repeats=2, measure="coordinates"):
         self.robot = pc.robot(robot)
-        self.plan = pc.select_poses(self.robot, poses, candidates=200)
+        self.plan = pc.select_poses(self.robot, poses, candidates=200, measure=measure)
         self.truth = pc.draw_errors(self.robot, seed=7)
         frame = [
             [0.0, -1.0, 0.0, 2500.0],
@@ -85,6 +132,7 @@ class VirtualMachine:
         self.measured = pc.simulate(
             pc.Machine(self.robot, self.truth),
             self.plan,
+            measure=measure,
             noise_mm=0.017,
             repeats=repeats,
             read_rotation=self.robot.rotates,

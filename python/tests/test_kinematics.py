@@ -4,11 +4,11 @@ their edges."""
 import unittest
 
 import numpy as np
-from support import TestCase, as_printed, in_deg, pose_rows, program
+from support import HEXAPOD, TestCase, as_printed, in_deg, pose_rows, pose_table, program
 
 import paracal as pc
 
-ROBOTS = ("huang2016", "rotary_delta", "linear_delta")
+ROBOTS = ("huang2016", "rotary_delta", "linear_delta", HEXAPOD)
 
 
 def some_poses(robot, count=40):
@@ -18,13 +18,14 @@ def some_poses(robot, count=40):
         space["radius_mm"] * np.sqrt(random.random(count)),
         random.random(count) * 2 * np.pi,
     )
-    low, high = space["rotation_rad"]
+    tilt = space.get("tilt_rad", 0.0)
+    turns = [(-tilt, tilt)] * 3 if robot.has_six_freedoms else [space["rotation_rad"]]
     return np.stack(
         [
             radius * np.cos(azimuth),
             radius * np.sin(azimuth),
             space["top_z_mm"] - space["height_mm"] * random.random(count),
-            low + (high - low) * random.random(count),
+            *(low + (high - low) * random.random(count) for low, high in turns),
         ],
         axis=-1,
     )
@@ -37,9 +38,7 @@ def as_built(robot):
 class AgainstTheProgram(TestCase):
     def tables(self, robot):
         """A pose table, a joint table and errors in files, and what they say."""
-        printed = as_printed(some_poses(robot))
-        rows = "".join(",".join(map(repr, row)) + "\n" for row in printed.tolist())
-        poses = self.file("poses.csv", "x_mm,y_mm,z_mm,phi_deg\n" + rows)
+        poses = self.file("poses.csv", pose_table(robot, some_poses(robot)))
         errors = self.file("errors.toml", pc.errors_toml(robot, pc.draw_errors(robot, seed=3)))
         return poses, errors
 
@@ -48,7 +47,7 @@ class AgainstTheProgram(TestCase):
             robot = pc.robot(name)
             poses, errors = self.tables(robot)
             machine = pc.Machine(robot, pc.read_errors(robot, errors))
-            joints, status = pc.inverse(machine, pc.read_poses(poses)[1])
+            joints, status = pc.inverse(machine, pc.read_poses(poses, robot)[1])
             self.assertFalse(status.any())
             theirs = program("inverse", "--robot", name, "--errors", errors, "--poses", poses)
             unit = "joints_deg" if robot.joint_unit == "rad" else "joints_mm"
@@ -63,10 +62,33 @@ class AgainstTheProgram(TestCase):
             plates = program("forward", "--robot", name, "--errors", errors, "--joints", table)[
                 "poses"
             ]
-            self.same(as_printed(found.poses), pose_rows(plates))
+            self.same(as_printed(found.poses)[:, :3], pose_rows(plates)[:, :3])
+            if robot.has_six_freedoms:
+                self.same(found.poses[:, 3:], found.tilt)
+            else:
+                self.same(as_printed(found.poses), pose_rows(plates))
             self.same(found.tilt, [[one[f"tilt_{axis}_rad"] for axis in "xyz"] for one in plates])
             self.same(found.residual, [one["residual_mm"] for one in plates])
             self.same(found.iterations, [one["iterations"] for one in plates])
+
+    def test_the_derivatives_of_six_freedoms_are_the_programs(self):
+        robot = pc.robot(HEXAPOD)
+        pose = np.array([10.0, 20.0, 510.0, *np.radians([3.0, 4.0, 5.0])])
+        theirs = program("error-model", "--robot", HEXAPOD, "--pose", "10,20,510,3,4,5")
+        mine = pc.jacobian(robot, pc.inverse(robot, pose).joints).errors.reshape(6, -1)
+        self.close(mine[:3], theirs["G_position"], 1e-9)
+        axes = turning_axes(pose[3:])
+        self.close(axes @ mine[3:], theirs["G_turn"], 1e-12)
+        self.assertEqual(
+            [one["name"] for one in theirs["parameters"]["position"]], list(robot.sources) * 6
+        )
+
+
+def turning_axes(tilt):
+    """Axes about which tilt_x, tilt_y, tilt_z turn a plate with R = Rot(x) Rot(y) Rot(z), as
+    columns, in the robot's frame."""
+    (sa, sb, _), (ca, cb, _) = np.sin(tilt), np.cos(tilt)
+    return np.array([[1.0, 0.0, sb], [0.0, ca, -sa * cb], [0.0, sa, ca * cb]])
 
 
 class Arrays(TestCase):
@@ -81,16 +103,23 @@ class Arrays(TestCase):
             self.close(forward.poses, poses, 1e-8)
 
     def test_any_shape_is_as_single_calls(self):
-        machine = as_built(pc.robot("huang2016"))
-        poses = some_poses(machine.robot, 6).reshape(2, 3, 4)
+        self.shapes_of(pc.robot("huang2016"), 7, 14)
+        self.shapes_of(pc.robot(HEXAPOD), 6, 8)
+
+    def shapes_of(self, robot, rows, sources):
+        machine = as_built(robot)
+        limbs, width = robot.limb_count, len(robot.pose_axes)
+        poses = some_poses(robot, 6).reshape(2, 3, width)
         inverse = pc.inverse(machine, poses)
         forward, jacobian = pc.forward(machine, inverse.joints), pc.jacobian(
             machine, inverse.joints
         )
-        self.assertEqual(inverse.joints.shape, (2, 3, 4))
+        self.assertEqual(inverse.joints.shape, (2, 3, limbs))
         self.assertEqual(inverse.status.shape, (2, 3))
+        self.assertEqual(forward.poses.shape, (2, 3, width))
         self.assertEqual(forward.tilt.shape, (2, 3, 3))
-        self.assertEqual(jacobian.errors.shape, (2, 3, 7, 4, 14))
+        self.assertEqual(jacobian.joints.shape, (2, 3, rows, limbs))
+        self.assertEqual(jacobian.errors.shape, (2, 3, rows, limbs, sources))
         for place in np.ndindex(2, 3):
             joints, status = pc.inverse(machine, poses[place])
             self.assertEqual(status.shape, ())
@@ -115,6 +144,9 @@ class Arrays(TestCase):
         self.same(
             pc.inverse(robot, poses[:, :3]).joints, pc.inverse(robot, poses * [1, 1, 1, 0]).joints
         )
+        hexapod = pc.robot(HEXAPOD)
+        level = some_poses(hexapod, 8) * [1, 1, 1, 0, 0, 0]
+        self.same(pc.inverse(hexapod, level[:, :3]).joints, pc.inverse(hexapod, level).joints)
 
     def test_a_robot_stands_for_its_nominal_machine(self):
         robot = pc.robot("rotary_delta")
@@ -164,6 +196,16 @@ class Statuses(TestCase):
             np.isnan(jacobian.errors[1]).all() and not np.isnan(jacobian.errors[0]).any()
         )
 
+    def test_struts_that_hold_no_plate_are_nan_with_a_status(self):
+        robot = pc.robot(HEXAPOD)
+        apart = [300.0, -300.0, 300.0, -300.0, 300.0, -300.0]
+        joints = [apart, [0.0] * 6]
+        found, jacobian = pc.forward(robot, joints), pc.jacobian(robot, joints)
+        self.assertEqual(found.status.tolist(), [pc.ForwardStatus.not_converged, 0])
+        self.same(jacobian.status, found.status)
+        for one in (found.poses, found.tilt, jacobian.joints, jacobian.errors):
+            self.assertTrue(np.isnan(one[0]).all() and not np.isnan(one[1]).any())
+
     def test_strained_plates_are_told_and_kept(self):
         robot = pc.robot("huang2016")
         errors = robot.errors(rod_difference=[30.0, -30.0, 30.0, 30.0])
@@ -184,14 +226,15 @@ class Derivatives(TestCase):
 
             def plate(of, q):
                 forward = pc.forward(of, q)
-                return np.concatenate([forward.poses, forward.tilt], axis=-1)
+                tilt = [] if robot.has_six_freedoms else [forward.tilt]
+                return np.concatenate([forward.poses, *tilt], axis=-1)
 
             for limb in range(robot.limb_count):
                 step = np.zeros(robot.limb_count)
                 step[limb] = 1e-5
                 slope = (plate(machine, joints + step) - plate(machine, joints - step)) / 2e-5
                 self.close(found.joints[..., limb], slope, 2e-3 * np.abs(slope).max())
-                for source in range(14):
+                for source in range(len(robot.sources)):
                     change = np.zeros_like(machine.errors)
                     change[limb, source] = 1e-5
                     more, less = (
@@ -203,7 +246,20 @@ class Derivatives(TestCase):
                         slope,
                         2e-3 * max(1.0, np.abs(slope).max()),
                     )
-            self.assertEqual(np.abs(found.errors[:, 3]).max() > 0.0, robot.rotates)
+            if not robot.has_six_freedoms:
+                self.assertEqual(np.abs(found.errors[:, 3]).max() > 0.0, robot.rotates)
+
+    def test_a_drive_that_moves_too_far_moves_the_plate_farther(self):
+        robot = pc.robot(HEXAPOD)
+        machine = pc.Machine(robot, robot.errors(gain=[30.0, -20.0, 10.0, 40.0, -30.0, 20.0]))
+        joints = pc.inverse(machine, some_poses(robot, 3)).joints
+        found = pc.jacobian(machine, joints)
+        for limb in range(6):
+            step = np.zeros(6)
+            step[limb] = 0.01
+            more, less = (pc.forward(machine, joints + sign * step).poses for sign in (1, -1))
+            slope = (more - less) / 0.02
+            self.close(found.joints[..., limb], slope, 1e-5 * np.abs(slope).max())
 
 
 class WrongInput(TestCase):
@@ -220,6 +276,14 @@ class WrongInput(TestCase):
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, message):
                 pc.inverse(robot, poses)
+        with self.assertRaisesRegex(
+            pc.InvalidArgument,
+            r"shape \(\.\.\., 6\) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad for hexapod.*"
+            r"got \(2, 4\)",
+        ):
+            pc.inverse(pc.robot(HEXAPOD), np.zeros((2, 4)))
+        with self.assertRaisesRegex(pc.InvalidArgument, r"phi in rad for huang2016.*got \(6,\)"):
+            pc.inverse(robot, np.zeros(6))
         with self.assertRaisesRegex(
             ValueError, r"joints: expected an array of shape \(\.\.\., 4\), got \(3,\)"
         ):
@@ -240,6 +304,11 @@ class WrongInput(TestCase):
                 call(native, np.zeros(shape))
         with self.assertRaisesRegex(pc.InvalidArgument, "errors: expected a row a limb"):
             _paracal.Machine(native.robot, np.zeros((3, 14)))
+        native = pc.Machine(pc.robot(HEXAPOD))._native
+        with self.assertRaisesRegex(pc.InvalidArgument, r"poses: .*\(n, 6\), got \(2, 4\)"):
+            _paracal.inverse(native, np.zeros((2, 4)))
+        with self.assertRaisesRegex(pc.InvalidArgument, r"errors: .*\(n, 8\), got \(6, 14\)"):
+            _paracal.Machine(native.robot, np.zeros((6, 14)))
 
     def test_errors_that_cannot_be(self):
         robot = pc.robot("huang2016")

@@ -6,46 +6,22 @@ import re
 import subprocess
 import sys
 import unittest
-from html.parser import HTMLParser
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from support import DISTANCES, POSES, SOURCE, TestCase
+from support import DISTANCES, POSES, SOURCE, TestCase, text_shown
 
 import paracal as pc
 from paracal import _html
 
 
-class Page(HTMLParser):
-    """Tags that are open, and the text."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.text = [], ""
-        self.feed(text)
-
-    def handle_starttag(self, tag, attrs):
-        self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag, tag
-
-    def handle_data(self, data):
-        self.text += data + " "
-
-
 class Notebooks(TestCase):
-    def shown(self, result):
-        page = Page(result._repr_html_())
-        self.assertEqual(page.open, [])
-        return page.text
-
     def test_results_show_themselves(self):
         robot = pc.robot("huang2016")
         measured = pc.read_measurements(DISTANCES, poses=POSES)
         calibration = pc.calibrate(robot, measured)
-        text = self.shown(calibration)
+        text = text_shown(calibration)
         for part in (
             "huang2016: accepted",
             "theta_offset",
@@ -56,21 +32,21 @@ class Notebooks(TestCase):
             "assumed:",
         ):
             self.assertIn(part, text)
-        rejected = self.shown(pc.calibrate(robot, measured, limit_mm=0.01))
+        rejected = text_shown(pc.calibrate(robot, measured, limit_mm=0.01))
         self.assertIn("rejected", rejected)
         self.assertIn("because:", rejected)
-        self.assertIn("distances 6", self.shown(measured))
-        self.assertIn("rod_mm 950", self.shown(robot))
+        self.assertIn("distances 6", text_shown(measured))
+        self.assertIn("rod_mm 950", text_shown(robot))
         plan = pc.paper_plan(robot, "rough")
-        self.assertIn("-888", self.shown(plan))
-        self.assertIn("are determined by", self.shown(pc.identifiability(robot, plan)))
-        self.assertIn("theta_offset 0.02618 rad", self.shown(pc.Tolerances.of(robot)))
-        self.assertIn("yield", self.shown(pc.tolerance.analyze(robot, sigma_error=0.2)))
-        self.assertIn("optimal", self.shown(pc.tolerance.allocate(robot)))
+        self.assertIn("-888", text_shown(plan))
+        self.assertIn("are determined by", text_shown(pc.identifiability(robot, plan)))
+        self.assertIn("theta_offset 0.02618 rad", text_shown(pc.Tolerances.of(robot)))
+        self.assertIn("yield", text_shown(pc.tolerance.analyze(robot, sigma_error=0.2)))
+        self.assertIn("optimal", text_shown(pc.tolerance.allocate(robot)))
         self.assertIn(
-            "rod_difference", self.shown(pc.tolerance.sensitivity(robot, relative_error=0.1))
+            "rod_difference", text_shown(pc.tolerance.sensitivity(robot, relative_error=0.1))
         )
-        validation = self.shown(pc.validate(calibration, measured, limit_mm=1.0))
+        validation = text_shown(pc.validate(calibration, measured, limit_mm=1.0))
         self.assertIn("not accepted", validation)
         self.assertIn("confirms nothing", validation)
 

@@ -6,7 +6,7 @@ import time
 import unittest
 
 import numpy as np
-from support import DISTANCES, POSES, TestCase
+from support import DISTANCES, HEXAPOD, POSES, TestCase
 
 import paracal as pc
 
@@ -47,6 +47,8 @@ class Threads(TestCase):
         machine = pc.Machine(robot, pc.draw_errors(robot))
         joints = pc.inverse(machine, poses).joints
         known = pc.calibrate(robot, measured).known
+        hexapod = pc.Machine(pc.robot(HEXAPOD))
+        tilted = np.tile([10.0, 20.0, 510.0, 0.05, -0.1, 0.15], (20000, 1))
         works = {
             "inverse": lambda: pc.inverse(machine, poses),
             "forward": lambda: pc.forward(machine, joints),
@@ -54,6 +56,7 @@ class Threads(TestCase):
             "draw": lambda: pc.draw_errors(robot, 20000),
             "predict": lambda: known.predict(joints[:5000]),
             "compensate": lambda: pc.compensate(machine, poses),
+            "compensate a tilted plate": lambda: pc.compensate(hexapod, tilted),
             "calibrate": lambda: pc.calibrate(robot, measured, stage="fine"),
             "validate": lambda: pc.validate(known, measured),
             "select": lambda: pc.select_poses(robot, 8, candidates=200),
