@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <optional>
 
 #include "arrays.hpp"
 #include "paracal/calibration/prediction.hpp"
+#include "paracal/kinematics/drive.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "rooms.hpp"
@@ -42,6 +44,16 @@ py::tuple inverse_of(const BuiltMachine& built, const Array& poses) {
   return py::make_tuple(joints, status);
 }
 
+/// NaN where no plate stands.
+void write_plate(const Machine& machine, const std::optional<PlateState>& plate, std::size_t width, double* pose,
+                 double* tilt) {
+  std::fill_n(pose, width, kNaN);
+  std::fill_n(tilt, 3, kNaN);
+  if (!plate) return;
+  write_pose(paracal::pose_of(machine, *plate), pose, width);
+  std::ranges::copy(plate->tilt, tilt);
+}
+
 py::tuple forward_of(const BuiltMachine& built, const Array& joints) {
   const Rows given(joints, "joints", built.robot.limb_count());
   const std::size_t n = given.count(), width = pose_width(built.robot);
@@ -58,14 +70,26 @@ py::tuple forward_of(const BuiltMachine& built, const Array& joints) {
       codes[k] = code(found.status);
       residual[k] = found.residual;
       steps[k] = found.iterations;
-      write_pose(paracal::pose_of(built.machine, found.plate), pose + width * k, width);
-      std::ranges::copy(found.plate.tilt, tilt + 3 * k);
-      if (found.usable()) continue;
-      std::fill_n(pose + width * k, width, kNaN);
-      std::fill_n(tilt + 3 * k, 3, kNaN);
+      const auto plate = found.usable() ? std::optional(found.plate) : std::nullopt;
+      write_plate(built.machine, plate, width, pose + width * k, tilt + 3 * k);
     }
   }
   return py::make_tuple(poses, tilts, residuals, iterations, status);
+}
+
+py::tuple driven(const BuiltMachine& built, const Array& poses) {
+  const std::size_t width = pose_width(built.robot);
+  const Rows wanted(poses, "poses", width);
+  Array taken({wanted.count(), width}), tilts({wanted.count(), std::size_t{3}});
+  double *pose = taken.mutable_data(), *tilt = tilts.mutable_data();
+  {
+    const py::gil_scoped_release released;
+    for (std::size_t k = 0; k < wanted.count(); ++k) {
+      const auto plate = drive(built.machine, built.robot.nominal(), pose_of(wanted[k], width));
+      write_plate(built.machine, plate, width, pose + width * k, tilt + 3 * k);
+    }
+  }
+  return py::make_tuple(taken, tilts);
 }
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -140,6 +164,7 @@ py::tuple jacobian_of(const BuiltMachine& built, const Array& joints) {
 void add_kinematics(py::module_& module) {
   module.def("inverse", &inverse_of, "machine"_a, "poses"_a);
   module.def("forward", &forward_of, "machine"_a, "joints"_a);
+  module.def("drive", &driven, "machine"_a, "poses"_a);
   module.def("jacobian", &jacobian_of, "machine"_a, "joints"_a);
 }
 

@@ -22,11 +22,13 @@ from .calibration import Calibration, calibrate
 from .compensation import Compensation, CompensationStatus, compensate
 from .errors import Error, InputFileError, InvalidArgument, Unreachable
 from .kinematics import (
+    Driven,
     Forward,
     ForwardStatus,
     Inverse,
     InverseStatus,
     Jacobian,
+    drive,
     forward,
     inverse,
     jacobian,
@@ -66,6 +68,7 @@ __all__ = [
     "Calibration",
     "Compensation",
     "CompensationStatus",
+    "Driven",
     "Error",
     "Forward",
     "ForwardStatus",
@@ -90,6 +93,7 @@ __all__ = [
     "catalogue",
     "compensate",
     "draw_errors",
+    "drive",
     "errors_frame",
     "errors_toml",
     "forward",

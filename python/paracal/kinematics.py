@@ -59,6 +59,19 @@ class Forward(NamedTuple):
         return np.asarray(self.status == ForwardStatus.converged)
 
 
+class Driven(NamedTuple):
+    """Where a machine went; NaN where the controller does not reach the pose, or the machine does
+    not close there."""
+
+    poses: FloatArray  #: as those that were commanded, mm and rad
+    tilt: FloatArray  #: (..., 3): about x, y, z of the plate, rad
+
+    @property
+    def ok(self) -> BoolArray:
+        """(...): the plate stands there."""
+        return np.asarray(np.isfinite(self.poses).all(axis=-1))
+
+
 class Jacobian(NamedTuple):
     """Derivatives of x, y, z (mm), phi, tilt_x, tilt_y, tilt_z (rad): seven rows; six, without phi,
     where the plate has six freedoms: those of its pose."""
@@ -104,6 +117,17 @@ def forward(machine: MachineLike, joints: npt.ArrayLike) -> Forward:
         shaped(iterations, lead),
         shaped(status, lead),
     )
+
+
+def drive(machine: MachineLike, poses: npt.ArrayLike) -> Driven:
+    """Where a machine puts its plate when its controller, which computes with the nominal robot, is
+    sent to poses: forward(machine, inverse(robot, poses).joints), near what was commanded.
+
+    poses: as of inverse(), mm and rad. Raises InvalidArgument as inverse().
+    """
+    native = native_machine(machine)
+    rows, lead = as_poses(poses, native.robot)
+    return Driven(*(shaped(one, lead) for one in _paracal.drive(native, rows)))
 
 
 def jacobian(machine: MachineLike, joints: npt.ArrayLike) -> Jacobian:

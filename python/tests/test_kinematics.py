@@ -102,6 +102,30 @@ class Arrays(TestCase):
             self.assertTrue(forward.ok.all())
             self.close(forward.poses, poses, 1e-8)
 
+    def test_a_controller_knows_the_nominal_robot(self):
+        for name in ROBOTS:
+            robot = pc.robot(name)
+            machine, poses = as_built(robot), some_poses(robot).reshape(2, 20, -1)
+            driven = pc.drive(machine, poses)
+            joints = pc.inverse(robot, poses).joints
+            found = pc.forward(machine, joints)
+            self.close(driven.poses, found.poses, 1e-8)
+            self.close(driven.tilt, found.tilt, 1e-10)
+            self.assertTrue(driven.ok.all() and driven.ok.shape == (2, 20))
+            self.assertGreater(np.abs(driven.poses - poses).max(), 1e-2)
+            self.close(pc.drive(robot, poses).poses, poses, 1e-8)
+            lost = pc.drive(machine, poses * np.nan)
+            self.assertTrue(np.isnan(lost.poses).all() and np.isnan(lost.tilt).all())
+            self.assertFalse(lost.ok.any())
+
+    def test_of_two_ways_to_stand_the_commanded_is_meant(self):
+        robot = pc.robot(HEXAPOD)
+        pose = [40.0, -30.0, 480.0, np.radians(-70.0), 0.0, 0.0]
+        elsewhere = pc.forward(robot, pc.inverse(robot, pose).joints)
+        self.assertTrue(elsewhere.ok)
+        self.assertGreater(np.abs(elsewhere.poses - pose).max(), 1.0)
+        self.close(pc.drive(robot, pose).poses, pose, 1e-8)
+
     def test_any_shape_is_as_single_calls(self):
         self.shapes_of(pc.robot("huang2016"), 7, 14)
         self.shapes_of(pc.robot(HEXAPOD), 6, 8)

@@ -51,6 +51,7 @@ class Threads(TestCase):
         tilted = np.tile([10.0, 20.0, 510.0, 0.05, -0.1, 0.15], (20000, 1))
         works = {
             "inverse": lambda: pc.inverse(machine, poses),
+            "drive": lambda: pc.drive(machine, poses),
             "forward": lambda: pc.forward(machine, joints),
             "jacobian": lambda: pc.jacobian(machine, joints),
             "draw": lambda: pc.draw_errors(robot, 20000),
