@@ -434,6 +434,42 @@ class Tolerances(TestCase):
             self.assertEqual(list(mine.to_frame().index), list(SOURCES))
 
 
+class EveryTemplate(TestCase):
+    """Robots that are a file alone, whatever their rods hang on."""
+
+    def each(self):
+        for path in sorted(HEXAPOD.parent.glob("*.toml")):
+            with self.subTest(path.stem):
+                yield path, pc.robot(path)
+
+    def test_kinematics_are_the_programs(self):
+        for path, robot in self.each():
+            poses = pc.workspace_poses(robot).poses[:40]
+            errors = pc.draw_errors(robot, 1)[0]
+            self.assertEqual(errors.shape, (6, len(robot.sources)))
+            stated = self.file("errors.toml", pc.errors_toml(robot, errors))
+            machine = pc.Machine(robot, pc.read_errors(robot, stated))
+            table = self.file("poses.csv", pose_table(robot, poses))
+            theirs = program("inverse", "--robot", path, "--errors", stated, "--poses", table)
+            mine = pc.inverse(machine, pc.read_poses(table, robot)[1]).joints
+            in_mm = robot.joint_unit == "mm"
+            printed = theirs["joints_mm" if in_mm else "joints_deg"]
+            self.same(mine if in_mm else in_deg(mine), printed)
+            self.close(pc.forward(machine, mine).poses, poses, 1e-8)
+
+    def test_calibrations_are_the_programs(self):
+        for path, robot in self.each():
+            virtual = VirtualMachine(path, poses=20, measure="pose")
+            table = self.file("m.csv", next(iter(virtual.measured.to_csv(robot).values())))
+            theirs = program("calibrate", "--robot", path, "--measurements", table)
+            found = pc.calibrate(robot, pc.read_measurements(table, robot=robot))
+            self.assertEqual(json.loads(found.to_json(TIME)), theirs)
+            self.assertEqual(found.errors.shape, (6, len(robot.sources)))
+            self.assertEqual(found.units, [robot.units[one] for one in robot.sources] * 6)
+            share = np.mean(np.abs(found.values - virtual.truth.ravel()) <= found.U)
+            self.assertGreater(share, 0.85)
+
+
 class Level(TestCase):
     """What is of plates that stay level."""
 
