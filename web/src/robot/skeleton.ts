@@ -16,14 +16,17 @@ export interface Size {
 
 const lengthOf = (limb: SingleRod) => limb.length_at_zero_mm ?? limb.rod_mm ?? 0;
 
-export function sizeOf(robot: Robot): Size {
+/// Where a limb begins at all poses: of a rail, its carriage.
+const beginnings = (poses: ScenePose[], limb: number): Vector3[] => poses.flatMap(({ limbs }) => (limbs?.[limb] ? [vector(limbs[limb].base_mm)] : []));
+
+export function sizeOf(robot: Robot, poses: ScenePose[]): Size {
   if (robot.geometry) return { base: robot.geometry.base_radius_mm, plate: robot.geometry.plate_radius_mm, rod: robot.geometry.rod_mm, above: robot.geometry.arm_mm / 2 }; // arms seldom stand steeper
-  const limbs = singleRodsOf(robot), largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
+  const limbs = singleRodsOf(robot), hangs = robot.workspace.top_z_mm < 0, largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
   return {
-    base: largest(({ base_joint_mm: [x, y] }) => Math.hypot(x, y)),
+    base: Math.max(...limbs.flatMap((limb, k) => [vector(limb.base_joint_mm), ...(limb.direction ? beginnings(poses, k) : [])]).map(({ x, y }) => Math.hypot(x, y))),
     plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)),
     rod: largest(lengthOf),
-    above: largest(({ base_joint_mm: [, , z], arm_mm: arm = 0 }) => z + arm / 2),
+    above: largest(({ base_joint_mm: [, , z], arm_mm: arm = 0 }) => z + (hangs ? arm / 2 : 0)),
   };
 }
 
@@ -47,7 +50,7 @@ function plateGeometry(corners: Vector3[]): BufferGeometry {
 
 /// From the endstops down to the bottom of the workspace.
 function rails(robot: Robot, azimuths: number[], thickness: number, material: MeshLambertMaterial): Object3D {
-  const radius = sizeOf(robot).base;
+  const radius = sizeOf(robot, []).base;
   const bottom = robot.workspace.top_z_mm - robot.workspace.height_mm;
   const rods = new Rods(azimuths.length, thickness, material, kRound);
   rods.set(azimuths.map((degrees): Segment => {
@@ -57,16 +60,18 @@ function rails(robot: Robot, azimuths: number[], thickness: number, material: Me
   return rods.object;
 }
 
-/// A rail as far as its carriage could hold a rod to where it begins, and half as far again.
-function along(limb: SingleRod): Segment {
-  const base = vector(limb.base_joint_mm), reach = vector(limb.direction ?? [0, 0, 1]).normalize().multiplyScalar(1.5 * lengthOf(limb));
-  return [base.clone().sub(reach), base.clone().add(reach)];
+/// A rail as far as its carriage goes, and a little farther.
+function along(limb: SingleRod, carriages: Vector3[]): Segment {
+  const base = vector(limb.base_joint_mm), direction = vector(limb.direction ?? [0, 0, 1]).normalize(), end = 0.05 * lengthOf(limb);
+  const places = carriages.map((one) => one.clone().sub(base).dot(direction));
+  const at = (place: number) => base.clone().addScaledVector(direction, place);
+  return places.length > 0 ? [at(Math.min(...places) - end), at(Math.max(...places) + end)] : [at(-end), at(end)];
 }
 
-function baseOf(robot: Robot, thickness: number, material: MeshLambertMaterial): Object3D {
+function baseOf(robot: Robot, poses: ScenePose[], thickness: number, material: MeshLambertMaterial): Object3D {
   if (!robot.geometry) {
     const limbs = singleRodsOf(robot), corners = limbs.map((one) => vector(one.base_joint_mm)), rods = new Rods(corners.length, thickness, material, kRound);
-    rods.set(limbs.some((one) => one.direction) ? limbs.map(along) : edges(corners));
+    rods.set(limbs.some((one) => one.direction) ? limbs.map((one, k) => along(one, beginnings(poses, k))) : edges(corners));
     return rods.object;
   }
   if (robot.geometry.actuator === "linear") return rails(robot, robot.geometry.limb_azimuth_deg, thickness, material);
@@ -81,8 +86,8 @@ export class Skeleton {
   private readonly joints: InstancedMesh;
   private readonly plate: Mesh;
 
-  constructor(private readonly robot: Robot, readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
-    const limbs = robot.geometry?.limb_azimuth_deg.length ?? singleRodsOf(robot).length, size = sizeOf(robot).rod / 950;
+  constructor(private readonly robot: Robot, poses: ScenePose[], readonly material: { links: MeshLambertMaterial; plate: MeshLambertMaterial; base: MeshLambertMaterial; pointer: MeshLambertMaterial }) {
+    const limbs = robot.geometry?.limb_azimuth_deg.length ?? singleRodsOf(robot).length, size = sizeOf(robot, poses).rod / 950;
     this.arms = new Rods(limbs, 11 * size, material.links, kRound);
     this.rods = new Rods(4 * limbs, (robot.geometry ? 5 : 9) * size, material.links, kRound);
     this.pointer = new Rods(1, 6 * size, material.pointer, kRound);
@@ -90,7 +95,7 @@ export class Skeleton {
     this.joints.frustumCulled = false;
     this.plate = new Mesh(new BufferGeometry(), material.plate);
     material.plate.side = DoubleSide;
-    this.object.add(baseOf(robot, 9 * size, material.base), this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
+    this.object.add(baseOf(robot, poses, 9 * size, material.base), this.arms.object, this.rods.object, this.pointer.object, this.joints, this.plate);
   }
 
   stand(pose: ScenePose): void {
@@ -106,7 +111,7 @@ export class Skeleton {
     this.plate.geometry.dispose();
     this.plate.geometry = plateGeometry(limbs.flatMap((limb) => limb.rods_mm.map(([, to]) => vector(to))));
     const centre = vector(pose.position_mm), angle = (pose.rotation_deg * Math.PI) / 180;
-    const reach = 1.6 * sizeOf(this.robot).plate + 40;
+    const reach = 1.6 * sizeOf(this.robot, []).plate + 40;
     this.pointer.set(this.robot.plate ? [[centre, centre.clone().add(new Vector3(Math.cos(angle), Math.sin(angle), 0).multiplyScalar(reach))]] : []);
   }
 }

@@ -38,7 +38,7 @@ export class RobotView {
   /// @throws where there is no WebGL.
   constructor(private readonly canvas: HTMLCanvasElement, private readonly report: Report, private readonly poses: ScenePose[], private shown: Shown) {
     const { workspace } = report.robot, count = poses.length;
-    this.span = Math.max(workspace.radius_mm, sizeOf(report.robot).base / 2);
+    this.span = Math.max(workspace.radius_mm, sizeOf(report.robot, poses).base / 2);
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.camera = new PerspectiveCamera(35, 1, this.span / 50, 40 * this.span);
     this.camera.up.set(0, 0, 1);
@@ -46,7 +46,7 @@ export class RobotView {
     this.controls.enableZoom = false; // the wheel scrolls the page
     this.controls.enablePan = false;
     this.controls.addEventListener("change", () => this.invalidate());
-    this.skeleton = new Skeleton(report.robot, this.materials);
+    this.skeleton = new Skeleton(report.robot, poses, this.materials);
     const thin = this.span / 160;
     this.arrows = { before: new Arrows(count, thin, this.materials.before), after: new Arrows(count, thin, this.materials.after), tilt: new Arrows(count, thin, this.materials.tilt) };
     this.points = new InstancedMesh(new SphereGeometry(1.8 * thin, 8, 5), this.materials.points, count);
@@ -90,8 +90,8 @@ export class RobotView {
 
   home(): void {
     const { top_z_mm: top, height_mm: height } = this.report.robot.workspace;
-    const { above } = sizeOf(this.report.robot), bottom = Math.min(top - height, above), highest = Math.max(top, above);
-    const size = Math.max(highest - bottom, 2.4 * this.span);
+    const { above, base } = sizeOf(this.report.robot, this.poses), bottom = Math.min(top - height, above), highest = Math.max(top, above);
+    const size = Math.max(highest - bottom, 2.4 * this.span, 1.8 * base);
     this.controls.target.set(0, 0, 0.5 * (bottom + highest));
     this.camera.position.copy(this.controls.target).add(new Vector3(1.05, -1.85, 0.55).multiplyScalar(size));
     this.controls.update();
