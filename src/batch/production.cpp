@@ -1,5 +1,6 @@
 #include "paracal/batch/production.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <new>
@@ -7,6 +8,7 @@
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_error.hpp"
+#include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/drive.hpp"
 
@@ -14,6 +16,7 @@ namespace paracal {
 namespace {
 
 constexpr int kFinePoints = 9;  // on each rim: the n at which O2 settles
+constexpr int kSelectedPoses = 30, kCandidates = 300;
 
 Fate fate_of(Verdict verdict) {
   switch (verdict) {
@@ -55,10 +58,10 @@ Delivery measure_and_calibrate(const Robot& robot, const ProductionPlan& plan, c
 class Validator {
  public:
   Validator(const Robot& robot, const std::vector<Station>& stations, const SourceErrors& errors)
-      : robot_(robot),
-        stations_(stations),
-        actual_(build(robot, errors)),
-        tilts_(stations.size(), Eigen::Vector3d::Zero()) {}
+      : robot_(robot), stations_(stations), actual_(build(robot, errors)) {
+    tilts_.reserve(stations.size());
+    for (const Station& station : stations) tilts_.push_back(station.commanded.tilt);
+  }
 
   /// @param believed  the machine that the controller computes with. Empty where a pose cannot be asked for or taken.
   std::optional<Accuracy> operator()(const Machine& believed) {
@@ -71,17 +74,33 @@ class Validator {
       if (!taken) return std::nullopt;
       tilts_[k] = taken->tilt;
       pairs.push_back({commanded, pose_of(actual_, *taken)});
-      accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], taken->tilt.head<2>().norm());
+      const double tilt = turned_away(actual_, commanded, *taken).head<2>().norm();
+      accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], tilt);
     }
     const PoseErrorSummary largest = summarize(pairs, robot_.slide().has_value());
     accuracy[ErrorKind::distance] = largest.max_abs_distance;
     accuracy[ErrorKind::volumetric] = largest.max_volumetric;
     accuracy[ErrorKind::volumetric_aligned] = largest.max_volumetric_aligned;
-    accuracy[ErrorKind::rotation] = largest.max_abs_rotation.value_or(0.0);
+    accuracy[ErrorKind::rotation] =
+        robot_.has_six_freedoms() ? largest_turn_since_home(pairs) : largest.max_abs_rotation.value_or(0.0);
     return accuracy;
   }
 
  private:
+  /// Of R_0^T R against the same as commanded.
+  static double largest_turn_since_home(const std::vector<PosePair>& pairs) {
+    const auto since_home = [](const Pose& home, const Pose& pose) -> Eigen::Matrix3d {
+      return plate_rotation(home.tilt).matrix.transpose() * plate_rotation(pose.tilt).matrix;
+    };
+    double largest = 0.0;
+    for (const PosePair& pair : pairs) {
+      const Eigen::Matrix3d meant = since_home(pairs.front().meant, pair.meant);
+      const Eigen::Matrix3d actual = since_home(pairs.front().actual, pair.actual);
+      largest = std::max(largest, Eigen::AngleAxisd(meant.transpose() * actual).angle());
+    }
+    return largest;
+  }
+
   /// The commanded pose with the tilt that the machine last had there: joints that differ a little hardly change it.
   PlateState guess_at(std::size_t k) const {
     const Pose& commanded = stations_[k].commanded;
@@ -115,15 +134,24 @@ std::string_view name(Fate fate) {
   return kNames[static_cast<std::size_t>(fate)];
 }
 
+bool turns(const Robot& robot) { return robot.slide().has_value() || robot.has_six_freedoms(); }
+
 bool has_limits(const ProductionPlan& plan) {
   return std::ranges::any_of(kErrorKinds, [&](ErrorKind kind) { return plan.limits[kind].has_value(); });
 }
 
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
-  ProductionPlan plan{.tolerances = tolerances,
-                      .stations = fine_stations(robot, kFinePoints),
-                      .instrument = {.noise = kUsualNoise},
-                      .validation = validation_stations(robot)};
+  ProductionPlan plan{.tolerances = tolerances, .instrument = {.noise = kUsualNoise}};
+  if (robot.has_six_freedoms()) {
+    const SelectionOptions full{
+        .poses = kSelectedPoses, .readings = {.measurand = Measurand::poses}, .tolerances = tolerances};
+    plan.instrument.reads_orientation = true;
+    plan.stations = select_stations(robot, candidate_stations(robot, kCandidates, 1), full).stations;
+    plan.validation = workspace_stations(robot);
+  } else {
+    plan.stations = fine_stations(robot, kFinePoints);
+    plan.validation = validation_stations(robot);
+  }
   plan.calibration.tolerances = tolerances;
   plan.calibration.states_use = false;  // of a thousand machines nobody reads it
   plan.calibration.diagnose = false;    // a virtual metrologist makes no such mistakes

@@ -115,6 +115,7 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vecto
   for (std::size_t k = 0; k < plan.stations.size(); ++k) {
     PointReading reading{.station = k, .point = Eigen::Vector3d::Zero(), .second = instrument.second};
     if (instrument.reads_rotation) reading.rotation = 0.0;
+    if (instrument.reads_orientation) reading.orientation = Quaternion::Identity();
     for (int repeat = 0; repeat < instrument.repeats; ++repeat) plan.series.front().readings.push_back(reading);
   }
   return simulate(robot, errors, std::move(plan), instrument, random);

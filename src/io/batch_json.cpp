@@ -29,6 +29,7 @@ Json digest(const std::vector<Station>& stations) {
   for (const Station& station : stations) {
     Json row = json_array(station.commanded.position);
     row.push_back(station.commanded.rotation);
+    if (!station.commanded.tilt.isZero(0.0)) row.push_back(json_array(station.commanded.tilt));
     if (station.believed) row.push_back(json_array(*station.believed));
     all.push_back(std::move(row));
   }
@@ -43,6 +44,7 @@ Json instrument_json(const VirtualInstrument& instrument) {
             {"rotation_noise_rad", instrument.rotation_noise},
             {"rotation", rows_json(instrument.frame.rotation)},
             {"translation_mm", json_array(instrument.frame.translation)}};
+  if (instrument.reads_orientation) json["reads_orientation"] = true;
   if (instrument.tracker) json["tracker"] = to_json(*instrument.tracker);
   if (instrument.second) json["second_reflector_mm"] = json_array(*instrument.second);
   return json;
@@ -79,7 +81,7 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
   for (const ErrorKind kind : kErrorKinds) {
     const bool turned = kind == ErrorKind::rotation;
     Json& entry = json[key_of(kind, turned ? "deg" : "rad")];
-    if (turned && !batch.robot.slide()) continue;
+    if (turned && !turns(batch.robot)) continue;
     const double factor = turned ? to_degrees(1.0) : 1.0;
     entry = {{"before", statistics(tally.before[kind], factor, confidence)},
              {"after", statistics(tally.after[kind], factor, confidence)}};

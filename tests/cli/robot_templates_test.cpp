@@ -125,5 +125,25 @@ TEST_P(TemplateWalk, TolerancesAreStudied) {
   EXPECT_TRUE(analyzed.at("converged"));
 }
 
+/// A batch as customers get it: calibrated by full poses, tried in all tilts.
+TEST_P(TemplateWalk, BatchesAreMade) {
+  const std::string make = "yield --robot r.toml --machines 12 --noise-mm 0.02 --rotation-noise-deg 0.01 --seed 5";
+  const json made = json_from(make + " --max-position-aligned-mm 0.3 --max-rotation-deg 0.2");
+  EXPECT_EQ(made.at("fates").at("accepted"), 12);
+  EXPECT_EQ(made.at("passed"), 12);
+  for (const char* of : {"distance_mm", "volumetric_aligned_mm", "rotation_deg"}) {
+    const json& one = made.at("quantities").at(of);
+    EXPECT_LT(one.at("after").at("p95").get<double>(), 0.5 * one.at("before").at("p95").get<double>()) << of;
+  }
+  EXPECT_GT(made.at("quantities").at("tilt_rad").at("before").at("p50").get<double>(), 0.0);
+  EXPECT_THAT(folder.run(words(make)).out, HasSubstr("rotation, deg"));
+  const json planned = json_from(make + " --poses p.csv");  // what `poses` chooses of as many is what is chosen here
+  EXPECT_EQ(planned.at("batch").at("stations"), made.at("batch").at("stations"));
+  done("poses --robot r.toml --measure pose --optimal 20 --candidates 300 --seed 9 --out q.csv");
+  const json fewer = json_from(make + " --poses q.csv");
+  EXPECT_EQ(fewer.at("batch").at("stations").at("count"), 20);
+  EXPECT_EQ(fewer.at("fates").at("accepted"), 12);
+}
+
 }  // namespace
 }  // namespace paracal::test

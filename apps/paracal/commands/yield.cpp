@@ -56,7 +56,7 @@ struct Order {
 NoiseModel first_guess(const VirtualInstrument& instrument) {
   constexpr double kSmallest = 1e-5;  // mm or rad: a perfect instrument is not believed
   NoiseModel noise;
-  if (instrument.noise >= kSmallest) noise.point = instrument.noise;
+  if (instrument.noise >= kSmallest) noise.point = noise.body = instrument.noise;
   if (instrument.rotation_noise >= kSmallest) noise.rotation = instrument.rotation_noise;
   noise.tracker = instrument.tracker;
   return noise;
@@ -66,7 +66,7 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
   PerErrorKind<std::optional<double>> limits;
   for (const Row& row : kRows) {
     if (!options.limits[row.kind]) continue;
-    if (row.kind == ErrorKind::rotation && !robot.slide()) {
+    if (row.kind == ErrorKind::rotation && !turns(robot)) {
       throw WrongUsage(fmt::format("{}: expected a robot that turns its plate, got {}", row.option, robot.name()));
     }
     limits[row.kind] = *options.limits[row.kind] / row.factor;
@@ -76,9 +76,8 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
 
 /// Reads the inputs and keeps their hashes.
 Order order_of(const Options& options, Session& session) {
-  Order order{
-      .batch = {.robot = session.level_robot("yield", {.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
-      .inputs = {}};
+  Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
+              .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
     io::TextFile file = input_file(name);
     order.inputs.push_back({file.name, io::sha256(file.text)});
@@ -90,7 +89,15 @@ Order order_of(const Options& options, Session& session) {
       paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
                                                          : read_priors(input(options.tolerances), robot.geometry()));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
+  const bool reads_orientation = plan.instrument.reads_orientation;
+  if (reads_orientation && options.rotation != "none") {
+    throw WrongUsage(
+        fmt::format("--rotation: expected none of a plate with six freedoms, whose orientation is read, "
+                    "got {}",
+                    options.rotation));
+  }
   plan.instrument = options.instrument.instrument(options.rotation != "none");
+  plan.instrument.reads_orientation = reads_orientation;
   plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
   plan.calibration.noise = first_guess(plan.instrument);
   plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
@@ -145,7 +152,7 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
   for (const Row& row : kRows) {
-    if (row.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
     text += fmt::format("  {:<22}", row.text) + spread_line(tally.before[row.kind], row.factor, confidence, "before");
     text += fmt::format("  {:<22}", "") + spread_line(tally.after[row.kind], row.factor, confidence, "after");
   }
@@ -191,7 +198,7 @@ io::Json json_of(const Options& options, const Order& order, const io::BatchResu
 io::Json histograms(const Batch& batch, const Tally& tally) {
   io::Json json = io::Json::array();
   for (const Row& row : kRows) {
-    if (row.kind == ErrorKind::rotation && !batch.robot.slide()) continue;
+    if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
     json.push_back({{"quantity", row.text},
                     {"before", report::histogram(tally.before[row.kind], row.factor)},
                     {"after", report::histogram(tally.after[row.kind], row.factor)}});
@@ -247,8 +254,10 @@ void add_yield(Command& program, Session& session) {
   const auto options = std::make_shared<Options>();
   command->add_option("--machines", options->machines, "how many")->required()->check(whole_number(1, kMostMachines));
   command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
-  command->add_option("--poses", options->poses,
-                      "poses to measure (CSV); default: the paper's, home and two rims of 9");
+  command->add_option(
+      "--poses", options->poses,
+      "poses to measure (CSV); default: the paper's, home and two rims of 9, or 30 full poses that show "
+      "most of a plate with six freedoms");
   command->add_option("--method", options->method, "of the calibration, as in calibrate")
       ->check(one_of({"best", "paper"}))
       ->shows_default();

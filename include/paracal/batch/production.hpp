@@ -19,8 +19,8 @@ enum class ErrorKind : std::uint8_t {
   distance,            ///< |d_rho|, mm
   volumetric,          ///< d_v, mm
   volumetric_aligned,  ///< |dr| after the rigid motion that fits best has been removed, mm
-  rotation,            ///< |d_phi|, rad; 0 for a rigid plate
-  tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate, rad
+  rotation,            ///< |d_phi|, or how far a plate with six freedoms is turned since home, rad; 0 for a rigid plate
+  tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate against how it was commanded, rad
 };
 
 inline constexpr std::array kErrorKinds{ErrorKind::distance, ErrorKind::volumetric, ErrorKind::volumetric_aligned,
@@ -61,11 +61,15 @@ struct ProductionPlan {
 /// [huang2016, section 5.2], mm.
 inline constexpr double kUsualNoise = 0.017;
 
+/// Whether ErrorKind::rotation says anything of a robot.
+bool turns(const Robot& robot);
+
 /// Without limits nothing can be said about keeping them.
 bool has_limits(const ProductionPlan& plan);
 
 /// The paper's scheme: home and nine points on each of two rims measured with kUsualNoise, 120 poses to validate; the
-/// tolerances are the metrologist's priors, too.
+/// tolerances are the metrologist's priors, too. Of a plate with six freedoms full poses are read at 30 stations that
+/// select_stations() chooses, and the validation poses are tilted all ways (workspace_stations).
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances);
 
 /// The plan with its automatic choices made, once for all machines: readings alike in kind carry the same stage.

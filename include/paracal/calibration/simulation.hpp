@@ -18,6 +18,7 @@ struct VirtualInstrument {
   double repeatability = 0.0;                  ///< mm a coordinate: the machine comes back somewhere else
   int repeats = 1;                             ///< visits of every station
   bool reads_rotation = false;                 ///< a rotary encoder reads phi
+  bool reads_orientation = false;              ///< poses of a body are read, not points
   double rotation_noise = 0.0;                 ///< rad; of an orientation about each axis
   std::optional<Eigen::Vector3d> second = {};  ///< second reflector, mm, from the first, in the frame of its mount
   RigidMotion frame = {};                      ///< instrument = frame(robot)
