@@ -100,13 +100,14 @@ TEST_F(Hexapod, JointsAloneAreCommandsEnough) {
 
 TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
   for (const char* command :
-       {"tolerance allocate", "yield --machines 3 --rotation relative", "error-model --pose 0,0,500,20", "sensitivity --pose 0,0,500,20",
-        "poses --stage fine", "export --target st --calibration c.json",
+       {"tolerance allocate", "yield --machines 3 --rotation relative", "error-model --pose 0,0,500,20",
+        "sensitivity --pose 0,0,500,20", "poses --stage fine", "export --target st --calibration c.json",
         "export --target linuxcnc --config x --calibration c.json",
         "compensate --calibration c.json --poses p.csv --way linear"}) {
     const ProgramResult result = run(std::string(command) + " --robot h.toml");
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
-    EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("stay level"), HasSubstr("stays level"), HasSubstr("tilt_x"), HasSubstr("with six freedoms")))
+    EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("stay level"), HasSubstr("stays level"), HasSubstr("tilt_x"),
+                                           HasSubstr("with six freedoms")))
         << command;
   }
 }

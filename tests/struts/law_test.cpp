@@ -133,7 +133,8 @@ Robot on_rails(double lean) {
   };
   std::vector<SingleRod> limbs;
   for (int k = 0; k < 6; ++k) {
-    const double pair = 120.0 * (k / 2), side = k % 2 == 0 ? -1.0 : 1.0;
+    const int of_pair = k % 2;
+    const double pair = 60.0 * (k - of_pair), side = of_pair == 0 ? -1.0 : 1.0;
     SingleRod& limb = limbs.emplace_back();
     limb.base = at(320.0, pair + side * 40.0);
     limb.plate = at(130.0, pair + side * 10.0);
