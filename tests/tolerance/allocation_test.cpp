@@ -70,23 +70,31 @@ TEST(EqualInfluence, LowerBoundHasTwoReadings) {
 
 CostCurve curve(CostLaw law, double B, double C) { return {.law = law, .B = B, .C = C}; }
 
-/// One of every law over the errors of plates that all errors turn.
-AllocationProblem strut_problem(const Robot& robot) {
-  return {.variables = {{{Source::theta_offset}, curve(CostLaw::reciprocal, 0.1, 1), 0.01, 3.0},
-                        {{Source::e_x, Source::e_y, Source::e_z}, curve(CostLaw::exponential, 8.0, 0.4), 0.01, 3.0},
-                        {{Source::gain}, curve(CostLaw::power, 0.05, 0.7), 0.01, 10.0},
-                        {{Source::plate_x, Source::plate_y, Source::plate_z},
-                         curve(CostLaw::reciprocal_square, 0.02, 1),
-                         0.01,
-                         3.0}},
-          .rest = *robot.tolerances(),
-          .requirements = {
-              {{Quantity::tilt}, 5e-3}, {{Quantity::position}, 10.0, Spread::worst_case}, {{Quantity::distance}, 2.5}}};
+/// One of every law in turn over the errors of plates that all errors turn; angles cost as their hundredfold in mm.
+AllocationProblem six_freedoms_problem(const Robot& robot) {
+  AllocationProblem problem{
+      .variables = {},
+      .rest = *robot.tolerances(),
+      .requirements = {
+          {{Quantity::tilt}, 5e-3}, {{Quantity::position}, 10.0, Spread::worst_case}, {{Quantity::distance}, 2.5}}};
+  for (const Source source : sources_of(robot.actuator())) {
+    if (!is_leading(source, robot.actuator())) continue;
+    const double size = unit(source, robot.actuator()) == Unit::rad ? 0.01 : 1.0;
+    const std::array laws{curve(CostLaw::reciprocal, 0.1 * size, 1), curve(CostLaw::exponential, 8.0, 0.4 * size),
+                          curve(CostLaw::power, 0.05 * std::pow(size, 0.7), 0.7),
+                          curve(CostLaw::reciprocal_square, 0.02 * size * size, 1)};
+    DesignVariable variable{{source}, laws.at(problem.variables.size() % laws.size()), 0.01 * size, 3.0 * size};
+    for (std::size_t k = 1; coordinate(source, robot.actuator()) && k < 3; ++k) {
+      variable.sources.push_back(static_cast<Source>(index(source) + k));
+    }
+    problem.variables.push_back(std::move(variable));
+  }
+  return problem;
 }
 
 /// One of every law over the tilt group, and a shared tolerance of the position group.
 AllocationProblem mixed_problem(const Robot& robot) {
-  if (!why_not_asked(robot, {Quantity::position, true}).empty()) return strut_problem(robot);
+  if (!why_not_asked(robot, {Quantity::position, true}).empty()) return six_freedoms_problem(robot);
   AllocationProblem problem{
       .variables = {{{Source::rod_difference}, curve(CostLaw::reciprocal, 0.02, 1), 0.002, 0.5},
                     {{Source::width_difference}, curve(CostLaw::reciprocal_square, 1e-3, 1), 0.002, 0.5},
