@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/toml.hpp"
@@ -127,6 +129,19 @@ TEST(StrutFile, StrutsThatDoNotHoldThePlateAreRefused) {
   alike.geometry = single_rod_geometry(Actuator::strut, struts);
   EXPECT_THAT([&] { Robot{alike}; },
               ThrowsMessage<InvalidArgument>(HasSubstr("do not hold the plate at (0, 0, 500) mm")));
+}
+
+/// Rods that stand upright, side by side, where their arms are 30 deg up: the plate could be turned and shifted.
+TEST(ArmFile, RodsThatDoNotHoldThePlateAreRefused) {
+  RobotDescription upright = read_robot(robot_template("6-rss")).description();
+  std::vector<SingleRod> limbs = upright.geometry.single_rods;
+  const double up = to_radians(30.0);
+  for (SingleRod& limb : limbs) limb.plate = limb.base + limb.arm * std::cos(up) * limb.at_zero.normalized();
+  const double height = limbs[0].length + limbs[0].arm * std::sin(up);
+  upright.geometry = single_rod_geometry(Actuator::crank, limbs);
+  upright.workspace = {.radius = 5.0, .height = 10.0, .top_z = height + 5.0, .max_tilt = to_radians(1.0)};
+  EXPECT_THAT([&] { Robot{upright}; },
+              ThrowsMessage<InvalidArgument>(HasSubstr("do not hold the plate at (0, 0, 335)")));
 }
 
 TEST(StrutFile, RobotsOfArmsDoNotTilt) {
