@@ -89,15 +89,12 @@ Order order_of(const Options& options, Session& session) {
       paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
                                                          : read_priors(input(options.tolerances), robot.geometry()));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
-  const bool reads_orientation = plan.instrument.reads_orientation;
-  if (reads_orientation && options.rotation != "none") {
-    throw WrongUsage(
-        fmt::format("--rotation: expected none of a plate with six freedoms, whose orientation is read, "
-                    "got {}",
-                    options.rotation));
+  if (robot.has_six_freedoms() && options.rotation != "none") {
+    throw WrongUsage(fmt::format(
+        "--rotation: expected none of a plate with six freedoms, whose orientation is read, got {}", options.rotation));
   }
   plan.instrument = options.instrument.instrument(options.rotation != "none");
-  plan.instrument.reads_orientation = reads_orientation;
+  plan.instrument.reads_orientation = robot.has_six_freedoms();
   plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
   plan.calibration.noise = first_guess(plan.instrument);
   plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;

@@ -21,8 +21,7 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 ///   actuator           revolute, crank:   C = b + L u_1(q), an arm of length L that the joint turns;
 ///                      linear, carriage:  C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points
 ///                                         inward (linear) or has none (carriage)
-///                      strut:             C = b, whence the one rod to the plate grows: l = l_1 + gain q +
-///                      joint_offset
+///                      strut:             C = b, whence the one rod grows: l = l_1 + gain q + joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
 ///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent); of
 ///                      limbs with one rod see frame_of()

@@ -43,9 +43,8 @@ using Machine = BasicMachine<double>;
 /// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()
 ///   strut:     l = l_0 + theta_offset + (1 + gain) q;
 ///   crank:     l = l_1 + rod_length, an arm L + arm_length in R_0 = F Rot(x, alpha0) Rot(y, beta0);
-///   carriage:  l = l_1 + rod_length, C = b + normal u_0 + across w_0 + ((1 + gain) q + theta_offset) v_1 along the
-///   rail
-///              v_1 of R_0 = F Rot(x, alpha0) Rot(z, beta0).
+///   carriage:  l = l_1 + rod_length, C = b + normal u_0 + across w_0 + ((1 + gain) q + theta_offset) v_1 on a rail
+///              along v_1 of R_0 = F Rot(x, alpha0) Rot(z, beta0).
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);
