@@ -126,8 +126,10 @@ NoiseModel MeasuringOptions::noise() const {
   }
   noise.distance_bias = distance_bias_mm;
   if (dial_angle_deg) noise.dial_angle = to_radians(*dial_angle_deg);
-  check_noise("--sigma-deg", sigma_deg, "deg");
-  noise.rotation = to_radians(sigma_deg);
+  if (sigma_deg) {
+    check_noise("--sigma-deg", *sigma_deg, "deg");
+    noise.rotation = to_radians(*sigma_deg);
+  }
   if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
   return noise;
 }
@@ -250,9 +252,8 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
       ->check(between(0.0, 10.0));
   command
       .add_option("--sigma-deg", options.sigma_deg,
-                  "standard deviation of rotations, and of orientations that state none")
-      ->check(positive_finite())
-      ->shows_default();
+                  "standard deviation of rotations, and of orientations that state none (0.3)")
+      ->check(positive_finite());
   command
       .add_option("--tracker-um", options.tracker_um,
                   "tracker at the origin of its frame: transverse um, um per m, radial um, um per m, e.g. 15,6,10,0.3")

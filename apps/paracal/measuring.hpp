@@ -23,9 +23,8 @@ struct MeasuringOptions {
   std::vector<std::string> files;
   std::vector<std::string> poses;  ///< one table for all files that name poses, or one for each of them in their order
   std::string columns, unit;
-  std::optional<double> sigma_mm, height_sigma_mm;
+  std::optional<double> sigma_mm, height_sigma_mm, sigma_deg;
   double distance_bias_mm = 0.0;
-  double sigma_deg = 0.3;
   std::optional<double> dial_angle_deg;
   double scale_ppm = 15.0, expansion_ppm = 11.5, instrument_expansion_ppm = 0.0;
   std::optional<double> temperature_c;

@@ -22,6 +22,7 @@ void add_limit_options(Command& command, LimitOptions& options) {
 ValidationOptions ValidatingOptions::options(const Measurements& measurements) const {
   return {.noise = measuring.noise(),
           .noise_is_known = measuring.states_noise_of(measurements),
+          .rotation_noise_is_known = measuring.sigma_deg.has_value(),
           .scale_std = 1e-6 * measuring.scale_ppm,
           .reflectors = reflectors,
           .frame = measuring.frame_kind(),

@@ -97,6 +97,7 @@ CalibrationOptions calibration_options(const Robot& robot, const Keywords& given
 ValidationOptions validation_options(const Keywords& given) {
   ValidationOptions options;
   take_common(given, options);
+  options.rotation_noise_is_known = given.has("sigma_rad");
   return options;
 }
 

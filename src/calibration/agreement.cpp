@@ -8,9 +8,9 @@
 
 #include "paracal/error.hpp"
 #include "placement.hpp"
-#include "scatter.hpp"
 #include "square_root.hpp"
 #include "tails.hpp"
+#include "visits.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -36,21 +36,17 @@ void take_set_up(const Placement& fitted, const Observation& observation, Eigen:
 /// stated.
 /// @returns degrees of freedom of the noise; empty where nothing tells it.
 std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd& unknowns, Validation& validation) {
-  constexpr double kFewest = 3.0, kContradiction = 1e-3;
   constexpr double kSmallest = 1e-2;  // readings without any noise still follow the machine to some 0.1 um
   const bool stated = all_stated(observation);
-  const double if_believed = std::numeric_limits<double>::infinity();
-  const Scatter visits = scatter_of_visits(observation, unknowns);
-  if (visits.redundancy < kFewest || !std::isfinite(visits.sum))
-    return stated ? std::optional(if_believed) : std::nullopt;
-  const double factor = std::max(std::sqrt(visits.sum / visits.redundancy), kSmallest);
+  const auto noise = noise_of_visits(scatter_of_visits(observation, unknowns), stated);
+  if (!noise) return std::nullopt;
+  if (std::isinf(noise->dof)) return noise->dof;
   if (stated) {
-    if (chi_square_tail(visits.sum, visits.redundancy) > kContradiction) return if_believed;
     validation.notes.push_back(
-        fmt::format("visits of a pose scatter {:.1f} times as much as the noise that is stated", factor));
+        fmt::format("visits of a pose scatter {:.1f} times as much as the noise that is stated", noise->factor));
   }
-  observation.components().stated_noise = observation.components().unstated_noise = factor;
-  return visits.redundancy;
+  observation.components().stated_noise = observation.components().unstated_noise = std::max(noise->factor, kSmallest);
+  return noise->dof;
 }
 
 /// The sum of squares that is left when set-up and errors z = L u, u ~ N(0, I), have been found, and its degrees of

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -15,6 +15,7 @@
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "placement.hpp"
+#include "visits.hpp"
 
 namespace paracal {
 namespace {
@@ -31,35 +32,11 @@ void widen(PoseErrorSummary& all, const PoseErrorSummary& one) {
   }
 }
 
-/// Standard deviations of a station's means, largest over the stations: a reading's own sigma, the tracker's across the
-/// beam, or the noise model's, over the root of the number of repeats.
-struct MeanSigma {
-  double point = 0.0, rotation = 0.0;
-};
-
-MeanSigma mean_sigma(const Measurements& measurements, const ValidationOptions& options) {
-  MeanSigma largest;
-  for (const PointSeries& series : measurements.series) {
-    std::map<std::size_t, int> repeats;
-    for (const PointReading& reading : series.readings) ++repeats[reading.station];
-    for (const PointReading& reading : series.readings) {
-      double sigma = reading.orientation ? options.noise.body : options.noise.point;
-      if (const auto& tracker = options.noise.tracker) {
-        sigma = tracker->transverse + 1e-3 * reading.point.norm() * tracker->transverse_per_m;
-      }
-      const double root = std::sqrt(repeats[reading.station]);
-      largest.point = std::max(largest.point, reading.sigma.value_or(sigma) / root);
-      largest.rotation = std::max(largest.rotation, reading.orientation_sigma.value_or(options.noise.rotation) / root);
-    }
-  }
-  return largest;
-}
-
-/// U of the least certain reading, mm (k = 2).
-double uncertainty_of_readings(const Validation& validation, std::optional<LengthKind> of) {
-  double largest = 0.0;
+/// Of the least certain reading, mm.
+detail::Uncertainty uncertainty_of_readings(const Validation& validation, std::optional<LengthKind> of) {
+  detail::Uncertainty largest;
   for (const CheckedReading& one : validation.readings) {
-    if (one.length == of) largest = std::max(largest, kCoverageFactor * one.sigma);
+    if (one.length == of) largest.standard = std::max(largest.standard, one.sigma);
   }
   return largest;
 }
@@ -93,13 +70,13 @@ void require_gain(double two_points, Validation& validation) {
   }
   if (validation.after.reads_distances) {
     const auto [before, after] = largest_of_readings(validation, std::nullopt);
-    return require("error of a distance", before, after, uncertainty_of_readings(validation, std::nullopt),
+    return require("error of a distance", before, after, uncertainty_of_readings(validation, std::nullopt).expanded(),
                    validation.after.rms_distance);
   }
   const auto& [kind, rms] = *validation.after.rms_lengths.begin();
   const auto [before, after] = largest_of_readings(validation, kind);
-  require(fmt::format("error of a {}", words(kind).noun), before, after, uncertainty_of_readings(validation, kind),
-          rms);
+  require(fmt::format("error of a {}", words(kind).noun), before, after,
+          uncertainty_of_readings(validation, kind).expanded(), rms);
 }
 
 /// Adds the errors of distances and lengths to those of points.
@@ -109,23 +86,26 @@ void add_readings(const PoseErrorSummary& readings, bool has_points, PoseErrorSu
   all.rms_lengths = readings.rms_lengths;
 }
 
-/// Standard deviation of a rotation that was read with a distance, rad; 0 where none was.
-double rotation_of_distances(const Measurements& measurements, const ValidationOptions& options) {
+/// Of a rotation that was read with a distance, rad; 0 where none was.
+detail::Uncertainty uncertainty_of_rotations(const Measurements& measurements, const ValidationOptions& options) {
   const bool any =
       std::ranges::any_of(measurements.distances, [](const auto& one) { return one.rotation.has_value(); });
-  return any ? options.noise.rotation : 0.0;
+  return {any ? options.noise.rotation : 0.0};
 }
 
 /// The differences of two points vary sqrt(2) times as much as one coordinate; |dr| of an aligned point by its three.
 void check_limits(const Measurements& measurements, const ValidationOptions& options, Validation& validation) {
-  const MeanSigma sigma = mean_sigma(measurements, options);
-  const double two_points = kCoverageFactor * std::sqrt(2.0) * sigma.point;
-  const auto check = [&](const char* quantity, const std::optional<double>& limit, double error, double uncertainty) {
+  detail::MeansOfVisits means = detail::means_of_visits(measurements, options);
+  std::ranges::move(means.notes, std::back_inserter(validation.notes));
+  const detail::Uncertainty two_points = means.point.times(std::sqrt(2.0));
+  const auto check = [&](const char* quantity, const std::optional<double>& limit, double error,
+                         const detail::Uncertainty& of_error) {
     if (!limit) return;
+    const double uncertainty = of_error.expanded();
     const Conformity conformity = error + uncertainty <= *limit  ? Conformity::conforming
                                   : error - uncertainty > *limit ? Conformity::not_conforming
                                                                  : Conformity::undecided;
-    validation.checks.push_back({quantity, error, uncertainty, *limit, conformity});
+    validation.checks.push_back({quantity, error, uncertainty, of_error.coverage, *limit, conformity});
     if (conformity == Conformity::conforming) return;
     validation.reasons.push_back(fmt::format("{}: {:.4g} +- {:.2g} against a limit of {:.4g} is {}", quantity, error,
                                              uncertainty, *limit, name(conformity)));
@@ -135,24 +115,23 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
                                              words(validation.after.rms_lengths.begin()->first).plural));
   } else {
     check("distance error, mm", options.limits.distance, validation.after.max_abs_distance,
-          std::max(two_points, uncertainty_of_readings(validation, std::nullopt)));
+          larger(two_points, uncertainty_of_readings(validation, std::nullopt)));
   }
   if (options.limits.volumetric && validation.poses.empty()) {
     validation.reasons.emplace_back("a limit on aligned positions was set, and no points were read");
   } else {
     check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
-          kCoverageFactor * sigma.point);
+          means.point);
   }
   if (validation.after.max_abs_rotation) {
     check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
-          kCoverageFactor * std::max(std::sqrt(2.0) * sigma.rotation, rotation_of_distances(measurements, options)));
+          larger(means.rotation.times(std::sqrt(2.0)), uncertainty_of_rotations(measurements, options)));
   } else if (validation.after.max_orientation) {
-    check("orientation error, rad", options.limits.rotation, *validation.after.max_orientation,
-          kCoverageFactor * sigma.rotation);
+    check("orientation error, rad", options.limits.rotation, *validation.after.max_orientation, means.rotation);
   } else if (options.limits.rotation) {
     validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
   }
-  if (!options.limits.any()) require_gain(two_points, validation);
+  if (!options.limits.any()) require_gain(two_points.expanded(), validation);
   if (validation.agreement && validation.agreement->contradicts()) {
     const Agreement& agreement = *validation.agreement;
     std::string text = fmt::format(

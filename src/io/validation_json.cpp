@@ -86,6 +86,7 @@ Json to_json(const Validation& validation) {
     json["checks"].push_back({{"quantity", check.quantity},
                               {"error", check.error},
                               {"U", check.uncertainty},
+                              {"k", check.coverage},
                               {"limit", check.limit},
                               {"conformity", name(check.conformity)}});
   }

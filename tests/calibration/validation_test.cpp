@@ -76,7 +76,8 @@ TEST_P(ValidationLaw, LimitsAreKeptOnlyWithTheUncertaintyAdded) {
 TEST_P(ValidationLaw, UncertaintiesOfTheLimitsByHand) {
   const bool turns = robot.slide().has_value();
   const Measurements measurements = held_out({.noise = 0.02, .repeats = 4, .reads_rotation = turns});
-  ValidationOptions options{.noise = {.point = 0.02, .rotation = 1e-3}};
+  ValidationOptions options{
+      .noise = {.point = 0.02, .rotation = 1e-3}, .noise_is_known = true, .rotation_noise_is_known = true};
   options.limits = {.distance = 10.0, .volumetric = 20.0};
   if (turns) options.limits.rotation = 1.0;
   const Validation validation = validate(robot, known_errors(calibration), measurements, options);

@@ -163,7 +163,7 @@ export interface Validation {
   before: Largest;
   after: Largest;
   iso9283: { max_AP_mm: number; max_RP_mm: number; max_AD_mm: number; max_RD_mm: number; poses: { pose: string; repeats: number; AP_mm: number; RP_mm: number; AD_mm: number; RD_mm: number }[] };
-  checks: { quantity: string; error: number; U: number; limit: number; conformity: string }[];
+  checks: { quantity: string; error: number; U: number; k: number; limit: number; conformity: string }[];
   poses: { series: string; pose: string; before: PoseError; after: PoseError; predicted_U_mm?: Vector }[];
   readings: { reading: string; before_mm: number; after_mm: number; sigma_mm: number; U_mm: number }[];
   agreement: { chi_square: number; dof: number; noise_dof: number | null; chance: number; contradicts: boolean } | null;

@@ -34,16 +34,20 @@ enum class Conformity : std::uint8_t {
   undecided,       ///< the measurement is too uncertain to prove either
 };
 
-/// One largest error against its limit, with the expanded uncertainty U (k = 2) of its measurement.
+/// One largest error against its limit, with the expanded uncertainty U of its measurement: about 95 %. Its coverage
+/// factor is 2 where the noise is stated, Student's where repeated visits tell it  [gum, G.4].
 struct LimitCheck {
   std::string quantity;
-  double error = 0.0, uncertainty = 0.0, limit = 0.0;  ///< mm or rad
+  double error = 0.0, uncertainty = 0.0;  ///< mm or rad
+  double coverage = 2.0;                  ///< the factor in `uncertainty`
+  double limit = 0.0;                     ///< mm or rad
   Conformity conformity = Conformity::undecided;
 };
 
 struct ValidationOptions {
   NoiseModel noise = {};
   bool noise_is_known = false;  ///< `noise` is a fact; else only readings that state their own sigma are sure of it
+  bool rotation_noise_is_known = false;  ///< the same of `noise.rotation`, in what is held against a limit on rotations
   double scale_std = CalibrationOptions{}.scale_std;  ///< of the readings' scale against the machine, m/m
   ReflectorMount reflectors = ReflectorMount::plate;
   Frame frame = Frame::unknown;
