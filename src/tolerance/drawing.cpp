@@ -5,18 +5,17 @@
 namespace paracal::detail {
 
 Drawing::Drawing(const Eigen::MatrixXd& response, const Tolerances& tolerances) : tolerances_(&tolerances) {
-  std::vector<Eigen::Index> used;
   for (Eigen::Index column = 0; column < response.cols(); ++column) {
     const auto source = static_cast<Source>(column % static_cast<Eigen::Index>(kSourceCount));
     const bool varies = tolerances[source] > 0.0 || !tolerances.measured[index(source)].empty();
     if (!varies || response.col(column).isZero(0.0)) continue;
     const auto number = static_cast<std::uint64_t>(column) / 2;
     if (pairs_.empty() || pairs_.back().number != number) pairs_.push_back({.number = number});
-    pairs_.back().row[static_cast<std::size_t>(column % 2)] = static_cast<Eigen::Index>(used.size());
+    pairs_.back().row[static_cast<std::size_t>(column % 2)] = static_cast<Eigen::Index>(columns_.size());
     sources_.push_back(source);
-    used.push_back(column);
+    columns_.push_back(column);
   }
-  matrix_ = response(Eigen::all, used);
+  matrix_ = response(Eigen::all, columns_);
   half_widths_.resize(matrix_.cols());
   std::ranges::transform(sources_, half_widths_.begin(), [&](Source source) { return tolerances[source]; });
   all_normal_ = tolerances.distribution == Distribution::normal && std::ranges::all_of(sources_, [&](Source source) {

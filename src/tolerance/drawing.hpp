@@ -17,6 +17,9 @@ class Drawing {
   /// The columns of the response that vary.
   const Eigen::MatrixXd& matrix() const { return matrix_; }
 
+  /// Their columns in the response.
+  const std::vector<Eigen::Index>& columns() const { return columns_; }
+
   /// Column m: the errors of machine first + m.
   void draw(std::uint64_t seed, std::uint64_t first, Eigen::Ref<Eigen::MatrixXd> errors) const;
 
@@ -32,6 +35,7 @@ class Drawing {
 
   const Tolerances* tolerances_;
   std::vector<Pair> pairs_;
+  std::vector<Eigen::Index> columns_;
   std::vector<Source> sources_;  ///< a row of the errors
   Eigen::ArrayXd half_widths_;   ///< of them
   bool all_normal_ = false;

@@ -56,13 +56,6 @@ struct Counts {
   }
 };
 
-std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements) {
-  std::vector<Characteristic> list;
-  list.reserve(requirements.size());
-  for (const Requirement& requirement : requirements) list.push_back(requirement.characteristic);
-  return list;
-}
-
 class Sampler {
  public:
   Sampler(const Robot& robot, const Tolerances& tolerances, const std::vector<Requirement>& requirements,
@@ -144,21 +137,11 @@ class Sampler {
     add_up(components, closed, sums, counts);
   }
 
-  /// Squared lengths of a requirement: a row a pose, a column a machine.
-  Eigen::ArrayXXd squared_lengths(std::size_t k, const Eigen::MatrixXd& components) const {
-    const Eigen::Index poses = pose_count(), first = response_.first_row(k);
-    Eigen::ArrayXXd squared = components.middleRows(first, poses).array().square();
-    for (int j = 1; j < component_count(requirements_[k].characteristic.quantity); ++j) {
-      squared += components.middleRows(first + j * poses, poses).array().square();
-    }
-    return squared;
-  }
-
   void add_up(const Eigen::MatrixXd& components, const std::vector<bool>& closed, Sums& sums, Counts& counts) const {
     std::vector<bool> good = closed;
     sums.components += components.rowwise().sum().array();
     for (std::size_t k = 0; k < requirements_.size(); ++k) {
-      const Eigen::ArrayXXd squared = squared_lengths(k, components);
+      const Eigen::ArrayXXd squared = response_.squared_lengths(k, components);
       sums.squares.col(static_cast<Eigen::Index>(k)) += squared.rowwise().sum();
       sums.fourth_powers.col(static_cast<Eigen::Index>(k)) += squared.square().rowwise().sum();
       const Eigen::ArrayXd largest = squared.colwise().maxCoeff().sqrt();

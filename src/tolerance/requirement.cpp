@@ -76,6 +76,13 @@ std::vector<Eigen::Vector3d> starts_of(const Generators& generators, Eigen::Inde
 
 }  // namespace
 
+std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements) {
+  std::vector<Characteristic> list;
+  list.reserve(requirements.size());
+  for (const Requirement& requirement : requirements) list.push_back(requirement.characteristic);
+  return list;
+}
+
 std::string_view name(Spread criterion) { return criterion == Spread::statistical ? "statistical" : "worst-case"; }
 
 WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances) {

@@ -18,6 +18,9 @@ struct Requirement {
   Spread criterion = Spread::statistical;
 };
 
+/// What they speak of, one by one.
+std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements);
+
 /// "statistical", "worst-case".
 std::string_view name(Spread criterion);
 

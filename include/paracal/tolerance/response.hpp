@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "paracal/kinematics/closure.hpp"
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/tolerance/characteristic.hpp"
@@ -13,6 +14,20 @@ namespace paracal {
 enum class Model : std::uint8_t {
   linear,  ///< [huang2016, Eqs. (5), (6)]
   exact,   ///< the closure itself, least squares over all rods
+};
+
+/// A machine that is sent from pose to pose, by the exact model.
+class SentMachine {
+ public:
+  /// @param compensated  its controller believes the machine without its tilt errors, not the nominal robot.
+  SentMachine(const Robot& robot, const SourceErrors& errors, bool compensated);
+
+  /// Empty when it does not close there or at the workspace's centre, or the compensated pose is out of reach.
+  std::optional<Reached> at(const Pose& commanded) const;
+
+ private:
+  Machine machine_, believed_;
+  std::optional<PlateState> home_;
 };
 
 /// The components of several characteristics at several poses, as one vector. Those of characteristic c begin at row
@@ -35,9 +50,11 @@ class Response {
   /// @returns false when the machine does not close, or the compensated pose is out of reach, at some pose.
   bool exact(const SourceErrors& errors, Eigen::Ref<Eigen::VectorXd> components) const;
 
+  /// Squared lengths of a characteristic, from components of many machines, a column each: a row a pose.
+  Eigen::ArrayXXd squared_lengths(std::size_t characteristic, const Eigen::MatrixXd& components) const;
+
  private:
-  bool add_exact(const Machine& machine, const Machine& believed, bool compensated,
-                 Eigen::Ref<Eigen::VectorXd> components) const;
+  bool add_exact(const SourceErrors& errors, bool compensated, Eigen::Ref<Eigen::VectorXd> components) const;
 
   Robot robot_;  ///< its own: a caller may give a temporary
   std::vector<Characteristic> characteristics_;
