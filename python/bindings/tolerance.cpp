@@ -8,6 +8,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "paracal/tolerance/analysis.hpp"
+#include "paracal/tolerance/failure.hpp"
 #include "rooms.hpp"
 
 namespace paracal::python {
@@ -137,27 +138,49 @@ MonteCarloOptions sampling_of(const Keywords& given) {
   throw InvalidArgument(fmt::format("max_machines: expected at least 16, got {}", options.max_machines));
 }
 
+FailureOptions failures_of(const Keywords& given, const MonteCarloOptions& drawing) {
+  FailureOptions options{.seed = drawing.seed, .confidence = drawing.confidence, .threads = drawing.threads};
+  given.take_number("failure_error", 1e-4, 1.0, options.relative_error);
+  return options;
+}
+
+py::dict share_of(const WeighedShare& share) {
+  return py::dict("value"_a = share.value, "interval"_a = pair_of(share.interval), "machines"_a = share.machines,
+                  "effective"_a = share.effective);
+}
+
+py::dict failure_of(const FailureShare& failures) {
+  const py::object exact = failures.exact ? py::object(share_of(*failures.exact)) : py::object(py::none());
+  return py::dict("status"_a = std::string(name(failures.status)), "reason"_a = failures.reason,
+                  "linear"_a = share_of(failures.linear), "check"_a = share_of(failures.check), "exact"_a = exact,
+                  "not_closed"_a = failures.not_closed);
+}
+
 py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
                   const std::vector<std::pair<std::string, double>>& wanted, const Array& poses,
                   const py::dict& keywords) {
   const std::vector<Requirement> requirements = requirements_of(wanted);
   const MonteCarloOptions options = sampling_of(Keywords(keywords));
   const Rows at(poses, "poses", pose_width(robot));
+  const FailureOptions rare = failures_of(Keywords(keywords), options);
   std::vector<RequirementAnalysis> analyses;
+  FailureShare failures;
   const MonteCarlo batch = [&] {
     const py::gil_scoped_release released;
     analyses = analyze(robot, tolerances, requirements);
-    return monte_carlo(robot, tolerances, requirements, drawn_poses(robot, analyses, at), options, watched());
+    const std::vector<Pose> poses_tried = drawn_poses(robot, analyses, at);
+    failures = failure_share(robot, tolerances, requirements, poses_tried, rare, watched());
+    return monte_carlo(robot, tolerances, requirements, poses_tried, options, watched());
   }();
   py::list list;
   for (std::size_t k = 0; k < analyses.size(); ++k) {
     list.append(requirement_of(robot, analyses[k], batch.requirements[k], options.confidence));
   }
-  const Proportion yield = batch.yield(options.confidence);
+  const Proportion share = yield(failures, batch, options.confidence);
   return py::dict("machines"_a = batch.machines, "converged"_a = batch.converged, "not_closed"_a = batch.not_closed,
                   "passed"_a = batch.passed, "confidence"_a = options.confidence, "requirements"_a = list,
-                  "yield_"_a = yield.value, "yield_interval"_a = pair_of(yield.interval),
-                  "dpmo"_a = defects_per_million(yield).value);
+                  "yield_"_a = share.value, "yield_interval"_a = pair_of(share.interval),
+                  "dpmo"_a = defects_per_million(share).value, "failure"_a = failure_of(failures));
 }
 
 py::dict allocation_of(const Robot& robot, const Allocation& found) {

@@ -36,6 +36,10 @@ class Analysis:
     yield_: float  #: share of the machines that keep all limits
     yield_interval: tuple[float, float]
     dpmo: float  #: defects per million machines
+    #: Share of the machines that break a limit, however rare: status ("settled", "impossible" or
+    #: "unsettled"), reason, linear, check and exact (or None): value, interval, machines, effective;
+    #: not_closed.
+    failure: dict[str, Any]
     #: One a requirement: quantity, unit, limit, worst_case, rss_3sigma, monte_carlo_3sigma (and
     #: where each is: *_pose), monte_carlo_3sigma_interval, cpk, passed, largest_on_a_machine,
     #: contributors [(name, share of the variance)].
@@ -66,7 +70,7 @@ class Analysis:
             [
                 _html.heading(
                     f"tolerances of {self.robot.name}: {self.machines} machines, "
-                    f"yield {100 * self.yield_:.3f} % [{100 * low:.3f}, {100 * high:.3f}]"
+                    f"yield {100 * self.yield_:.7g} % [{100 * low:.7g}, {100 * high:.7g}]"
                 ),
                 _html.table(keys, ([one[key] for key in keys] for one in self.requirements)),
                 _html.table(
@@ -147,6 +151,7 @@ def analyze(
     model: str = "linear",
     seed: int = 1,
     sigma_error: float = 0.01,
+    failure_error: float = 0.05,
     confidence: float = 0.95,
     max_machines: int = 1_000_000,
     threads: int = 0,
@@ -164,7 +169,8 @@ def analyze(
         analyze`.
     model: of the Monte Carlo: "linear" or "exact". Draws machines until every sigma is known to
         sigma_error at
-    `confidence`, at most max_machines. threads: 0: all; the numbers do not depend on it.
+    `confidence`, at most max_machines; the share that fails, however rare, to failure_error of itself.
+    threads: 0: all; the numbers do not depend on it.
     Raises InvalidArgument for what makes no sense.
     """
     of = tolerances or Tolerances.of(robot)
@@ -184,6 +190,7 @@ def analyze(
             "model": model,
             "seed": seed,
             "sigma_error": sigma_error,
+            "failure_error": failure_error,
             "confidence": confidence,
             "max_machines": max_machines,
             "threads": threads,

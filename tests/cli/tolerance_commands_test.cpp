@@ -121,6 +121,41 @@ TEST_F(ToleranceCommands, WhatCannotBeMadeIsAVerdict) {
   EXPECT_EQ(folder.run("tolerance analyze --min-yield 0.9999999").exit_code, kVerdictIsNo);
 }
 
+/// A yield that no count of machines could prove.
+TEST_F(ToleranceCommands, RareFailuresDecideTheYield) {
+  const std::string command = "tolerance analyze --max-tilt 0.0016 --min-yield 0.999999999";
+  const json found = json_from(command);
+  const json& failure = found.at("failure");
+  EXPECT_EQ(failure.at("status"), "settled");
+  EXPECT_LT(failure.at("linear").at("value").get<double>(), 1e-9);
+  EXPECT_EQ(found.at("yield").at("value").get<double>(), 1.0 - failure.at("exact").at("value").get<double>());
+  EXPECT_EQ(found.at("yield").at("low").get<double>(), 1.0 - failure.at("exact").at("high").get<double>());
+  EXPECT_EQ(found.at("requirements")[0].at("failure"), failure);
+  const std::string text = folder.run(command).out;
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("yield 99.9999999"), HasSubstr("by the exact model"), HasSubstr("drawn another way")));
+}
+
+TEST_F(ToleranceCommands, EachOfSeveralLimitsHasItsOwnFailures) {
+  folder.write("problem.toml",
+               "[[requirement]]\nquantity = \"tilt\"\nlimit_rad = 0.0009\n"
+               "[[requirement]]\nquantity = \"position\"\nlimit_mm = 30\n");
+  const json found = json_from("tolerance analyze --problem problem.toml");
+  double sum = 0.0;
+  for (const json& one : found.at("requirements")) sum += one.at("failure").at("exact").at("value").get<double>();
+  const double any = found.at("failure").at("exact").at("value");
+  EXPECT_NEAR(any, sum, 0.2 * sum);  // both at once are rare, and all three are known to 5 %
+  EXPECT_THAT(folder.run("tolerance analyze --problem problem.toml").out, HasSubstr("breaks this limit:"));
+}
+
+TEST_F(ToleranceCommands, WhatDrawingsRuleOutIsSaid) {
+  folder.write("drawn.toml", "others = \"exact\"\ndistribution = \"uniform\"\nalpha2_deg = 0.001\n");
+  const std::string command = "tolerance analyze --tolerances drawn.toml --sigma-error 0.1";
+  EXPECT_EQ(json_from(command).at("failure").at("status"), "impossible");
+  EXPECT_EQ(json_from(command).at("yield").at("value"), 1.0);
+  EXPECT_THAT(folder.run(command).out, HasSubstr("no machine within its drawings"));
+}
+
 TEST_F(ToleranceCommands, ThreadsDoNotChangeTheResult) {
   const std::string command = "tolerance analyze --model exact --sigma-error 0.2 --sobol 32 --json --threads ";
   const ProgramResult one = folder.run(command + "1"), two = folder.run(command + "2");

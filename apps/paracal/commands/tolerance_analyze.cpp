@@ -4,6 +4,7 @@
 #include <iterator>
 #include <memory>
 
+#include "failing.hpp"
 #include "interruption.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -11,6 +12,7 @@
 #include "paracal/io/file.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/tolerance/analysis.hpp"
+#include "paracal/tolerance/failure.hpp"
 #include "progress_line.hpp"
 #include "reporting.hpp"
 #include "tolerance.hpp"
@@ -24,6 +26,7 @@ struct Options {
   std::string tolerances, problem, model = "linear";
   double max_tilt = 1e-3;
   MonteCarloOptions monte_carlo;
+  double failure_error = FailureOptions{}.relative_error;
   int sobol = 0;
   bool linearity = false;
   std::optional<double> min_yield;
@@ -36,7 +39,11 @@ struct Findings {
   Tolerances tolerances;
   std::vector<RequirementAnalysis> analyses;
   MonteCarlo batch = {};
-  bool partial = false;  ///< stopped by its user
+  FailureShare failures = {};              ///< of any limit
+  std::vector<FailureShare> of_each = {};  ///< of each limit, where there are several
+  bool partial = false;                    ///< stopped by its user
+
+  Proportion yield(double confidence) const { return paracal::yield(failures, batch, confidence); }
   std::vector<SobolIndex> sobol = {};
   std::vector<LinearityPoint> linearity = {};
 };
@@ -66,6 +73,21 @@ Progress watched(const std::atomic<bool>& interrupted) {
   };
 }
 
+void find_failures(const Options& options, const Robot& robot, const Session& session,
+                   const std::vector<Requirement>& requirements, const std::vector<Pose>& poses, Findings& found) {
+  const FailureOptions sampling{.seed = session.seed(),
+                                .relative_error = options.failure_error,
+                                .confidence = options.monte_carlo.confidence,
+                                .threads = session.threads()};
+  const Progress progress = watched(flag_of_interruption());
+  const auto share = [&](const std::vector<Requirement>& limits) {
+    return failure_share(robot, found.tolerances, limits, poses, sampling, progress);
+  };
+  found.failures = share(requirements);
+  if (requirements.size() == 1) return;
+  for (const Requirement& one : requirements) found.of_each.push_back(share({one}));
+}
+
 Findings find(const Options& options, const Robot& robot, const Session& session) {
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
@@ -77,6 +99,7 @@ Findings find(const Options& options, const Robot& robot, const Session& session
   sampling.seed = session.seed();
   sampling.threads = session.threads();
   found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling, watched(interrupted));
+  find_failures(options, robot, session, requirements, poses, found);
   found.partial = interrupted;
   if (found.partial) return found;
   const RequirementAnalysis& first = found.analyses.front();
@@ -132,11 +155,11 @@ std::string text_of(const Options& options, const Robot& robot, const Findings& 
     for (const double share : kPercentiles) {
       fmt::format_to(out, " {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
     }
-    fmt::format_to(out, "\n{}", pareto(one.contributors, robot.actuator()));
+    text += "\n";
+    if (!found.of_each.empty()) text += failure_line(found.of_each[k]);
+    text += pareto(one.contributors, robot.actuator());
   }
-  const Proportion yield = batch.yield(confidence);
-  fmt::format_to(out, "\nyield {:.3f} % [{:.3f}, {:.3f}], {:.0f} defects per million\n", 100.0 * yield.value,
-                 100.0 * yield.interval.low, 100.0 * yield.interval.high, defects_per_million(yield).value);
+  text += "\n" + yield_text(found.failures, batch, confidence);
   if (batch.not_closed > 0) fmt::format_to(out, "{} machines do not close somewhere\n", batch.not_closed);
   if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol, robot.actuator());
   if (!found.linearity.empty()) text += "\nthe linear model against the exact one, tolerances times a factor\n";
@@ -180,14 +203,16 @@ io::Json json_of(const Options& options, const Robot& robot, const Findings& fou
                 {"not_closed", batch.not_closed}, {"confidence", confidence},   {"requirements", io::Json::array()}};
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
     json["requirements"].push_back(requirement_json(robot, found.analyses[k], batch.requirements[k], confidence));
+    json["requirements"].back()["failure"] = io::to_json(found.of_each.empty() ? found.failures : found.of_each[k]);
   }
   const io::Json first = json["requirements"].front();  // a copy: what is added to json may move it
   for (const char* key :
        {"worst_case", "rss_3sigma", "monte_carlo_3sigma", "monte_carlo_3sigma_interval", "contributors"}) {
     json[key] = first[key];
   }
-  json["yield"] = io::to_json(batch.yield(confidence));
-  json["dpmo"] = io::to_json(defects_per_million(batch.yield(confidence)));
+  json["yield"] = io::to_json(found.yield(confidence));
+  json["dpmo"] = io::to_json(defects_per_million(found.yield(confidence)));
+  json["failure"] = io::to_json(found.failures);
   for (const SobolIndex& one : found.sobol) {
     json["sobol"].push_back({{"name", name(one.source, robot.actuator())},
                              {"first", one.first},
@@ -226,7 +251,7 @@ void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
   const bool enough =
-      !options.min_yield || found.batch.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
+      !options.min_yield || found.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
   if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, found);
   session.json() ? session.print_json(json_of(options, robot, found)) : session.print(text_of(options, robot, found));
@@ -256,6 +281,11 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
       ->shows_default();
   command->add_option("--confidence", options->monte_carlo.confidence, "of this and of all intervals")
       ->check(confidence)
+      ->shows_default();
+  command
+      ->add_option("--failure-error", options->failure_error,
+                   "know the share of machines that fail to this part of itself, however rare")
+      ->check(share)
       ->shows_default();
   command->add_option("--max-machines", options->monte_carlo.max_machines, "but no more than these")
       ->check(whole_number(16, 1'000'000'000'000))

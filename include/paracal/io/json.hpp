@@ -15,8 +15,9 @@
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal {
+struct FailureShare;
 struct PrinterCalibration;
-}
+}  // namespace paracal
 
 namespace paracal::io {
 
@@ -64,6 +65,8 @@ Json to_json(const PrinterCalibration& found);
 
 /// {value, low, high}
 Json to_json(const Proportion& proportion);
+/// {status, reason, linear, check, exact: {value, low, high, machines, effective} or null, not_closed}
+Json to_json(const FailureShare& failures);
 /// [low, high], each times the factor to the unit of the key.
 Json interval_json(const Interval& interval, double factor = 1.0);
 
