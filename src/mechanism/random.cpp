@@ -63,6 +63,8 @@ double RandomStream::uniform() {
 }
 
 double RandomStream::normal() {
+  const std::uint64_t number = normals_++;
+  if (given_) return number < given_->size() ? (*given_)[number] : 0.0;
   if (has_spare_) {
     has_spare_ = false;
     return spare_normal_;

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "paracal/mechanism/source_errors.hpp"
 #include "paracal/mechanism/tolerances.hpp"
@@ -17,14 +20,19 @@ std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream, std:
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed, std::uint64_t stream = 0) : seed_(seed), stream_(stream) {}
+  /// Of these normal numbers, then of zeros: to find out what is made of each. It has no uniform() ones.
+  explicit RandomStream(std::vector<double> normals) : given_(std::move(normals)) {}
 
   /// In (0, 1).
   double uniform();
   /// Standard normal (Box and Muller).
   double normal();
+  /// How many normal numbers were asked for.
+  std::uint64_t normals() const { return normals_; }
 
  private:
-  std::uint64_t seed_, stream_, counter_ = 0;
+  std::uint64_t seed_ = 0, stream_ = 0, counter_ = 0, normals_ = 0;
+  std::optional<std::vector<double>> given_ = {};
   std::array<double, 2> uniforms_{};
   int uniforms_left_ = 0;
   double spare_normal_ = 0.0;
