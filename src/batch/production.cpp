@@ -113,11 +113,6 @@ class Validator {
   std::vector<Eigen::Vector3d> tilts_;
 };
 
-bool keeps(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits) {
-  return std::ranges::all_of(kErrorKinds,
-                             [&](ErrorKind kind) { return !limits[kind] || accuracy[kind] <= *limits[kind]; });
-}
-
 }  // namespace
 
 std::string_view name(ErrorKind kind) {
@@ -135,6 +130,14 @@ std::string_view name(Fate fate) {
 }
 
 bool turns(const Robot& robot) { return robot.slide().has_value() || robot.has_six_freedoms(); }
+
+double used_up(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits) {
+  double most = 0.0;
+  for (const ErrorKind kind : kErrorKinds) {
+    if (limits[kind]) most = std::max(most, accuracy[kind] / *limits[kind]);
+  }
+  return most;
+}
 
 bool has_limits(const ProductionPlan& plan) {
   return std::ranges::any_of(kErrorKinds, [&](ErrorKind kind) { return plan.limits[kind].has_value(); });
@@ -182,7 +185,7 @@ MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint
   const std::optional<Accuracy> after =
       before && delivery.compensated ? validate(build(robot, *delivery.compensated)) : before;
   if (!before || !after) return {};
-  const bool passes = has_limits(plan) ? keeps(*after, plan.limits) : delivery.fate == Fate::accepted;
+  const bool passes = has_limits(plan) ? used_up(*after, plan.limits) <= 1.0 : delivery.fate == Fate::accepted;
   return {delivery.fate, passes, *before, *after};
 }
 

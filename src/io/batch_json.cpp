@@ -1,7 +1,12 @@
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+#include <utility>
+
 #include "json_parts.hpp"
 #include "names.hpp"
+#include "paracal/batch/error_spread.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/tolerance/failure.hpp"
@@ -56,6 +61,21 @@ std::string key_of(ErrorKind kind, std::string_view angle_unit) {
   return fmt::format("{}_{}", name(kind), unit(kind) == Unit::mm ? "mm" : angle_unit);
 }
 
+constexpr std::array<std::pair<const char*, double>, 6> kPercentiles{
+    {{"p50", 0.5}, {"p90", 0.9}, {"p95", 0.95}, {"p99", 0.99}, {"p99_73", 0.9973}, {"p99_9", 0.999}}};
+
+/// Null where every machine is made by produce().
+Json strata_json(const std::vector<Accuracy>& ends) {
+  if (ends.empty()) return nullptr;
+  Json json = Json::array();
+  for (const Accuracy& end : ends) {
+    Json one = Json::array();
+    for (const ErrorKind kind : kErrorKinds) one.push_back(end[kind]);
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
 Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
   Json json = Json::object();
   for (const ErrorKind kind : kErrorKinds) {
@@ -64,16 +84,16 @@ Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
   return json;
 }
 
-Json statistics(const Histogram& histogram, double factor, double confidence) {
-  const auto percentile = [&](double share) { return factor * histogram.quantile(share); };
-  return {{"mean", factor * histogram.mean()},
-          {"std", factor * histogram.std()},
-          {"p50", percentile(0.5)},
-          {"p90", percentile(0.9)},
-          {"p95", percentile(0.95)},
-          {"p99", percentile(0.99)},
-          {"p99_73", percentile(0.9973)},
-          {"p95_interval", interval_json(histogram.quantile_interval(0.95, confidence), factor)}};
+Json statistics(const ErrorSpread& spread, double factor, double confidence) {
+  Json json{{"mean", factor * spread.mean()}, {"std", factor * spread.std()}};
+  Json intervals;
+  for (const auto& [key, share] : kPercentiles) {
+    json[key] = factor * spread.quantile(share);
+    intervals[key] = interval_json(spread.quantile_interval(share, confidence), factor);
+  }
+  json["p95_interval"] = intervals["p95"];
+  json["intervals"] = std::move(intervals);
+  return json;
 }
 
 /// Rotations are stated in deg, tilt in rad, as everywhere.
@@ -84,8 +104,10 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
     Json& entry = json[key_of(kind, turned ? "deg" : "rad")];
     if (turned && !turns(batch.robot)) continue;
     const double factor = turned ? to_degrees(1.0) : 1.0;
-    entry = {{"before", statistics(tally.before[kind], factor, confidence)},
-             {"after", statistics(tally.after[kind], factor, confidence)}};
+    for (const bool after : {false, true}) {
+      const ErrorSpread spread(tally, {.kind = kind, .after = after});
+      entry[after ? "after" : "before"] = statistics(spread, factor, confidence);
+    }
   }
   return json;
 }
@@ -94,7 +116,9 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
 Json passed_json(const Batch& batch, const Tally& tally, double confidence) {
   if (!has_limits(batch.plan)) return {{"passed", nullptr}, {"yield", nullptr}, {"dpmo", nullptr}};
   const Proportion share = yield(tally, confidence);
-  Json json{{"passed", tally.passed}, {"yield", to_json(share)}, {"dpmo", to_json(defects_per_million(share))}};
+  const auto passed = tally.surrogate ? std::llround(share.value * static_cast<double>(tally.machines()))
+                                      : static_cast<std::int64_t>(tally.passed);
+  Json json{{"passed", passed}, {"yield", to_json(share)}, {"dpmo", to_json(defects_per_million(share))}};
   json["yield"]["confidence"] = confidence;
   return json;
 }
@@ -126,7 +150,7 @@ Json interval_json(const Interval& interval, double factor) {
 }
 
 Json to_json(const Batch& batch) {
-  const auto& [robot, plan, seed] = batch;
+  const auto& [robot, plan, seed, surrogate] = batch;
   return {{"program", fmt::format("paracal {}", version())},
           {"build", build()},
           {"seed", seed},
@@ -141,11 +165,13 @@ Json to_json(const Batch& batch) {
           {"calibration", to_json(plan.calibration, robot.actuator())},
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
           {"priors", exact(plan.calibration.tolerances)},
-          {"limits", limits_json(plan.limits)}};
+          {"limits", limits_json(plan.limits)},
+          {"strata", strata_json(strata(batch))}};
 }
 
 Json to_json(const Batch& batch, const Tally& tally, double confidence) {
-  Json json{{"machines", tally.machines()}};
+  Json json{{"machines", tally.machines()}, {"produced", tally.produced()}};
+  json["unseen"] = unseen_share(tally, confidence);
   for (const Fate fate : kFates) json["fates"][std::string(name(fate))] = tally.of(fate);
   json["confidence"] = confidence;
   json.update(passed_json(batch, tally, confidence));

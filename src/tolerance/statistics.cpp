@@ -12,15 +12,6 @@ namespace {
 constexpr int kBinsAnOctave = 256;
 constexpr int kLowestExponent = -40;  // of frexp: the first bin begins at 2^-41
 
-std::uint32_t bin_of(double value) {
-  int exponent = 0;
-  const double mantissa = std::frexp(value, &exponent);  // in [0.5, 1)
-  if (!(value > 0.0) || exponent < kLowestExponent) return 0;
-  const auto within = static_cast<std::uint32_t>((2.0 * mantissa - 1.0) * kBinsAnOctave);
-  const auto octave = static_cast<std::uint32_t>(exponent - kLowestExponent);
-  return std::min(octave * kBinsAnOctave + within, Histogram::kBins - 1);
-}
-
 }  // namespace
 
 Interval proportion_interval(std::uint64_t hits, std::uint64_t trials, double confidence) {
@@ -39,6 +30,15 @@ Proportion defects_per_million(const Proportion& yield) {
   constexpr double kMillion = 1e6;
   return {kMillion * (1.0 - yield.value),
           {kMillion * (1.0 - yield.interval.high), kMillion * (1.0 - yield.interval.low)}};
+}
+
+std::uint32_t Histogram::bin_of(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);  // in [0.5, 1)
+  if (!(value > 0.0) || exponent < kLowestExponent) return 0;
+  const auto within = static_cast<std::uint32_t>((2.0 * mantissa - 1.0) * kBinsAnOctave);
+  const auto octave = static_cast<std::uint32_t>(exponent - kLowestExponent);
+  return std::min(octave * kBinsAnOctave + within, kBins - 1);
 }
 
 void Histogram::add(double value) { add(bin_of(value), 1); }

@@ -187,6 +187,39 @@ TEST_F(Yield, DoesNotDependOnThreadsOrChunks) {
   }
 }
 
+/// Enough machines that most are made to first order: said, the same for any threads, chunks and interruptions, and not
+/// mixed with the other way.
+TEST_F(Yield, MakesMostMachinesToFirstOrder) {
+  const std::string command = "yield --robot rotary_delta --machines 2000 --max-position-aligned-mm 0.05";
+  const json object = json_of(folder.run(command + " --json"));
+  EXPECT_EQ(object["machines"], 2000);
+  EXPECT_LT(object["produced"], 1000);
+  EXPECT_GT(object["produced"], 200);
+  EXPECT_GT(object["unseen"], 0.0);
+  EXPECT_EQ(object["batch"]["strata"].size(), 4U);
+  const json& spread = object["quantities"]["volumetric_aligned_mm"]["after"];
+  EXPECT_LT(spread["intervals"]["p99"][0], spread["p99"]);
+  EXPECT_LT(object["yield"]["low"], object["yield"]["value"]);
+  const std::string kept = command + " --json --chunk 500 --checkpoint folder";
+  EXPECT_EQ(folder
+                .run("yield --robot rotary_delta --machines 700 --max-position-aligned-mm 0.05 --json --chunk 500 "
+                     "--checkpoint folder")
+                .exit_code,
+            kDone);
+  EXPECT_EQ(json_of(folder.run(kept + " --threads 1"))["quantities"], object["quantities"]);
+  EXPECT_EQ(folder.run(kept + " --exact").exit_code, kBadInputFile);
+  const ProgramResult text = folder.run(command);
+  EXPECT_THAT(text.out, AllOf(HasSubstr("of them built, measured and calibrated, the others to first order"),
+                              HasSubstr("may all the same")));
+}
+
+TEST_F(Yield, MakesEveryMachineWhenAsked) {
+  const json object = json_of(folder.run("yield --robot rotary_delta --machines 260 --exact --json"));
+  EXPECT_EQ(object["produced"], 260);
+  EXPECT_EQ(object["unseen"], 0.0);
+  EXPECT_TRUE(object["batch"]["strata"].is_null());
+}
+
 TEST_F(Yield, IsResumedAndExtended) {
   EXPECT_EQ(folder.run(kept_yield(2 * kChunk)).exit_code, kDone);
   const auto first = std::filesystem::last_write_time(folder.path() / "folder" / *chunks().begin());

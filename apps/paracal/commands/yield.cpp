@@ -7,6 +7,7 @@
 #include "interruption.hpp"
 #include "launcher.hpp"
 #include "measuring.hpp"
+#include "paracal/batch/error_spread.hpp"
 #include "paracal/io/chunks.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/report/plots.hpp"
@@ -19,7 +20,8 @@
 namespace paracal::app {
 namespace {
 
-constexpr double kUsualRotationNoise = 0.3;  // deg: rotational repeatability in [huang2016, section 5.2]
+constexpr double kUsualRotationNoise = 0.3;   // deg: rotational repeatability in [huang2016, section 5.2]
+constexpr std::uint64_t kQuickChunk = 16384;  // of machines made to first order: a few tenths of a second
 constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000'000;
 
 /// A row of the table, and the option that judges it.
@@ -38,11 +40,12 @@ constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-dista
 struct Options {
   std::uint64_t machines = 0;
   std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
-  std::uint64_t chunk = io::BatchOptions{}.chunk;
+  std::uint64_t chunk = 0;  ///< 0: by how machines are made
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
   PerErrorKind<std::optional<double>> limits = {};  ///< in the units of kRows
   std::optional<double> min_yield = {};
   double confidence = 0.95;
+  bool exact = false;
   std::shared_ptr<std::string> report;
 };
 
@@ -103,8 +106,11 @@ Order order_of(const Options& options, Session& session) {
     throw WrongUsage("--min-yield: expected a limit that machines must keep (--max-...) with it, got none");
   }
   order.batch.plan = settled(robot, std::move(plan));
+  if (!options.exact) order.batch = with_surrogate(std::move(order.batch));
   return order;
 }
+
+std::uint64_t usual_chunk(const Batch& batch) { return batch.surrogate ? kQuickChunk : io::BatchOptions{}.chunk; }
 
 io::BatchResult make(const Options& options, const Session& session, const Batch& batch, io::Rank rank,
                      const std::atomic<bool>& interrupted) {
@@ -118,7 +124,7 @@ io::BatchResult make(const Options& options, const Session& session, const Batch
   };
   return io::run_batch(batch,
                        {.machines = options.machines,
-                        .chunk = options.chunk,
+                        .chunk = options.chunk > 0 ? options.chunk : usual_chunk(batch),
                         .threads = session.threads(),
                         .checkpoint = options.checkpoint,
                         .rank = rank,
@@ -131,12 +137,12 @@ io::BatchResult make(const Options& options, const Session& session, const Batch
 
 std::string percent(double share) { return fmt::format("{:.3f} %", 100.0 * share); }
 
-std::string spread_line(const Histogram& histogram, double factor, double confidence, std::string_view when) {
-  const Interval interval = histogram.quantile_interval(0.95, confidence);
+std::string spread_line(const ErrorSpread& spread, double factor, double confidence, std::string_view when) {
+  const Interval interval = spread.quantile_interval(0.95, confidence);
   std::string text = fmt::format("{:<8}", when);
   const auto out = std::back_inserter(text);
   for (const double share : {0.5, 0.9, 0.95, 0.99, 0.9973}) {
-    fmt::format_to(out, "{:>10.4g}", factor * histogram.quantile(share));
+    fmt::format_to(out, "{:>10.4g}", factor * spread.quantile(share));
   }
   fmt::format_to(out, "   {:.4g} to {:.4g}\n", factor * interval.low, factor * interval.high);
   return text;
@@ -150,8 +156,9 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
       fmt::format("{:g} %", 100.0 * confidence));
   for (const Row& row : kRows) {
     if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
-    text += fmt::format("  {:<22}", row.text) + spread_line(tally.before[row.kind], row.factor, confidence, "before");
-    text += fmt::format("  {:<22}", "") + spread_line(tally.after[row.kind], row.factor, confidence, "after");
+    const ErrorSpread before(tally, {.kind = row.kind, .after = false}), after(tally, {.kind = row.kind});
+    text += fmt::format("  {:<22}", row.text) + spread_line(before, row.factor, confidence, "before");
+    text += fmt::format("  {:<22}", "") + spread_line(after, row.factor, confidence, "after");
   }
   return text;
 }
@@ -162,6 +169,20 @@ std::string yield_line(const Options& options, const Batch& batch, const Tally& 
   return fmt::format("  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
                      percent(share.value), percent(share.interval.low), percent(share.interval.high),
                      100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
+}
+
+/// How many of the machines were made to first order alone, and what that cannot tell.
+std::string way_line(const Tally& tally, double confidence) {
+  if (tally.produced() == tally.machines()) return "";
+  std::string text =
+      fmt::format("  {} of them built, measured and calibrated, the others to first order and corrected by these\n",
+                  tally.produced());
+  if (const double unseen = unseen_share(tally, confidence); unseen > 0.0) {
+    text += fmt::format(
+        "  no calibration failed among them: up to {} of all may all the same, and lie outside of this table\n",
+        percent(unseen));
+  }
+  return text;
 }
 
 std::string text_of(const Options& options, const Batch& batch, const io::BatchResult& result) {
@@ -175,7 +196,8 @@ std::string text_of(const Options& options, const Batch& batch, const io::BatchR
                  "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
                  tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
                  tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
-  text += yield_line(options, batch, tally) + accuracy_table(batch, tally, options.confidence);
+  text += way_line(tally, options.confidence) + yield_line(options, batch, tally);
+  text += accuracy_table(batch, tally, options.confidence);
   return text + assumed_lines(batch.plan.tolerances.assumed);
 }
 
@@ -191,14 +213,18 @@ io::Json json_of(const Options& options, const Order& order, const io::BatchResu
   return json;
 }
 
+io::Json histogram_of(const Tally& tally, Measure measure, double factor) {
+  return report::histogram(ErrorSpread(tally, measure).counts(), factor);
+}
+
 /// A histogram an error, before and after on bins of their own.
 io::Json histograms(const Batch& batch, const Tally& tally) {
   io::Json json = io::Json::array();
   for (const Row& row : kRows) {
     if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
     json.push_back({{"quantity", row.text},
-                    {"before", report::histogram(tally.before[row.kind], row.factor)},
-                    {"after", report::histogram(tally.after[row.kind], row.factor)}});
+                    {"before", histogram_of(tally, {.kind = row.kind, .after = false}, row.factor)},
+                    {"after", histogram_of(tally, {.kind = row.kind}, row.factor)}});
     if (const auto& limit = batch.plan.limits[row.kind]) json.back()["limit"] = row.factor * *limit;
   }
   return json;
@@ -265,15 +291,20 @@ void add_yield(Command& program, Session& session) {
       ->shows_default();
   add_instrument_options(*command, options->instrument);
   add_limits(*command, *options);
+  command->add_flag("--exact", options->exact,
+                    "build, measure and calibrate every machine; default: some of them, which correct the others made "
+                    "to first order");
   command->add_option("--confidence", options->confidence, "of the intervals")
       ->check(positive_finite())
       ->check(between(0.01, 0.999999))
       ->shows_default();
   command->add_option("--checkpoint", options->checkpoint,
                       "folder that keeps finished chunks: resumes a run, and joins the ranks of mpirun or srun");
-  command->add_option("--chunk", options->chunk, "machines a chunk: what a process that dies costs")
-      ->check(whole_number(1, kLargestChunk))
-      ->shows_default();
+  command
+      ->add_option("--chunk", options->chunk,
+                   fmt::format("machines a chunk: what a process that dies costs; default: {}, with --exact {}",
+                               kQuickChunk, io::BatchOptions{}.chunk))
+      ->check(whole_number(1, kLargestChunk));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

@@ -64,6 +64,9 @@ inline constexpr double kUsualNoise = 0.017;
 /// Whether ErrorKind::rotation says anything of a robot.
 bool turns(const Robot& robot);
 
+/// The largest error over its limit; 0 without limits. A machine passes up to 1.
+double used_up(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits);
+
 /// Without limits nothing can be said about keeping them.
 bool has_limits(const ProductionPlan& plan);
 

@@ -56,6 +56,8 @@ class Histogram {
   };
   /// The bins that hold something, in order.
   std::vector<Bin> counts() const;
+  /// The bin of a value.
+  static std::uint32_t bin_of(double value);
   /// Middle of a bin.
   static double value_of(std::uint32_t bin);
   static constexpr std::uint32_t kBins = 64 * 256;
