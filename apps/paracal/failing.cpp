@@ -55,13 +55,13 @@ std::string yield_text(const FailureShare& failures, const MonteCarlo& drawn, do
 std::string failure_line(const FailureShare& failures) {
   switch (failures.status) {
     case FailureStatus::impossible:
-      return "  breaks this limit:    none within its drawings (linear model)\n";
+      return "  breaks a limit:       none within its drawings (linear model)\n";
     case FailureStatus::unsettled:
-      return fmt::format("  breaks this limit:    cannot be told: {}\n", failures.reason);
+      return fmt::format("  breaks a limit:       cannot be told: {}\n", failures.reason);
     case FailureStatus::settled:
       break;
   }
-  return fmt::format("  breaks this limit:    {} of the machines\n", share_text(failures.best()));
+  return fmt::format("  breaks a limit:       {} of the machines\n", share_text(failures.best()));
 }
 
 }  // namespace paracal::app

@@ -4,6 +4,7 @@
 // nlohmann-json, and paracal/mechanism/machine_impl.hpp, which is for scalars of one's own.
 
 #include "paracal/batch/batch.hpp"
+#include "paracal/batch/error_spread.hpp"
 #include "paracal/batch/production.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/calibration/calibration.hpp"
@@ -62,6 +63,7 @@
 #include "paracal/report/reproduction_rule.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "paracal/tolerance/analysis.hpp"
+#include "paracal/tolerance/failure.hpp"
 #include "paracal/tolerance/monte_carlo.hpp"
 #include "paracal/tolerance/sensitivity.hpp"
 #include "paracal/units.hpp"

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "names.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "section.hpp"
@@ -40,10 +43,13 @@ Requirement requirement_of(Section section, const Robot& robot) {
   requirement.limit = limit_of(section, characteristic->quantity);
   if (const toml::node* node = section.find("criterion")) {
     const std::string criterion = section.text("criterion");
-    if (criterion != "statistical" && criterion != "worst-case") {
-      section.fail(*node, fmt::format("expected \"statistical\" or \"worst-case\", got \"{}\"", criterion));
+    const auto named = [&](Spread one) { return criterion == name(one); };
+    constexpr std::array kKnown{Spread::statistical, Spread::worst_case, Spread::yield};
+    const auto found = std::ranges::find_if(kKnown, named);
+    if (found == kKnown.end()) {
+      section.fail(*node, fmt::format("expected \"statistical\", \"worst-case\" or \"yield\", got \"{}\"", criterion));
     }
-    requirement.criterion = criterion == "statistical" ? Spread::statistical : Spread::worst_case;
+    requirement.criterion = *found;
   }
   section.refuse_others();
   return requirement;
@@ -136,6 +142,23 @@ std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
   return variables;
 }
 
+/// With limits by yield, and only with these.
+void read_max_failures(Section& root, const Robot& robot, AllocationProblem& problem) {
+  const bool asked =
+      std::ranges::any_of(problem.requirements, [](const Requirement& one) { return one.criterion == Spread::yield; });
+  const toml::node* node = root.find("max_failures");
+  if (node == nullptr && asked)
+    root.fail("expected max_failures, the share of machines that may break a limit by yield, got none");
+  if (node == nullptr) return;
+  const double share = root.number("max_failures");
+  if (!asked) root.fail(*node, "expected a requirement with criterion = \"yield\" beside max_failures, got none");
+  if (!(share > 0.0) || !(share < 0.5)) {
+    root.fail(*node, fmt::format("expected max_failures above 0 and below 0.5, got {}", share));
+  }
+  problem.max_failures = share;
+  for (const Station& station : workspace_stations(robot)) problem.poses.push_back(station.commanded);
+}
+
 }  // namespace
 
 AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, const Robot& robot) {
@@ -149,6 +172,7 @@ AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances
   if (const std::optional<Section> costs = root.optional_table("cost")) {
     problem.variables = variables_of(*costs, robot.actuator());
   }
+  read_max_failures(root, robot, problem);
   root.refuse_others();
   return problem;
 }

@@ -9,6 +9,7 @@
 #include "cutting_planes.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/level.hpp"
+#include "yield_allocation.hpp"
 
 namespace paracal {
 namespace {
@@ -43,6 +44,18 @@ void check_curve(const DesignVariable& variable, const std::string& what) {
   }
 }
 
+void check_yield(const AllocationProblem& problem) {
+  if (!(*problem.max_failures > 0.0) || !(*problem.max_failures < 0.5)) {
+    throw InvalidArgument(
+        fmt::format("largest share of failures: expected above 0 and below 0.5, got {}", *problem.max_failures));
+  }
+  if (any_grades(problem))
+    throw InvalidArgument("yield: expected costs by law, got grades, which cannot be chosen by yield");
+  if (problem.rest.distribution != Distribution::normal) {
+    throw InvalidArgument("yield: expected normal errors, got another distribution");
+  }
+}
+
 void check(const AllocationProblem& problem) {
   if (problem.variables.empty()) throw InvalidArgument("allocation: expected a tolerance to choose, got none");
   if (problem.requirements.empty()) throw InvalidArgument("allocation: expected a requirement, got none");
@@ -55,6 +68,12 @@ void check(const AllocationProblem& problem) {
     }
     check_curve(variable, what);
   }
+  const bool by_yield =
+      std::ranges::any_of(problem.requirements, [](const Requirement& one) { return one.criterion == Spread::yield; });
+  if (by_yield != problem.max_failures.has_value()) {
+    throw InvalidArgument("allocation: expected a largest share of failures with limits by yield, and only with these");
+  }
+  if (by_yield) check_yield(problem);
   for (const Requirement& requirement : problem.requirements) {
     if (requirement.limit > 0.0 && std::isfinite(requirement.limit)) continue;
     throw InvalidArgument(
@@ -158,6 +177,10 @@ class Allocator {
   Allocation allocation_;
 };
 
+Allocation allocate_by_spread(const Robot& robot, const AllocationProblem& problem) {
+  return Allocator(robot, problem).run();
+}
+
 /// The tilt group of these half-widths, mm and rad, beside the rest.
 Tolerances with_tilt_group(Tolerances rest, const PerSource& half_widths) {
   rest.distribution = Distribution::normal;
@@ -226,7 +249,8 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
 
 Allocation allocate(const Robot& robot, const AllocationProblem& problem) {
   check(problem);
-  Allocation allocation = Allocator(robot, problem).run();
+  Allocation allocation =
+      problem.max_failures ? detail::allocate_by_yield(robot, problem) : allocate_by_spread(robot, problem);
   list_assumed(allocation.tolerances, robot.actuator());
   return allocation;
 }

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optimizer.hpp"
-
 namespace paracal::detail {
 namespace {
 
@@ -27,12 +25,6 @@ double slope_of(const AllocationProblem& problem, Eigen::Index variable, double 
 
 bool at_bound(const DesignVariable& variable, double half_width, bool upper) {
   return std::abs(half_width / (upper ? variable.upper : variable.lower) - 1.0) <= 1e-9;
-}
-
-/// The solver sees logarithms of half-widths: costs and cuts are then of one scale from the tightest to the widest. The
-/// problem is convex in the half-widths, so a stationary point of either is the answer.
-Eigen::VectorXd half_widths_of(const std::vector<double>& x) {
-  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).array().exp();
 }
 
 /// The widest feasible point on the way from all lower to all upper bounds; empty when even the lower bounds fail.
@@ -58,6 +50,29 @@ std::optional<std::vector<double>> feasible_start(const AllocationProblem& probl
   return point(low);
 }
 
+/// min |A x - b| with x >= 0 for a handful of columns: columns that would be negative leave, the worst first.
+Eigen::VectorXd non_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index k = 0; k < A.cols(); ++k) used.push_back(k);
+  while (!used.empty()) {
+    const Eigen::VectorXd part = A(Eigen::all, used).colPivHouseholderQr().solve(b);
+    Eigen::Index worst = 0;
+    if (part.minCoeff(&worst) >= 0.0) {
+      x(used) = part;
+      break;
+    }
+    used.erase(used.begin() + worst);
+  }
+  return x;
+}
+
+}  // namespace
+
+Eigen::VectorXd half_widths_of(const std::vector<double>& x) {
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).array().exp();
+}
+
 Objective cost_objective(const AllocationProblem& problem, double unit_cost) {
   return [&problem, unit_cost](const std::vector<double>& x, std::vector<double>& gradient) {
     const Eigen::VectorXd half_widths = half_widths_of(x);
@@ -79,25 +94,6 @@ Objective cut_objective(const Cut& cut) {
     return cut.value(half_widths);
   };
 }
-
-/// min |A x - b| with x >= 0 for a handful of columns: columns that would be negative leave, the worst first.
-Eigen::VectorXd non_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
-  std::vector<Eigen::Index> used;
-  for (Eigen::Index k = 0; k < A.cols(); ++k) used.push_back(k);
-  while (!used.empty()) {
-    const Eigen::VectorXd part = A(Eigen::all, used).colPivHouseholderQr().solve(b);
-    Eigen::Index worst = 0;
-    if (part.minCoeff(&worst) >= 0.0) {
-      x(used) = part;
-      break;
-    }
-    used.erase(used.begin() + worst);
-  }
-  return x;
-}
-
-}  // namespace
 
 double Cut::value(const Eigen::VectorXd& tolerance) const {
   double sum = -room;
@@ -200,6 +196,7 @@ double stationarity(const AllocationProblem& problem, const std::vector<Cut>& cu
 
 }  // namespace
 
+/// The problem is convex in the half-widths, so a stationary point of either is the answer.
 MasterSolution solve_continuous(const AllocationProblem& problem, const std::vector<Cut>& cuts) {
   std::optional<std::vector<double>> start = feasible_start(problem, cuts);
   if (!start) return {AllocationStatus::infeasible, {}};

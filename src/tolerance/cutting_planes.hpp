@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "optimizer.hpp"
 #include "paracal/tolerance/allocation.hpp"
 
 namespace paracal::detail {
@@ -31,6 +32,12 @@ Cut cut_at(const Robot& robot, const AllocationProblem& problem, std::size_t req
 
 /// Cost of all limbs' parts.
 double total_cost(const AllocationProblem& problem, const Eigen::VectorXd& half_widths, std::size_t limbs);
+
+/// The solvers see logarithms of half-widths: costs and cuts are then of one scale from the tightest to the widest.
+Eigen::VectorXd half_widths_of(const std::vector<double>& logarithms);
+/// Cost of one limb's parts over `unit_cost`, and a cut, as functions of these. `problem` and `cut` must outlive them.
+Objective cost_objective(const AllocationProblem& problem, double unit_cost);
+Objective cut_objective(const Cut& cut);
 
 /// Answer to the problem with these cuts alone.
 struct MasterSolution {

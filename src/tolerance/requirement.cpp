@@ -1,6 +1,7 @@
 #include "paracal/tolerance/requirement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "workspace_search.hpp"
@@ -83,7 +84,10 @@ std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& r
   return list;
 }
 
-std::string_view name(Spread criterion) { return criterion == Spread::statistical ? "statistical" : "worst-case"; }
+std::string_view name(Spread criterion) {
+  constexpr std::array<std::string_view, 3> kNames{"statistical", "worst-case", "yield"};
+  return kNames[static_cast<std::size_t>(criterion)];
+}
 
 WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances) {
   const Generators generators = generators_of(rows, tolerances);

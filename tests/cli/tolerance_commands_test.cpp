@@ -145,7 +145,34 @@ TEST_F(ToleranceCommands, EachOfSeveralLimitsHasItsOwnFailures) {
   for (const json& one : found.at("requirements")) sum += one.at("failure").at("exact").at("value").get<double>();
   const double any = found.at("failure").at("exact").at("value");
   EXPECT_NEAR(any, sum, 0.2 * sum);  // both at once are rare, and all three are known to 5 %
-  EXPECT_THAT(folder.run("tolerance analyze --problem problem.toml").out, HasSubstr("breaks this limit:"));
+  EXPECT_THAT(folder.run("tolerance analyze --problem problem.toml").out, HasSubstr("breaks a limit:"));
+}
+
+TEST_F(ToleranceCommands, AllocationByYieldKeepsItsShare) {
+  const std::string costs =
+      "[cost.rod_difference_mm]\nB = 0.02\nlower = 0.002\nupper = 0.2\n[cost.alpha2_deg]\nB = 0.01\nlower = "
+      "0.001\nupper = 0.2\n";
+  const std::string limit = "[[requirement]]\nquantity = \"tilt\"\nlimit_rad = 0.001\ncriterion = \"yield\"\n";
+  folder.write("problem.toml", "max_failures = 1e-4\n" + limit + costs);
+  const json found = json_from("tolerance allocate --problem problem.toml --toml chosen.toml");
+  EXPECT_EQ(found.at("status"), "optimal");
+  EXPECT_EQ(found.at("requirements")[0].at("criterion"), "yield");
+  EXPECT_LE(found.at("failure").at("exact").at("high").get<double>(), 1e-4);
+  EXPECT_GT(found.at("failure_price").get<double>(), 0.0);
+  EXPECT_THAT(folder.run("tolerance allocate --problem problem.toml").out,
+              AllOf(HasSubstr("breaks a limit:"), HasSubstr("twice as many failures would save")));
+  const json analysis = json_from("tolerance analyze --tolerances chosen.toml --max-tilt 0.001");
+  EXPECT_NEAR(analysis.at("failure").at("exact").at("value").get<double>(), 1e-4, 0.2e-4);
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    folder.write("problem.toml", text);
+    const ProgramResult result = folder.run("tolerance allocate --problem problem.toml");
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refused(limit + costs, "expected max_failures");
+  refused("max_failures = 0.7\n" + limit + costs,
+          "problem.toml:1: expected max_failures above 0 and below 0.5, got 0.7");
+  refused("max_failures = 1e-4\n" + limit.substr(0, limit.find("criterion")) + costs, "criterion = \"yield\"");
 }
 
 TEST_F(ToleranceCommands, WhatDrawingsRuleOutIsSaid) {

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <memory>
 
+#include "failing.hpp"
 #include "measuring.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
@@ -62,6 +63,9 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
                    worst.unit, pose_text(robot, one.worst.pose), 0.01 * one.price * one.requirement.limit);
   }
+  if (allocation.failures) text += failure_line(*allocation.failures);
+  if (allocation.failure_price > 0.0)
+    text += fmt::format("  twice as many failures would save {:.3g}\n", allocation.failure_price);
   text += assumed_lines(allocation.tolerances.assumed) + "\n" +
           io::tolerances_toml(allocation.tolerances, robot.actuator());
   return text;
@@ -87,6 +91,10 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     entry["worst_pose"] = io::to_json(one.worst.pose, robot.has_six_freedoms());
     entry["price"] = one.price / factor;
     json["requirements"].push_back(std::move(entry));
+  }
+  if (allocation.failures) {
+    json["failure"] = io::to_json(*allocation.failures);
+    json["failure_price"] = allocation.failure_price;
   }
   json["assumed"] = allocation.tolerances.assumed;
   return json;

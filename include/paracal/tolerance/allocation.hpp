@@ -7,6 +7,7 @@
 
 #include "paracal/mechanism/tolerances.hpp"
 #include "paracal/tolerance/cost.hpp"
+#include "paracal/tolerance/failure.hpp"
 #include "paracal/tolerance/requirement.hpp"
 
 namespace paracal {
@@ -31,7 +32,9 @@ struct [[nodiscard]] Allocation {
   Tolerances tolerances = {};
   double cost = 0.0;
   std::vector<RequirementOutcome> requirements = {};
-  int rounds = 0;  ///< of adding worst poses
+  int rounds = 0;                             ///< of adding worst poses, or of drawing machines
+  std::optional<FailureShare> failures = {};  ///< of the limits with criterion `yield`
+  double failure_price = 0.0;  ///< cost saved where twice as many machines might fail; 0 when that does not bind
 
   bool ok() const { return status == AllocationStatus::optimal || status == AllocationStatus::feasible; }
 };
@@ -77,12 +80,25 @@ struct AllocationProblem {
   std::vector<DesignVariable> variables = {};
   Tolerances rest = {};  ///< of the sources that are not variables; its distribution holds for all
   std::vector<Requirement> requirements = {};
+  /// Largest share of the machines that may break a limit with criterion `yield`, whichever; asked where there is one.
+  std::optional<double> max_failures = {};
+  /// Where machines are held against limits by yield, beside the worst poses.
+  std::vector<Pose> poses = {};
 };
 
 /// Cutting planes: the requirements are imposed at their worst poses (and, for a worst case, worst directions) found so
 /// far, the convex problem that results is solved (sequential quadratic programming; branch and bound over grades with
 /// the Lagrangian's bound), and the poses that are now worst join, until nothing is violated by more than 1e-6.
-/// @throws InvalidArgument for bounds, costs or grades that make no sense.
+///
+/// With limits that a share of machines may break, P(T) <= p: machines that fail at half-widths T are drawn
+/// (failure_share()), and count for others near by as
+///
+///   P(T') = mean of w product over k of (T_k / T'_k) exp(z_k^2 / 2 (1 - (T_k / T'_k)^2)),   z_k = 3 e_k / T_k
+///
+/// a smooth function of T' with its gradient, times what the exact model makes of it. The cheapest T' within a quarter
+/// of T is drawn at next, until it stays. The upper end of the stated interval keeps p.
+/// @throws InvalidArgument for bounds, costs or grades that make no sense; for grades, or errors that are not normal,
+/// with a share.
 Allocation allocate(const Robot& robot, const AllocationProblem& problem);
 
 /// "optimal", "feasible", "infeasible", "not converged".

@@ -9,6 +9,7 @@ namespace paracal {
 enum class Spread : std::uint8_t {
   statistical,  ///< 3 sigma, root of the sum of squares  [huang2016, Eq. (11)]
   worst_case,   ///< every part at the worst end of its tolerance at once
+  yield,        ///< few machines break it: a share that the whole problem states
 };
 
 /// What must hold everywhere in the workspace.
@@ -21,7 +22,7 @@ struct Requirement {
 /// What they speak of, one by one.
 std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements);
 
-/// "statistical", "worst-case".
+/// "statistical", "worst-case", "yield".
 std::string_view name(Spread criterion);
 
 /// The worst that parts within their drawings can do at a pose: a machine, and the direction in which it is worst.
@@ -39,7 +40,7 @@ WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances);
 /// Weights of the tolerances in that direction: value = sum_k weight_k T_k, w_k = sum over limbs |n . g_ik|.
 PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& direction);
 
-/// 3 sigma or the worst case at a pose.
+/// The worst case at a pose, or 3 sigma.
 double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion);
 
 /// Where that is largest in the workspace.
