@@ -1,11 +1,13 @@
 #include "arguments.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
+#include "paracal/spelling.hpp"
 #include "session.hpp"
 #include "usage.hpp"
 
@@ -20,7 +22,14 @@ void Rule::set_on(CLI::Option& option) const {
   validator_->get_modifying() ? option.transform(*validator_) : option.check(*validator_);
 }
 
-Rule one_of(const std::vector<std::string>& words) { return Rule(CLI::IsMember(words).non_modifying()); }
+Rule one_of(const std::vector<std::string>& words) {
+  const std::string shown = fmt::format("{{{}}}", fmt::join(words, ","));
+  const auto complaint = [words](const std::string& text) {
+    if (std::ranges::find(words, text) != words.end()) return std::string();
+    return fmt::format("expected one of {}, got {}{}", fmt::join(words, ", "), text, did_you_mean(text, words));
+  };
+  return {complaint, shown};
+}
 
 Rule between(double smallest, double largest, const std::string& shown) {
   CLI::Range range = shown.empty() ? CLI::Range(smallest, largest) : CLI::Range(smallest, largest, shown);

@@ -4,27 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <numeric>
-#include <optional>
 #include <vector>
+
+#include "paracal/spelling.hpp"
 
 namespace paracal::app {
 namespace {
-
-/// Letters to insert, delete or change until one word is the other (Levenshtein).
-std::size_t distance(std::string_view one, std::string_view other) {
-  std::vector<std::size_t> row(other.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (const char letter : one) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t k = 0; k < other.size(); ++k) {
-      const std::size_t changed = diagonal + (letter == other[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min({changed, diagonal + 1, row[k] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// What could stand where something unknown stood: options of the command, or commands.
 std::vector<std::string> known_words(const CLI::App& command) {
@@ -45,16 +30,6 @@ std::string whole_name(const CLI::App& command) {
                                          : whole_name(*command.get_parent()) + " " + command.get_name();
 }
 
-std::optional<std::string> meant(const CLI::App& command, const std::string& word) {
-  constexpr std::size_t kLettersAMistake = 3;
-  const auto letters = static_cast<std::size_t>(std::ranges::count_if(word, [](char one) { return one != '-'; }));
-  const std::vector<std::string> words = known_words(command);
-  if (words.empty()) return std::nullopt;
-  const auto nearest = std::ranges::min_element(words, {}, [&](const std::string& one) { return distance(word, one); });
-  if (distance(word, *nearest) > std::max<std::size_t>(1, (letters + 1) / kLettersAMistake)) return std::nullopt;
-  return *nearest;
-}
-
 }  // namespace
 
 std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
@@ -65,8 +40,8 @@ std::string usage_complaint(const CLI::App& app, const CLI::ParseError& error) {
                                 dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   if (lacks_or_exceeds && !extra.empty()) {  // one reason for both: a word that is not known
     const char* const what = command.get_subcommands({}).empty() ? "an option" : "a command";
-    text = fmt::format("expected {} of {}, got {}", what, whole_name(command), extra.front());
-    if (const auto word = meant(command, extra.front())) text += fmt::format(" (did you mean {}?)", *word);
+    text = fmt::format("expected {} of {}, got {}{}", what, whole_name(command), extra.front(),
+                       did_you_mean(extra.front(), known_words(command)));
   }
   return fmt::format("{}; see {} --help", text, whole_name(command));
 }

@@ -61,6 +61,7 @@
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/report/reproduction.hpp"
 #include "paracal/report/reproduction_rule.hpp"
+#include "paracal/spelling.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "paracal/tolerance/analysis.hpp"
 #include "paracal/tolerance/failure.hpp"

@@ -1,11 +1,15 @@
 #include "section.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "nesting.hpp"
 #include "paracal/error.hpp"
+#include "paracal/spelling.hpp"
 
 namespace paracal::io {
 
@@ -116,10 +120,12 @@ std::vector<Section> Section::tables(std::string_view key) {
 void Section::refuse_others() const {
   for (const auto& [key, node] : table_) {
     if (asked_.contains(key.str())) continue;
-    std::string known;
-    for (const std::string& name : asked_) known.append(known.empty() ? "" : ", ").append(name);
+    const std::vector<std::string> known(asked_.begin(), asked_.end());
+    std::vector<std::string> missing;
+    std::ranges::copy_if(known, std::back_inserter(missing), [&](const auto& name) { return !table_.contains(name); });
     throw InputFileError(file_, static_cast<int>(key.source().begin.line),
-                         fmt::format("expected one of {}; got \"{}\"", known, key_path(key.str())));
+                         fmt::format("expected one of {}; got \"{}\"{}", fmt::join(known, ", "), key_path(key.str()),
+                                     did_you_mean(key.str(), missing)));
   }
 }
 

@@ -1,11 +1,15 @@
 #include "paracal/mechanism/catalogue.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
 #include "paracal/error.hpp"
+#include "paracal/spelling.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::catalogue {
@@ -89,9 +93,10 @@ std::vector<std::string_view> names() {
 Robot find(std::string_view name) {
   const auto* found = std::ranges::find(kEntries, name, &Entry::name);
   if (found == kEntries.end()) {
-    std::string known;
-    for (const Entry& entry : kEntries) known.append(known.empty() ? "" : ", ").append(entry.name);
-    throw InvalidArgument(fmt::format("robot: expected a catalogue name ({}), got \"{}\"", known, name));
+    const std::vector<std::string_view> all = names();
+    const std::vector<std::string> known(all.begin(), all.end());
+    throw InvalidArgument(fmt::format("robot: expected a catalogue name ({}), got \"{}\"{}", fmt::join(known, ", "),
+                                      name, did_you_mean(name, known)));
   }
   return found->make();
 }

@@ -436,6 +436,8 @@ TEST(Usage, SaysWhatWasProbablyMeant) {
       {"calibrate --mesurements a.csv", "(did you mean --measurements?)"},
       {"calbrate", "(did you mean calibrate?)"},
       {"tolerance alocate", "(did you mean allocate?)"},
+      {"calibrate --stage fnie", "--stage: expected one of rough, fine, auto, got fnie (did you mean fine?)"},
+      {"robot --robot huang2061", "got \"huang2061\" (did you mean huang2016?)"},
       {"poses --quiet", "see paracal poses --help"},
       {"inverse", "--poses is required"}};
   for (const auto& [command, message] : cases) {

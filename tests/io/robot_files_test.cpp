@@ -97,8 +97,9 @@ TEST(SourceErrorFile, MisspeltKeyIsRefusedWithItsLine) {
       [] {
         read_source_errors({"e.toml", "[[limb]]\n[[limb]]\narm_lenght_mm = 1\n[[limb]]\n"}, 3);
       },
-      testing::ThrowsMessage<InputFileError>(testing::AllOf(testing::StartsWith("e.toml:3: expected one of"),
-                                                            testing::HasSubstr("limb 2.arm_lenght_mm"))));
+      testing::ThrowsMessage<InputFileError>(
+          testing::AllOf(testing::StartsWith("e.toml:3: expected one of"),
+                         testing::HasSubstr("\"limb 2.arm_lenght_mm\" (did you mean arm_length_mm?)"))));
 }
 
 TEST(CalibrationFile, ErrorsReadBack) {
