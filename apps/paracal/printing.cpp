@@ -39,7 +39,7 @@ PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
   for (const std::string& name : options.readings) {
     const io::TextFile file = io::read_file(name);
-    InputFile stamp{file.name, io::sha256(file.text)};
+    InputFile stamp{file.name, io::sha256(file)};
     const auto known = std::ranges::find(printer.files, stamp.sha256, &InputFile::sha256);
     if (known != printer.files.end()) {  // a reading left out would still be there, and tell of itself
       throw InputFileError(file.name, 0, fmt::format("expected other readings, got those of {} again", known->name));
@@ -89,7 +89,7 @@ PrinterState read_printer(const PrinterFile& file) {
   const io::TextFile text = io::read_file(file.name);
   if (file.firmware != kKlipper) {
     const DeltaGeometry geometry = io::read_machine_codes(text, dialect_of(file.firmware));
-    return {.files = {{text.name, io::sha256(text.text)}},
+    return {.files = {{text.name, io::sha256(text)}},
             .geometry = geometry,
             .print_radius = io::print_radius_of_codes(text, dialect_of(file.firmware)),
             .text = text};

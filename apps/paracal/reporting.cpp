@@ -20,7 +20,7 @@ std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& 
   const auto add = [&](const std::string& name) {
     if (name.empty() || std::ranges::find(inputs, name, &InputFile::name) != inputs.end()) return;
     const io::TextFile file = io::read_file(name);
-    inputs.push_back({file.name, io::sha256(file.text)});
+    inputs.push_back({file.name, io::sha256(file)});
   };
   for (const std::string& name : files) add(name);
   if (const auto& robot = session.robot_file()) add(robot->string());

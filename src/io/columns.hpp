@@ -67,6 +67,4 @@ std::vector<std::string_view> lines_of(std::string_view text);
 /// Empty where the text is anything but one finite number.
 std::optional<double> finite_number(std::string_view text);
 
-bool is_utf8(std::string_view text);
-
 }  // namespace paracal::io

@@ -7,6 +7,7 @@
 
 #include "columns.hpp"
 #include "paracal/error.hpp"
+#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {
@@ -42,7 +43,8 @@ CsvTable::CsvTable(const TextFile& file) : name_(file.name) {
 
 bool CsvTable::add(int number, std::string_view line) {
   if (line.starts_with('#') || line.find_first_not_of(" \t") == std::string_view::npos) return false;
-  if (!is_utf8(line)) throw InputFileError(name_, number, "expected UTF-8 text, got other bytes");
+  std::string escaped;
+  if (!is_utf8(line)) line = escaped = escape(number, line);
   if (const auto at = control_character(line)) {
     const auto code = static_cast<unsigned char>(line[*at]);
     throw InputFileError(name_, number, fmt::format("expected text, got the control character {:#04x}", code));
@@ -59,6 +61,17 @@ bool CsvTable::add(int number, std::string_view line) {
   }
   rows_.push_back(std::move(row));
   return true;
+}
+
+std::string CsvTable::escape(int number, std::string_view line) {
+  if (first_escaped_ == 0) first_escaped_ = number;
+  return with_other_bytes_escaped(line);
+}
+
+std::vector<std::string> CsvTable::notes() const {
+  std::vector<std::string> notes;
+  if (first_escaped_ > 0) notes.push_back(note_of_escapes(first_escaped_));
+  return notes;
 }
 
 void CsvTable::take_header(Row header) {

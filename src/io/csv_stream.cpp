@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "columns.hpp"
 #include "line_reader.hpp"
 #include "paracal/error.hpp"
+#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {
@@ -20,7 +23,7 @@ struct NumberedLine {
 /// Lines one at a time, though they are read many at a time.
 class CsvStream::Lines {
  public:
-  explicit Lines(const TextStream& in) : name_(in.name), reader_(in) {}
+  explicit Lines(TextStream in) : in_(std::move(in)) {}
 
   /// The next line stays the next one; nothing at the end.
   std::optional<NumberedLine> peek() { return has_next() ? std::optional(line(next_)) : std::nullopt; }
@@ -36,25 +39,38 @@ class CsvStream::Lines {
   bool has_next() {
     if (next_ == block_.size()) {
       passed_ += static_cast<std::int64_t>(block_.size());
-      block_ = reader_.next();
+      block_ = read();
       next_ = 0;
     }
     return next_ < block_.size();
+  }
+
+  std::span<const Line> read() {
+    try {
+      if (!reader_) {
+        utf8_ = decoded(in_.text);
+        reader_.emplace(TextStream{in_.name, utf8_ ? *utf8_ : in_.text});
+      }
+      return reader_->next();
+    } catch (const InvalidArgument& refused) {  // of the decoder, which does not know the file
+      throw InputFileError(in_.name, 0, refused.what());
+    }
   }
 
   NumberedLine line(std::size_t k) const {
     const int number = static_cast<int>(passed_ + static_cast<std::int64_t>(k) + 1);
     if (block_[k].part != Line::Part::whole) {
       throw InputFileError(
-          name_, number,
+          in_.name, number,
           fmt::format("expected lines of at most {} KiB, got a longer one", LineReader::kLongest / 1024));
     }
     const std::string_view text = without_end(block_[k].text);
     return {number, number == 1 ? without_byte_order_mark(text) : text};
   }
 
-  std::string name_;
-  LineReader reader_;
+  TextStream in_;
+  std::unique_ptr<std::istream> utf8_ = {};  ///< of UTF-16
+  std::optional<LineReader> reader_ = {};    ///< from the first line on
   std::span<const Line> block_ = {};
   std::size_t next_ = 0;     ///< in the block
   std::int64_t passed_ = 0;  ///< lines of earlier blocks

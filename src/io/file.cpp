@@ -15,6 +15,7 @@
 #include "descriptor.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/signals_wait.hpp"
+#include "utf8.hpp"
 
 namespace paracal::io {
 
@@ -105,6 +106,21 @@ std::ifstream open_file(const std::filesystem::path& path) {
   return stream;
 }
 
+namespace {
+
+void decode(TextFile& file) {
+  try {
+    if (std::optional<std::string> text = decoded(file.text)) {
+      file.sha256 = sha256(file.text);
+      file.text = *std::move(text);
+    }
+  } catch (const InvalidArgument& refused) {
+    throw InputFileError(file.name, 0, refused.what());
+  }
+}
+
+}  // namespace
+
 TextFile read_file(const std::filesystem::path& path) {
   constexpr std::size_t kPiece = 1 << 20, kMostPieces = 128;
   std::ifstream stream = open_file(path);
@@ -119,6 +135,7 @@ TextFile read_file(const std::filesystem::path& path) {
     file.text.resize(before + static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad()) throw InputFileError(file.name, 0, "cannot be read to its end");
+  decode(file);
   return file;
 }
 
@@ -221,5 +238,7 @@ std::string sha256(std::string_view text) {
   SHA256Data(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), hex.data());
   return hex.data();
 }
+
+std::string sha256(const TextFile& file) { return file.sha256.empty() ? sha256(file.text) : file.sha256; }
 
 }  // namespace paracal::io

@@ -218,7 +218,7 @@ constexpr std::string_view kBlockHead =
 KlipperDelta read_klipper(const TextFile& file) {
   const Settings settings(file);
   KlipperDelta printer;
-  for (const TextFile& one : settings.files()) printer.files.push_back({one.name, sha256(one.text)});
+  for (const TextFile& one : settings.files()) printer.files.push_back({one.name, sha256(one)});
   printer.geometry = geometry_of(settings);
   printer.notes = notes_of(settings, printer.geometry);
   for (std::size_t i = 0; i < 3; ++i) {

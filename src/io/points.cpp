@@ -173,6 +173,7 @@ Measurements read_points(const TextFile& file, const JointSpace& joints) {
   const JointSpace present = joint_columns(table, joints);
   StationList stations(present.actuator);
   SeriesBuilder series(file);
+  for (std::string& note : table.notes()) series.note(std::move(note));
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const Station station = station_of(table, row, present);
     add_row(series, table, row, station.name, stations.index_of(table, row, station));

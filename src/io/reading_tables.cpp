@@ -14,6 +14,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/units.hpp"
+#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {

@@ -73,7 +73,7 @@ std::string title_of(const std::string& file) {
 
 SeriesBuilder::SeriesBuilder(const TextFile& file) {
   measurements_.series = {{title_of(file.name), {}}};
-  measurements_.files = {{file.name, sha256(file.text)}};
+  measurements_.files = {{file.name, sha256(file)}};
 }
 
 void SeriesBuilder::note(int line, std::string_view text) { note(fmt::format("line {}: {}", line, text)); }

@@ -119,12 +119,32 @@ NamedJoints named_joints(const CsvTable& table, std::size_t row, const JointSpac
 
 }  // namespace
 
-std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints) {
-  const CsvTable table(file);
+namespace {
+
+std::vector<Station> stations_of(const CsvTable& table, const JointSpace& joints) {
   PoseRows rows(table, joints, table.row_count());
   std::vector<Station> stations;
   for (std::size_t row = 0; row < table.row_count(); ++row) stations.push_back(rows.read(table, row));
   return stations;
+}
+
+/// What readings by name begin with: their poses, and what is to be said of both tables.
+Measurements begun(const CsvTable& readings, const TextFile& readings_file, const TextFile& poses_file,
+                   const JointSpace& joints) {
+  const CsvTable poses(poses_file);
+  Measurements measurements;
+  measurements.stations = stations_of(poses, joints);
+  measurements.notes = readings.notes();
+  for (const std::string& note : poses.notes())
+    measurements.notes.push_back(fmt::format("{}, {}", poses_file.name, note));
+  measurements.files = {{readings_file.name, sha256(readings_file)}, {poses_file.name, sha256(poses_file)}};
+  return measurements;
+}
+
+}  // namespace
+
+std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints) {
+  return stations_of(CsvTable(file), joints);
 }
 
 void read_poses(CsvStream& table, const JointSpace& joints, const std::function<void(const Station&)>& take) {
@@ -151,10 +171,9 @@ void read_joints(CsvStream& table, const JointSpace& joints, const std::function
 }
 
 Measurements read_distances(const TextFile& distances, const TextFile& poses, const JointSpace& joints) {
-  Measurements measurements;
-  measurements.stations = read_poses(poses, joints);
-  const StationIndex stations(measurements.stations);
   const CsvTable table(distances);
+  Measurements measurements = begun(table, distances, poses, joints);
+  const StationIndex stations(measurements.stations);
   table.allow_only({"from", "to", "distance_mm", "rotation_deg", "sigma_mm"});
   std::map<std::pair<std::size_t, std::size_t>, int> lines;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
@@ -174,7 +193,6 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
     if (const auto rotation = table.optional_number(row, "rotation_deg")) reading.rotation = to_radians(*rotation);
     measurements.distances.push_back(reading);
   }
-  measurements.files = {{distances.name, sha256(distances.text)}, {poses.name, sha256(poses.text)}};
   return measurements;
 }
 
@@ -186,16 +204,14 @@ std::optional<LengthKind> length_kind_in(std::string_view header) {
 }
 
 Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const JointSpace& joints) {
-  Measurements measurements;
-  measurements.stations = read_poses(poses, joints);
-  const StationIndex stations(measurements.stations);
   const CsvTable table(lengths);
+  Measurements measurements = begun(table, lengths, poses, joints);
+  const StationIndex stations(measurements.stations);
   LengthRows rows(table, title_of(lengths.name));
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     rows.add(row, stations.at(table, row, "pose", poses.name));
   }
   measurements.lengths = std::move(rows).take();
-  measurements.files = {{lengths.name, sha256(lengths.text)}, {poses.name, sha256(poses.text)}};
   return measurements;
 }
 

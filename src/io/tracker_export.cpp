@@ -10,6 +10,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
 #include "readings.hpp"
+#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {

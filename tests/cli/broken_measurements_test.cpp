@@ -196,7 +196,6 @@ const std::vector<BrokenInput> kPointTables{
     points("repeat_commanded_elsewhere", replaced(kPoints, "home,0,0,-888,0,0.11", "home,0,1,-888,0,0.11"),
            {"points.csv:4: ", "pose home", "line 3"}),
     points("pose_without_name", replaced(kPoints, "front", ""), {"points.csv:8: ", "name"}),
-    points("name_not_utf8", replaced(kPoints, "left", "l\xE4nks"), {"points.csv:6: ", "UTF-8"}),
     points("believed_joints_of_another_robot",
            "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg\nhome,0,0,-888,0,0,-888,-11,-11,-11\n",
            {"points.csv:1: ", "q4_deg"}),

@@ -99,7 +99,7 @@ void run(const Options& options, Session& session) {
   const io::TextFile file = input_file(options.calibration);
   const SourceErrors errors = io::read_calibration(file, robot).errors;
   const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
-                            .sha256 = io::sha256(file.text),
+                            .sha256 = io::sha256(file),
                             .date = io::utc(now())};
   if (options.target == "gcode" || options.target == "csv") {
     return filter_file(options.target, options.filter, robot, errors, origin, session);

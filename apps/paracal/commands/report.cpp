@@ -20,7 +20,7 @@ void run(const ValidatingOptions& options, Session& session) {
   ReportContent content{.kind = "calibration", .results = {{"calibration", io::parse_json(file)}}};
   std::vector<report::ErrorArrow> arrows;
   std::vector<Station> stations = validation_stations(robot);
-  std::vector<InputFile> inputs{{file.name, io::sha256(file.text)}};
+  std::vector<InputFile> inputs{{file.name, io::sha256(file)}};
   if (!options.measuring.files.empty()) {
     const Measurements measurements = options.measuring.read(robot);
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());

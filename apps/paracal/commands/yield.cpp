@@ -83,7 +83,7 @@ Order order_of(const Options& options, Session& session) {
               .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
     io::TextFile file = input_file(name);
-    order.inputs.push_back({file.name, io::sha256(file.text)});
+    order.inputs.push_back({file.name, io::sha256(file)});
     return file;
   };
   const Robot& robot = order.batch.robot;

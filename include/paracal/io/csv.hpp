@@ -10,8 +10,8 @@
 
 namespace paracal::io {
 
-/// A comma-separated table with a header line; lines that begin with # and empty lines are skipped. Every complaint
-/// names file and line.
+/// A comma-separated table with a header line; lines that begin with # and empty lines are skipped. Bytes that are no
+/// UTF-8 stand in fields as \xE9. Every complaint names file and line.
 class CsvTable {
  public:
   /// @throws InputFileError for no header, no row, a column twice, or a row with more or fewer fields than the header.
@@ -36,6 +36,9 @@ class CsvTable {
   /// @throws InputFileError when a column is not one of `known`: a misspelt one would otherwise be ignored in silence.
   void allow_only(const std::vector<std::string_view>& known) const;
 
+  /// What a careful reader should know of how the lines so far were read.
+  std::vector<std::string> notes() const;
+
   std::size_t row_count() const { return rows_.size(); }
   int line(std::size_t row) const { return rows_[row].line; }
   /// From 1, with the rows that were dropped.
@@ -59,12 +62,14 @@ class CsvTable {
     std::vector<std::string> fields;
   };
 
+  std::string escape(int number, std::string_view line);
   bool has_header() const { return header_.line > 0; }
   void take_header(Row header);
   std::optional<std::size_t> find(std::string_view column) const;
 
   std::string name_;
   Row header_{};
+  int first_escaped_ = 0;  ///< line; 0: none
   std::size_t dropped_ = 0;
   std::vector<Row> rows_;
 };

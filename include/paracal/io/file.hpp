@@ -12,6 +12,7 @@ namespace paracal::io {
 struct TextFile {
   std::string name;
   std::string text;
+  std::string sha256 = {};  ///< of the bytes, where they are not this text
 };
 
 /// What some programs put before the first character of a file.
@@ -26,6 +27,7 @@ struct TextStream {
 /// @throws InputFileError when the file cannot be opened.
 std::ifstream open_file(const std::filesystem::path& path);
 
+/// The text as UTF-8 where the file is UTF-16 with its byte-order mark, as spreadsheets write it; else its bytes.
 /// @throws InputFileError when the file cannot be read, or is larger than 128 MiB: no table that is held in memory is.
 TextFile read_file(const std::filesystem::path& path);
 
@@ -93,5 +95,7 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// SHA-256 in hexadecimal.
 std::string sha256(std::string_view text);
+/// Of the file as it was read.
+std::string sha256(const TextFile& file);
 
 }  // namespace paracal::io

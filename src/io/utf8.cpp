@@ -1,0 +1,198 @@
+#include "utf8.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <streambuf>
+
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+unsigned char byte_of(char c) { return static_cast<unsigned char>(c); }
+
+/// The least and the largest second byte behind a first one, and how many bytes there are in all.
+struct Sequence {
+  unsigned char least = 0x80, largest = 0xBF;
+  std::size_t length = 0;  ///< 0: no character begins so
+};
+
+/// Unicode 15.0, table 3-7: neither what could be shorter, nor surrogates, nor beyond U+10FFFF.
+Sequence sequence_of(unsigned char first) {
+  if (first < 0x80) return {.length = 1};
+  if (first < 0xC2 || first > 0xF4) return {};
+  if (first < 0xE0) return {.length = 2};
+  const unsigned char least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const unsigned char largest = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  return {least, largest, first < 0xF0 ? std::size_t{3} : std::size_t{4}};
+}
+
+/// Bytes of the character that the text begins with; 0 where it begins with none.
+std::size_t length_of_character(std::string_view text) {
+  const auto [least, largest, length] = sequence_of(byte_of(text.front()));
+  if (length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    const unsigned char byte = byte_of(text[k]);
+    if (byte < (k == 1 ? least : 0x80) || byte > (k == 1 ? largest : 0xBF)) return 0;
+  }
+  return length;
+}
+
+/// Length of the text up to the first byte that is no UTF-8.
+std::size_t length_of_utf8(std::string_view text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = length_of_character(text.substr(at));
+    if (length == 0) break;
+    at += length;
+  }
+  return at;
+}
+
+void append_utf8(std::uint32_t code, std::string& text) {
+  constexpr std::array<std::uint32_t, 4> kEnds{0x80, 0x800, 0x10000, 0x110000};
+  constexpr std::array<unsigned char, 4> kLeads{0x00, 0xC0, 0xE0, 0xF0};
+  const auto more = static_cast<std::size_t>(std::ranges::upper_bound(kEnds, code) - kEnds.begin());
+  text += static_cast<char>(kLeads[more] | (code >> (6 * more)));
+  for (std::size_t k = more; k-- > 0;) text += static_cast<char>(0x80 | ((code >> (6 * k)) & 0x3F));
+}
+
+bool is_leading(std::uint16_t unit) { return unit >= 0xD800 && unit < 0xDC00; }
+bool is_trailing(std::uint16_t unit) { return unit >= 0xDC00 && unit < 0xE000; }
+
+}  // namespace
+
+bool is_utf8(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) { return byte_of(c) < 0x80; }) ||  // nearly always
+         length_of_utf8(text) == text.size();
+}
+
+std::string with_other_bytes_escaped(std::string_view text) {
+  std::string escaped;
+  for (std::size_t good = length_of_utf8(text); good < text.size(); good = length_of_utf8(text)) {
+    escaped += text.substr(0, good);
+    escaped += fmt::format("\\x{:02X}", byte_of(text[good]));
+    text.remove_prefix(good + 1);
+  }
+  return escaped.append(text);
+}
+
+std::string note_of_escapes(int line) {
+  return fmt::format("line {}: bytes that are no UTF-8 stand in names as \\xE9 and the like, here and below", line);
+}
+
+void Utf16Decoder::add(std::string_view bytes, std::string& text) {
+  for (const char c : bytes) {
+    if (!has_byte_) {
+      byte_ = byte_of(c);
+    } else {
+      const unsigned high = big_endian_ ? byte_ : byte_of(c), low = big_endian_ ? byte_of(c) : byte_;
+      add_unit(static_cast<std::uint16_t>(high << 8 | low), text);
+    }
+    has_byte_ = !has_byte_;
+  }
+}
+
+void Utf16Decoder::add_unit(std::uint16_t unit, std::string& text) {
+  if ((leading_ != 0) != is_trailing(unit)) {
+    throw InvalidArgument("expected UTF-16 text, got half a pair of surrogates");
+  }
+  if (is_leading(unit)) {
+    leading_ = unit;
+    return;
+  }
+  const std::uint32_t pair = 0x10000 + ((leading_ - 0xD800U) << 10) + (unit - 0xDC00U);
+  append_utf8(leading_ != 0 ? pair : unit, text);
+  leading_ = 0;
+}
+
+void Utf16Decoder::finish() const {
+  if (has_byte_ || leading_ != 0) throw InvalidArgument("expected UTF-16 text, got half a character at its end");
+}
+
+namespace {
+
+/// The byte-order marks of UTF-16: no UTF-8 text begins with either.
+constexpr std::string_view kLittleEndianMark = "\xFF\xFE", kBigEndianMark = "\xFE\xFF";
+
+/// Which UTF-16 a text is that begins with these bytes; empty: none.
+std::optional<bool> is_big_endian(std::string_view begin) {
+  if (begin.starts_with(kLittleEndianMark)) return false;
+  if (begin.starts_with(kBigEndianMark)) return true;
+  return std::nullopt;
+}
+
+/// Decodes what it reads, a piece at a time.
+class DecodingBuffer : public std::streambuf {
+ public:
+  DecodingBuffer(std::istream& bytes, bool big_endian) : bytes_(bytes), decoder_(big_endian) {}
+
+ protected:
+  int_type underflow() override {
+    text_.clear();
+    while (text_.empty()) {
+      bytes_.read(piece_.data(), static_cast<std::streamsize>(piece_.size()));
+      const auto count = static_cast<std::size_t>(bytes_.gcount());
+      if (bytes_.bad()) throw InvalidArgument("cannot be read to its end");
+      if (count == 0) {
+        decoder_.finish();
+        return traits_type::eof();
+      }
+      decoder_.add({piece_.data(), count}, text_);
+    }
+    setg(text_.data(), text_.data(), text_.data() + text_.size());
+    return traits_type::to_int_type(text_.front());
+  }
+
+ private:
+  std::istream& bytes_;
+  Utf16Decoder decoder_;
+  std::array<char, 16 * 1024> piece_ = {};
+  std::string text_;
+};
+
+class DecodedStream : public std::istream {
+ public:
+  DecodedStream(std::istream& bytes, bool big_endian) : std::istream(nullptr), buffer_(bytes, big_endian) {
+    rdbuf(&buffer_);
+    exceptions(badbit);  // else what the decoder throws would be a stream that just ends
+  }
+
+ private:
+  DecodingBuffer buffer_;
+};
+
+}  // namespace
+
+std::optional<std::string> decoded(std::string_view bytes) {
+  const auto big_endian = is_big_endian(bytes);
+  if (!big_endian) return std::nullopt;
+  std::string text;
+  Utf16Decoder decoder(*big_endian);
+  decoder.add(bytes.substr(kLittleEndianMark.size()), text);
+  decoder.finish();
+  return text;
+}
+
+std::unique_ptr<std::istream> decoded(std::istream& bytes) {
+  const auto forget_the_end = [&] { bytes.clear(bytes.rdstate() & ~(std::ios::eofbit | std::ios::failbit)); };
+  const auto first = bytes.peek();
+  forget_the_end();
+  const bool is_mark = first != std::istream::traits_type::eof() &&
+                       kLittleEndianMark.find(static_cast<char>(first)) != std::string_view::npos;
+  if (!is_mark) return nullptr;  // nearly always
+  std::array<char, 2> begin{};
+  bytes.read(begin.data(), begin.size());
+  const auto begin_size = static_cast<std::size_t>(bytes.gcount());
+  const auto big_endian = is_big_endian({begin.data(), begin_size});
+  if (!big_endian) {
+    forget_the_end();
+    for (auto left = begin_size; left > 0; --left) bytes.unget();
+    return nullptr;
+  }
+  return std::make_unique<DecodedStream>(bytes, *big_endian);
+}
+
+}  // namespace paracal::io
