@@ -31,6 +31,25 @@ io::TextFile input_file(const std::string& name) {
   return taken ? std::move(taken.mapped()) : io::read_file(name);
 }
 
+io::TextFile input_table(const std::string& name, const io::TableStyle& style) {
+  io::TextFile file = input_file(name);
+  file.style = style;
+  return file;
+}
+
+void add_table_options(Command& command, io::TableStyle& style) {
+  constexpr const char* kHeading = "Tables";
+  command
+      .add_flag("--decimal-comma", style.decimal_comma,
+                "numbers of tables have a decimal comma; without it a table must show that they have")
+      ->group(kHeading);
+  command
+      .add_option("--ignore-columns", style.ignored_columns,
+                  "columns of tables that are passed over, by their headings")
+      ->separated_by(',')
+      ->group(kHeading);
+}
+
 bool is_calibration(const std::string& errors_file) {
   return lower_case(std::filesystem::path(errors_file).extension()) == ".json";
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "paracal/io/csv_stream.hpp"
 #include "paracal/io/file.hpp"
 
@@ -11,7 +12,8 @@ namespace paracal::app {
 /// A table that is read row by row, and so from a pipe, too.
 struct RowInput {
   /// @throws InputFileError when the file cannot be opened.
-  explicit RowInput(const std::string& name) : file(io::open_file(name)), rows({name, file}) {}
+  RowInput(const std::string& name, const io::TableStyle& style)
+      : file(io::open_file(name)), rows({name, file, style}) {}
 
   std::ifstream file;
   io::CsvStream rows;
@@ -22,6 +24,12 @@ const io::TextFile& look_into(const std::string& name);
 
 /// A file's text, read now unless somebody has looked into it.
 io::TextFile input_file(const std::string& name);
+
+/// The same, of a table.
+io::TextFile input_table(const std::string& name, const io::TableStyle& style);
+
+/// --decimal-comma and --ignore-columns: for commands that read tables.
+void add_table_options(Command& command, io::TableStyle& style);
 
 /// Input files that may say which robot they are of; empty names are passed over.
 struct RobotSources {

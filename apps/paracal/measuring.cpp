@@ -51,14 +51,14 @@ std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
 /// The tables of poses, as files ask for them one after the other.
 class PoseTables {
  public:
-  explicit PoseTables(const std::vector<std::string>& names) : names_(names) {}
+  PoseTables(const std::vector<std::string>& names, const io::TableStyle& style) : names_(names), style_(style) {}
 
   bool empty() const { return names_.empty(); }
   io::TextFile next(const std::string& asking) {
     if (names_.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", asking));
     const std::size_t place = names_.size() == 1 ? 0 : asked_;
     ++asked_;
-    if (place < names_.size()) return input_file(names_[place]);
+    if (place < names_.size()) return input_table(names_[place], style_);
     throw WrongUsage(
         fmt::format("--poses: expected one table for all files that name poses, or one for each, got {} and "
                     "none for {}",
@@ -72,13 +72,13 @@ class PoseTables {
 
  private:
   const std::vector<std::string>& names_;
+  const io::TableStyle& style_;
   std::size_t asked_ = 0;
 };
 
-Measurements read_file(PoseTables& tables, const std::optional<io::ColumnMap>& columns, const std::string& name,
+Measurements read_file(PoseTables& tables, const std::optional<io::ColumnMap>& columns, const io::TextFile& file,
                        const JointSpace& joints) {
-  const io::TextFile file = input_file(name);
-  const auto poses = [&] { return tables.next(name); };
+  const auto poses = [&] { return tables.next(file.name); };
   if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
   switch (io::kind_of_table(file.text, !tables.empty())) {
     case io::TableKind::lengths:
@@ -102,8 +102,10 @@ std::vector<std::string> MeasuringOptions::tables() const {
 Measurements MeasuringOptions::read(const Robot& robot) const {
   const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
-  PoseTables pose_tables(poses);
-  for (const std::string& file : files) parts.push_back(read_file(pose_tables, map, file, robot.joint_space()));
+  PoseTables pose_tables(poses, style);
+  for (const std::string& file : files) {
+    parts.push_back(read_file(pose_tables, map, input_table(file, style), robot.joint_space()));
+  }
   pose_tables.check_all_used();
   Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
   return at_reference_temperature(with_commands(robot, std::move(all)), expansion());
@@ -277,6 +279,7 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
                      "for each file that names poses");
   command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
   command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
+  add_table_options(command, options.style);
   add_noise_options(command, options);
   command
       .add_option(

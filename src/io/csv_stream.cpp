@@ -76,7 +76,8 @@ class CsvStream::Lines {
   std::int64_t passed_ = 0;  ///< lines of earlier blocks
 };
 
-CsvStream::CsvStream(const TextStream& in) : name_(in.name), lines_(std::make_unique<Lines>(in)), table_(in.name) {}
+CsvStream::CsvStream(const TextStream& in)
+    : name_(in.name), lines_(std::make_unique<Lines>(in)), table_(in.name, in.style) {}
 
 CsvStream::~CsvStream() = default;
 
@@ -93,7 +94,10 @@ const CsvTable* CsvStream::next() {
   while (const auto line = lines_->peek()) {
     lines_->pass();
     add_statement(expected_, name_, line->number, line->text);
+    const bool had_header = table_.has_header();
     if (table_.add(line->number, line->text)) return &table_;
+    if (had_header || !table_.has_header()) continue;
+    lines_->look_ahead([&](const NumberedLine& later) { table_.look_ahead(later.number, later.text); });
   }
   table_.finish();
   return nullptr;

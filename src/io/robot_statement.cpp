@@ -60,13 +60,13 @@ std::optional<std::string> first_difference(const Json& expected, const Json& go
   return fmt::format("{} {}, got {}", path, shown(expected), shown(got));
 }
 
-/// The name in "# robot: NAME"; spreadsheets put commas behind it.
+/// The name in "# robot: NAME"; spreadsheets put separators behind it.
 std::optional<std::string> name_in(std::string_view line) {
   constexpr std::string_view kKey = "robot:";
   if (!line.starts_with('#')) return std::nullopt;
   line = trimmed(line.substr(1));
   if (!line.starts_with(kKey)) return std::nullopt;
-  return std::string(trimmed(line.substr(kKey.size()), " \t\r,"));
+  return std::string(trimmed(line.substr(kKey.size()), " \t\r,;"));
 }
 
 /// The depth of a robot's JSON is 4; nothing deeper is followed.

@@ -278,7 +278,7 @@ const std::vector<BrokenInput> kTables{
           {"poses.csv:4: expected 5 fields", "got 4"}),
     poses("fields_too_many", replaced(kPoses, "left,", "left,1,"), {"poses.csv:5: expected 5 fields", "got 6"}),
     poses("decimal_commas", replaced(kPoses, "-400", "-400,5"), {"poses.csv:5: expected 5 fields"}),
-    poses("semicolons", "pose;x_mm;y_mm;z_mm\nhome;0;0;-888\n", {"poses.csv:1: ", "pose;x_mm;y_mm;z_mm"}),
+    poses("semicolons_and_commas", "pose;x_mm,y_mm;z_mm\nhome;0;0;-888\n", {"poses.csv:1: ", "semicolons and commas"}),
     poses("text_for_number", replaced(kPoses, "right,400", "right,far"),
           {"poses.csv:4: ", "finite number in column x_mm", "\"far\""}),
     poses("number_with_unit", replaced(kPoses, "right,400", "right,400mm"),

@@ -25,6 +25,7 @@ struct Options {
   std::string way = "exact";
   bool targets = false;
   bool json_lines = false;
+  io::TableStyle style;
 };
 
 struct Compensated {
@@ -128,7 +129,7 @@ std::string table_row(const Options& options, const Robot& robot, const Compensa
 }
 
 void run(const Options& options, Session& session) {
-  RowInput poses(options.poses);
+  RowInput poses(options.poses, options.style);
   RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
@@ -161,6 +162,7 @@ void add_compensate(Command& program, Session& session) {
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV), for a controller that computes with the nominal robot");
   add_json_lines_option(*command, options->json_lines);
+  add_table_options(*command, options->style);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -15,6 +15,7 @@ struct Options {
   std::string joints;
   std::string errors;
   bool json_lines = false;
+  io::TableStyle style;
 };
 
 io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
@@ -44,7 +45,7 @@ io::Json plate_json(const io::NamedPlate& row) {
 }
 
 void run(const Options& options, Session& session) {
-  RowInput joints(options.joints);
+  RowInput joints(options.joints, options.style);
   const Robot robot = session.robot(sources_of(options.errors, joints.rows));
   const Machine machine = machine_as_built(robot, options.errors);
   RowOutput rows(session, options.json_lines, {JsonColumn{"poses"}});
@@ -65,6 +66,7 @@ void add_forward(Command& program, Session& session) {
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");
   add_json_lines_option(*command, options->json_lines);
+  add_table_options(*command, options->style);
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -24,7 +24,8 @@ struct Options {
 Measurements plan_of(const Robot& robot, const Options& options) {
   PlanningOptions plan = options.plan;
   plan.readings.rotation = options.rotation != "none";
-  return planned(robot, io::read_poses(input_file(options.poses), robot.joint_space()), plan.planned("--rotation"));
+  return planned(robot, io::read_poses(input_table(options.poses, options.measuring.style), robot.joint_space()),
+                 plan.planned("--rotation"));
 }
 
 /// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
@@ -140,6 +141,7 @@ void add_identifiability(Command& program, Session& session) {
                                          "what a plan will reveal, and what it cannot, before measuring");
   const auto options = std::make_shared<Options>();
   command->add_option("--poses", options->poses, "poses to be measured (CSV)")->required();
+  add_table_options(*command, options->measuring.style);
   add_planning_options(*command, options->plan);
   command->add_option("--frame", options->measuring.frame, "frame of coordinates")
       ->check(one_of({"unknown", "robot"}))

@@ -15,6 +15,7 @@ struct Options {
   std::string poses;
   std::string errors;
   bool json_lines = false;
+  io::TableStyle style;
 };
 
 Joints joints_at(const Robot& robot, const Machine& machine, const Station& station) {
@@ -29,7 +30,7 @@ Joints joints_at(const Robot& robot, const Machine& machine, const Station& stat
 }
 
 void run(const Options& options, Session& session) {
-  RowInput poses(options.poses);
+  RowInput poses(options.poses, options.style);
   const Robot robot = session.robot(sources_of(options.errors, poses.rows));
   const Machine machine = machine_as_built(robot, options.errors);
   const Actuator actuator = robot.actuator();
@@ -52,6 +53,7 @@ void add_inverse(Command& program, Session& session) {
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");
   add_json_lines_option(*command, options->json_lines);
+  add_table_options(*command, options->style);
   command->callback([&session, options] { run(*options, session); });
 }
 

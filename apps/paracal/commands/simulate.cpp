@@ -24,6 +24,7 @@ struct Options {
   InstrumentOptions instrument;
   PlanningOptions plan;
   std::uint64_t machine = 0;
+  io::TableStyle style = {};
 };
 
 /// Anywhere within some metres, turned anyhow: what "unknown frame" means.
@@ -50,7 +51,8 @@ void check_instrument(const InstrumentOptions& instrument, const PlannedReadings
 }
 
 Measurements plan_of(const Robot& robot, const Options& options, const PlannedReadings& what) {
-  Measurements plan = planned(robot, io::read_poses(input_file(options.poses), robot.joint_space()), what);
+  Measurements plan =
+      planned(robot, io::read_poses(input_table(options.poses, options.style), robot.joint_space()), what);
   const auto repeat = [&](auto& readings) {
     const auto once = readings;
     readings.clear();
@@ -159,6 +161,7 @@ void add_simulate(Command& program, Session& session) {
       ->shows_default();
   session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
+  add_table_options(*command, options->style);
   add_planning_options(*command, options->plan);
   add_instrument_options(*command, options->instrument);
   command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder reads phi");

@@ -39,6 +39,7 @@ constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-dista
 
 struct Options {
   std::uint64_t machines = 0;
+  io::TableStyle style = {};
   std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
   std::uint64_t chunk = 0;  ///< 0: by how machines are made
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
@@ -82,7 +83,7 @@ Order order_of(const Options& options, Session& session) {
   Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
               .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
-    io::TextFile file = input_file(name);
+    io::TextFile file = input_table(name, options.style);
     order.inputs.push_back({file.name, io::sha256(file)});
     return file;
   };
@@ -281,6 +282,7 @@ void add_yield(Command& program, Session& session) {
       "--poses", options->poses,
       "poses to measure (CSV); default: the paper's, home and two rims of 9, or 30 full poses that show "
       "most of a plate with six freedoms");
+  add_table_options(*command, options->style);
   command->add_option("--method", options->method, "of the calibration, as in calibrate")
       ->check(one_of({"best", "paper"}))
       ->shows_default();

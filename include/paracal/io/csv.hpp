@@ -1,30 +1,41 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "paracal/io/decimal_sign.hpp"
 #include "paracal/io/file.hpp"
 
 namespace paracal::io {
 
-/// A comma-separated table with a header line; lines that begin with # and empty lines are skipped. Bytes that are no
-/// UTF-8 stand in fields as \xE9. Every complaint names file and line.
+/// A table with a header line, whose one kind of separator (comma, semicolon or tab) is that of all lines. Lines that
+/// begin with # and lines of nothing but separators are skipped, as is what is empty behind the last column. Decimals
+/// may have a comma (DecimalSign). Bytes that are no UTF-8 stand in fields as \xE9. Every
+/// complaint names file and line.
 class CsvTable {
  public:
-  /// @throws InputFileError for no header, no row, a column twice, or a row with more or fewer fields than the header.
+  /// @throws InputFileError for no header, two kinds of separators in it, a column twice, no row, or a row with more or
+  /// fewer fields than the header.
   explicit CsvTable(const TextFile& file);
 
   /// A table without lines yet, for one that is not held as a whole.
   /// @param name  of its file, for messages.
-  explicit CsvTable(std::string name) : name_(std::move(name)) {}
+  explicit CsvTable(std::string name, TableStyle style = {})
+      : name_(std::move(name)), style_(std::move(style)), decimals_(style_.decimal_comma) {}
 
   /// Takes the next line, without its end.
   /// @returns whether it is a row; else it is the header or is skipped.
   /// @throws InputFileError as above for a header or a row.
   bool add(int number, std::string_view line);
+
+  bool has_header() const { return header_.line > 0; }
+
+  /// Takes what a line that is to come shows of how numbers are written: behind the header, before a number is read.
+  void look_ahead(int number, std::string_view line);
 
   /// Says that this was the last line.
   /// @throws InputFileError for no header, or no row ever.
@@ -33,7 +44,8 @@ class CsvTable {
   /// Drops the rows so far, which go on to count.
   void drop_rows();
 
-  /// @throws InputFileError when a column is not one of `known`: a misspelt one would otherwise be ignored in silence.
+  /// @throws InputFileError when a column is neither one of `known` nor to be ignored: a misspelt one would otherwise
+  /// be ignored in silence.
   void allow_only(const std::vector<std::string_view>& known) const;
 
   /// What a careful reader should know of how the lines so far were read.
@@ -62,13 +74,24 @@ class CsvTable {
     std::vector<std::string> fields;
   };
 
+  /// What a column is for.
+  enum class Role : std::uint8_t { number, text, ignored };
+
   std::string escape(int number, std::string_view line);
-  bool has_header() const { return header_.line > 0; }
+  Row row_of(int number, std::string_view line) const;
+  std::vector<std::string> columns(bool ignored) const;
+  Role role_of(const std::string& column) const;
   void take_header(Row header);
+  [[noreturn]] void refuse_count(const Row& row) const;
+  void look_at(const Row& row);
   std::optional<std::size_t> find(std::string_view column) const;
 
   std::string name_;
+  TableStyle style_;
+  DecimalSign decimals_;
+  char separator_ = ',';
   Row header_{};
+  std::vector<Role> roles_ = {};
   int first_escaped_ = 0;  ///< line; 0: none
   std::size_t dropped_ = 0;
   std::vector<Row> rows_;

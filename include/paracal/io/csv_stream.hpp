@@ -9,7 +9,8 @@
 namespace paracal::io {
 
 /// A table as CsvTable has it, but row by row: memory does not grow with the table. Its lines, comments too, are at
-/// most 64 KiB long.
+/// most 64 KiB long. Whether decimals have a comma is told from the lines that are read at once with the header, which
+/// is 256 KiB of them, and from those above the number that is read.
 class CsvStream {
  public:
   /// @param in  where nothing is read before the first call.

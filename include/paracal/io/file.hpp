@@ -5,13 +5,21 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace paracal::io {
+
+/// What somebody says of tables that do not say it themselves.
+struct TableStyle {
+  bool decimal_comma = false;                     ///< 1,5 is a number and 1.5 is none
+  std::vector<std::string> ignored_columns = {};  ///< by their headings
+};
 
 /// A file's text together with the name that messages use.
 struct TextFile {
   std::string name;
   std::string text;
+  TableStyle style = {};
   std::string sha256 = {};  ///< of the bytes, where they are not this text
 };
 
@@ -22,6 +30,7 @@ inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 struct TextStream {
   std::string name;
   std::istream& text;
+  TableStyle style = {};
 };
 
 /// @throws InputFileError when the file cannot be opened.
