@@ -1,5 +1,7 @@
 // Tables of poses, points, joints, distances and heights, instruments' exports, printers' readings, and the line that
-// names a robot. A choice of '0' to '7' says which.
+// names a robot. A choice of '0' to ':' says which.
+
+#include <sstream>
 
 #include "fuzzing.hpp"
 #include "paracal/io/points.hpp"
@@ -11,11 +13,22 @@ namespace paracal::fuzz {
 namespace {
 
 const io::TextFile kPoses{"poses.csv",
-                          "name,x_mm,y_mm,z_mm,phi_deg\nP1,0,0,-888,0\nP2,500,0,-888,0\nP3,0,500,-888,0\n"};
+                          "pose,x_mm,y_mm,z_mm,phi_deg\nP1,0,0,-888,0\nP2,500,0,-888,0\nP3,0,500,-888,0\n"};
+
+void read_export(const io::TextFile& file, const std::string& columns, const std::string& unit) {
+  (void)io::read_tracker_export(file, io::find_columns(file, columns, unit), io::read_poses(kPoses));
+}
+
+/// Bytes as they come from a file, UTF-16, too.
+void read_rows(const std::string& bytes) {
+  std::istringstream in(bytes);
+  io::CsvStream table({"table.csv", in, {.decimal_comma = false, .ignored_columns = {"remark"}}});
+  io::read_poses(table, {}, [](const Station&) {});
+}
 
 void read(const Input& input) {
   const io::TextFile file{"table.csv", input.text};
-  switch (input.choice % 8) {
+  switch ((input.choice - '0') % 11) {
     case 0:
       return (void)io::read_poses(file);
     case 1:
@@ -25,14 +38,19 @@ void read(const Input& input) {
     case 3:
       return (void)io::read_distances(file, kPoses);
     case 4:
-      return (void)io::read_heights(file, kPoses);
+      return (void)io::read_lengths(file, kPoses);
     case 5:
-      return (void)io::read_tracker_export(file, io::parse_column_map("name=1,x=2,y=3,z=4", "mm"),
-                                           io::read_poses(kPoses));
+      return read_export(file, "name=1,x=2,y=3,z=4", "mm");
     case 6:
       return (void)io::read_printer_table(file, {});
-    default:
+    case 7:
       return (void)io::robot_of_table(file);
+    case 8:
+      return read_export(file, "", "");
+    case 9:
+      return read_export(file, std::string(io::kSpatialAnalyzer), "m");
+    default:
+      return read_rows(input.text);
   }
 }
 

@@ -36,13 +36,15 @@ TrackerModel tracker_model(const std::vector<double>& um) {
   return tracker;
 }
 
-/// Where an instrument's export holds what is needed; nothing for tables of our own.
-std::optional<io::ColumnMap> column_map(const MeasuringOptions& options) {
-  if (options.columns.empty() && options.unit.empty()) return std::nullopt;
-  if (options.columns.empty()) throw WrongUsage("--unit: expected --columns with it");
-  if (options.unit.empty()) throw WrongUsage("--columns: expected --unit with it, one of mm, m, um, inch");
+/// Whether options say how an instrument's export is to be read.
+bool says_export(const MeasuringOptions& options) {
+  return !options.columns.empty() || !options.unit.empty() || options.match != "name";
+}
+
+Measurements read_export(const MeasuringOptions& options, const io::TextFile& file, const std::vector<Station>& poses) {
   try {
-    return io::parse_column_map(options.columns, options.unit);
+    const io::ColumnMap map = io::find_columns(file, options.columns, options.unit, options.match == "order");
+    return io::read_tracker_export(file, map, poses);
   } catch (const InvalidArgument& refused) {
     throw WrongUsage(std::string("--columns, --unit: ") + refused.what());
   }
@@ -76,15 +78,17 @@ class PoseTables {
   std::size_t asked_ = 0;
 };
 
-Measurements read_file(PoseTables& tables, const std::optional<io::ColumnMap>& columns, const io::TextFile& file,
+Measurements read_file(PoseTables& tables, const MeasuringOptions& options, const std::string& name,
                        const JointSpace& joints) {
-  const auto poses = [&] { return tables.next(file.name); };
-  if (columns) return io::read_tracker_export(file, *columns, io::read_poses(poses(), joints));
-  switch (io::kind_of_table(file.text, !tables.empty())) {
+  const io::TextFile file = input_table(name, options.style);
+  const auto poses = [&] { return tables.next(name); };
+  switch (says_export(options) ? io::TableKind::exported : io::kind_of_table(file, !tables.empty())) {
     case io::TableKind::lengths:
       return io::read_lengths(file, poses(), joints);
     case io::TableKind::distances:
       return io::read_distances(file, poses(), joints);
+    case io::TableKind::exported:
+      return read_export(options, file, io::read_poses(poses(), joints));
     case io::TableKind::points:
       break;
   }
@@ -100,12 +104,9 @@ std::vector<std::string> MeasuringOptions::tables() const {
 }
 
 Measurements MeasuringOptions::read(const Robot& robot) const {
-  const std::optional<io::ColumnMap> map = column_map(*this);
   std::vector<Measurements> parts;
   PoseTables pose_tables(poses, style);
-  for (const std::string& file : files) {
-    parts.push_back(read_file(pose_tables, map, input_table(file, style), robot.joint_space()));
-  }
+  for (const std::string& file : files) parts.push_back(read_file(pose_tables, *this, file, robot.joint_space()));
   pose_tables.check_all_used();
   Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
   return at_reference_temperature(with_commands(robot, std::move(all)), expansion());
@@ -277,8 +278,14 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
   command.add_option("--poses", options.poses,
                      "poses that distances, lengths or an instrument's export name (CSV): one table for all, or one "
                      "for each file that names poses");
-  command.add_option("--columns", options.columns, "read an instrument's text export, e.g. name=3,x=4,y=5,z=6");
-  command.add_option("--unit", options.unit, "unit of the export: mm, m, um or inch");
+  command.add_option("--columns", options.columns,
+                     "where an instrument's text export holds what is needed: numbers (name=3,x=4,y=5,z=6), headings "
+                     "(name=Target,x=X,y=Y,z=Z), or spatialanalyzer ([[collection] group] target x y z); without it: "
+                     "as its header row says");
+  command.add_option("--unit", options.unit, "unit of the export, where no header row states it: mm, m, um or inch");
+  command.add_option("--match", options.match, "how points of an export find their poses: by name, or in their order")
+      ->check(one_of({"name", "order"}))
+      ->shows_default();
   add_table_options(command, options.style);
   add_noise_options(command, options);
   command

@@ -22,7 +22,7 @@ namespace paracal::app {
 struct MeasuringOptions {
   std::vector<std::string> files;
   std::vector<std::string> poses;  ///< one table for all files that name poses, or one for each of them in their order
-  std::string columns, unit;
+  std::string columns, unit, match = "name";
   io::TableStyle style;
   std::optional<double> sigma_mm, height_sigma_mm, sigma_deg;
   double distance_bias_mm = 0.0;

@@ -73,11 +73,15 @@ GivenMeasurements read(const std::vector<GivenTable>& tables, const std::vector<
     const auto of_poses = [&] { return pose_tables.next(file.name, all.stated); };
     all.tables.push_back(file.name);
     if (columns) {
-      const io::ColumnMap map = io::parse_column_map(columns->first, columns->second);
+      const io::ColumnMap map = io::find_columns(file, columns->first, columns->second);
       parts.push_back(io::read_tracker_export(file, map, io::read_poses(of_poses(), joints)));
       continue;
     }
-    switch (io::kind_of_table(file.text, !pose_tables.empty())) {
+    switch (io::kind_of_table(file, !pose_tables.empty())) {
+      case io::TableKind::exported:
+        parts.push_back(
+            io::read_tracker_export(file, io::find_columns(file, "", ""), io::read_poses(of_poses(), joints)));
+        break;
       case io::TableKind::points:
         parts.push_back(io::read_points(file, joints));
         break;

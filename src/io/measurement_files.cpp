@@ -1,8 +1,10 @@
 #include "paracal/io/measurement_files.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "paracal/io/file.hpp"
+#include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 
 namespace paracal::io {
@@ -20,12 +22,22 @@ std::string_view header_of(std::string_view text) {
   return {};
 }
 
+/// Whether a header has a column of points or distances that no export has.
+bool is_ours(std::string_view header) {
+  constexpr std::array<std::string_view, 8> kOurs{"_cmd_mm", "q1_", "x2_mm", "repeat",
+                                                  "phi_deg", "qw",  "from",  "distance_mm"};
+  return std::ranges::any_of(kOurs,
+                             [&](std::string_view column) { return header.find(column) != std::string_view::npos; });
+}
+
 }  // namespace
 
-TableKind kind_of_table(std::string_view text, bool has_poses) {
-  const std::string_view header = header_of(text);
+TableKind kind_of_table(const TextFile& file, bool has_poses) {
+  const std::string_view header = header_of(file.text);
   const auto has = [&](std::string_view column) { return header.find(column) != std::string_view::npos; };
   if (length_kind_in(header)) return TableKind::lengths;
+  if (header.starts_with("//")) return TableKind::exported;
+  if ((has_poses || !has("x_mm")) && !is_ours(header) && has_export_header(file)) return TableKind::exported;
   return has("x_mm") || (!has_poses && !has("distance_mm")) ? TableKind::points : TableKind::distances;
 }
 

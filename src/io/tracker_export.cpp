@@ -1,146 +1,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
 #include "columns.hpp"
+#include "export_fields.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/decimal_sign.hpp"
 #include "paracal/io/points.hpp"
 #include "readings.hpp"
 #include "utf8.hpp"
 
 namespace paracal::io {
 namespace {
-
-// ---- Column map
-
-constexpr std::array<std::string_view, 5> kFields{"name", "x", "y", "z", "sigma"};
-using FieldColumns = std::array<std::size_t, kFields.size()>;  ///< 0: none
-
-struct LengthUnit {
-  std::string_view name;
-  double mm;
-};
-constexpr std::array<LengthUnit, 4> kUnits{{{"mm", 1.0}, {"m", 1000.0}, {"um", 0.001}, {"inch", 25.4}}};
-
-double mm_per(std::string_view unit) {
-  const auto* found = std::ranges::find(kUnits, unit, &LengthUnit::name);
-  if (found == kUnits.end()) throw InvalidArgument(fmt::format("unit: expected mm, m, um or inch, got \"{}\"", unit));
-  return found->mm;
-}
-
-/// The text between separators; never empty.
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
-    parts.push_back(text.substr(0, end));
-    text.remove_prefix(end + 1);
-  }
-  parts.push_back(text);
-  return parts;
-}
-
-[[noreturn]] void refuse_columns(std::string_view columns, const std::string& reason) {
-  throw InvalidArgument(
-      fmt::format("columns: expected a list like name=3,x=4,y=5,z=6 (from 1, sigma=7 where stated), got \"{}\": {}",
-                  columns, reason));
-}
-
-FieldColumns field_columns(std::string_view columns) {
-  FieldColumns places{};
-  for (const std::string_view part : split(columns, ',')) {
-    const std::string_view entry = trimmed(part, " ");
-    const std::vector<std::string_view> sides = split(entry, '=');
-    const auto* field = std::ranges::find(kFields, sides.front());
-    if (sides.size() != 2 || field == kFields.end()) refuse_columns(columns, fmt::format("what is \"{}\"?", entry));
-    std::size_t& place = places[static_cast<std::size_t>(field - kFields.begin())];
-    if (place != 0) refuse_columns(columns, fmt::format("{} stands twice", *field));
-    const std::optional<double> number = finite_number(sides.back());
-    if (!number || !(*number >= 1.0 && *number <= 1e6) || *number != std::floor(*number)) {
-      refuse_columns(columns, fmt::format("\"{}\" is no column", sides.back()));
-    }
-    place = static_cast<std::size_t>(*number);
-  }
-  return places;
-}
-
-FieldColumns field_columns(const ColumnMap& map) { return {map.name, map.x, map.y, map.z, map.sigma.value_or(0)}; }
-
-/// As the user gives them: "name=3,x=4,y=5,z=6".
-std::string text_of(const FieldColumns& places) {
-  std::string text;
-  for (std::size_t k = 0; k < kFields.size(); ++k) {
-    if (places[k] != 0) text += fmt::format("{}{}={}", text.empty() ? "" : ",", kFields[k], places[k]);
-  }
-  return text;
-}
-
-void check_columns(std::string_view columns, const FieldColumns& places) {
-  for (std::size_t k = 0; k < kFields.size(); ++k) {
-    if (places[k] == 0 && kFields[k] != "sigma") refuse_columns(columns, fmt::format("{} is missing", kFields[k]));
-    if (places[k] != 0 && std::ranges::count(places, places[k]) > 1) {
-      refuse_columns(columns, fmt::format("column {} stands twice", places[k]));
-    }
-  }
-}
-
-void check_map(const ColumnMap& map) {
-  const FieldColumns places = field_columns(map);
-  check_columns(text_of(places), places);
-  if (!(map.mm_per_unit > 0.0 && std::isfinite(map.mm_per_unit))) {
-    throw InvalidArgument(fmt::format("unit: expected more than 0 mm, got {}", map.mm_per_unit));
-  }
-}
-
-// ---- Lines
-
-bool is_comment(std::string_view line) {
-  const std::size_t start = line.find_first_not_of(" \t");
-  return start == std::string_view::npos || line.substr(start).starts_with("//") || line[start] == '#';
-}
-
-/// The first of tab, semicolon and comma that stands outside quotation marks; else a blank.
-char separator_of(std::string_view line) {
-  const std::vector<std::string_view> by_quotes = split(line, '"');  // every second part is inside
-  for (const char separator : {'\t', ';', ','}) {
-    for (std::size_t k = 0; k < by_quotes.size(); k += 2) {
-      if (by_quotes[k].find(separator) != std::string_view::npos) return separator;
-    }
-  }
-  return ' ';
-}
-
-/// Takes a field off the front of a line; a doubled quotation mark inside quotation marks is one.
-std::string take_field(std::string_view& rest, char separator) {
-  std::string field;
-  bool is_quoted = false;
-  while (!rest.empty() && (is_quoted || rest.front() != separator)) {
-    const char c = rest.front();
-    rest.remove_prefix(1);
-    if (c != '"') {
-      field += c;
-    } else if (is_quoted && rest.starts_with('"')) {
-      field += c;
-      rest.remove_prefix(1);
-    } else {
-      is_quoted = !is_quoted;
-    }
-  }
-  return std::string(trimmed(field, " "));
-}
-
-std::vector<std::string> fields_of(std::string_view line) {
-  const char separator = separator_of(line);
-  std::vector<std::string> fields;
-  for (std::string_view rest = trimmed(line, " ");; rest.remove_prefix(1)) {
-    if (separator == ' ') rest = trimmed(rest, " ");  // any number of blanks separate
-    fields.push_back(take_field(rest, separator));
-    if (rest.empty()) return fields;
-  }
-}
 
 struct ExportedPoint {
   int line = 0;
@@ -153,33 +27,86 @@ struct ExportedPoint {
 class ExportReader {
  public:
   ExportReader(const TextFile& file, const ColumnMap& map)
-      : file_(file), places_(field_columns(map)), mm_per_unit_(map.mm_per_unit) {}
+      : file_(file), map_(map), places_(field_columns(map)), decimals_(file.style.decimal_comma) {}
 
   std::vector<ExportedPoint> points() {
     std::vector<ExportedPoint> points;
-    for (const std::string_view line : lines_of(file_.text)) {
-      ++line_;
-      if (!is_comment(line)) points.push_back(point_of(line));
-    }
+    each_line([&](const std::vector<std::string>& fields) { look_at(fields); });
+    each_line([&](const std::vector<std::string>& fields) { points.push_back(point_of(fields)); });
     if (points.empty()) throw InputFileError(file_.name, 0, "expected at least one line with a point, got none");
     return points;
+  }
+
+  /// Of the lines that have been read.
+  void add_notes(SeriesBuilder& series) const {
+    for (const std::string& note : map_.notes) series.note(note);
+    if (last_of_head_ > 0) {
+      series.note(
+          fmt::format("lines down to {} have no number where coordinates are to stand: passed over", last_of_head_));
+    }
+    if (first_escaped_ > 0) series.note(note_of_escapes(first_escaped_));
   }
 
  private:
   [[noreturn]] void fail(const std::string& complaint) const { throw InputFileError(file_.name, line_, complaint); }
 
-  ExportedPoint point_of(std::string_view line) {
-    if (!is_utf8(line)) fail("expected UTF-8 text, got other bytes");
+  /// Calls take(fields) for every line that is to be a point.
+  void each_line(const auto& take) {
+    bool has_begun = map_.data_after > 0;
+    line_ = 0;
+    for (const std::string_view line : lines_of(file_.text)) {
+      if (++line_ <= map_.data_after || is_export_comment(line)) continue;
+      const std::vector<std::string> fields = fields_of(line);
+      if (!has_begun && is_head(fields)) {
+        last_of_head_ = line_;
+        continue;
+      }
+      has_begun = true;
+      take(fields);
+    }
+  }
+
+  std::vector<std::string> fields_of(std::string_view line) {
+    std::string escaped;
+    if (!is_utf8(line)) line = escaped = escape(line);
     if (std::ranges::count(line, '"') % 2 != 0) {
       fail("expected closed quotation marks around a field, got an open one");
     }
-    const std::vector<std::string> fields = fields_of(line);
+    std::vector<std::string> fields = export_fields(line, file_.style.decimal_comma);
+    const std::size_t least = *std::ranges::max_element(places_);
+    while (fields.size() > std::max(least, count_) && fields.back().empty()) fields.pop_back();
+    return fields;
+  }
+
+  /// Words where coordinates are to stand, or nothing, for there are too few fields.
+  bool is_head(const std::vector<std::string>& fields) const {
+    if (fields.size() < places_[1]) return true;
+    for (const std::size_t place : {places_[1], places_[2], places_[3]}) {
+      if (place <= fields.size() && (fields[place - 1].empty() || may_be_number(fields[place - 1]))) return false;
+    }
+    return true;
+  }
+
+  void look_at(const std::vector<std::string>& fields) {
+    for (std::size_t field = 1; field < places_.size(); ++field) {
+      const std::size_t place = places_[field];
+      if (place != 0 && place <= fields.size()) decimals_.look(fields[place - 1], line_);
+    }
+  }
+
+  ExportedPoint point_of(const std::vector<std::string>& fields) {
     check_count(fields.size());
-    ExportedPoint point{line_, fields[places_[0] - 1], {length(fields, 1), length(fields, 2), length(fields, 3)}, {}};
-    if (point.name.empty()) fail(fmt::format("expected a name in column {}, got none", places_[0]));
+    ExportedPoint point{line_, {}, {length(fields, 1), length(fields, 2), length(fields, 3)}, {}};
+    if (places_[0] != 0) point.name = fields[places_[0] - 1];
+    if (point.name.empty() && !map_.by_order) fail(fmt::format("expected a name in column {}, got none", places_[0]));
     if (places_[4] != 0) point.sigma = length(fields, 4);
     if (point.sigma && !(*point.sigma > 0.0)) fail(fmt::format("expected sigma above 0, got {} mm", *point.sigma));
     return point;
+  }
+
+  std::string escape(std::string_view line) {
+    if (first_escaped_ == 0) first_escaped_ = line_;
+    return with_other_bytes_escaped(line);
   }
 
   void check_count(std::size_t count) {
@@ -197,17 +124,21 @@ class ExportReader {
 
   double length(const std::vector<std::string>& fields, std::size_t field) const {
     const std::string& text = fields[places_[field] - 1];
-    const double mm = finite_number(text).value_or(std::numeric_limits<double>::quiet_NaN()) * mm_per_unit_;
+    const double mm = decimals_.number(text).value_or(std::numeric_limits<double>::quiet_NaN()) * map_.mm_per_unit;
     if (!std::isfinite(mm)) {
-      fail(fmt::format("expected a finite number in column {} ({}), got \"{}\"", places_[field], kFields[field], text));
+      fail(fmt::format("expected a finite number in column {} ({}), got \"{}\"{}", places_[field], kExportFields[field],
+                       text, decimals_.why_not(text)));
     }
     return mm;
   }
 
   const TextFile& file_;
+  const ColumnMap& map_;
   FieldColumns places_;
-  double mm_per_unit_;
+  DecimalSign decimals_;
   int line_ = 0;
+  int first_escaped_ = 0;  ///< line; 0: none
+  int last_of_head_ = 0;   ///< likewise
   int first_line_ = 0;     ///< of data
   std::size_t count_ = 0;  ///< of its fields
 };
@@ -224,22 +155,27 @@ std::string some_of(const auto& items) {
   return items.size() <= kShown ? text : fmt::format("{} and {} more", text, items.size() - kShown);
 }
 
-}  // namespace
-
-ColumnMap parse_column_map(std::string_view columns, std::string_view unit) {
-  const FieldColumns places = field_columns(columns);
-  check_columns(columns, places);
-  ColumnMap map{.name = places[0], .x = places[1], .y = places[2], .z = places[3], .mm_per_unit = mm_per(unit)};
-  if (places[4] != 0) map.sigma = places[4];
-  return map;
+/// Where the point of each pose is to go.
+void add_by_order(SeriesBuilder& series, const std::string& file, const std::vector<ExportedPoint>& points,
+                  const std::vector<Station>& poses) {
+  if (points.size() != poses.size()) {
+    throw InputFileError(
+        file, 0,
+        fmt::format("expected {} points, one for each pose in their order, got {}", poses.size(), points.size()));
+  }
+  series.note(
+      fmt::format("the {} points are taken for those of the {} poses in their order, as asked; their names do "
+                  "not count",
+                  points.size(), poses.size()));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    series.add(points[k].line, poses[k].name, {.station = k, .point = points[k].point, .sigma = points[k].sigma});
+  }
 }
 
-Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses) {
-  check_map(columns);
-  const std::vector<ExportedPoint> points = ExportReader(file, columns).points();
+void add_by_name(SeriesBuilder& series, const std::string& file, const std::vector<ExportedPoint>& points,
+                 const std::vector<Station>& poses) {
   std::unordered_map<std::string_view, std::size_t> places;
   for (std::size_t k = 0; k < poses.size(); ++k) places.try_emplace(poses[k].name, k);
-  SeriesBuilder series(file);
   std::vector<bool> is_measured(poses.size());
   for (const ExportedPoint& point : points) {
     const auto place = places.find(point.name);
@@ -251,13 +187,25 @@ Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns,
     series.add(point.line, point.name, {.station = place->second, .point = point.point, .sigma = point.sigma});
   }
   if (series.is_empty()) {
-    throw InputFileError(
-        file.name, 0,
-        fmt::format("expected a point named as one of the poses {}; got only {}", some_of(poses), some_of(points)));
+    throw InputFileError(file, 0,
+                         fmt::format("expected a point named as one of the poses {}; got only {} (--match order takes "
+                                     "them in the order of the poses)",
+                                     some_of(poses), some_of(points)));
   }
   for (std::size_t k = 0; k < poses.size(); ++k) {
     if (!is_measured[k]) series.note(fmt::format("pose {} was not measured", poses[k].name));
   }
+}
+
+}  // namespace
+
+Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses) {
+  check_map(columns);
+  ExportReader reader(file, columns);
+  const std::vector<ExportedPoint> points = reader.points();
+  SeriesBuilder series(file);
+  reader.add_notes(series);
+  (columns.by_order ? add_by_order : add_by_name)(series, file.name, points, poses);
   return std::move(series).finish(poses);
 }
 

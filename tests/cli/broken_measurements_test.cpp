@@ -215,6 +215,17 @@ const std::vector<BrokenInput> kPointTables{
 };
 
 const std::vector<BrokenInput> kExports{
+    with_file("no_unit", "export.txt", "Target;X;Y;Z\nhome;1;2;3\n",
+              "calibrate --measurements export.txt --poses poses.csv", {"export.txt:1: ", "\"X [mm]\"", "--unit"}),
+    with_file("two_units", "export.txt", "Target;X [mm];Y [mm];Z [m]\nhome;1;2;3\n",
+              "calibrate --measurements export.txt --poses poses.csv", {"export.txt:1: ", "one unit", "\"Z [m]\""}),
+    with_file("another_unit", "export.txt", "Target;X [mm];Y [mm];Z [mm]\nhome;1;2;3\n",
+              "calibrate --measurements export.txt --poses poses.csv --unit m", {"export.txt:1: ", "--unit", "1000"}),
+    with_file("no_header_row", "export.txt", "// only comments tell\nhome 1 2 3\n",
+              "calibrate --measurements export.txt --poses poses.csv", {"export.txt: ", "header row", "--columns"}),
+    with_file("other_count_by_order", "export.txt", "X_mm\tY_mm\tZ_mm\n1\t2\t3\n4\t5\t6\n",
+              "calibrate --measurements export.txt --poses poses.csv --match order",
+              {"export.txt: ", "expected 5 points", "got 2"}),
     exported("only_comments", "// a\n# b\n\n", {"export.txt: ", "at least one line"}),
     exported("fields_too_few", replaced(kExport, "\t-0.8005\t0.00002", "\t-0.8005"),
              {"export.txt:6: ", "at least 5 fields", "got 4"}),
@@ -350,7 +361,8 @@ const std::vector<BrokenInput> kUsage{
     usage("calibrate_unknown_option", kCalibrate + " --quick", {"--quick"}),
     usage("unknown_method", kCalibrate + " --method magic", {"--method", "magic"}),
     usage("unknown_reflectors", kCalibrate + " --reflectors arm", {"--reflectors", "arm"}),
-    usage("unit_without_columns", kCalibrate + " --unit mm", {"--unit", "--columns"}),
+    usage("export_without_poses", kCalibrate + " --unit mm", {"points.csv: expected --poses"}),
+    usage("unknown_match", kCalibrate + " --match ordr", {"--match", "did you mean order?"}),
     usage("columns_without_unit", "calibrate --measurements export.txt --poses poses.csv --columns name=1,x=2,y=3,z=4",
           {"--columns", "--unit"}),
     usage("columns_without_poses", "calibrate --measurements export.txt --unit m --columns name=1,x=2,y=3,z=4",

@@ -1,6 +1,7 @@
 // The same plan and the same readings as other programs write them: every command says the same of them.
 
 #include <algorithm>
+#include <sstream>
 
 #include "json_checks.hpp"
 
@@ -10,17 +11,12 @@ namespace {
 using nlohmann::json;
 using testing::AllOf, testing::Contains, testing::HasSubstr, testing::StartsWith;
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines{""};
-  for (const char c : text) {
-    if (c == '\n') {
-      lines.emplace_back();
-    } else {
-      lines.back() += c;
-    }
-  }
-  lines.pop_back();
-  return lines;
+/// The text between separators.
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::istringstream in(text);
+  std::vector<std::string> parts;
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
 }
 
 std::string with_other(std::string text, char one, char other) {
@@ -32,7 +28,8 @@ std::string with_other(std::string text, char one, char other) {
 template <typename Rewrite>
 std::string rewritten(const std::string& table, const Rewrite& rewrite) {
   std::string text;
-  for (const std::string& line : lines_of(table)) text += (line.starts_with('#') ? line + ";;" : rewrite(line)) + "\n";
+  for (const std::string& line : parts_of(table, '\n'))
+    text += (line.starts_with('#') ? line + ";;" : rewrite(line)) + "\n";
   return text;
 }
 
@@ -69,6 +66,18 @@ class Dialects : public testing::Test {
     return result.out.empty() ? json() : json::parse(result.out);
   }
 
+  /// "name x y z" of every reading, joined.
+  template <typename Join>
+  std::string exported(const Join& join) const {
+    std::string text;
+    for (const std::string& line : parts_of(points, '\n')) {
+      if (line.starts_with('#') || line.starts_with("pose")) continue;
+      const std::vector<std::string> fields = parts_of(line, ',');
+      text += join(fields[0], fields[5], fields[6], fields[7]) + "\n";
+    }
+    return text;
+  }
+
   TemporaryFolder folder;
   std::string plan, points;
 };
@@ -82,6 +91,29 @@ TEST_F(Dialects, CalibrationsAreTheSame) {
     EXPECT_EQ(json_of("calibrate --measurements " + file).at("parameters"), expected) << file;
   }
   EXPECT_EQ(json_of("calibrate --decimal-comma --measurements sheet.csv").at("parameters"), expected);
+}
+
+TEST_F(Dialects, ExportsAreTheSame) {
+  const json expected = json_of("calibrate --measurements points.csv").at("parameters");
+  const auto same = [&](const std::string& text, const std::string& options) {
+    folder.write("export.txt", text);
+    const json got = json_of("calibrate --poses plan.csv --measurements export.txt" + options);
+    EXPECT_EQ(got.at("parameters"), expected) << options << text.substr(0, 100);
+    return got.at("notes").dump();
+  };
+  const auto by = [](const std::string& separator) {
+    return [separator](const std::string& name, const std::string& x, const std::string& y, const std::string& z) {
+      return name + separator + x + separator + y + separator + z;
+    };
+  };
+  const std::string sheet = with_other(exported(by(";")), '.', ',');
+  same("// by a program\n" + exported(by(" ")), " --columns spatialanalyzer --unit mm");
+  EXPECT_THAT(same("Report;;;\nName;X [mm];Y [mm];Z [mm]\n" + sheet, ""), HasSubstr("header row in line 2"));
+  same(utf16("Point;X [mm];Y [mm];Z [mm]\r\n" + sheet), "");
+  const auto nameless = [](const auto&, const std::string& x, const std::string& y, const std::string& z) {
+    return x + "\t" + y + "\t" + z;
+  };
+  EXPECT_THAT(same("x_mm\ty_mm\tz_mm\n" + exported(nameless), " --match order"), HasSubstr("14 points are taken for"));
 }
 
 TEST_F(Dialects, PosesAndJointsAreTheSame) {

@@ -6,17 +6,19 @@
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/io/file.hpp"
 
 namespace paracal::io {
 
 /// What a table of measurements holds.
-enum class TableKind : std::uint8_t { points, distances, lengths };
+enum class TableKind : std::uint8_t { points, distances, lengths, exported };
 
-/// By the header of the table. Points and lengths say so. Any other table is taken for distances where their poses are
-/// given or it says that it holds some, else for points: so a file that is neither is complained of as a file.
-/// @param text       of the whole file.
+/// By the header of the table. Points and lengths say so. A file whose first line begins with //, or that names x, y
+/// and z but no commanded poses, is the export of an instrument (x_mm, y_mm, z_mm: where poses are given). Any other
+/// table is taken for distances where their poses are given or it says that it holds some, else for points: so a file
+/// that is neither is complained of as a file.
 /// @param has_poses  tables of poses are given, which distances need.
-TableKind kind_of_table(std::string_view text, bool has_poses);
+TableKind kind_of_table(const TextFile& file, bool has_poses);
 
 /// Those of these tables, by name, that a calibration was made from: they confirm nothing.
 /// @param inputs  of the calibration.

@@ -37,7 +37,10 @@ struct ColumnMap {
   std::size_t name = 0;
   std::size_t x = 0, y = 0, z = 0;
   std::optional<std::size_t> sigma = {};  ///< standard deviation of each coordinate, in the unit of the coordinates
-  double mm_per_unit = 0.0;               ///< exports do not state their unit
+  double mm_per_unit = 0.0;
+  int data_after = 0;                   ///< line of a header row: what stands down to there is no point
+  bool by_order = false;                ///< the k-th point is that of the k-th pose, whatever its name
+  std::vector<std::string> notes = {};  ///< how this was found
 };
 
 /// @param columns  e.g. "name=3,x=4,y=5,z=6" or "name=1,x=2,y=3,z=4,sigma=5".
@@ -45,12 +48,31 @@ struct ColumnMap {
 /// @throws InvalidArgument for anything else.
 ColumnMap parse_column_map(std::string_view columns, std::string_view unit);
 
-/// Points that an instrument exported as text, one a line; lines that begin with // or # are comments. Fields are
-/// separated by tabs, semicolons, commas or blanks: by the first of these that a line holds outside quotation marks.
-/// Every line has the same number of fields, so that a name with a blank cannot shift the columns unseen.
+/// What `columns` may say for "[collection, group,] target, x, y, z": points as SpatialAnalyzer exports them, without a
+/// header row.
+inline constexpr std::string_view kSpatialAnalyzer = "spatialanalyzer";
+
+/// Where a file holds what is needed: by numbers, or by the headings of a header row, which is the first line that
+/// names x, y and z ("X", "x_mm", "Y [mm]", "Z (inch)"; letters of either case).
+/// @param columns   as of parse_column_map; the same with headings, "name=Target,x=Measured X"; kSpatialAnalyzer; or
+///                  empty: the headings x, y, z and one of name, point, point name, target, label, pose.
+/// @param unit      as of parse_column_map; empty where the header row states it.
+/// @param by_order  points need no names.
+/// @throws InvalidArgument for other columns or units, InputFileError for a header row that is missing, names a column
+/// twice, states several units or another than `unit`.
+ColumnMap find_columns(const TextFile& file, std::string_view columns, std::string_view unit, bool by_order = false);
+
+/// Whether some line names x, y and z.
+bool has_export_header(const TextFile& file);
+
+/// Points that an instrument exported as text, one a line; lines that begin with // or # are comments, and first lines
+/// without a number where coordinates are to stand are passed over, with a note. Fields are separated by tabs,
+/// semicolons, commas or blanks: by the first of these that a line holds outside quotation marks. Every line has the
+/// same number of fields, so that a name with a blank cannot shift the columns unseen. Decimals as DecimalSign tells.
 ///
-/// Points are matched to the poses by name. Names that are no pose (reference points) and poses that were not measured
-/// are noted. The same name again is a repeat; with the same numbers again, one reading and a note.
+/// Points are matched to the poses by order where that is asked for: there are then as many. Else by name. Names that
+/// are no pose (reference points) and poses that were not measured are noted. The same name again is a repeat; with the
+/// same numbers again, one reading and a note.
 /// @param poses  the first is home, if it was measured.
 /// @throws InputFileError for a line without the columns or with anything but finite numbers in them, or when no name
 /// is a pose.

@@ -1,0 +1,219 @@
+// Where an instrument's export holds what is needed: as somebody says it, or as its header row does.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "columns.hpp"
+#include "export_header.hpp"
+#include "paracal/error.hpp"
+
+namespace paracal::io {
+namespace {
+
+double mm_per(std::string_view unit) {
+  const auto* found = std::ranges::find(kLengthUnits, unit, &LengthUnit::name);
+  if (found != kLengthUnits.end()) return found->mm;
+  throw InvalidArgument(fmt::format("unit: expected mm, m, um or inch, got \"{}\"", unit));
+}
+
+[[noreturn]] void refuse_columns(std::string_view columns, const std::string& reason) {
+  throw InvalidArgument(
+      fmt::format("columns: expected a list like name=3,x=4,y=5,z=6 (from 1, or headings; sigma=7 where stated), got "
+                  "\"{}\": {}",
+                  columns, reason));
+}
+
+Places places_in(std::string_view columns) {
+  Places places{};
+  for (const std::string_view part : split(columns, ',')) {
+    const std::string_view entry = trimmed(part, " ");
+    const std::vector<std::string_view> sides = split(entry, '=');
+    const auto* field = std::ranges::find(kExportFields, sides.front());
+    if (sides.size() != 2 || field == kExportFields.end()) {
+      refuse_columns(columns, fmt::format("what is \"{}\"?", entry));
+    }
+    std::string& place = places[static_cast<std::size_t>(field - kExportFields.begin())];
+    if (!place.empty()) refuse_columns(columns, fmt::format("{} stands twice", *field));
+    if (sides.back().empty()) refuse_columns(columns, "\"\" is no column");
+    place = sides.back();
+  }
+  return places;
+}
+
+bool is_number(const std::string& place) { return finite_number(place).has_value(); }
+
+std::size_t column_number(std::string_view columns, const std::string& place) {
+  if (place.empty()) return 0;
+  const std::optional<double> number = finite_number(place);
+  if (!number || !(*number >= 1.0 && *number <= 1e6) || *number != std::floor(*number)) {
+    refuse_columns(columns, fmt::format("\"{}\" is no column", place));
+  }
+  return static_cast<std::size_t>(*number);
+}
+
+ColumnMap map_of(const FieldColumns& places) {
+  ColumnMap map{.name = places[0], .x = places[1], .y = places[2], .z = places[3]};
+  if (places[4] != 0) map.sigma = places[4];
+  return map;
+}
+
+void check_columns(std::string_view columns, const FieldColumns& places, bool by_order) {
+  for (std::size_t k = 0; k < kExportFields.size(); ++k) {
+    const bool may_lack = kExportFields[k] == "sigma" || (by_order && kExportFields[k] == "name");
+    if (places[k] == 0 && !may_lack) refuse_columns(columns, fmt::format("{} is missing", kExportFields[k]));
+    if (places[k] != 0 && std::ranges::count(places, places[k]) > 1) {
+      refuse_columns(columns, fmt::format("column {} stands twice", places[k]));
+    }
+  }
+}
+
+ColumnMap numbered(std::string_view columns, const Places& places, bool by_order) {
+  FieldColumns numbers{};
+  for (std::size_t k = 0; k < places.size(); ++k) numbers[k] = column_number(columns, places[k]);
+  check_columns(columns, numbers, by_order);
+  ColumnMap map = map_of(numbers);
+  map.by_order = by_order;
+  return map;
+}
+
+/// The one unit of the coordinates' headings.
+std::optional<double> unit_of(const TextFile& file, const HeaderRow& row, const FieldColumns& columns) {
+  std::optional<double> mm = row.headings[columns[1] - 1].mm;
+  for (std::size_t field = 2; field < kExportFields.size(); ++field) {
+    if (columns[field] == 0 || row.headings[columns[field] - 1].mm == mm) continue;
+    throw InputFileError(file.name, row.line,
+                         fmt::format("expected one unit of \"{}\" and \"{}\", got two", row.fields[columns[1] - 1],
+                                     row.fields[columns[field] - 1]));
+  }
+  return mm;
+}
+
+/// What a careful reader should know of a header row.
+std::string note_of(const HeaderRow& row, const FieldColumns& columns, double mm) {
+  std::vector<std::string> taken, passed;
+  for (std::size_t k = 0; k < row.fields.size(); ++k) {
+    const bool is_taken = std::ranges::find(columns, k + 1) != columns.end();
+    if (!row.fields[k].empty()) (is_taken ? taken : passed).push_back(row.fields[k]);
+  }
+  std::string text = fmt::format("the header row in line {} says which columns count: {} (unit {} mm)", row.line,
+                                 fmt::join(taken, ", "), mm);
+  if (!passed.empty()) text += fmt::format("; passed over: {}", fmt::join(passed, ", "));
+  if (!row.is_first) text += "; what stands above it is passed over";
+  return text;
+}
+
+FieldColumns columns_of(const TextFile& file, const HeaderRow& row, bool by_order) {
+  FieldColumns columns{};
+  for (std::size_t field = 0; field < kExportFields.size(); ++field) {
+    const std::vector<std::size_t>& found = row.columns[field];
+    const bool may_lack = kExportFields[field] == "sigma" || (by_order && kExportFields[field] == "name");
+    if (found.empty() && may_lack) continue;
+    if (found.size() == 1) {
+      columns[field] = found.front();
+      continue;
+    }
+    if (by_order && kExportFields[field] == "name") continue;  // nobody asks which
+    std::vector<std::string> got;
+    got.reserve(found.size());
+    for (const std::size_t column : found) got.push_back(fmt::format("\"{}\"", row.fields[column - 1]));
+    throw InputFileError(
+        file.name, row.line,
+        fmt::format("expected one column of {} in the header row, got {} (--columns says which, e.g. "
+                    "name=1,x=2,y=3,z=4 or by headings)",
+                    kExportFields[field], got.empty() ? "none" : fmt::format("{}", fmt::join(got, ", "))));
+  }
+  return columns;
+}
+
+[[noreturn]] void refuse_head(const TextFile& file) {
+  throw InputFileError(file.name, 0,
+                       "expected a header row that names x, y and z, got none (--columns says where they are, e.g. "
+                       "name=1,x=2,y=3,z=4; --columns spatialanalyzer that lines end with target x y z)");
+}
+
+/// The unit, which header row and somebody (0: nobody) must not state differently.
+double unit_of(const TextFile& file, const HeaderRow& row, const std::optional<double>& in_file, double stated) {
+  if (in_file && stated > 0.0 && *in_file != stated) {
+    throw InputFileError(
+        file.name, row.line,
+        fmt::format("expected --unit as in the header row ({} mm), got another ({} mm)", *in_file, stated));
+  }
+  if (in_file || stated > 0.0) return in_file.value_or(stated);
+  throw InputFileError(file.name, row.line,
+                       "expected a unit in the header row, as in \"X [mm]\", or --unit (mm, m, um or inch), got none");
+}
+
+ColumnMap headed(const TextFile& file, const Places& wanted, double stated, bool by_order) {
+  const std::optional<HeaderRow> row = find_header(file, wanted);
+  if (!row) refuse_head(file);
+  const FieldColumns columns = columns_of(file, *row, by_order);
+  ColumnMap map = map_of(columns);
+  map.mm_per_unit = unit_of(file, *row, unit_of(file, *row, columns), stated);
+  map.data_after = row->line;
+  map.by_order = by_order;
+  map.notes = {note_of(*row, columns, map.mm_per_unit)};
+  return map;
+}
+
+/// [[collection] group] target x y z.
+ColumnMap spatial_analyzer(const TextFile& file, bool by_order) {
+  constexpr std::size_t kFewest = 4, kMost = 6, kCoordinates = 3;
+  int number = 0;
+  for (const std::string_view line : lines_of(file.text)) {
+    ++number;
+    if (is_export_comment(line)) continue;
+    const std::size_t count = export_fields(line, file.style.decimal_comma).size();
+    if (count < kFewest || count > kMost) {
+      throw InputFileError(
+          file.name, number,
+          fmt::format("expected [[collection] group] target x y z, got {} fields (--columns says which "
+                      "count, e.g. name=3,x=4,y=5,z=6)",
+                      count));
+    }
+    const std::size_t name = count - kCoordinates;
+    return {.name = name, .x = name + 1, .y = name + 2, .z = name + 3, .by_order = by_order};
+  }
+  throw InputFileError(file.name, 0, "expected at least one line with a point, got none");
+}
+
+ColumnMap found_by(const TextFile& file, std::string_view columns, double stated, bool by_order) {
+  if (columns == kSpatialAnalyzer) return spatial_analyzer(file, by_order);
+  const Places places = columns.empty() ? Places() : places_in(columns);
+  const auto numbers = std::ranges::count_if(places, is_number);
+  const auto given = std::ranges::count_if(places, [](const std::string& place) { return !place.empty(); });
+  if (numbers == 0) return headed(file, places, stated, by_order);
+  if (numbers < given) refuse_columns(columns, "either all numbers or all headings");
+  return numbered(columns, places, by_order);
+}
+
+}  // namespace
+
+ColumnMap parse_column_map(std::string_view columns, std::string_view unit) {
+  ColumnMap map = numbered(columns, places_in(columns), false);
+  map.mm_per_unit = mm_per(unit);
+  return map;
+}
+
+ColumnMap find_columns(const TextFile& file, std::string_view columns, std::string_view unit, bool by_order) {
+  const double stated = unit.empty() ? 0.0 : mm_per(unit);
+  ColumnMap map = found_by(file, columns, stated, by_order);
+  if (stated > 0.0) map.mm_per_unit = stated;
+  if (!(map.mm_per_unit > 0.0)) throw InvalidArgument("unit: expected mm, m, um or inch, got none");
+  return map;
+}
+
+bool has_export_header(const TextFile& file) { return find_header(file, Places()).has_value(); }
+
+void check_map(const ColumnMap& map) {
+  const FieldColumns places = field_columns(map);
+  check_columns(text_of(places), places, map.by_order);
+  if (!(map.mm_per_unit > 0.0 && std::isfinite(map.mm_per_unit))) {
+    throw InvalidArgument(fmt::format("unit: expected more than 0 mm, got {}", map.mm_per_unit));
+  }
+}
+
+}  // namespace paracal::io

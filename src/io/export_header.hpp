@@ -1,0 +1,44 @@
+#pragma once
+
+// Private to io: the header row of an instrument's export.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "export_fields.hpp"
+
+namespace paracal::io {
+
+struct LengthUnit {
+  std::string_view name;
+  double mm;
+};
+inline constexpr std::array<LengthUnit, 4> kLengthUnits{{{"mm", 1.0}, {"m", 1000.0}, {"um", 0.001}, {"inch", 25.4}}};
+
+/// What somebody says of each field: a number from 1, a heading, or nothing.
+using Places = std::array<std::string, kExportFields.size()>;
+
+/// "X [mm]", "X (mm)", "X_mm", "X mm" as x and 1 mm.
+struct Heading {
+  std::string whole;  ///< in lower case, as the word
+  std::string word;
+  std::optional<double> mm = {};
+};
+
+/// A line with headings, and which of them are which field.
+struct HeaderRow {
+  int line = 0;
+  std::vector<std::string> fields;
+  std::vector<Heading> headings;
+  std::array<std::vector<std::size_t>, kExportFields.size()> columns;  ///< from 1
+  bool is_first = true;                                                ///< but for comments
+};
+
+/// The first line that names x, y and z.
+/// @param wanted  headings; where one is empty, the field's own word.
+std::optional<HeaderRow> find_header(const TextFile& file, const Places& wanted);
+
+}  // namespace paracal::io

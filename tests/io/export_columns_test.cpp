@@ -1,0 +1,174 @@
+// Where an instrument's export holds what is needed, and how its points find their poses.
+
+#include <gmock/gmock.h>
+
+#include "paracal/error.hpp"
+#include "paracal/io/measurement_files.hpp"
+#include "paracal/io/points.hpp"
+
+namespace paracal::io {
+namespace {
+
+using testing::AllOf, testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not,
+    testing::ThrowsMessage;
+
+const std::vector<Station> kPoses{{"P1", {{0, 0, -888}}}, {"P2", {{100, 0, -888}}}};
+
+struct Said {
+  std::string columns = {}, unit = {};
+  bool by_order = false;
+  TableStyle style = {};
+};
+
+Measurements exported(const std::string& text, const Said& said = {}) {
+  const TextFile file{"e.txt", text, said.style};
+  return read_tracker_export(file, find_columns(file, said.columns, said.unit, said.by_order), kPoses);
+}
+
+/// The points of P1 and P2.
+std::vector<Eigen::Vector3d> points(const std::string& text, const Said& said = {}) {
+  const Measurements m = exported(text, said);
+  std::vector<Eigen::Vector3d> points;
+  for (const PointReading& reading : m.series.at(0).readings) {
+    EXPECT_EQ(m.stations.at(reading.station).name, kPoses.at(points.size()).name);
+    points.push_back(reading.point);
+  }
+  return points;
+}
+
+const Eigen::Vector3d kFirst(1031.5, -20.25, -88.125), kSecond(931.75, -20.5, -88);
+
+void reads(const std::string& text, const Said& said = {}) {
+  EXPECT_THAT(points(text, said), ElementsAre(kFirst, kSecond)) << text;
+}
+
+template <typename Complaint = InputFileError>
+void refused(const std::string& text, const std::string& message, const Said& said = {}) {
+  EXPECT_THAT([&] { (void)exported(text, said); }, ThrowsMessage<Complaint>(HasSubstr(message)));
+}
+
+TEST(ExportColumns, HeaderRowsSayWhereAndInWhichUnit) {
+  reads("Target,X [mm],Y [mm],Z [mm]\nP1,1031.5,-20.25,-88.125\nP2,931.75,-20.5,-88\n");
+  reads("Point Name;x_mm;y_mm;z_mm\nP1;1031,5;-20,25;-88,125\nP2;931,75;-20,5;-88\n");
+  reads("label\tX (m)\tY (m)\tZ (m)\nP1\t1.0315\t-0.02025\t-0.088125\nP2\t0.93175\t-0.0205\t-0.088\n");
+  reads("NAME Z_m Y_m X_m\nP1 -0.088125 -0.02025 1.0315\nP2 -0.088 -0.0205 0.93175\n");
+  reads("pose,x_\xC2\xB5m,y_\xC2\xB5m,z_\xC2\xB5m\nP1,1031500,-20250,-88125\nP2,931750,-20500,-88000\n");
+  reads("Name,X,Y,Z\nP1,1.0315,-0.02025,-0.088125\nP2,0.93175,-0.0205,-0.088\n", {.unit = "m"});
+  reads("Name,X m,Y m,Z m\nP1,1.0315,-0.02025,-0.088125\nP2,0.93175,-0.0205,-0.088\n", {.unit = "m"});
+  EXPECT_EQ(points("name,x [in],y [in],z [in],sigma [in]\nP1,1,2,3,0.5\n").at(0),
+            Eigen::Vector3d(25.4, 2 * 25.4, 3 * 25.4));
+  EXPECT_EQ(exported("name,x_mm,y_mm,z_mm,sigma_mm\nP1,1,2,3,0.5\n").series.at(0).readings.at(0).sigma, 0.5);
+}
+
+TEST(ExportColumns, WhatStandsAboveAndBesideIsNoted) {
+  const Measurements m = exported(
+      "// a program\nReport of Monday;;;;;\nOperator;N. N.;;;;\n\n"
+      "Group;Target;X [mm];Y [mm];Z [mm];RMS\nA;P1;1;2;3;0,01\nA;P2;4;5;6;0,02\n");
+  EXPECT_THAT(m.notes, ElementsAre("the header row in line 5 says which columns count: Target, X [mm], Y [mm], Z [mm] "
+                                   "(unit 1 mm); passed over: Group, RMS; what stands above it is passed over"));
+  EXPECT_THAT(exported("name,x_m,y_m,z_m\nP1,1,2,3\nP2,4,5,6\n").notes,
+              ElementsAre("the header row in line 1 says which columns count: name, x_m, y_m, z_m (unit 1000 mm)"));
+}
+
+TEST(ExportColumns, AreSaidByHeadings) {
+  const std::string text =
+      "Name;Nominal X;Measured X [mm];Measured Y [mm];Measured Z [mm];Feature\n"
+      "P1;0;1031.5;-20.25;-88.125;a\nP2;0;931.75;-20.5;-88;b\n";
+  reads(text, {.columns = "name=Name,x=Measured X,y=measured y,z=Measured Z", .unit = "mm"});
+  reads(text, {.columns = "x=Measured X,y=Measured Y,z=Measured Z [mm]"});
+  refused(text, "expected a header row", {.columns = "x=Measured X,y=Measured Y,z=Measured W"});
+  refused<InvalidArgument>(text, "either all numbers or all headings", {.columns = "name=1,x=Measured X,y=4,z=5"});
+}
+
+TEST(ExportColumns, HeaderRowsThatDoNotSayItAreRefused) {
+  refused("Name,X,Y,Z\nP1,1,2,3\n", "e.txt:1: expected a unit in the header row, as in \"X [mm]\", or --unit");
+  refused("Name,X [mm],Y [mm],Z\nP1,1,2,3\n", "e.txt:1: expected one unit of \"X [mm]\" and \"Z\", got two");
+  refused("Name,X [mm],Y [mm],Z [mm]\nP1,1,2,3\n",
+          "e.txt:1: expected --unit as in the header row (1 mm), got another (25.4 mm)", {.unit = "inch"});
+  refused("Name,Target,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
+          "expected one column of name in the header row, got \"Name\", \"Target\"");
+  refused("X_mm,Y_mm,Z_mm\n1,2,3\n", "expected one column of name in the header row, got none");
+  refused("Name,X_mm,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
+          "expected one column of x in the header row, got \"X_mm\", \"X_mm\"");
+  refused("// Name X Y Z\nP1 1 2 3\n", "e.txt: expected a header row that names x, y and z, got none", {.unit = "mm"});
+  refused<InvalidArgument>("P1 1 2 3\n", "unit: expected mm, m, um or inch, got none",
+                           {.columns = "name=1,x=2,y=3,z=4"});
+  refused<InvalidArgument>("P1 1 2 3\n", "unit: expected mm, m, um or inch, got \"foot\"",
+                           {.columns = "name=1,x=2,y=3,z=4", .unit = "foot"});
+}
+
+TEST(ExportColumns, OfSpatialAnalyzer) {
+  const Said said{.columns = std::string(kSpatialAnalyzer), .unit = "m"};
+  reads(
+      "// frame: instrument\n\"Set A\" Points P1 1.0315 -0.02025 -0.088125\n\"Set A\" Points P2 0.93175 -0.0205 "
+      "-0.088\n",
+      said);
+  reads("Points,P1,1.0315,-0.02025,-0.088125\nPoints,P2,0.93175,-0.0205,-0.088\n", said);
+  reads("P1 1.0315 -0.02025 -0.088125\nP2 0.93175 -0.0205 -0.088\n", said);
+  refused("1.0315 -0.02025 -0.088125\n", "e.txt:1: expected [[collection] group] target x y z, got 3 fields", said);
+  refused("A Points P1 1 2 3 0.01\n", "got 7 fields (--columns says which", said);
+  refused("A P1 1 2 3\nA Points P1 1 2 3\n", "e.txt:2: expected 5 fields as in line 1, got 6", said);
+  refused("// nothing\n", "expected at least one line with a point", said);
+  refused<InvalidArgument>("P1 1 2 3\n", "unit:", {.columns = std::string(kSpatialAnalyzer)});
+}
+
+/// With numbers first lines are passed over where they can be no point; a point with a fault is none of them.
+TEST(ExportColumns, FirstLinesWithoutCoordinatesArePassedOver) {
+  const Said said{.columns = "name=1,x=2,y=3,z=4", .unit = "mm"};
+  const Measurements m = exported("Report\nNo. 7, of Monday\nName;X;Y;Z\nP1;1;2;3\nP2;4;5;6\n", said);
+  EXPECT_EQ(m.series.at(0).readings.size(), 2u);
+  EXPECT_THAT(m.notes, ElementsAre("lines down to 3 have no number where coordinates are to stand: passed over"));
+  refused("P1;1;oops;3\nP2;4;5;6\n", "e.txt:1: expected a finite number in column 3 (y), got \"oops\"", said);
+  refused("P1;;;\nP2;4;5;6\n", "e.txt:1: expected", said);
+  refused("Name;X;Y;Z\n", "expected at least one line with a point", said);
+}
+
+TEST(ExportColumns, DecimalCommas) {
+  const Said said{.columns = "name=1,x=2,y=3,z=4", .unit = "mm"};
+  reads("P1;1031,5;-20,25;-88,125\nP2;931,75;-20,5;-88\n", said);
+  Said asked = said;
+  asked.style.decimal_comma = true;
+  reads("P1 1031,5 -20,25 -88,125\nP2 931,75 -20,5 -88\n", asked);  // then commas do not separate
+  EXPECT_EQ(points("P1;1,125;2;3\nP2;4;5;6\n", asked).at(0).x(), 1.125);
+  refused("P1;1,125;2;3\nP2;4;5;6\n",
+          "e.txt:1: expected a finite number in column 2 (x), got \"1,125\" (1.125 or 1125?", said);
+}
+
+TEST(ExportColumns, PointsAreMatchedByOrderWhereThatIsAsked) {
+  const Said said{.by_order = true};
+  reads("X_mm;Y_mm;Z_mm\n1031.5;-20.25;-88.125\n931.75;-20.5;-88\n", said);
+  reads("No;Name;X_mm;Y_mm;Z_mm\n1;m7;1031.5;-20.25;-88.125\n2;m7;931.75;-20.5;-88\n", said);
+  reads("1031.5 -20.25 -88.125\n931.75 -20.5 -88\n", {.columns = "x=1,y=2,z=3", .unit = "mm", .by_order = true});
+  EXPECT_THAT(
+      exported("X_mm;Y_mm;Z_mm\n1;2;3\n4;5;6\n", said).notes,
+      Contains("the 2 points are taken for those of the 2 poses in their order, as asked; their names do not count"));
+  refused("X_mm;Y_mm;Z_mm\n1;2;3\n", "e.txt: expected 2 points, one for each pose in their order, got 1", said);
+  refused("X_mm;Y_mm;Z_mm\n1;2;3\n4;5;6\n7;8;9\n", "expected 2 points, one for each pose in their order, got 3", said);
+  refused("Name;X_mm;Y_mm;Z_mm\nm1;1;2;3\nm2;4;5;6\n", "got only m1, m2 (--match order takes them");
+}
+
+TEST(ExportColumns, BytesOfLatin1AreNoted) {
+  const Measurements m = exported(
+      "Gr\xF6\xDF"
+      "e;Name;X_mm;Y_mm;Z_mm\n\xE4;P1;1;2;3\n\xE4;P\xE4;4;5;6\n");
+  EXPECT_THAT(m.notes, AllOf(Contains(HasSubstr("passed over: Gr\\xF6\\xDF"
+                                                "e")),
+                             Contains(HasSubstr("line 2: bytes")), Contains("line 3: P\\xE4 is no pose: passed over")));
+}
+
+TEST(ExportColumns, FilesAreKnownForExports) {
+  const auto kind = [](const std::string& text, bool has_poses) { return kind_of_table({"e", text}, has_poses); };
+  using enum TableKind;
+  EXPECT_EQ(kind("// by a program\nP1 1 2 3\n", true), exported);
+  EXPECT_EQ(kind("Report\nTarget;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n", true), exported);
+  EXPECT_EQ(kind("Target;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n", false), exported);
+  EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm\nP1,1,2,3\n", true), exported);
+  EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm\nP1,1,2,3\n", false), points);  // which says what is missing
+  EXPECT_EQ(kind("pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\n", true), points);
+  EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", true), points);
+  EXPECT_EQ(kind("from;to;distance_mm\n", true), distances);
+  EXPECT_EQ(kind("pose\theight_mm\n", true), lengths);
+}
+
+}  // namespace
+}  // namespace paracal::io
