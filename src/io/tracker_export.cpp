@@ -80,11 +80,10 @@ class ExportReader {
 
   /// Words where coordinates are to stand, or nothing, for there are too few fields.
   bool is_head(const std::vector<std::string>& fields) const {
-    if (fields.size() < places_[1]) return true;
-    for (const std::size_t place : {places_[1], places_[2], places_[3]}) {
-      if (place <= fields.size() && (fields[place - 1].empty() || may_be_number(fields[place - 1]))) return false;
-    }
-    return true;
+    const auto may_be_coordinate = [&](std::size_t place) {
+      return place <= fields.size() && (fields[place - 1].empty() || may_be_number(fields[place - 1]));
+    };
+    return std::none_of(places_.begin() + 1, places_.begin() + 4, may_be_coordinate);
   }
 
   void look_at(const std::vector<std::string>& fields) {

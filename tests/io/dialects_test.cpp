@@ -111,6 +111,8 @@ TEST(Dialects, ColumnsAreIgnoredByRequestAlone) {
                                              "Humidity"}};
   EXPECT_EQ(read_poses({"p.csv", text, style}).at(0).commanded.position, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(streamed(text, style).at(0).commanded.position, Eigen::Vector3d(1, 2, 3));
+  const TableStyle quoted{.ignored_columns = {"T, C"}};
+  EXPECT_EQ(read_poses({"p.csv", "x_mm;\"T, C\";y_mm;z_mm\n1;20;2;3\n", quoted}).size(), 1u);
   // A known one is then as if it were not there, and one that comes twice does not matter.
   const std::string points = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,sigma_mm,n,n\nP1,0,0,-888,1,2,3,0.5,a,b\n";
   const Measurements m = read_points({"m.csv", points, {.ignored_columns = {"sigma_mm", "n"}}});

@@ -123,6 +123,11 @@ TEST(ExportColumns, FirstLinesWithoutCoordinatesArePassedOver) {
   refused("Name;X;Y;Z\n", "expected at least one line with a point", said);
 }
 
+TEST(ExportColumns, SeparatorsBehindTheLastColumnDoNotCount) {
+  reads("P1;1031,5;-20,25;-88,125;;\nP2;931,75;-20,5;-88;\n", {.columns = "name=1,x=2,y=3,z=4", .unit = "mm"});
+  refused("P1;1;2;3;a;\nP2;4;5;6\n", "e.txt:2: expected 5 fields", {.columns = "name=1,x=2,y=3,z=4", .unit = "mm"});
+}
+
 TEST(ExportColumns, DecimalCommas) {
   const Said said{.columns = "name=1,x=2,y=3,z=4", .unit = "mm"};
   reads("P1;1031,5;-20,25;-88,125\nP2;931,75;-20,5;-88\n", said);

@@ -117,6 +117,27 @@ TEST(Utf16, StreamsAreDecodedAsTheyAreRead) {
               ThrowsMessage<InputFileError>("p.csv: expected UTF-16 text, got half a character at its end"));
 }
 
+/// Gives some bytes, and then no more though they are not all.
+class BrokenBuffer : public std::streambuf {
+ public:
+  explicit BrokenBuffer(std::string bytes) : bytes_(std::move(bytes)) {
+    setg(bytes_.data(), bytes_.data(), bytes_.data() + bytes_.size());
+  }
+
+ protected:
+  int_type underflow() override { throw std::runtime_error("the disk is gone"); }
+
+ private:
+  std::string bytes_;
+};
+
+TEST(Utf16, AStreamThatBreaksOffIsNoTable) {
+  BrokenBuffer buffer(utf16(kWide, false));
+  std::istream in(&buffer);
+  CsvStream table({"p.csv", in});
+  EXPECT_THAT([&] { (void)table.next(); }, ThrowsMessage<InputFileError>("p.csv: cannot be read to its end"));
+}
+
 /// What results say of their inputs is what sha256sum says.
 TEST(Utf16, FilesAreHashedAsTheyAre) {
   const std::string path = testing::TempDir() + "paracal_wide.csv";
