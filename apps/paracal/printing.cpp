@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calibration_page.hpp"
+#include "inputs.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
@@ -38,7 +39,7 @@ std::string parameters_text(const std::string& firmware, const DeltaGeometry& ge
 PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
   for (const std::string& name : options.readings) {
-    const io::TextFile file = io::read_file(name);
+    const io::TextFile file = input_table(name, options.style);
     InputFile stamp{file.name, io::sha256(file)};
     const auto known = std::ranges::find(printer.files, stamp.sha256, &InputFile::sha256);
     if (known != printer.files.end()) {  // a reading left out would still be there, and tell of itself

@@ -39,6 +39,7 @@ PrinterState read_printer(const PrinterFile& file);
 struct PrinterOptions {
   PrinterFile printer;
   std::vector<std::string> readings;
+  io::TableStyle style = {};  ///< of the readings
   std::string write;   ///< empty: as the printer's firmware
   std::string config;  ///< file for the whole changed configuration; empty: none
   bool apply = false;  ///< change the configuration itself, and keep what it was beside it

@@ -154,5 +154,22 @@ TEST_F(Dialects, ExtraColumnsAreNamedAndIgnoredByRequest) {
               Contains("columns passed over, as asked: By"));
 }
 
+TEST(DialectsOfPrinters, ReadingsTakeTheOptions) {
+  const TemporaryFolder folder;
+  folder.write("config.g", "M665 R120 L300 B100 H250\nM666 X0 Y0 Z0\n");
+  std::string heights = "x_mm;y_mm;z_mm;height_mm;who\n";
+  for (const std::string place : {"0;0", "80;0", "-80;0", "0;80", "0;-80", "50;50", "-50;50"}) {
+    heights += place + ";0;1,125;NN\n";
+  }
+  folder.write("heights.csv", heights);
+  const std::string command = "calibrate --printer config.g --firmware reprapfirmware --readings heights.csv";
+  const ProgramResult unknown = folder.run(words(command)),
+                      ambiguous = folder.run(words(command + " --ignore-columns who"));
+  EXPECT_THAT(unknown.err, AllOf(StartsWith("paracal: heights.csv:1: "), HasSubstr("\"who\"")));
+  EXPECT_THAT(ambiguous.err, AllOf(StartsWith("paracal: heights.csv:2: "), HasSubstr("1.125 or 1125?")));
+  const ProgramResult read = folder.run(words(command + " --ignore-columns who --decimal-comma"));
+  EXPECT_NE(read.exit_code, kBadInputFile) << read.err;
+}
+
 }  // namespace
 }  // namespace paracal::test

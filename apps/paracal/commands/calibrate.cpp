@@ -94,7 +94,11 @@ std::string residual_table(const Calibration& calibration) {
 }
 
 void run(const Options& options, Session& session) {
-  if (!options.printer.printer.name.empty()) return calibrate_printer_file(options.printer, *options.report, session);
+  if (!options.printer.printer.name.empty()) {
+    PrinterOptions printer = options.printer;
+    printer.style = options.measuring.style;
+    return calibrate_printer_file(printer, *options.report, session);
+  }
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
   const Robot robot = session.robot({.tables = options.measuring.tables()});
   const Measurements measurements = options.measuring.read(robot);
