@@ -67,5 +67,6 @@
 #include "paracal/tolerance/failure.hpp"
 #include "paracal/tolerance/monte_carlo.hpp"
 #include "paracal/tolerance/sensitivity.hpp"
+#include "paracal/tolerance/standard_grade.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
