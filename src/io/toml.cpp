@@ -105,7 +105,8 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
     robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
     controller->refuse_others();
   }
-  if (const toml::node* limbs = of_limbs ? nullptr : root.find("limb")) {
+  const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
+  if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
     robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
   }
   root.refuse_others();

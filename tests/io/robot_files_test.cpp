@@ -83,6 +83,16 @@ TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
   refused("\n[controller]\n", "origin_mm");
 }
 
+TEST(RobotFile, RefusesMoreLimbsThanAnyRobotHas) {
+  std::string text = robot_toml(catalogue::rotary_delta());
+  std::string azimuths;
+  for (int limb = 0; limb < 40; ++limb) azimuths += fmt::format("{}{}", limb > 0 ? ", " : "", 9 * limb);
+  text.replace(text.find("[0, 120, 240]"), 13, "[" + azimuths + "]");
+  for (int limb = 0; limb < 40; ++limb) text += "\n[[limb]]\nrod_mean_mm = 5\n";
+  EXPECT_THAT([&] { read_robot({"r.toml", text}); },
+              testing::ThrowsMessage<InputFileError>(testing::HasSubstr("expected 3 limbs")));
+}
+
 TEST(SourceErrorFile, KeysAreInDegAndMm) {
   const SourceErrors errors = read_source_errors(
       {"errors.toml", "[[limb]]\ntheta_offset_deg = 1\ne_mm = [1, 2, 3.5]\n[[limb]]\n[[limb]]\nbeta2_deg = -0.5\n"}, 3);
