@@ -390,8 +390,8 @@ io::Json workspace_json(const WorkspaceUncertainty& spread) {
           {"max_rotation_deg", to_degrees(spread.max_rotation)}};
 }
 
-Tolerances read_priors(const io::TextFile& file, const Geometry& geometry) {
-  Tolerances tolerances = io::read_tolerances(file, geometry);
+Tolerances read_priors(const io::TextFile& file, const Robot& robot) {
+  Tolerances tolerances = io::read_tolerances(file, robot);
   if (std::ranges::all_of(all_sources(), [&](Source source) { return tolerances.std(source) == 0.0; })) {
     throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
   }

@@ -94,7 +94,7 @@ io::Json workspace_json(const WorkspaceUncertainty& spread);
 
 /// Half-widths (TOML) that are to be priors.
 /// @throws InputFileError where all are zero: there is then nothing that a fit could seek.
-Tolerances read_priors(const io::TextFile& file, const Geometry& geometry);
+Tolerances read_priors(const io::TextFile& file, const Robot& robot);
 
 /// A line each; tables take `mark` "#".
 std::string assumed_lines(const std::vector<std::string>& assumed, std::string_view mark = " ");

@@ -64,6 +64,7 @@
 #include "paracal/spelling.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "paracal/tolerance/analysis.hpp"
+#include "paracal/tolerance/drawing_statement.hpp"
 #include "paracal/tolerance/failure.hpp"
 #include "paracal/tolerance/monte_carlo.hpp"
 #include "paracal/tolerance/sensitivity.hpp"

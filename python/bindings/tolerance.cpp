@@ -262,7 +262,7 @@ void add_tolerance(py::module_& module) {
   module.def(
       "read_tolerances",
       [](const Robot& robot, const std::string& path) {
-        return io::read_tolerances(io::read_file(path), robot.geometry());
+        return io::read_tolerances(io::read_file(path), robot);
       },
       "robot"_a, "path"_a);
   module.def("problem_requirements", &problem_requirements, "robot"_a, "tolerances"_a, "path"_a);

@@ -5,6 +5,7 @@
 #include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/tolerance/drawing_statement.hpp"
 #include "robot_tables.hpp"
 
 namespace paracal::io {
@@ -13,8 +14,8 @@ namespace {
 /// Reads one table of tolerances.
 class ToleranceTable {
  public:
-  ToleranceTable(Section section, const Geometry& geometry)
-      : section_(std::move(section)), geometry_(geometry), actuator_(geometry.actuator) {}
+  ToleranceTable(Section section, const Geometry& geometry, const SourceErrors& intended)
+      : section_(std::move(section)), geometry_(geometry), intended_(intended), actuator_(geometry.actuator) {}
 
   Tolerances read() && {
     for (const Source source : sources_of(actuator_)) tolerances_[source] = half_width(source);
@@ -32,12 +33,23 @@ class ToleranceTable {
   std::string key(Source source) const { return file_key(source, actuator_); }
 
   double half_width(Source source) {
+    const toml::node* node = section_.find(key(source));
+    if (node != nullptr && node->is_string()) return drawn(source, *node);
     const double value = section_.number_or(key(source), 0.0);
     if (value < 0.0) {
       section_.fail(*section_.find(key(source)), fmt::format("expected a half-width of at least 0 for {}, got {}",
                                                              section_.key_path(key(source)), value));
     }
     return from_file_unit(unit(source, actuator_), value);
+  }
+
+  /// What a drawing says.
+  double drawn(Source source, const toml::node& node) const {
+    try {
+      return half_width_of(**node.as_string(), drawn_feature(source, geometry_, intended_));
+    } catch (const InvalidArgument& complaint) {
+      section_.fail(node, fmt::format("{}: {}", section_.key_path(key(source)), complaint.what()));
+    }
   }
 
   void read_distribution() {
@@ -118,14 +130,15 @@ class ToleranceTable {
 
   Section section_;
   const Geometry& geometry_;
+  const SourceErrors& intended_;
   Actuator actuator_;
   Tolerances tolerances_;
 };
 
 }  // namespace
 
-Tolerances tolerances_of(Section section, const Geometry& geometry) {
-  return ToleranceTable(std::move(section), geometry).read();
+Tolerances tolerances_of(Section section, const Geometry& geometry, const SourceErrors& intended) {
+  return ToleranceTable(std::move(section), geometry, intended).read();
 }
 
 std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
@@ -149,10 +162,11 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
   return text;
 }
 
-Tolerances read_tolerances(const TextFile& file, const Geometry& geometry) {
+Tolerances read_tolerances(const TextFile& file, const Robot& robot) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  return tolerances_of(root.find("tolerances") != nullptr ? root.table("tolerances") : root, geometry);
+  return tolerances_of(root.find("tolerances") != nullptr ? root.table("tolerances") : root, robot.geometry(),
+                       robot.intended());
 }
 
 }  // namespace paracal::io

@@ -98,16 +98,16 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   robot.geometry = of_limbs ? limbs_geometry(root) : geometry_of(root.table("geometry"));
   if (const auto plate = root.optional_table("plate")) robot.slide = slide_of(*plate);
   robot.workspace = workspace_of(root.table("workspace"));
+  const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
+  if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
+    robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
+  }
   if (const auto tolerances = root.optional_table("tolerances")) {
-    robot.tolerances = tolerances_of(*tolerances, robot.geometry);
+    robot.tolerances = tolerances_of(*tolerances, robot.geometry, robot.intended);
   }
   if (auto controller = root.optional_table("controller")) {
     robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
     controller->refuse_others();
-  }
-  const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
-  if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
-    robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
   }
   root.refuse_others();
   return robot;

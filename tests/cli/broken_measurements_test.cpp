@@ -269,6 +269,8 @@ const std::vector<BrokenInput> kCalibrations{
     tolerances("others_unknown", "theta_offset_deg = 1\nothers = \"tight\"\n",
                {"tolerances.toml:2: ", "exact", "tight"}),
     tolerances("negative", "theta_offset_deg = -1\n", {"tolerances.toml:1: ", "theta_offset_deg", "-1"}),
+    tolerances("drawing_of_another_size", "e_mm = 1\narm_length_mm = \"376 +- 0.04\"\n",
+               {"tolerances.toml:2: ", "\"375 +- H\"", "the robot's is 375 mm"}),
     tolerances("unknown_key", "theta_offset_rad = 0.01\n", {"tolerances.toml:1: ", "theta_offset_rad"}),
     tolerances("toml_syntax", "theta_offset_deg 1\n", {"tolerances.toml:1: ", "expected TOML"}),
 };

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/toml.hpp"
@@ -11,10 +13,11 @@ namespace {
 
 using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
 
-const Geometry kGeometry = catalogue::huang2016().geometry();
+const Robot kRobot = catalogue::huang2016();
+const Geometry& kGeometry = kRobot.geometry();
 
-Tolerances read(const std::string& text, const Geometry& geometry = kGeometry) {
-  return read_tolerances({"t.toml", text}, geometry);
+Tolerances read(const std::string& text, const Robot& robot = kRobot) {
+  return read_tolerances({"t.toml", text}, robot);
 }
 
 const std::string kAll =
@@ -72,7 +75,7 @@ TEST(ToleranceFile, WhatARailDoesNotFeelNeedNotBeListed) {
   std::string text = kAll + "beta2_deg = 1\n";
   text.replace(text.find("theta_offset_deg"), 16, "theta_offset_mm");
   text.erase(text.find("arm_length_mm"), 18);
-  EXPECT_THAT(read(text, catalogue::linear_delta().geometry()).assumed, IsEmpty());
+  EXPECT_THAT(read(text, catalogue::linear_delta()).assumed, IsEmpty());
 }
 
 /// Who writes a robot down does not thereby state its tolerances.
@@ -91,6 +94,62 @@ TEST(ToleranceFile, ExactOthersReadBack) {
   const std::string text = tolerances_toml(tolerances, Actuator::revolute);
   EXPECT_THAT(text, Not(HasSubstr("beta2")));
   EXPECT_EQ(read(text).assumed, tolerances.assumed);
+}
+
+/// What a drawing says stands instead of a number; the rest of the table is as ever.
+TEST(ToleranceFile, AValueMayBeWhatADrawingSays) {
+  const Tolerances tolerances = read(
+      "arm_length_mm = \"IT8\"\nrod_mean_mm = \"950 ± 0.04\"\nrod_difference_mm = \"IT5\"\ne_mm = \"position dia "
+      "0.05\"\n"
+      "alpha2_deg = \"parallelism 0.02/100\"\nbeta2_deg = 0.5\nothers = \"exact\"\n");
+  EXPECT_DOUBLE_EQ(tolerances[Source::arm_length], 0.0445);
+  EXPECT_EQ(tolerances[Source::rod_mean], 0.04);
+  EXPECT_DOUBLE_EQ(tolerances[Source::rod_difference], 0.04);
+  EXPECT_EQ(tolerances[Source::e_x], 0.025);
+  EXPECT_EQ(tolerances[Source::e_z], 0.025);
+  EXPECT_EQ(tolerances[Source::alpha2], std::asin(0.0002));
+  EXPECT_EQ(tolerances[Source::beta2], to_radians(0.5));
+  EXPECT_EQ(tolerances.origin[index(Source::arm_length)], Origin::stated);
+  EXPECT_EQ(tolerances.assumed.size(), 1u);  // the exact ones
+}
+
+TEST(ToleranceFile, WhatNoDrawingSaysIsRefusedWithItsLine) {
+  const auto refused = [](const std::string& line, const std::string& complaint) {
+    EXPECT_THAT([&] { read("others = \"exact\"\n" + line + "\n"); },
+                testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:2: "), HasSubstr(complaint))))
+        << line;
+  };
+  refused(
+      "arm_length_mm = \"376 +- 0.04\"",
+      "arm_length_mm: expected a number, \"IT8\" or \"375 +- H\" (bore distance of the arm), got \"376 +- 0.04\": the "
+      "robot's is 375 mm");
+  refused("theta_offset_deg = \"IT8\"", "theta_offset_deg: expected a number, got \"IT8\": an encoder's zero");
+  refused("alpha2_deg = \"perpendicularity 0.02/100\"", "leaves this turn free");
+  refused("e_mm = \"IT8\"", "e_mm: expected a number or \"position dia T\" (base joint)");
+  refused("e_mm = [0.1, 0.1, 0.1]", "expected a number for e_mm, got an array");
+}
+
+/// The nominal size is that of each limb as it is meant to be, wherever its table stands in the file.
+TEST(ToleranceFile, SizesAreThoseOfTheRobotOfItsFile) {
+  std::string text = robot_toml(catalogue::rotary_delta());
+  text = text.substr(0, text.find("[tolerances]"));
+  const std::string states = "[tolerances]\nrod_mean_mm = \"IT7\"\nothers = \"exact\"\n";
+  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states}).tolerances())[Source::rod_mean], 0.045);
+  const std::string limbs = "[[limb]]\n[[limb]]\nrod_mean_mm = 60\n[[limb]]\n";  // 1010 mm
+  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states + limbs}).tolerances())[Source::rod_mean], 0.0525);
+  EXPECT_DOUBLE_EQ(read(states, read_robot({"r.toml", text + limbs}))[Source::rod_mean], 0.0525);
+}
+
+/// Tolerances stand before the geometry has been checked.
+TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
+  std::string text = robot_toml(catalogue::rotary_delta());
+  text.replace(text.find("[0, 120, 240]"), 13, "[]");
+  text.replace(text.find("rod_mean_mm = 2.4"), 17, "rod_mean_mm = \"IT7\"");
+  EXPECT_THAT(
+      [&] {
+        read_robot({"r.toml", text});
+      },
+      testing::ThrowsMessage<InputFileError>(HasSubstr("expected 3 limbs")));
 }
 
 TEST(Tolerances, ThePaperStatesTable2Alone) {

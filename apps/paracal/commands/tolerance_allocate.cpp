@@ -28,7 +28,7 @@ bool is_general(const Options& options) { return !options.problem.empty(); }
 Allocation allocated(const Options& options, const Robot& robot) {
   const Tolerances rest = options.tolerances.empty()
                               ? paracal::tolerances_of(robot)
-                              : io::read_tolerances(io::read_file(options.tolerances), robot.geometry());
+                              : io::read_tolerances(io::read_file(options.tolerances), robot);
   if (is_general(options)) {
     const io::TextFile file = io::read_file(options.problem);
     const AllocationProblem problem = io::read_allocation_problem(file, rest, robot);

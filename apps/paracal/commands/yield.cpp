@@ -91,7 +91,7 @@ Order order_of(const Options& options, Session& session) {
   if (const auto& file = session.robot_file()) input(*file);
   ProductionPlan plan =
       paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
-                                                         : read_priors(input(options.tolerances), robot.geometry()));
+                                                         : read_priors(input(options.tolerances), robot));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
   if (robot.has_six_freedoms() && options.rotation != "none") {
     throw WrongUsage(fmt::format(

@@ -31,11 +31,13 @@ SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints);
 /// The errors as a file that read_source_errors() accepts; numbers read back as they were to rounding.
 std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joints);
 
-/// Tolerances (TOML): half-widths, as keys of their own or in a [tolerances] table (other tables, as those of a robot
-/// file, are then passed over). A table that lists only some says what the others are: others = "exact" or "generous".
-/// @param geometry  of the robot: generous defaults depend on it.
-/// @throws InputFileError as above, for a negative half-width, and where `others` is needed and missing.
-Tolerances read_tolerances(const TextFile& file, const Geometry& geometry);
+/// Tolerances (TOML): half-widths or what a drawing says (half_width_of), as keys of their own or in a [tolerances]
+/// table (other tables, as those of a robot file, are then passed over). A table that lists only some says what the
+/// others are: others = "exact" or "generous".
+/// @param robot  nominal: generous defaults and the sizes on its drawings depend on it.
+/// @throws InputFileError as above, for a negative half-width, for what no drawing says of an error, and where `others`
+///         is needed and missing.
+Tolerances read_tolerances(const TextFile& file, const Robot& robot);
 
 /// The tolerances as a file that read_tolerances() accepts.
 std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator);
