@@ -47,6 +47,11 @@ io::Json tilt_group_json(const PerSource& values) {
   return json;
 }
 
+void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances) {
+  json["half_widths"] = io::to_json(tolerances, robot.actuator());
+  json["drawing"] = io::drawing_json(tolerances, robot);
+}
+
 io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator) {
   io::Json json = io::Json::array();
   for (const auto& [source, share] : contributors) json.push_back({{"name", name(source, actuator)}, {"share", share}});
@@ -79,7 +84,7 @@ Rule characteristic_validator() {
 SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
                                      const GlobalSensitivityOptions& options) {
   SensitivityFindings found{.what = what, .global = global_sensitivity(robot, what, options)};
-  found.assumed = tolerances.assumed;
+  found.tolerances = tolerances;
   found.worst = worst_spread(robot, what, tolerances, Spread::statistical);
   found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances, robot.actuator());
   return found;
@@ -112,7 +117,8 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
   json["worst"] = io::to_json(found.worst.pose, robot.has_six_freedoms());
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors, robot.actuator());
-  json["assumed"] = found.assumed;
+  add_half_widths(json, robot, found.tolerances);
+  json["assumed"] = found.tolerances.assumed;
   return json;
 }
 

@@ -29,6 +29,9 @@ std::string pose_text(const Robot& robot, const Pose& pose);
 /// The tilt group in the paper's units: the six keys of the contract.
 io::Json tilt_group_json(const PerSource& values);
 
+/// Adds `half_widths`, as a table of tolerances has them, and `drawing`, what they are there.
+void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances);
+
 io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator);
 /// A line a source: its share, and a bar as long.
 std::string pareto(const std::vector<Contributor>& contributors, Actuator actuator);
@@ -40,7 +43,7 @@ struct SensitivityFindings {
   std::optional<PerSource> local = {};
   ValueAtPose worst = {};  ///< largest 3 sigma
   std::vector<Contributor> contributors = {};
-  std::vector<std::string> assumed = {};  ///< of the tolerances
+  Tolerances tolerances = {};
 };
 SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, const Tolerances& tolerances,
                                      const GlobalSensitivityOptions& options = {});

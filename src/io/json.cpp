@@ -3,6 +3,7 @@
 #include "json_parts.hpp"
 #include "limb_tables.hpp"
 #include "names.hpp"
+#include "paracal/tolerance/drawing_statement.hpp"
 #include "robot_tables.hpp"
 
 namespace paracal::io {
@@ -27,6 +28,18 @@ Json to_json(const Tolerances& tolerances, Actuator actuator) {
     for (const double value : tolerances.measured[index(source)]) {
       json["measured"][file_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
+  }
+  return json;
+}
+
+Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
+  Json json = Json::object();
+  for (const Source source : listed_tolerances(tolerances, robot.actuator())) {
+    const std::optional<DrawingStatement> said = on_a_drawing(tolerances, source, robot);
+    if (!said) continue;
+    json[file_key(source, robot.actuator())] = {{"statement", said->statement.empty() ? Json() : Json(said->statement)},
+                                                {"grade", said->grade ? Json(name(*said->grade)) : Json()},
+                                                {"text", said->text}};
   }
   return json;
 }

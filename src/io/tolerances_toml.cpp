@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "names.hpp"
 #include "paracal/error.hpp"
@@ -141,16 +142,33 @@ Tolerances tolerances_of(Section section, const Geometry& geometry, const Source
   return ToleranceTable(std::move(section), geometry, intended).read();
 }
 
-std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
-  std::string text = "[tolerances]  # half-widths, 3 sigma\n", measured;
+namespace {
+
+/// A line a listed source, with what `remark` says of it behind the longest of them.
+std::string half_widths_toml(const Tolerances& tolerances, Actuator actuator, const auto& remark) {
+  std::vector<std::pair<std::string, std::string>> lines;
+  std::size_t longest = 0;
   for (const Source source : listed_tolerances(tolerances, actuator)) {
-    const std::string key = file_key(source, actuator);
-    text += fmt::format("{} = {}\n", key, tidy(to_file_unit(unit(source, actuator), tolerances[source])));
+    const double value = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
+    lines.emplace_back(fmt::format("{} = {}", file_key(source, actuator), value), remark(source));
+    longest = std::max(longest, lines.back().first.size());
+  }
+  std::string text;
+  for (const auto& [line, said] : lines) {
+    text += said.empty() ? line + "\n" : fmt::format("{:<{}}  # {}\n", line, longest, said);
+  }
+  return text;
+}
+
+std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator, const auto& remark) {
+  std::string text = "[tolerances]  # half-widths, 3 sigma\n" + half_widths_toml(tolerances, actuator, remark);
+  std::string measured;
+  for (const Source source : listed_tolerances(tolerances, actuator)) {
     std::vector<double> values;
     for (const double value : tolerances.measured[index(source)]) {
       values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
-    if (!values.empty()) measured += fmt::format("{} = {}\n", key, array(values));
+    if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, actuator), array(values));
   }
   if (listed_tolerances(tolerances, actuator).size() < leading_sources(actuator).size()) text += "others = \"exact\"\n";
   const std::vector<std::string> generous = generous_keys(tolerances, actuator);
@@ -160,6 +178,18 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
   text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
   if (!measured.empty()) text += "\n[tolerances.measured]  # errors of built parts\n" + measured;
   return text;
+}
+
+}  // namespace
+
+std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
+  return tolerances_toml(tolerances, actuator, [](Source) { return std::string(); });
+}
+
+std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot) {
+  return tolerances_toml(tolerances, robot.actuator(), [&](Source source) {
+    return on_a_drawing(tolerances, source, robot).value_or(DrawingStatement()).text;
+  });
 }
 
 Tolerances read_tolerances(const TextFile& file, const Robot& robot) {

@@ -114,6 +114,49 @@ TEST_F(ToleranceCommands, AProblemOfSeveralRequirements) {
   EXPECT_THAT(analysis.at("requirements"), SizeIs(2));
 }
 
+/// What an allocation is on a drawing, put into a table, gives tolerances that are nowhere wider; its own file gives
+/// the same.
+TEST_F(ToleranceCommands, WhatIsSaidOfADrawingReadsBackNeverWider) {
+  folder.write("problem.toml", kProblem);
+  for (const char* command : {"tolerance allocate", "tolerance allocate --problem problem.toml"}) {
+    const json chosen = json_from(command + std::string(" --toml chosen.toml"));
+    std::string table;
+    for (const auto& [key, value] : chosen.at("half_widths").items()) {
+      if (!value.is_number()) continue;
+      const json& statement = chosen.at("drawing").at(key).at("statement");
+      EXPECT_EQ(statement.is_null(), key == "theta_offset_deg") << key;
+      table += key + " = " + (statement.is_null() ? value : statement).dump() + "\n";
+    }
+    folder.write("drawn.toml", table);
+    const auto half_widths = [&](const std::string& file) {
+      return json_from("tolerance analyze --sigma-error 0.2 --tolerances " + file).at("half_widths");
+    };
+    for (const auto& [key, value] : half_widths("drawn.toml").items()) {
+      if (!value.is_number()) continue;
+      const double allowed = chosen.at("half_widths").at(key);
+      EXPECT_LE(value.get<double>(), allowed * (1.0 + 1e-11)) << key;
+      EXPECT_GE(value.get<double>(), 0.98 * allowed) << key;
+    }
+    EXPECT_EQ(half_widths("chosen.toml"), chosen.at("half_widths"));
+  }
+}
+
+TEST_F(ToleranceCommands, EachHalfWidthStandsBesideWhatItIsOnADrawing) {
+  const std::string rods = "# joint distance of both rods 950 +- 0.011 (IT3, finer than IT5)\n";
+  const std::string bar = "# bar at the elbow: parallelism 0.0249/100 to the motor axis, seen along the arm\n";
+  for (const char* command : {"sensitivity", "tolerance analyze --sigma-error 0.2"}) {
+    const ProgramResult result = folder.run(command);
+    EXPECT_THAT(result.out, AllOf(HasSubstr("rod_difference_mm = 0.022 "), HasSubstr(rods), HasSubstr(bar))) << command;
+    const json drawing = json_from(command).at("drawing").at("rod_difference_mm");
+    EXPECT_EQ(drawing.at("statement"), "950 +- 0.011") << command;
+    EXPECT_EQ(drawing.at("grade"), "IT3") << command;
+    EXPECT_EQ("# " + drawing.at("text").get<std::string>() + "\n", rods) << command;
+  }
+  const ProgramResult allocated = folder.run("tolerance allocate --toml chosen.toml");
+  EXPECT_THAT(allocated.out, HasSubstr("# bore distance of the arm 375 +- 0.8 (IT14)\n"));
+  EXPECT_THAT(folder.read("chosen.toml"), HasSubstr("# bore distance of the arm 375 +- 0.8 (IT14)\n"));
+}
+
 TEST_F(ToleranceCommands, WhatCannotBeMadeIsAVerdict) {
   const ProgramResult result = folder.run("tolerance allocate --least 0.0002 --least-is sigma");
   EXPECT_EQ(result.exit_code, kVerdictIsNo);

@@ -140,6 +140,16 @@ TEST(ToleranceFile, SizesAreThoseOfTheRobotOfItsFile) {
   EXPECT_DOUBLE_EQ(read(states, read_robot({"r.toml", text + limbs}))[Source::rod_mean], 0.0525);
 }
 
+TEST(ToleranceFile, CommentsOfADrawingChangeNothing) {
+  for (const Robot& robot : {catalogue::huang2016(), catalogue::linear_delta(), read_robot(robot_template("6-pss"))}) {
+    const std::string plain = tolerances_toml(*robot.tolerances(), robot.actuator());
+    const std::string said = tolerances_toml(*robot.tolerances(), robot);
+    EXPECT_NE(said, plain);
+    EXPECT_THAT(said, HasSubstr("  # "));
+    EXPECT_EQ(tolerances_toml(read(said, robot), robot.actuator()), plain);
+  }
+}
+
 /// Tolerances stand before the geometry has been checked.
 TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
   std::string text = robot_toml(catalogue::rotary_delta());

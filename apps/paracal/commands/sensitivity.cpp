@@ -8,6 +8,7 @@
 
 #include "measuring.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/toml.hpp"
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/units.hpp"
 #include "reporting.hpp"
@@ -79,7 +80,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   fmt::format_to(out, "largest 3 sigma with the tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
                  pose_text(robot, found.worst.pose));
   fmt::format_to(out, "what makes it, share of the variance:\n{}", pareto(found.contributors, robot.actuator()));
-  return text + assumed_lines(found.assumed);
+  return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 
 void write_page(const Options& options, Session& session, const Robot& robot, const SensitivityFindings& found,

@@ -26,9 +26,8 @@ struct Options {
 bool is_general(const Options& options) { return !options.problem.empty(); }
 
 Allocation allocated(const Options& options, const Robot& robot) {
-  const Tolerances rest = options.tolerances.empty()
-                              ? paracal::tolerances_of(robot)
-                              : io::read_tolerances(io::read_file(options.tolerances), robot);
+  const Tolerances rest = options.tolerances.empty() ? paracal::tolerances_of(robot)
+                                                     : io::read_tolerances(io::read_file(options.tolerances), robot);
   if (is_general(options)) {
     const io::TextFile file = io::read_file(options.problem);
     const AllocationProblem problem = io::read_allocation_problem(file, rest, robot);
@@ -66,8 +65,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
   if (allocation.failures) text += failure_line(*allocation.failures);
   if (allocation.failure_price > 0.0)
     text += fmt::format("  twice as many failures would save {:.3g}\n", allocation.failure_price);
-  text += assumed_lines(allocation.tolerances.assumed) + "\n" +
-          io::tolerances_toml(allocation.tolerances, robot.actuator());
+  text += assumed_lines(allocation.tolerances.assumed) + "\n" + io::tolerances_toml(allocation.tolerances, robot);
   return text;
 }
 
@@ -80,7 +78,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     json["bound"] = options.bound;
     json["max_tilt_3sigma"] = options.max_tilt;
   }
-  json["half_widths"] = io::to_json(allocation.tolerances, robot.actuator());
+  add_half_widths(json, robot, allocation.tolerances);
   json["requirements"] = io::Json::array();
   for (const RequirementOutcome& one : allocation.requirements) {
     const Characteristic what = one.requirement.characteristic;
@@ -114,7 +112,7 @@ void run(const Options& options, Session& session) {
   if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
-    session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot.actuator()));
+    session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))

@@ -10,6 +10,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/io/toml.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/tolerance/analysis.hpp"
 #include "paracal/tolerance/failure.hpp"
@@ -166,7 +167,7 @@ std::string text_of(const Options& options, const Robot& robot, const Findings& 
   for (const LinearityPoint& point : found.linearity) {
     fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
   }
-  return text + assumed_lines(found.tolerances.assumed);
+  return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 
 io::Json requirement_json(const Robot& robot, const RequirementAnalysis& one, const RequirementStatistics& drawn,
@@ -224,6 +225,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Findings& fou
     json["linearity"].push_back(
         {{"factor", point.factor}, {"difference", point.difference}, {"not_closed", point.not_closed}});
   }
+  add_half_widths(json, robot, found.tolerances);
   json["assumed"] = found.tolerances.assumed;
   return json;
 }

@@ -45,6 +45,9 @@ Json to_json(const PoseErrorSummary& summary);
 Json to_json(const Validation& validation);
 
 Json to_json(const Tolerances& tolerances, Actuator actuator);
+/// What half-widths are on a drawing, under the keys of files: {statement, grade, text}, as DrawingStatement has them;
+/// null: nothing. Without sources that are exact.
+Json drawing_json(const Tolerances& tolerances, const Robot& robot);
 
 Json to_json(const TrackerModel& tracker);
 

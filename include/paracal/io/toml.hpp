@@ -41,5 +41,7 @@ Tolerances read_tolerances(const TextFile& file, const Robot& robot);
 
 /// The tolerances as a file that read_tolerances() accepts.
 std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator);
+/// The same with comments: what each is on a drawing.
+std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot);
 
 }  // namespace paracal::io

@@ -36,5 +36,7 @@ struct DrawingStatement {
 
 /// @param half_width  mm or rad, above zero.
 DrawingStatement on_a_drawing(double half_width, const DrawnFeature& feature);
+/// The same of a robot's tolerance; empty where a source is exact.
+std::optional<DrawingStatement> on_a_drawing(const Tolerances& tolerances, Source source, const Robot& robot);
 
 }  // namespace paracal
