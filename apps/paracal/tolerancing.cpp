@@ -8,6 +8,7 @@
 
 #include "measuring.hpp"
 #include "paracal/report/plots.hpp"
+#include "paracal/tolerance/drawing_statement.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::app {
@@ -15,6 +16,35 @@ namespace paracal::app {
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
   if (!file.empty()) return read_priors(io::read_file(file), robot);
   return paracal::tolerances_of(robot);
+}
+
+std::optional<double> AngleOption::value() const {
+  if (deg) return to_radians(*deg);
+  return zone.empty() ? rad : turn_within(zone);
+}
+
+namespace {
+
+Rule zone_validator() {
+  const auto complaint = [](const std::string& text) {
+    return turn_within(text) ? std::string()
+                             : fmt::format("expected mm over a greater length in mm (0.1/100), got {}", text);
+  };
+  return {complaint, "T/L"};
+}
+
+}  // namespace
+
+std::array<Option*, 3> add_angle_options(Command& command, AngleOption& angle, const std::string& option_in_rad,
+                                         const std::string& stem, const std::string& text) {
+  Option* rad = command.add_option(option_in_rad, angle.rad, text + ", rad")->check(positive_finite());
+  Option* deg =
+      command.add_option(stem + "-deg", angle.deg, "the same in deg")->check(positive_finite())->excludes(rad);
+  Option* zone = command.add_option(stem + "-mm", angle.zone, "the same in mm over a length in mm, 0.1/100")
+                     ->check(zone_validator())
+                     ->excludes(rad)
+                     ->excludes(deg);
+  return {rad, deg, zone};
 }
 
 Shown shown(Quantity quantity, double value) {

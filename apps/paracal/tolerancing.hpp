@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,20 @@ namespace paracal::app {
 
 /// The tolerances of a file, of which some must be above zero; without one the robot's, or generous ones.
 Tolerances tolerances_of(const Robot& robot, const std::string& file);
+
+constexpr double kUsualMaxTilt = 1e-3;  ///< rad: that of the paper
+
+/// An angle that is given in one of three ways.
+struct AngleOption {
+  std::optional<double> rad = {}, deg = {};
+  std::string zone = {};  ///< "0.1/100", mm over mm
+  /// rad; empty where none was given.
+  std::optional<double> value() const;
+};
+/// STEM-deg and STEM-mm beside an option in rad; each excludes the others.
+/// @returns all three.
+std::array<Option*, 3> add_angle_options(Command& command, AngleOption& angle, const std::string& option_in_rad,
+                                         const std::string& stem, const std::string& text);
 
 /// A value of a quantity in the units of screens and JSON keys: mm, rad for tilt and twist, deg for rotation.
 struct Shown {

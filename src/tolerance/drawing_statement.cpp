@@ -140,14 +140,19 @@ double size_of(const Reading& reading, Words& words) {
 }
 
 /// A zone T/L: a line of length L fits between planes (or into a cylinder) T apart while L sin(turn) <= T.
-double turn_of(const Reading& reading, Words& words) {
+std::optional<double> zone(Words& words) {
   words.take("dia");  // round or between planes: as wide
   const std::optional<double> width = words.positive();
-  if (!width || !words.take("/")) reading.refuse("a zone is T/L, as wide as T over a length L");
+  if (!width || !words.take("/")) return std::nullopt;
   const std::optional<double> length = words.positive();
-  if (!length) reading.refuse("a zone is T/L, as wide as T over a length L");
-  if (*width >= *length) reading.refuse("a zone is narrower than it is long");
+  if (!length || *width >= *length) return std::nullopt;
   return std::asin(*width / *length);
+}
+
+double turn_of(const Reading& reading, Words& words) {
+  const std::optional<double> turn = zone(words);
+  if (!turn) reading.refuse("a zone is T/L, T wide over a greater length L");
+  return *turn;
 }
 
 double place_of(const Reading& reading, Words& words) {
@@ -254,6 +259,12 @@ double half_width_of(std::string_view statement, const DrawnFeature& feature) {
   const double half_width = half_width_of(reading, words);
   if (!words.at_end()) reading.refuse(fmt::format("\"{}\" is too much", words.peek()));
   return half_width;
+}
+
+std::optional<double> turn_within(std::string_view text) {
+  Words words(text);
+  const std::optional<double> turn = zone(words);
+  return words.at_end() ? turn : std::nullopt;
 }
 
 DrawingStatement on_a_drawing(double half_width, const DrawnFeature& feature) {

@@ -2,6 +2,9 @@
 // of that file; and what each command refuses.
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "broken_input.hpp"
 #include "json_checks.hpp"
@@ -99,6 +102,51 @@ TEST_F(ToleranceCommands, TheLimitOnTiltJudgesTilt) {
   const double largest = usual.at("requirements")[0].at("worst_case");
   EXPECT_EQ(judged(json(largest).dump()).at("yield").at("value"), 1.0);
   EXPECT_EQ(judged("1e-6").at("yield").at("value"), 0.0);
+}
+
+/// An angle in rad, in deg, or as drawings state it: the same limit, and one of them at a time.
+TEST_F(ToleranceCommands, ALimitOnTiltIsInRadDegOrMmOverALength) {
+  const auto limit = [&](const std::string& options) {
+    return json_from("tolerance analyze --sigma-error 0.2" + options).at("requirements")[0].at("limit").get<double>();
+  };
+  const auto allocated = [&](const std::string& options) {
+    return json_from("tolerance allocate" + options).at("max_tilt_3sigma").get<double>();
+  };
+  for (const auto& asked : {std::function(limit), std::function(allocated)}) {
+    EXPECT_EQ(asked(""), 0.001);
+    EXPECT_EQ(asked(" --max-tilt 0.002"), 0.002);
+    EXPECT_NEAR(asked(" --max-tilt-deg 0.1"), 0.1 * std::numbers::pi / 180.0, 1e-15);
+    EXPECT_NEAR(asked(" --max-tilt-mm 0.2/100"), std::asin(0.002), 1e-15);
+  }
+  const json tight = json_from("tolerance allocate --max-tilt-deg 0.1 --least-mm 0.02/100");
+  EXPECT_EQ(tight.at("tolerances"), json_from("tolerance allocate --max-tilt-deg 0.1 --least-deg " +
+                                              json(std::asin(0.0002) * 180.0 / std::numbers::pi).dump())
+                                        .at("tolerances"));
+  folder.write("problem.toml", kProblem);
+  for (const char* two :
+       {"allocate --max-tilt 0.001 --max-tilt-deg 0.1", "allocate --max-tilt-deg 0.1 --max-tilt-mm 0.1/100",
+        "allocate --least 0.001 --least-mm 0.1/100", "analyze --max-tilt 0.001 --max-tilt-mm 0.1/100",
+        "analyze --problem problem.toml --max-tilt-deg 0.1", "allocate --problem problem.toml --max-tilt-mm 0.1/100",
+        "allocate --problem problem.toml --least-deg 0.1"}) {
+    const ProgramResult refused = folder.run(std::string("tolerance ") + two);
+    EXPECT_EQ(refused.exit_code, kWrongUsage) << two;
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("--"), HasSubstr("excludes"))) << two;
+  }
+  for (const char* zone : {"0.1", "0.1/0", "100/0.1", "x/100"}) {
+    const ProgramResult refused = folder.run(std::string("tolerance analyze --max-tilt-mm ") + zone);
+    EXPECT_EQ(refused.exit_code, kWrongUsage) << zone;
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("--max-tilt-mm"), HasSubstr("0.1/100"), HasSubstr(zone)));
+  }
+}
+
+TEST_F(ToleranceCommands, ALimitOnTheTiltOfABatchIsInRadDegOrMmOverALength) {
+  const auto limit = [&](const std::string& options) {
+    return json_from("yield --machines 1 " + options).at("batch").at("limits").at("tilt_rad").get<double>();
+  };
+  EXPECT_EQ(limit("--max-tilt-rad 0.002"), 0.002);
+  EXPECT_NEAR(limit("--max-tilt-deg 0.1"), 0.1 * std::numbers::pi / 180.0, 1e-15);
+  EXPECT_NEAR(limit("--max-tilt-mm 0.2/100"), std::asin(0.002), 1e-15);
+  EXPECT_EQ(folder.run("yield --machines 1 --max-tilt-rad 0.01 --max-tilt-deg 0.1").exit_code, kWrongUsage);
 }
 
 TEST_F(ToleranceCommands, AProblemOfSeveralRequirements) {

@@ -82,6 +82,14 @@ TEST(DrawingStatement, APositionsZoneIsHalfAsFarAlongEachAxis) {
   }
 }
 
+TEST(DrawingStatement, AZoneAloneIsATurn) {
+  EXPECT_EQ(turn_within("0.1/100"), std::asin(0.001));
+  for (const char* text :
+       {"", "0.1", "0.1/", "/100", "100/0.1", "1/1", "0/100", "0.1/100/2", "0.1/100 + 0.1/100", "IT8"}) {
+    EXPECT_EQ(turn_within(text), std::nullopt) << text;
+  }
+}
+
 void expect_refused(const std::string& statement, Source source, std::initializer_list<std::string> parts,
                     const Robot& robot = catalogue::huang2016()) {
   for (const std::string& part : parts) {

@@ -17,9 +17,8 @@ namespace paracal::app {
 namespace {
 
 struct Options {
-  double max_tilt = 1e-3;
+  AngleOption max_tilt, least;
   std::string bound = "sum-of-maxima", least_is = "tolerance", tolerances, problem, toml;
-  std::optional<double> least;
   std::shared_ptr<std::string> report;
 };
 
@@ -36,9 +35,9 @@ Allocation allocated(const Options& options, const Robot& robot) {
   }
   return allocate(
       robot,
-      EqualInfluence{.max_tilt = options.max_tilt,
+      EqualInfluence{.max_tilt = options.max_tilt.value().value_or(kUsualMaxTilt),
                      .bound = options.bound == "sum-of-maxima" ? Bound::sum_of_maxima : Bound::true_maximum,
-                     .least = options.least,
+                     .least = options.least.value(),
                      .least_reading = options.least_is == "sigma" ? LeastReading::sigma : LeastReading::tolerance,
                      .rest = rest});
 }
@@ -76,7 +75,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
   }
   if (!is_general(options)) {
     json["bound"] = options.bound;
-    json["max_tilt_3sigma"] = options.max_tilt;
+    json["max_tilt_3sigma"] = options.max_tilt.value().value_or(kUsualMaxTilt);
   }
   add_half_widths(json, robot, allocation.tolerances);
   json["requirements"] = io::Json::array();
@@ -125,27 +124,28 @@ void add_tolerance_allocate(Command& tolerance, Session& session) {
   Command* command =
       session.add_command(tolerance, "allocate", "Design tolerances", "the widest tolerances that keep a limit");
   const auto options = std::make_shared<Options>();
-  Option* tilt = command->add_option("--max-tilt", options->max_tilt, "3 sigma of the plate's tilt, rad")
-                     ->check(positive_finite())
-                     ->shows_default();
+  const std::array tilt =
+      add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "3 sigma of the plate's tilt");
+  tilt.front()->shows_default(fmt::format("{}", kUsualMaxTilt));
   Option* bound = command
                       ->add_option("--bound", options->bound,
                                    "how the largest tilt is meant: sum-of-maxima reproduces the paper's Table 2, "
                                    "true-maximum is about 10 % wider")
                       ->check(one_of({"sum-of-maxima", "true-maximum"}))
                       ->shows_default();
-  Option* least =
-      command->add_option("--least", options->least, "tightest tolerance that can be made, rad (0.0002 in the paper)")
-          ->check(positive_finite());
+  const std::array least = add_angle_options(*command, options->least, "--least", "--least",
+                                             "tightest tolerance that can be made (0.0002 in the paper)");
   command->add_option("--least-is", options->least_is, "whether --least bounds the tolerance (3 sigma) or sigma")
       ->check(one_of({"tolerance", "sigma"}))
       ->shows_default();
   command->add_option("--tolerances", options->tolerances,
                       "of the sources that are not chosen (TOML); default: the robot's");
-  command->add_option("--problem", options->problem, "requirements, cost curves and bounds (TOML; docs/tolerance.md)")
-      ->excludes(tilt)
-      ->excludes(bound)
-      ->excludes(least);
+  Option* problem =
+      command
+          ->add_option("--problem", options->problem, "requirements, cost curves and bounds (TOML; docs/tolerance.md)")
+          ->excludes(bound);
+  for (Option* one : tilt) problem->excludes(one);
+  for (Option* one : least) problem->excludes(one);
   session.outputs.declare(
       command->add_option("--toml", options->toml, "write the tolerances here, to be used with --tolerances"));
   options->report = add_report_option(*command, session);

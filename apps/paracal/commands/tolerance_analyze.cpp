@@ -25,7 +25,7 @@ namespace {
 
 struct Options {
   std::string tolerances, problem, model = "linear";
-  double max_tilt = 1e-3;
+  AngleOption max_tilt;
   MonteCarloOptions monte_carlo;
   double failure_error = FailureOptions{}.relative_error;
   int sobol = 0;
@@ -50,7 +50,7 @@ struct Findings {
 };
 
 std::vector<Requirement> requirements_of(const Options& options, const Robot& robot, const Tolerances& tolerances) {
-  if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt}};
+  if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt.value().value_or(kUsualMaxTilt)}};
   return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
 }
 
@@ -267,11 +267,12 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
                           "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
   const auto options = std::make_shared<Options>();
   command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
-  Option* tilt = command->add_option("--max-tilt", options->max_tilt, "limit on the plate's tilt, rad")
-                     ->check(positive_finite())
-                     ->shows_default();
-  command->add_option("--problem", options->problem, "instead: the requirements of this file (TOML; docs/tolerance.md)")
-      ->excludes(tilt);
+  const std::array tilt =
+      add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "limit on the plate's tilt");
+  tilt.front()->shows_default(fmt::format("{}", kUsualMaxTilt));
+  Option* problem = command->add_option("--problem", options->problem,
+                                        "instead: the requirements of this file (TOML; docs/tolerance.md)");
+  for (Option* one : tilt) problem->excludes(one);
   command->add_option("--model", options->model, "of the Monte Carlo")
       ->check(one_of({"linear", "exact"}))
       ->shows_default();

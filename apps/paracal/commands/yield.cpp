@@ -15,6 +15,7 @@
 #include "progress_line.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
+#include "tolerancing.hpp"
 #include "usage.hpp"
 
 namespace paracal::app {
@@ -43,7 +44,8 @@ struct Options {
   std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
   std::uint64_t chunk = 0;  ///< 0: by how machines are made
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
-  PerErrorKind<std::optional<double>> limits = {};  ///< in the units of kRows
+  PerErrorKind<std::optional<double>> limits = {};  ///< in the units of kRows, but for tilt
+  AngleOption max_tilt;
   std::optional<double> min_yield = {};
   double confidence = 0.95;
   bool exact = false;
@@ -69,11 +71,13 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
 PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
   PerErrorKind<std::optional<double>> limits;
   for (const Row& row : kRows) {
-    if (!options.limits[row.kind]) continue;
+    const std::optional<double> limit =
+        row.kind == ErrorKind::tilt ? options.max_tilt.value() : options.limits[row.kind];
+    if (!limit) continue;
     if (row.kind == ErrorKind::rotation && !turns(robot)) {
       throw WrongUsage(fmt::format("{}: expected a robot that turns its plate, got {}", row.option, robot.name()));
     }
-    limits[row.kind] = *options.limits[row.kind] / row.factor;
+    limits[row.kind] = *limit / row.factor;
   }
   return limits;
 }
@@ -89,9 +93,8 @@ Order order_of(const Options& options, Session& session) {
   };
   const Robot& robot = order.batch.robot;
   if (const auto& file = session.robot_file()) input(*file);
-  ProductionPlan plan =
-      paper_production(robot, options.tolerances.empty() ? tolerances_of(robot)
-                                                         : read_priors(input(options.tolerances), robot));
+  ProductionPlan plan = paper_production(
+      robot, options.tolerances.empty() ? tolerances_of(robot) : read_priors(input(options.tolerances), robot));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
   if (robot.has_six_freedoms() && options.rotation != "none") {
     throw WrongUsage(fmt::format(
@@ -257,16 +260,22 @@ void run(const Options& options, Session& session) {
 }
 
 void add_limits(Command& command, Options& options) {
+  const std::string heading = "Limits after calibration";
   for (const Row& row : kRows) {
-    command.add_option(row.option, options.limits[row.kind], fmt::format("of the row \"{}\"", row.text))
-        ->check(positive_finite())
-        ->group("Limits after calibration");
+    const std::string text = fmt::format("of the row \"{}\"", row.text);
+    if (row.kind != ErrorKind::tilt) {
+      command.add_option(row.option, options.limits[row.kind], text)->check(positive_finite())->group(heading);
+      continue;
+    }
+    for (Option* one : add_angle_options(command, options.max_tilt, row.option, "--max-tilt", "of the row \"tilt\"")) {
+      one->group(heading);
+    }
   }
   command
       .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
       ->check(non_negative_finite())
       ->check(between(0.0, 1.0))
-      ->group("Limits after calibration");
+      ->group(heading);
 }
 
 }  // namespace

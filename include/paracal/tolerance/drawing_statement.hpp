@@ -23,6 +23,9 @@ namespace paracal {
 /// @throws InvalidArgument with what can be said of this error, what was, and why that cannot be.
 double half_width_of(std::string_view statement, const DrawnFeature& feature);
 
+/// Largest turn (rad) of a line within a zone as drawings write it, "0.1/100": asin(0.1 / 100). Empty where it is none.
+std::optional<double> turn_within(std::string_view zone);
+
 /// What a half-width is on a drawing: never wider (but for 1e-12 of itself), three digits.
 struct DrawingStatement {
   /// As half_width_of() reads it, "375 +- 0.0446"; empty where nothing can be said.
