@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "paracal/error.hpp"
@@ -19,6 +18,7 @@ using Kind = DrawnFeature::Kind;
 constexpr double kSameSize = 1e-6;   // mm: a nominal size as typed is the robot's
 constexpr double kNotWider = 1e-12;  // of itself: rounding of degrees and of the arcus sine
 constexpr double kPlaceAxes = 0.5;   // of a zone's width, along each axis
+constexpr double kSteepest = 1.0;    // rad: a zone about as wide as long says nothing
 constexpr double kHalf = 0.5;        // of a grade's width: it lies evenly about the nominal size
 
 /// Signs of drawings in the words that are read.
@@ -105,15 +105,14 @@ struct Reading {
   }
 };
 
-/// Half the width of a grade at the size that it leaves widest.
+/// Half the width of a grade at the size that it leaves widest, the largest.
 double half_grade(const Reading& reading, StandardGrade grade) {
-  double widest = 0.0;
+  std::optional<double> width;
   for (const double size : reading.feature.sizes) {
-    const std::optional<double> width = standard_tolerance(grade, size);
+    width = standard_tolerance(grade, size);
     if (!width) reading.refuse(fmt::format("ISO 286-1 has no {} at {} mm", name(grade), size));
-    widest = std::max(widest, kHalf * *width);
   }
-  return widest;
+  return kHalf * width.value_or(0.0);
 }
 
 void check_nominal(const Reading& reading, double size) {
@@ -237,7 +236,7 @@ DrawingStatement size_on_a_drawing(double half_width, const DrawnFeature& featur
 }
 
 DrawingStatement turn_on_a_drawing(double half_width, const DrawnFeature& feature) {
-  const double width = feature.length * std::sin(std::min(half_width, std::numbers::pi / 2.0));
+  const double width = feature.length * std::sin(std::min(half_width, kSteepest));
   const DrawnFeature::Datum& datum = feature.data.front();
   const std::string zone = fmt::format("{}/{}", rounded_down(width), feature.length);
   DrawingStatement said{.statement = fmt::format("{} {}", name(datum.orientation), zone)};

@@ -154,12 +154,12 @@ TEST(ToleranceFile, CommentsOfADrawingChangeNothing) {
 TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
   std::string text = robot_toml(catalogue::rotary_delta());
   text.replace(text.find("[0, 120, 240]"), 13, "[]");
-  text.replace(text.find("rod_mean_mm = 2.4"), 17, "rod_mean_mm = \"IT7\"");
+  text.replace(text.find("rod_mean_mm = 2.4"), 17, "rod_mean_mm = \"951 +- 1\"");
   EXPECT_THAT(
       [&] {
         read_robot({"r.toml", text});
       },
-      testing::ThrowsMessage<InputFileError>(HasSubstr("expected 3 limbs")));
+      testing::ThrowsMessage<InputFileError>(HasSubstr("the robot's is 950 mm")));
 }
 
 TEST(Tolerances, ThePaperStatesTable2Alone) {

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 #include <string>
 
 #include "paracal/error.hpp"
@@ -156,6 +157,38 @@ TEST(DrawingStatement, UnlikeLimbsHaveGradesOfTheirOwnSizes) {
   EXPECT_EQ(half_width("400 +- 0.04", Source::arm_length, robot), 0.04);
 }
 
+TEST(DrawingStatement, SizesAreThatOfEachLimbAsItIsMeantToBe) {
+  RobotDescription description = catalogue::rotary_delta().description();
+  description.intended(1, Source::rod_mean) = -5.0;
+  description.intended(2, Source::arm_length) = 2.0;
+  const Robot robot(description);
+  EXPECT_THAT(feature(Source::arm_length, robot).sizes, testing::ElementsAre(400.0, 402.0));
+  EXPECT_THAT(feature(Source::rod_mean, robot).sizes, testing::ElementsAre(945.0, 950.0));
+  EXPECT_THAT(feature(Source::rod_difference, robot).sizes, testing::ElementsAre(945.0, 950.0));
+  EXPECT_THAT(feature(Source::width_difference, robot).sizes, testing::ElementsAre(100.0));
+}
+
+/// A grade that one of the sizes does not have is none of theirs.
+TEST(DrawingStatement, AGradeIsOneOfEverySize) {
+  const DrawnFeature drawn{.kind = DrawnFeature::Kind::size, .name = "rod", .sizes = {1.0, 400.0}};
+  const DrawingStatement said = on_a_drawing(1.0, drawn);
+  EXPECT_EQ(said.statement, "IT13");
+  EXPECT_DOUBLE_EQ(half_width_of(said.statement, drawn), 0.89 / 2);
+}
+
+TEST(DrawingStatement, WhatIsExactIsNotOnADrawing) {
+  const Robot robot = catalogue::linear_delta();
+  EXPECT_FALSE(on_a_drawing(*robot.tolerances(), Source::arm_length, robot));
+  EXPECT_TRUE(on_a_drawing(*robot.tolerances(), Source::rod_mean, robot));
+}
+
+TEST(DrawingStatement, HugeTurnsHaveAZoneThatReadsBack) {
+  for (const double turn : {1.0, std::numbers::pi / 2, 3.0}) {
+    const DrawnFeature drawn = feature(Source::alpha2);
+    EXPECT_LE(half_width_of(on_a_drawing(turn, drawn).statement, drawn), 1.0) << turn;
+  }
+}
+
 /// Every error of every kind of limb: a feature, and ways to state it.
 TEST(DrawingStatement, LimbsWithOneRodHaveFeatures) {
   const Robot strut = of_kind("hexapod"), arm = of_kind("6-rss"), rail = of_kind("6-pss");
@@ -187,6 +220,8 @@ TEST(DrawingStatement, AHalfWidthInWords) {
   EXPECT_EQ(text_of(0.001, Source::rod_difference), "joint distance of both rods 950 +- 0.0005 (finer than any grade)");
   EXPECT_EQ(text_of(0.245e-3, Source::alpha2),
             "bar at the elbow: parallelism 0.0244/100 to the motor axis, seen along the arm");
+  EXPECT_EQ(text_of(0.0125, Source::arm_length), "bore distance of the arm 375 +- 0.0125 (IT5)");
+  EXPECT_EQ(text_of(0.0124, Source::arm_length), "bore distance of the arm 375 +- 0.0124 (IT4, finer than IT5)");
   EXPECT_EQ(text_of(0.1, Source::e_z), "base joint: position dia 0.2");
   EXPECT_EQ(text_of(0.1, Source::theta_offset), "an encoder's zero is set on the machine");
   EXPECT_THAT(on_a_drawing(0.1, feature(Source::theta_offset)).statement, IsEmpty());
