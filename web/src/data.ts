@@ -219,6 +219,7 @@ export interface Allocation {
   tolerances?: Record<string, number>; ///< of the tilt group; struts have none
   max_tilt_3sigma?: number;
   half_widths: Record<string, unknown>;
+  drawing: Record<string, { text: string }>; ///< by the keys of half_widths, without exact ones
   requirements: ({ quantity: string; criterion: string; price: number } & Record<string, unknown>)[];
   assumed: string[];
 }

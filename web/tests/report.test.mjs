@@ -101,6 +101,20 @@ test("every published number stands with its verdict and reason, and the counts 
   await context.close();
 });
 
+test("tolerances stand beside what they are on a drawing", async () => {
+  for (const [kind, of] of [["allocation", { "rod_difference_mm": 0, "beta2_deg": 5 }], ["strutallocation", { "zero_mm": 0 }]]) {
+    const { page, context } = await open(browser, pages[kind]);
+    const { drawing } = (await dataOf(page)).results.allocation;
+    const table = page.locator("#allocated-tolerances details");
+    await table.locator("summary").click();
+    await table.locator("tbody tr").first().waitFor();
+    const said = await table.locator("tbody tr").evaluateAll((all) => all.map((row) => row.cells[2].textContent));
+    for (const [key, row] of Object.entries(of)) assert.equal(said[row], drawing[key].text);
+    assert.ok(said.every((text) => text.length > 10), said);
+    await context.close();
+  }
+});
+
 test("numbers in the page are those of the JSON", async () => {
   const { page, context } = await open(browser, pages.calibration);
   const { results } = await dataOf(page);

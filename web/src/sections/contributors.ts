@@ -64,17 +64,23 @@ function globalFigure(sensitivity: Sensitivity, onStruts: boolean): HTMLElement 
   });
 }
 
+/// What a drawing says of an error: its key has the unit behind the name.
+function onADrawing(name: string, drawing: Allocation["drawing"]): string {
+  const error = name.replace(/_over_c$/, "");
+  return Object.entries(drawing).find(([key]) => key === error || key.startsWith(`${error}_`))?.[1].text ?? "";
+}
+
 /// Of the tilt group in the paper's units; of limbs with one rod, which have none, all half-widths.
-function tolerancesFigure({ tolerances, half_widths: halfWidths }: Allocation): HTMLElement {
+function tolerancesFigure({ tolerances, half_widths: halfWidths, drawing }: Allocation): HTMLElement {
   const values = tolerances ?? Object.fromEntries(Object.entries(halfWidths).filter((one): one is [string, number] => typeof one[1] === "number"));
   const scale = tolerances ? 1e3 : 1;
-  const rows = Object.entries(values).map(([name, value]) => ({ name: words(name), value: scale * value }));
+  const rows = Object.entries(values).map(([name, value]) => ({ name: words(name), value: scale * value, drawn: onADrawing(name, drawing) }));
   return figure({
     id: "allocated-tolerances",
     title: tolerances ? text.allocated : text.allocatedAll,
     shows: tolerances ? text.allocatedShows : text.allocatedAllShows,
     marks: rows.length,
-    sheet: { columns: ["name", tolerances ? "tolerance_mrad" : "half_width"], rows: rows.map((row) => [row.name, row.value]) },
+    sheet: { columns: ["name", tolerances ? "tolerance_mrad" : "half_width", "drawing"], rows: rows.map((row) => [row.name, row.value, row.drawn]) },
     draw: labelledBars(rows, tolerances ? text.milli : text.half),
   });
 }
