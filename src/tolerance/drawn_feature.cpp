@@ -65,8 +65,16 @@ DrawnFeature of_arm(Source source) {
   }
 }
 
-std::vector<DrawnFeature::Datum> of_upright_rail() {
-  return {{perpendicularity, "the base plane"}, {parallelism, "the robot's axis"}, {angularity, "the base plane"}};
+/// How a rail leans sideways, or in and out.
+DrawnFeature upright_rail(Source source) {
+  if (source == Source::alpha0) {
+    return turn_of("rail", {{perpendicularity, "the base plane, seen radially"},
+                            {parallelism, "the robot's axis, seen radially"},
+                            {angularity, "the base plane, seen radially"}});
+  }
+  return turn_of("rail", {{perpendicularity, "the base plane, seen from the side"},
+                          {parallelism, "the robot's axis, seen from the side"},
+                          {angularity, "the base plane, seen from the side"}});
 }
 
 /// A rail with a parallelogram.
@@ -80,7 +88,7 @@ DrawnFeature of_rail(Source source) {
       return size_of("distance of the carriage's joints from the rail");
     case Source::alpha0:
     case Source::beta0:
-      return turn_of("rail", of_upright_rail());
+      return upright_rail(source);
     case Source::alpha2:
       return turn_of("bar on the carriage", {{perpendicularity, "the rail"}, {parallelism, "the base plane"}});
     case Source::beta2:

@@ -208,7 +208,10 @@ TEST(DrawingStatement, LimbsWithOneRodHaveFeatures) {
 
 TEST(DrawingStatement, RailsAreSquareToTheirBase) {
   const Robot robot = catalogue::linear_delta();
-  EXPECT_EQ(text_of(0.001, Source::alpha0, robot), "rail: perpendicularity 0.0999/100 to the base plane");
+  EXPECT_EQ(text_of(0.001, Source::alpha0, robot),
+            "rail: perpendicularity 0.0999/100 to the base plane, seen radially");
+  EXPECT_EQ(text_of(0.001, Source::beta0, robot),
+            "rail: perpendicularity 0.0999/100 to the base plane, seen from the side");
   EXPECT_EQ(text_of(0.001, Source::alpha2, robot), "bar on the carriage: perpendicularity 0.0499/50 to the rail");
   EXPECT_EQ(text_of(0.1, Source::e_x, robot), "foot of the rail: position dia 0.2");
 }
