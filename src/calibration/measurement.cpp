@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -60,7 +62,9 @@ void check_orientation(const PointReading& reading, bool of_body, const auto& re
   }
 }
 
-void check_point(const PointSeries& series, const PointReading& reading, std::size_t number, std::size_t stations) {
+/// @param of_body  what the series says: asking it again for every reading would take the square of their number.
+void check_point(const PointSeries& series, bool of_body, const PointReading& reading, std::size_t number,
+                 std::size_t stations) {
   const auto refuse = [&](std::string_view expected) {
     throw InvalidArgument(fmt::format("{}, reading {}: expected {}", series.name, number, expected));
   };
@@ -69,7 +73,7 @@ void check_point(const PointSeries& series, const PointReading& reading, std::si
   if (reading.second && !reading.second->allFinite()) refuse("a finite second point");
   if (reading.rotation && !std::isfinite(*reading.rotation)) refuse("a finite rotation");
   if (reading.sigma && !(*reading.sigma > 0.0 && std::isfinite(*reading.sigma))) refuse("a sigma above 0 mm");
-  check_orientation(reading, series.is_of_body(), refuse);
+  check_orientation(reading, of_body, refuse);
 }
 
 void check_length(const LengthSeries& series, const LengthReading& reading, std::size_t number, std::size_t stations) {
@@ -89,6 +93,26 @@ void check_at(const LengthSeries& series) {
   throw InvalidArgument(fmt::format("{}: expected {}, as three finite numbers", series.name, kind.at));
 }
 
+/// A pair of stations whichever is named first, and its place among the readings.
+struct NumberedPair {
+  std::pair<std::size_t, std::size_t> stations;
+  std::size_t number = 0;
+
+  auto operator<=>(const NumberedPair&) const = default;
+};
+
+/// Sorted, for a million pairs would fill a tree of 70 MB.
+void check_pairs(const std::vector<DistanceReading>& distances) {
+  std::vector<NumberedPair> pairs;
+  pairs.reserve(distances.size());
+  for (const DistanceReading& one : distances) pairs.push_back({std::minmax(one.from, one.to), pairs.size() + 1});
+  std::ranges::sort(pairs);
+  const auto again = std::ranges::adjacent_find(pairs, {}, &NumberedPair::stations);
+  if (again == pairs.end()) return;
+  throw InvalidArgument(
+      fmt::format("distance {}: the same two stations as distance {}", std::next(again)->number, again->number));
+}
+
 /// Readings of one station as their mean.
 struct StationMean {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
@@ -103,18 +127,14 @@ bool PointSeries::is_of_body() const {
 
 void check(const Measurements& measurements, std::size_t limb_count) {
   for (const Station& station : measurements.stations) check_station(station, limb_count);
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> seen;
   for (std::size_t k = 0; k < measurements.distances.size(); ++k) {
-    const DistanceReading& reading = measurements.distances[k];
-    check_reading(reading, k + 1, measurements.stations.size());
-    const auto [first, inserted] = seen.try_emplace(std::minmax(reading.from, reading.to), k + 1);
-    if (!inserted) {
-      throw InvalidArgument(fmt::format("distance {}: the same two stations as distance {}", k + 1, first->second));
-    }
+    check_reading(measurements.distances[k], k + 1, measurements.stations.size());
   }
+  check_pairs(measurements.distances);
   for (const PointSeries& series : measurements.series) {
+    const bool of_body = series.is_of_body();
     for (std::size_t k = 0; k < series.readings.size(); ++k) {
-      check_point(series, series.readings[k], k + 1, measurements.stations.size());
+      check_point(series, of_body, series.readings[k], k + 1, measurements.stations.size());
     }
   }
   for (const LengthSeries& series : measurements.lengths) {

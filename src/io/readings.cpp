@@ -23,18 +23,20 @@ void leave_out_unread_stations(Measurements& measurements) {
   std::vector<bool> is_read(measurements.stations.size());
   for (const PointReading& reading : readings) is_read[reading.station] = true;
   std::vector<std::size_t> places(measurements.stations.size());
-  std::vector<Station> kept;
-  for (std::size_t k = 0; k < measurements.stations.size(); ++k) {
+  std::vector<Station>& stations = measurements.stations;
+  const std::string home = stations.front().name;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < stations.size(); ++k) {
     if (!is_read[k]) continue;
-    places[k] = kept.size();
-    kept.push_back(measurements.stations[k]);
+    places[k] = kept;
+    if (k != kept) stations[kept] = std::move(stations[k]);
+    ++kept;
   }
+  stations.resize(kept);
   if (!is_read.front()) {
-    measurements.notes.push_back(
-        fmt::format("pose {} is home instead of {}", kept.front().name, measurements.stations.front().name));
+    measurements.notes.push_back(fmt::format("pose {} is home instead of {}", stations.front().name, home));
   }
   for (PointReading& reading : readings) reading.station = places[reading.station];
-  measurements.stations = std::move(kept);
 }
 
 }  // namespace
