@@ -159,7 +159,11 @@ class Finder {
   static double pose_disagreement(const StageFit& fit) {
     const auto states = fit.observation().stations(fit.fit().parameters);
     double squares = 0.0;
-    for (const StationState& station : *states) squares += station.by_joint.topRows<3>().squaredNorm() / 3.0;
+    StationMotions fresh;
+    for (std::size_t s = 0; s < states->size(); ++s) {
+      const PlateMotions& by_joint = fit.observation().motions_of(s, (*states)[s], fresh).by_joint;
+      squares += by_joint.topRows<3>().squaredNorm() / 3.0;
+    }
     return fit.observation().components().joint * std::sqrt(squares / static_cast<double>(states->size()));
   }
 

@@ -21,7 +21,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) {
     joints_.push_back(believed_joints(robot, station));
-    starts_.push_back(started(robot, station));
+    if (robot.has_six_freedoms()) starts_.push_back(started(robot, station));
   }
   for (auto& series : all_series(measurements, options)) {
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);
@@ -30,6 +30,8 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   lay_out_priors();
   add_groups();
   list_stations();
+  constexpr std::size_t kMostKept = 5000;  // stations
+  keeps_motions_ = joints_.size() <= kMostKept || std::ranges::any_of(groups_, &Group::is_relative);
 }
 
 std::vector<Eigen::Index> Observation::scale_columns() const {
@@ -118,8 +120,8 @@ void Observation::keep_nominal_derivative() {
   nominal_.clear();
   last_stations_.reset();
   for (std::size_t k = 0; k < joints_.size(); ++k) {
-    const PlateState plate = forward(robot_.nominal(), joints_[k], starts_[k]).plate;
-    nominal_.push_back(state_of(robot_.nominal(), plate, joints_[k]));
+    nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints_[k], start_of(k)).plate));
+    nominal_.back().motions = motions_at(robot_.nominal(), nominal_.back().plate, joints_[k]);
   }
 }
 
@@ -149,40 +151,57 @@ std::optional<Eigen::VectorXd> Observation::start(const SourceErrors& errors) {
 }
 
 std::shared_ptr<const std::vector<StationState>> Observation::stations(const Eigen::VectorXd& unknowns) const {
-  const bool again = last_stations_ && last_unknowns_.size() == unknowns.size() && last_unknowns_ == unknowns;
+  const auto sources = unknowns.tail(source_count());  // the set-up of instruments moves no machine
+  const bool again = last_stations_ && last_sources_.size() == sources.size() && last_sources_ == sources;
   if (!again) {
     last_stations_ = evaluate(unknowns);
-    last_unknowns_ = unknowns;
+    last_sources_ = sources;
   }
   return last_stations_;
 }
 
 std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eigen::VectorXd& unknowns) const {
-  const Machine machine = build(robot_, errors(unknowns));
-  std::vector<StationState> states;
-  states.reserve(joints_.size());
+  struct Answer {
+    Machine machine;
+    std::vector<StationState> states = {};
+  };
+  const auto answer = std::make_shared<Answer>(build(robot_, errors(unknowns)));
+  const Machine& machine = answer->machine;
+  answer->states.reserve(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
-    const ForwardResult pose = forward(machine, joints_[k], starts_[k]);
+    const ForwardResult pose = forward(machine, joints_[k], start_of(k));
     if (!pose.ok()) return nullptr;
-    if (nominal_.empty()) {
-      states.push_back(state_of(machine, pose.plate, joints_[k]));
-    } else {
-      states.push_back(nominal_[k]);
-      states.back().plate = pose.plate;
-      states.back().rotation = machine.rotation_of(pose.plate.slide);
+    StationState& state = answer->states.emplace_back(state_of(machine, pose.plate));
+    if (!nominal_.empty()) {
+      state.derived_at = nominal_[k].derived_at;
+      state.motions = nominal_[k].motions;
+    } else if (keeps_motions_) {
+      state.motions = motions_at(machine, pose.plate, joints_[k]);
     }
-    if (states.back().jacobian.cols() != source_count()) return nullptr;
+    if (state.motions && state.motions->jacobian.cols() != source_count()) return nullptr;
   }
-  return std::make_shared<const std::vector<StationState>>(std::move(states));
+  return {answer, &answer->states};
 }
 
-StationState Observation::state_of(const Machine& machine, const PlateState& plate, const Joints& joints) const {
-  StationState state{plate, machine.rotation_of(plate.slide), {}, {}, plate.position};
+StationState Observation::state_of(const Machine& machine, const PlateState& plate) const {
+  return {plate, machine.rotation_of(plate.slide), &machine, plate.position};
+}
+
+StationMotions Observation::motions_at(const Machine& machine, const PlateState& plate, const Joints& joints) const {
   const PlateMotions motions = plate_jacobian(machine, plate, joints, moving_);
-  if (motions.cols() == 0) return state;
-  state.jacobian = motions.leftCols(source_count());
-  state.by_joint = motions.rightCols(static_cast<Eigen::Index>(robot_.limb_count()));
-  return state;
+  if (motions.cols() == 0) return {};
+  return {motions.leftCols(source_count()), motions.rightCols(static_cast<Eigen::Index>(robot_.limb_count()))};
+}
+
+const StationMotions& Observation::motions_of(std::size_t station, const StationState& state,
+                                              StationMotions& fresh) const {
+  if (state.motions) return *state.motions;
+  fresh = motions_at(*state.machine, state.plate, joints_[station]);
+  if (fresh.jacobian.cols() != source_count()) {  // it closes there, but singular: such a reading says nothing
+    fresh = {PlateMotions::Zero(7, source_count()),
+             PlateMotions::Zero(7, static_cast<Eigen::Index>(robot_.limb_count()))};
+  }
+  return fresh;
 }
 
 double reading_noise(const Observation& observation) {

@@ -85,6 +85,9 @@ class Observation {
   /// settles at is asked for again and again.
   std::shared_ptr<const std::vector<StationState>> stations(const Eigen::VectorXd& unknowns) const;
 
+  /// Those kept with the station, else taken into `fresh`.
+  const StationMotions& motions_of(std::size_t station, const StationState& state, StationMotions& fresh) const;
+
   /// Rows [J | r] of one reading, r = predicted - measured, divided by the standard deviations. `block` is resized.
   /// @param by_joint  where not null: H, the same by the joint coordinates of the station where it was taken.
   void rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
@@ -137,12 +140,15 @@ class Observation {
   void add_groups();
   void list_stations();
   /// Variances of a reading's rows when the joints may be off, over those when they are not.
-  static Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations,
-                                  const ByPlate& by_plate, double joint_std);
+  Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations, const ByPlate& by_plate,
+                           double joint_std) const;
   void check_station(
       std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
       const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  StationState state_of(const Machine& machine, const PlateState& plate, const Joints& joints) const;
+  StationState state_of(const Machine& machine, const PlateState& plate) const;
+  /// @returns motions of no columns where the machine is singular.
+  StationMotions motions_at(const Machine& machine, const PlateState& plate, const Joints& joints) const;
+  ForwardOptions start_of(std::size_t station) const { return starts_.empty() ? ForwardOptions{} : starts_[station]; }
 
   const Robot& robot_;
   const CalibrationOptions& options_;
@@ -152,7 +158,10 @@ class Observation {
   std::vector<SoughtSource> moving_;
   SourceErrors held_;
   std::vector<Joints> joints_;
-  std::vector<ForwardOptions> starts_;                        ///< from where the plate is sought, a station
+  std::vector<ForwardOptions> starts_;  ///< from where the plate is sought; empty: anywhere
+  /// Derivatives stay with the stations. They are 3 kB where 56 errors are sought, 300 MB of a hundred thousand
+  /// stations; taking them again costs less than folding the rows that they go into.
+  bool keeps_motions_ = true;
   std::vector<std::shared_ptr<const ReadingSeries>> series_;  ///< shared with copies until one of them starts anew
   std::vector<Group> groups_;                                 ///< series by series
   std::vector<std::size_t> first_group_;                      ///< of each series
@@ -162,7 +171,7 @@ class Observation {
   std::vector<Eigen::MatrixXd> held_by_joint_;  ///< of every reading; empty: H where the unknowns are
   Eigen::Index nuisance_count_ = 0;
   VarianceComponents components_;
-  mutable Eigen::VectorXd last_unknowns_;
+  mutable Eigen::VectorXd last_sources_;
   mutable std::shared_ptr<const std::vector<StationState>> last_stations_;
 };
 

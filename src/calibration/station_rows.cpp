@@ -38,23 +38,28 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
     block.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
     by_plate.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
   }
-  const StationState& station = stations[group.station];
+  StationMotions fresh;
+  const StationMotions& motions = motions_of(group.station, stations[group.station], fresh);
   auto sources = block.middleCols(nuisance_count_, source_count());
-  sources.noalias() = by_plate * station.jacobian;
+  sources.noalias() = by_plate * motions.jacobian;
   if (group.is_relative()) {
-    sources.noalias() -= by_plate * stations[group.from].jacobian;
+    sources.noalias() -= by_plate * stations[group.from].motions->jacobian;
     if (components_.joint > 0.0) {
       block = widening(group, stations, by_plate, components_.joint).cwiseSqrt().cwiseInverse().asDiagonal() * block;
     }
   }
-  if (by_joint != nullptr) by_joint->noalias() = by_plate * station.by_joint;
+  if (by_joint != nullptr) by_joint->noalias() = by_plate * motions.by_joint;
 }
 
 /// Readings that share a station share how far its joints are off; here each has its own.
 Eigen::VectorXd Observation::widening(const Group& group, const std::vector<StationState>& stations,
-                                      const ByPlate& by_plate, double joint_std) {
-  Eigen::VectorXd squares = (by_plate * stations[group.station].by_joint).rowwise().squaredNorm();
-  if (group.is_relative()) squares += (by_plate * stations[group.from].by_joint).rowwise().squaredNorm();
+                                      const ByPlate& by_plate, double joint_std) const {
+  StationMotions fresh;
+  const auto squares_at = [&](std::size_t station) -> Eigen::VectorXd {
+    return (by_plate * motions_of(station, stations[station], fresh).by_joint).rowwise().squaredNorm();
+  };
+  Eigen::VectorXd squares = squares_at(group.station);
+  if (group.is_relative()) squares += squares_at(group.from);
   return Eigen::VectorXd::Ones(by_plate.rows()) + joint_std * joint_std * squares;
 }
 

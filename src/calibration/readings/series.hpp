@@ -27,13 +27,20 @@ namespace paracal::detail {
 /// A reading's rows by the plate's motion at its station: rows x 7.
 using ByPlate = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, 7, 7>;
 
+/// How the plate moves at one station.
+struct StationMotions {
+  PlateMotions jacobian;  ///< by the sought sources
+  PlateMotions by_joint;  ///< by the joint coordinates: when a joint stands elsewhere than believed
+};
+
 /// Where the machine stands at one station, and how that changes.
 struct StationState {
   PlateState plate;
-  double rotation = 0.0;  ///< phi, rad
-  PlateMotions jacobian;  ///< by the sought sources
-  PlateMotions by_joint;  ///< by the joint coordinates: how the plate moves when a joint stands elsewhere than believed
-  Eigen::Vector3d derived_at;  ///< where the plate centre was when these were taken: here, or at the nominal machine
+  double rotation = 0.0;             ///< phi, rad
+  const Machine* machine = nullptr;  ///< which stands there, of the same answer
+  Eigen::Vector3d derived_at = {};   ///< where the plate centre was when the motions were taken: here, or at the
+                                     ///< nominal machine
+  std::optional<StationMotions> motions = {};  ///< empty where there are too many stations to keep them all
 };
 
 /// The machine at every station, and the unknowns of the fit with which it stands there.
