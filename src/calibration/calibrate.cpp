@@ -30,7 +30,7 @@ bool scatters(const Calibration& calibration, const Measurements& measurements) 
 /// One reading in ten.
 bool left_many_out(const Calibration& calibration) {
   return 10 * static_cast<std::size_t>(std::ranges::count(calibration.suspects, true, &Suspect::excluded)) >
-         calibration.suspects.size();
+         calibration.readings;
 }
 
 bool is_far_from_nominal(const ParameterEstimate& parameter) {

@@ -29,22 +29,25 @@ PoseErrorSummary summarize_fit(const Observation& observation, const Placed& at)
   return tally.finished();
 }
 
-/// The readings at one machine: unknowns, stations, and the weighted residual sum of the active readings.
+/// The readings at one machine: unknowns and stations.
 struct Snapshot {
   const Observation* observation = nullptr;
   Eigen::VectorXd unknowns;
   std::shared_ptr<const std::vector<StationState>> stations = {};
-  double sum = 0.0;
-  Eigen::Index rows = 0;
 
   Placed placed() const { return {*stations, unknowns}; }
+  /// Of the active readings.
+  InformationRoot information() const {
+    InformationRoot root(observation->unknown_count());
+    (void)(*observation)(unknowns, root);  // closes, as there are stations
+    return root;
+  }
 };
 
 std::optional<Snapshot> snapshot(const Observation& observation, Eigen::VectorXd unknowns) {
   auto stations = observation.stations(unknowns);
-  InformationRoot root(observation.unknown_count());
-  if (!stations || !observation(unknowns, root)) return std::nullopt;
-  return Snapshot{&observation, std::move(unknowns), std::move(stations), root.squared_residuals(), root.row_count()};
+  if (!stations) return std::nullopt;
+  return Snapshot{&observation, std::move(unknowns), std::move(stations)};
 }
 
 /// The same readings, with the same weights, for the nominal machine: frames and the like are all that is sought.
@@ -56,11 +59,12 @@ std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observati
   return solve_least_squares(with_priors(nominal), *unknowns).parameters;
 }
 
+/// Nobody reads the residuals of a hundred thousand pairs of points, and their names would take more room than all
+/// else.
+constexpr std::size_t kLongestList = 20000;
+
 void add_residuals(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
                    Calibration& calibration) {
-  // Nobody reads the residuals of a hundred thousand pairs of points, and their names would take more room than all
-  // else.
-  constexpr std::size_t kLongestList = 20000;
   if (after.observation->groups().size() > kLongestList) {
     calibration.notes.push_back(
         fmt::format("{} readings: their residuals are not listed one by one", after.observation->groups().size()));
@@ -84,10 +88,15 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
   return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
 }
 
+/// All readings; of more than are listed one by one those that were left out, and the worst of the others.
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
-  for (const Contradiction& one : contradictions) {
+  constexpr std::size_t kWorst = 100;
+  const std::size_t count = observation.groups().size();
+  for (std::size_t place = 0; place < contradictions.size(); ++place) {
+    const Contradiction& one = contradictions[place];
     const Group& group = observation.groups()[one.group];
+    if (count > kLongestList && place >= kWorst && group.active) continue;
     const ReadingSeries& series = observation.series_of(group);
     std::string text = series.label(group.index, measurements.stations);
     if (!group.active) {
@@ -96,7 +105,7 @@ void add_suspects(const Measurements& measurements, const Observation& observati
       calibration.notes.push_back(
           fmt::format("left out {} (contradiction {:.0f} times the noise)", text, std::sqrt(one.statistic)));
     }
-    calibration.suspects.push_back({std::move(text), one.statistic, one.chance, !group.active});
+    calibration.suspects.push_back({std::move(text), one.statistic, one.chance(count), !group.active});
   }
 }
 
@@ -187,8 +196,9 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   add_residuals(measurements, *before, *after, calibration);
   calibration.before = summarize_fit(nominal, before->placed());
   calibration.after = summarize_fit(observation, after->placed());
-  calibration.chance = chance_of(before->sum - answer.at_answer.squared_residuals(),
-                                 found_parameters(fit, after->rows, scatter), scatter, all_stated(observation));
+  const Eigen::Index rows = has_priors(observation) ? 0 : after->information().row_count();
+  calibration.chance = chance_of(before->information().squared_residuals() - answer.at_answer.squared_residuals(),
+                                 found_parameters(fit, rows, scatter), scatter, all_stated(observation));
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
   calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
   calibration.orientation_noise = orientation_noise(observation);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
-#include <set>
+#include <optional>
 #include <utility>
 
 #include "as_given.hpp"
@@ -51,10 +51,11 @@ Measurements as_distances(const Measurements& measurements) {
 bool enough_for_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   constexpr double kSpare = 1.25;
   const Identifiability seen = identifiability(robot, measurements, options, detail::position_group(robot, options));
-  std::set<std::size_t> joined;
-  for (const DistanceReading& reading : measurements.distances) joined.insert({reading.from, reading.to});
+  std::vector<bool> is_joined(measurements.stations.size());
+  for (const DistanceReading& reading : measurements.distances) is_joined[reading.from] = is_joined[reading.to] = true;
+  const Eigen::Index joined = std::ranges::count(is_joined, true);
   const auto pairs = static_cast<Eigen::Index>(measurements.distances.size());
-  const auto worth = std::min(pairs, std::max<Eigen::Index>(3 * static_cast<Eigen::Index>(joined.size()) - 6, 1));
+  const auto worth = std::min(pairs, std::max<Eigen::Index>(3 * joined - 6, 1));
   const Eigen::Index numbers = seen.rows - (pairs - worth) - seen.nuisance;
   return std::ranges::all_of(seen.null_space, &NullDirection::gauge) &&
          static_cast<double>(numbers) >= kSpare * seen.rank;
@@ -67,8 +68,9 @@ bool goes_fine(const Robot& robot, const Measurements& measurements, const Calib
 
 Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration) {
   detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
+  const std::vector<detail::Contradiction> none;
   const bool paper = calibration.options.method == Method::paper;
-  detail::state_evidence(used, stage, paper ? std::vector<detail::Contradiction>{} : stage.suspects(), calibration);
+  detail::state_evidence(used, stage, paper ? none : stage.suspects(), calibration);
   return calibration;
 }
 
@@ -127,9 +129,10 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
         "calibration: expected a source error to seek, got none that has a tolerance and is not fixed");
   }
   const bool biased = options.noise.distance_bias > 0.0;  // such distances are none between points
-  const Measurements used = paper    ? as_distances(measurements)
-                            : biased ? measurements
-                                     : detail::as_points(measurements).value_or(measurements);
+  std::optional<Measurements> converted;
+  if (paper) converted = as_distances(measurements);
+  if (!paper && !biased) converted = detail::as_points(measurements);
+  const Measurements& used = converted ? *converted : measurements;
   Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
 
   // Not from lengths: to them offsets alone are hardly more than the set-up, as a plane's height and tilt.

@@ -10,11 +10,15 @@
 namespace paracal::detail {
 namespace {
 
+constexpr int kMostRows = 7;  // of a reading
+using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+
 /// v^T S^-1 v over the directions in which the reading can be checked at all.
-double checked_sum(const Eigen::MatrixXd& spread, const Eigen::VectorXd& residual) {
+double checked_sum(const SmallSquare& spread, const SmallVector& residual) {
   constexpr double kUncheckable = 1e-6;  // of the reading's own variance
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(spread);
-  const Eigen::VectorXd along = eigen.eigenvectors().transpose() * residual;
+  const Eigen::SelfAdjointEigenSolver<SmallSquare> eigen(spread);
+  const SmallVector along = eigen.eigenvectors().transpose() * residual;
   double sum = 0.0;
   for (Eigen::Index k = 0; k < along.size(); ++k) {
     if (eigen.eigenvalues()(k) > kUncheckable) sum += along(k) * along(k) / eigen.eigenvalues()(k);
@@ -22,14 +26,13 @@ double checked_sum(const Eigen::MatrixXd& spread, const Eigen::VectorXd& residua
   return sum;
 }
 
-/// Chance that the worst of `count` good readings has at least this F.
-double chance_of_worst(double statistic, int rows, double freedom, std::size_t count) {
+}  // namespace
+
+double Contradiction::chance(std::size_t count) const {
   if (!std::isfinite(statistic)) return 0.0;
   const double one = fisher_tail(statistic, rows, freedom);
   return -std::expm1(static_cast<double>(count) * std::log1p(-std::min(one, 1.0 - 1e-16)));
 }
-
-}  // namespace
 
 std::vector<Contradiction> contradictions(const Observation& observation, const Eigen::VectorXd& unknowns,
                                           const Eigen::MatrixXd& covariance, const Scatter& scatter) {
@@ -40,13 +43,13 @@ std::vector<Contradiction> contradictions(const Observation& observation, const 
     const int rows = static_cast<int>(block.rows());
     const auto jacobian = block.leftCols(n);
     const double sign = active ? -1.0 : 1.0;
-    const Eigen::MatrixXd spread = own + sign * jacobian * covariance * jacobian.transpose();
+    const SmallSquare spread = own + sign * jacobian * covariance * jacobian.transpose();
     const double sum = checked_sum(spread, block.col(n));
     const double freedom = scatter.redundancy - (active ? rows : 0);
     if (freedom < 1.0) return;
     const double rest = std::max(scatter.sum - (active ? sum : 0.0), 1e-12) / freedom;
     const double statistic = sum / rows / rest;
-    all.push_back({g, statistic, chance_of_worst(statistic, rows, freedom, observation.groups().size())});
+    all.push_back({g, statistic, freedom, rows});
   });
   std::ranges::sort(all, std::greater{}, &Contradiction::statistic);
   return all;
@@ -68,6 +71,28 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
   const double middle = active.empty() ? 1.0 : std::max(median(active), 1e-12);
   for (double& size : sizes) size /= middle;
   return sizes;
+}
+
+double size_by_chance(double rows, double chance) {
+  return std::sqrt(chi_square_quantile(chance, rows) / chi_square_quantile(0.5, rows));
+}
+
+bool one_stands_out(const Observation& observation, const std::vector<double>& sizes) {
+  // Among few readings gross ones hide behind each other, and the rounds of a robust loss cost little. Among many each
+  // that stands out less than chance lets one do contradicts too little to be left out (CalibrationOptions'
+  // outlier_chance is smaller), and the rounds would mark none.
+  constexpr std::size_t kFew = 200;
+  constexpr double kStandsOut = 3.5, kChance = 0.01;
+  const auto largest = [&](double rows) {
+    if (sizes.size() <= kFew) return kStandsOut;
+    return std::max(kStandsOut, size_by_chance(rows, kChance / static_cast<double>(sizes.size())));
+  };
+  const double of_point = largest(3.0), of_number = largest(1.0);
+  for (std::size_t g = 0; g < sizes.size(); ++g) {
+    const bool point = observation.series_of(observation.groups()[g]).quantity() == Quantity::coordinate;
+    if (sizes[g] > (point ? of_point : of_number)) return true;
+  }
+  return false;
 }
 
 void leave_out_gross_points(Observation& observation, const Eigen::VectorXd& start) {

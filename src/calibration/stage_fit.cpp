@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 namespace paracal::detail {
@@ -26,6 +25,8 @@ void StageFit::solve() {
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
   observation_.release_joint_rows();
   iterations_ += fit_.iterations;
+  solved_with_ = observation_.components();
+  known_ = {};
 }
 
 void StageFit::solve_by_pseudo_inverse() {
@@ -50,7 +51,32 @@ void StageFit::solve_by_pseudo_inverse() {
 }
 
 Scatter StageFit::scatter() const {
+  if (!known_.scatter) known_.scatter = found_scatter();
+  return *known_.scatter;
+}
+
+std::optional<Scatter> StageFit::scatter_at_answer() const {
+  const auto& groups = observation_.groups();
+  const VarianceComponents& now = observation_.components();
+  if (groups.empty() || !has_priors(observation_) || !sought_.priors.empty() || now.joint > 0.0 ||
+      now.orientation_noise != solved_with_.orientation_noise) {
+    return std::nullopt;
+  }
+  const bool stated = groups.front().stated;
+  if (!std::ranges::all_of(groups, [stated](const Group& one) { return one.stated == stated; })) return std::nullopt;
+  InformationRoot priors(observation_.unknown_count());
+  observation_.add_priors(fit_.parameters, priors);
+  const auto rows = static_cast<double>(fit_.at_answer.row_count() - priors.row_count());
+  const Eigen::MatrixXd known = priors.root();
+  const double seen = static_cast<double>(known.rows()) - (known * covariance()).cwiseProduct(known).sum();
+  const double was = stated ? solved_with_.stated_noise : solved_with_.unstated_noise;
+  const double smaller = std::pow(was / (stated ? now.stated_noise : now.unstated_noise), 2);
+  return Scatter{smaller * (fit_.at_answer.squared_residuals() - priors.squared_residuals()), rows - smaller * seen};
+}
+
+Scatter StageFit::found_scatter() const {
   if (fit_.at_answer.row_count() == 0) return {};
+  if (const auto at_answer = scatter_at_answer()) return *at_answer;
   if (has_priors(observation_)) {
     return detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(), [](const Group&) { return true; });
   }
@@ -72,6 +98,7 @@ void StageFit::settle() {
     if (sought_.stated_noise) note(update_noise(now.stated_noise, true));
     if (sought_.joint) note(update_joint());
     for (WidenedPriors& one : sought_.priors) note(update_priors(one));
+    known_ = {};
     if (change < kSettled) return;
     solve();
   }
@@ -79,8 +106,11 @@ void StageFit::settle() {
 
 double StageFit::update_noise(double& factor, bool stated) {
   constexpr double kSmallest = 0.01;
-  const Scatter of_kind = detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(),
-                                          [stated](const Group& group) { return group.stated == stated; });
+  const bool all = std::ranges::all_of(observation_.groups(), [&](const Group& one) { return one.stated == stated; });
+  const auto at_answer = all ? scatter_at_answer() : std::nullopt;
+  const Scatter of_kind = at_answer ? *at_answer
+                                    : detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(),
+                                                      [&](const Group& group) { return group.stated == stated; });
   if (of_kind.redundancy < 0.5) return 1.0;
   const double before = factor;
   factor = std::max(factor * std::sqrt(of_kind.sum / of_kind.redundancy), kSmallest);
@@ -184,8 +214,10 @@ void StageFit::restore(State state) {
   for (const WidenedPriors& now : sought_.priors) observation_.widen_priors(now.places, 1.0 / now.factor);
   for (const WidenedPriors& before : state.sought.priors) observation_.widen_priors(before.places, before.factor);
   observation_.components() = state.components;
+  solved_with_ = state.solved_with;
   sought_ = std::move(state.sought);
   fit_ = std::move(state.fit);
+  known_ = {};
 }
 
 double StageFit::minus_twice_log_likelihood() const {
@@ -210,85 +242,6 @@ double StageFit::minus_twice_log_likelihood_of_all() const {
                : 2.0 * count * std::log(kGrossRange / observation_.sigma_of(group)) - 2.0 * std::log(kGrossShare);
   });
   return sum;
-}
-
-void StageFit::exclude_outliers(double outlier_chance) {
-  if (converged() && is_suspicious()) mark_by_robust_loss(outlier_chance);
-  exclude_one_by_one(outlier_chance);
-  if (!converged() || !readmit(outlier_chance)) return;  // a reading that a worse one had made look bad
-  settle();
-  exclude_one_by_one(outlier_chance);
-}
-
-void StageFit::exclude_one_by_one(double outlier_chance) {
-  while (converged() && may_exclude()) {
-    const auto worst = most_contradicting();
-    if (!worst || worst->chance > outlier_chance) return;
-    observation_.groups()[worst->group].active = false;
-    settle();
-  }
-}
-
-std::vector<Contradiction> StageFit::suspects() const {
-  return contradictions(observation_, fit_.parameters, covariance(), scatter());
-}
-
-/// At most every fourth reading.
-bool StageFit::may_exclude() const {
-  const auto excluded = std::ranges::count(observation_.groups(), false, &Group::active);
-  return 4 * static_cast<std::size_t>(excluded) < observation_.groups().size();
-}
-
-std::optional<Contradiction> StageFit::most_contradicting() const {
-  for (const Contradiction& one : suspects()) {
-    if (observation_.groups()[one.group].active) return one;
-  }
-  return std::nullopt;
-}
-
-/// One residual stands out, or all are larger than anyone thought.
-bool StageFit::is_suspicious() const {
-  constexpr double kStandsOut = 3.5, kLarge = 1.5;
-  const Scatter all = scatter();
-  const bool large =
-      observation_.components().unstated_noise > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
-  return large || std::ranges::max(studentised(observation_, fit_.parameters, covariance())) > kStandsOut;
-}
-
-/// Cauchy's loss, sum log(1 + (t / c)^2) with t the studentised size over the median, by reweighting. Readings that
-/// it all but ignores are left out; those that do not contradict the rest then come back.
-void StageFit::mark_by_robust_loss(double outlier_chance) {
-  constexpr int kRounds = 20;
-  constexpr double kCauchy = 2.0, kIgnored = 6.0;
-  std::vector<double> sizes;
-  for (int round = 0; round < kRounds; ++round) {
-    sizes = studentised(observation_, fit_.parameters, covariance());
-    for (std::size_t g = 0; g < sizes.size(); ++g) {
-      observation_.groups()[g].weight = 1.0 / (1.0 + std::pow(sizes[g] / kCauchy, 2));
-    }
-    solve();
-  }
-  std::vector<std::size_t> order(sizes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, std::greater{}, [&](std::size_t g) { return sizes[g]; });
-  for (Group& group : observation_.groups()) group.weight = 1.0;
-  for (const std::size_t g : order) {
-    if (sizes[g] < kIgnored || !may_exclude()) break;
-    observation_.groups()[g].active = false;
-  }
-  settle();
-  for (bool some = true; some && converged(); settle()) some = readmit(outlier_chance);
-}
-
-/// What comes back tells the noise better, by which more may come back.
-bool StageFit::readmit(double outlier_chance) {
-  bool some = false;
-  for (const Contradiction& one : suspects()) {
-    bool& active = observation_.groups()[one.group].active;
-    if (active || one.chance <= outlier_chance) continue;
-    some = active = true;
-  }
-  return some;
 }
 
 }  // namespace paracal::detail

@@ -31,11 +31,14 @@ class StageFit {
   StageFit(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
            std::vector<SoughtSource> sought, const SourceErrors& errors, bool seeks_scale = false);
 
-  Observation& observation() { return observation_; }
   const Observation& observation() const { return observation_; }
+  /// To be solved or settled again when it has been changed.
+  Observation& observation_to_change() { return observation_; }
   const LeastSquaresResult& fit() const { return fit_; }
   bool converged() const { return fit_.status == LeastSquaresStatus::converged; }
   int iterations() const { return iterations_; }
+  /// Of the robust loss, in all.
+  int robust_rounds() const { return robust_rounds_; }
   const SoughtComponents& components() const { return sought_; }
 
   void solve();
@@ -61,7 +64,7 @@ class StageFit {
 
   /// Of the active readings. Without priors: residual sum, and rows less unknowns.
   Scatter scatter() const;
-  std::vector<Contradiction> suspects() const;
+  const std::vector<Contradiction>& suspects() const;
   /// Of all unknowns.
   Eigen::MatrixXd covariance() const { return inverse_information(fit_.at_answer.root()); }
   /// -2 log of the marginal likelihood (Laplace's: exact for a linear model) but for a constant.
@@ -79,11 +82,11 @@ class StageFit {
 
   /// What a component tried in vain leaves no trace of.
   struct State {
-    VarianceComponents components;
+    VarianceComponents components, solved_with;
     SoughtComponents sought;
     LeastSquaresResult fit;
   };
-  State state() const { return {observation_.components(), sought_, fit_}; }
+  State state() const { return {observation_.components(), solved_with_, sought_, fit_}; }
   void restore(State state);
 
  private:
@@ -91,10 +94,18 @@ class StageFit {
   std::optional<Contradiction> most_contradicting() const;
   bool is_suspicious() const;
   void mark_by_robust_loss(double outlier_chance);
+  /// Solves with Cauchy's weights until it settles.
+  /// @returns the studentised sizes that gave the last weights.
+  std::vector<double> settle_by_robust_loss();
   void exclude_one_by_one(double outlier_chance);
   /// Takes back readings that were left out and do not contradict the rest.
   /// @returns whether there was one.
   bool readmit(double outlier_chance);
+  /// Of the readings at the answer, without looking at one again: with the information P of the priors and the
+  /// covariance C of the unknowns of rows that one noise of all readings has scaled, tr(J C J^T) = n - tr(C P).
+  /// @returns empty where noise of several kinds, joints or wider priors are sought, and without priors.
+  std::optional<Scatter> scatter_at_answer() const;
+  Scatter found_scatter() const;
   /// Each returns the factor by which it changed a standard deviation.
   double update_noise(double& factor, bool stated);
   /// As far as orientations scatter more than the positions that were read with them, or less.
@@ -107,10 +118,18 @@ class StageFit {
   };
   JointSquares joint_squares() const;
 
+  /// What was asked of the fit as it stands, found once.
+  struct Known {
+    std::optional<Scatter> scatter;
+    std::optional<std::vector<Contradiction>> suspects;
+  };
+
   Observation observation_;
   LeastSquaresResult fit_;
+  VarianceComponents solved_with_;  ///< the components of variance then
+  mutable Known known_;
   SoughtComponents sought_;
-  int iterations_ = 0;
+  int iterations_ = 0, robust_rounds_ = 0;
 };
 
 }  // namespace paracal::detail

@@ -1,10 +1,15 @@
 // What a fit does otherwise where readings are very many: kept, looked at or listed less, the numbers the same.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
 
 #include "calibration/sought.hpp"
+#include "calibration/stage_fit.hpp"
 #include "observation_derivatives.hpp"
+#include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
@@ -17,6 +22,12 @@ class LargeSets : public testing::Test {
  protected:
   Robot robot = catalogue::rotary_delta();
   CalibrationOptions options;
+
+  detail::StageFit settled(const Measurements& measured) const {
+    detail::StageFit stage(robot, measured, options, detail::all_with_priors(robot, options), {});
+    stage.settle();
+    return stage;
+  }
 };
 
 /// The first readings of 5001 stations give the rows that they give alone.
@@ -31,6 +42,57 @@ TEST_F(LargeSets, DerivativesThatAreNotKeptAreTheSame) {
   EXPECT_TRUE(kept.stations(at)->front().motions.has_value());
   EXPECT_FALSE(anew.stations(at)->front().motions.has_value());
   EXPECT_EQ(rows_of(anew, at), rows_of(kept, at));
+}
+
+/// Of readings of one noise, stated or not, from the root alone; of both kinds by looking at every one.
+TEST_F(LargeSets, ScatterAtTheAnswerIsThatOfTheRows) {
+  const std::vector<Station> stations = fine_stations(robot, 9);
+  Measurements measured = measured_machine(robot, stations, 3, {.noise = 3.0 * kNoise}).measurements;
+  const auto expect_that_of_rows = [&](const detail::StageFit& stage) {
+    const Eigen::MatrixXd root = stage.fit().at_answer.root();
+    const detail::Scatter rows =
+        detail::scatter(stage.observation(), stage.fit().parameters, root, [](const auto&) { return true; });
+    EXPECT_NEAR(stage.scatter().sum / rows.sum, 1.0, 1e-10);
+    EXPECT_NEAR(stage.scatter().redundancy / rows.redundancy, 1.0, 1e-10);
+  };
+  expect_that_of_rows(settled(measured));
+  for (std::size_t k = 0; k < 20; ++k) measured.series[0].readings[k].sigma = kNoise;
+  expect_that_of_rows(settled(measured));
+  state_sigma(measured, kNoise);
+  expect_that_of_rows(settled(measured));
+  detail::StageFit joints = settled(measured);
+  joints.seek_joint(1e-4);
+  joints.settle();
+  expect_that_of_rows(joints);
+}
+
+/// What is asked of a fit twice is found once, and found anew when the fit changes.
+TEST_F(LargeSets, SuspectsAreThoseOfTheFitAsItStands) {
+  const Measurements measured = measured_machine(robot, fine_stations(robot, 9), 3, {.noise = kNoise}).measurements;
+  detail::StageFit stage = settled(measured);
+  const auto worst = stage.suspects().front();
+  EXPECT_EQ(&stage.suspects().front(), &stage.suspects().front());
+  stage.observation_to_change().groups()[worst.group].active = false;
+  stage.settle();
+  const auto found = std::ranges::find(stage.suspects(), worst.group, &detail::Contradiction::group);
+  ASSERT_NE(found, stage.suspects().end());
+  EXPECT_NE(found->statistic, worst.statistic);
+}
+
+/// 202 stations have 20,301 pairs. One is read 2 mm too long.
+TEST_F(LargeSets, OfManyReadingsTheWorstAreListed) {
+  const std::vector<Station> stations = candidate_stations(robot, 202, 1);
+  const MeasuredMachine machine = measured_machine(robot, stations, 3, {.noise = kNoise});
+  Measurements read{.stations = stations, .distances = all_distances(machine.measurements.series[0])};
+  for (DistanceReading& one : read.distances) one.distance_sigma = 2.0 * kNoise;
+  read.distances[4711].distance += 2.0;
+  const Calibration found = calibrate(robot, read, {.states_use = false, .diagnose = false});
+  EXPECT_EQ(found.readings, 20301u);
+  EXPECT_TRUE(found.distances.empty());
+  ASSERT_EQ(found.suspects.size(), 100u);
+  EXPECT_TRUE(found.suspects.front().excluded);
+  EXPECT_EQ(std::ranges::count(found.suspects, true, &Suspect::excluded), 1);
+  EXPECT_TRUE(std::ranges::is_sorted(found.suspects, std::greater{}, &Suspect::statistic));
 }
 
 }  // namespace

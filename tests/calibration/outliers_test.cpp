@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "calibration/sought.hpp"
 #include "calibration/stage_fit.hpp"
 #include "paracal/calibration/identification.hpp"
@@ -41,7 +43,7 @@ TEST_F(Outliers, StatisticIsTheDropOfLeavingItOut) {
   all.solve();
   for (const detail::Contradiction& one : all.suspects()) {
     detail::StageFit without = all;
-    without.observation().groups()[one.group].active = false;
+    without.observation_to_change().groups()[one.group].active = false;
     without.solve();
     const double drop = all.fit().at_answer.squared_residuals() - without.fit().at_answer.squared_residuals();
     const detail::Scatter rest = without.scatter();
@@ -70,6 +72,32 @@ TEST_F(Outliers, SizesDoNotDependOnLeverage) {
   EXPECT_NEAR((few / 4.0) / (many / static_cast<double>(stations.size())), 1.0, 0.3);  // 240 rows know it to 0.1
 }
 
+/// Tables of the normal distribution and of chi-square with three degrees of freedom.
+TEST(SizeByChance, IsAQuantileOverTheMedian) {
+  EXPECT_NEAR(detail::size_by_chance(1.0, 0.0455003), 2.0 / 0.6744898, 1e-5);
+  EXPECT_NEAR(detail::size_by_chance(3.0, 0.01), std::sqrt(11.344867 / 2.365974), 1e-6);
+}
+
+/// Of 435 good distances one in a hundred sets has one beyond 6.3 medians (4.2 standard deviations), and 190 are few.
+TEST_F(Outliers, AReadingStandsOutByHowManyThereAre) {
+  const CalibrationOptions options;
+  const auto stands_out = [&](std::size_t poses, double size) {
+    Measurements read{.stations = stations};
+    for (std::size_t to = 0; to < poses; ++to) {
+      for (std::size_t from = 0; from < to; ++from) read.distances.push_back({.from = from, .to = to, .distance = 1.0});
+    }
+    const detail::Observation observation(robot, read, options, detail::encoder_offsets(robot, options));
+    std::vector<double> sizes(read.distances.size(), 1.0);
+    sizes[7] = size;
+    return detail::one_stands_out(observation, sizes);
+  };
+  stations.resize(30, stations.back());
+  EXPECT_FALSE(stands_out(20, 3.4));
+  EXPECT_TRUE(stands_out(20, 3.6));
+  EXPECT_FALSE(stands_out(30, 6.2));
+  EXPECT_TRUE(stands_out(30, 6.4));
+}
+
 /// Three numbers for the lever of a second reflector that was read once: nothing is left to check them with.
 TEST_F(Outliers, WhatCannotBeCheckedIsNoSuspect) {
   measured = measured_machine(robot, stations, 3, {.noise = kNoise, .second = Eigen::Vector3d(60.0, -20.0, -150.0)})
@@ -78,6 +106,18 @@ TEST_F(Outliers, WhatCannotBeCheckedIsNoSuspect) {
     if (k != 5) readings()[k].second.reset();
   }
   for (const Suspect& one : calibration().suspects) EXPECT_GT(one.chance, 1e-3) << one.text;
+}
+
+/// A gross reading among good ones is ignored after a few rounds, and further ones change nothing.
+TEST_F(Outliers, RoundsOfTheRobustLossEndWhereTheySettle) {
+  readings()[7].point.y() += 50.0 * kNoise;
+  const CalibrationOptions options;
+  detail::StageFit fit(robot, measured, options, detail::all_with_priors(robot, options), {});
+  fit.settle();
+  fit.exclude_outliers(options.outlier_chance);
+  EXPECT_GT(fit.robust_rounds(), 2);
+  EXPECT_LT(fit.robust_rounds(), 15);
+  EXPECT_FALSE(fit.observation().groups()[7].active);
 }
 
 TEST_F(Outliers, RepeatsAreTold) {

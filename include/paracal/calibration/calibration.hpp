@@ -289,7 +289,7 @@ struct [[nodiscard]] Calibration {
   std::vector<DistanceResidual> distances = {};
   std::vector<PointResidual> points = {};
   std::vector<LengthResidual> lengths = {};
-  std::vector<Suspect> suspects = {};  ///< worst first
+  std::vector<Suspect> suspects = {};  ///< worst first; of more than 20,000: those left out, and the 100 worst
   std::vector<SeriesFrame> frames = {};
   std::vector<FoundSetUp> set_ups = {};          ///< of lengths
   std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm
