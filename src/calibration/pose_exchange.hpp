@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "paracal/calibration/pose_selection.hpp"
@@ -30,6 +31,43 @@ struct Problem {
 
 inline constexpr int kMostRows = 7;  // two points and a rotation
 
+/// The rows of all candidates, three each, laid out once for products with six columns: four candidates (a bundle) in
+/// panels of four rows, in each the entries of one unknown beside each other.
+class PackedRows {
+ public:
+  static constexpr Eigen::Index kBundle = 4, kPanel = 4, kPanels = 3;  ///< candidates, rows, panels of a bundle
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+  using Product = Eigen::Matrix<double, kPanel * kPanels, 6>;
+
+  /// @param weighted  unknowns x (3 x candidates).
+  explicit PackedRows(const Eigen::MatrixXd& weighted)
+      : unknowns_(weighted.rows()), bundles_((weighted.cols() + kPanel * kPanels - 1) / (kPanel * kPanels)) {
+    panels_.setZero(kPanel, unknowns_ * kPanels * bundles_);
+    for (Eigen::Index column = 0; column < weighted.cols(); ++column) {
+      auto panel = panels_.middleCols(column / kPanel * unknowns_, unknowns_);
+      panel.row(column % kPanel) = weighted.col(column).transpose();
+    }
+  }
+
+  Eigen::Index bundles() const { return bundles_; }
+
+  /// Rows of a bundle times columns: twelve sums in registers while the unknowns pass once.
+  Product times(Eigen::Index bundle, const Columns& columns) const {
+    Product product;
+    for (Eigen::Index panel = 0; panel < kPanels; ++panel) {
+      const Eigen::Index first = (bundle * kPanels + panel) * unknowns_;
+      Eigen::Matrix<double, kPanel, 6> sum = Eigen::Matrix<double, kPanel, 6>::Zero();
+      for (Eigen::Index k = 0; k < unknowns_; ++k) sum.noalias() += panels_.col(first + k) * columns.row(k);
+      product.template middleRows<kPanel>(kPanel * panel) = sum;
+    }
+    return product;
+  }
+
+ private:
+  Eigen::Index unknowns_, bundles_;
+  Eigen::Matrix<double, kPanel, Eigen::Dynamic> panels_;
+};
+
 /// Exchange of poses where a candidate has Rows rows (Dynamic: as many as the problem says). The quadratic forms of
 /// every candidate k, near_k = A_k C A_k^T and far_k = A_k C B C A_k^T, are kept with C.
 template <int Rows>
@@ -40,6 +78,7 @@ class Exchange {
   using Tall = Eigen::Matrix<double, Eigen::Dynamic, Rows, Eigen::ColMajor, Eigen::Dynamic, kMost>;
 
   Exchange(const Problem& problem, Criterion criterion) : problem_(&problem), criterion_(criterion) {
+    if constexpr (Rows == 3) packed_ = std::make_shared<const PackedRows>(problem.weighted);
     covariance_ = Eigen::MatrixXd::Identity(problem.weighted.rows(), problem.weighted.rows());
     goal_ = problem.goal;
     refresh();
@@ -145,32 +184,51 @@ class Exchange {
     const Tall u = covariance_ * of(s);
     const bool linear = criterion_ != Criterion::volume;
     // far_k = A_k C B C A_k^T needs A_k C B U besides A_k U.
-    Tall v;
+    Tall v = Tall::Zero(u.rows(), rows());
     Small between = Small::Zero(rows(), rows());
     if (linear) {
       v = covariance_ * (goal_ * u);
       between = u.transpose() * goal_ * u;
     }
-    const Tall x = problem_->weighted.transpose() * u;
-    Tall y;
-    if (linear) y = problem_->weighted.transpose() * v;
-    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
-      const Small xk = x.template middleRows<Rows>(rows() * k, rows());
+    for_each_candidate(u, v, [&](Eigen::Index k, const Small& xk, const Small& yk) {
       const Small step = xk * inner;
       near_[index(k)].noalias() -= step * xk.transpose();
-      if (!linear) continue;
-      const Small yk = y.template middleRows<Rows>(rows() * k, rows());
+      if (!linear) return;
       const Small mixed = step * yk.transpose();
       const Small changed = step * between;
       far_[index(k)].noalias() += changed * step.transpose();
       far_[index(k)] -= mixed + mixed.transpose();
-    }
+    });
     covariance_ -= u * inner * u.transpose();
     covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
   }
 
+  /// Calls take(k, A_k u, A_k v) for every candidate k.
+  template <typename Take>
+  void for_each_candidate(const Tall& u, const Tall& v, Take&& take) const {
+    if constexpr (Rows == 3) {
+      PackedRows::Columns columns(u.rows(), 6);
+      columns << u, v;
+      for (Eigen::Index bundle = 0; bundle < packed_->bundles(); ++bundle) {
+        const PackedRows::Product product = packed_->times(bundle, columns);
+        const Eigen::Index first = PackedRows::kBundle * bundle;
+        for (Eigen::Index i = 0; i < PackedRows::kBundle && first + i < problem_->candidates(); ++i) {
+          take(first + i, product.template block<3, 3>(3 * i, 0), product.template block<3, 3>(3 * i, 3));
+        }
+      }
+    } else {
+      Eigen::MatrixXd columns(u.rows(), 2 * rows());
+      columns << u, v;
+      const Eigen::MatrixXd product = problem_->weighted.transpose() * columns;
+      for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
+        take(k, product.block(rows() * k, 0, rows(), rows()), product.block(rows() * k, rows(), rows(), rows()));
+      }
+    }
+  }
+
   const Problem* problem_;
   Criterion criterion_;
+  std::shared_ptr<const PackedRows> packed_ = {};  ///< of three rows a candidate
   Eigen::MatrixXd covariance_, goal_;
   std::vector<Small> near_, far_;
   std::vector<Eigen::Index> chosen_;

@@ -97,17 +97,26 @@ template <int Rows>
 Selection run(const Robot& robot, const std::vector<Station>& candidates, const SelectionOptions& options,
               const Problem& problem, const PoseSpread& spread) {
   Selection selection;
+  const auto others = static_cast<std::uint64_t>(options.poses - 1);
+  std::uint64_t done = 0;
+  const auto tell = [&, told = options.progress](std::uint64_t sweeps) {
+    ++done;
+    if (told) told(done, others * (1 + sweeps));
+  };
   Exchange<Rows> exchange(problem, options.criterion);
   exchange.add(0);
   while (static_cast<int>(exchange.chosen().size()) < options.poses) {
     if (options.criterion == Criterion::worst_direction) exchange.refresh();
     exchange.add(exchange.best_addition());
     selection.curve.push_back(spread.uncertainty(source_covariance(problem, exchange.covariance())));
+    tell(1);
   }
   for (bool better = true; better && selection.sweeps < options.largest_sweeps; ++selection.sweeps) {
     better = false;
     for (std::size_t place = 1; place < exchange.chosen().size(); ++place) {
-      if (!exchange.exchange(place)) continue;
+      const bool helped = exchange.exchange(place);
+      tell(static_cast<std::uint64_t>(selection.sweeps) + 1);
+      if (!helped) continue;
       better = true;
       ++selection.exchanges;
     }

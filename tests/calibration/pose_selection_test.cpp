@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>
+#include <cstdint>
 #include <set>
 
 #include "calibration/observation.hpp"
+#include "calibration/pose_exchange.hpp"
 #include "calibration/sought.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
@@ -134,6 +136,36 @@ TEST_P(PoseSelectionLaw, CandidatesAreReachableAndRepeatable) {
 }
 
 PARACAL_ON_EVERY_ROBOT(PoseSelectionLaw);
+
+/// Five candidates: one bundle of four, and one with nothing beside it.
+TEST(PackedRows, TimesSixColumns) {
+  const Eigen::MatrixXd weighted = Eigen::MatrixXd::Random(11, 15), columns = Eigen::MatrixXd::Random(11, 6);
+  const detail::PackedRows packed(weighted);
+  ASSERT_EQ(packed.bundles(), 2);
+  Eigen::MatrixXd product(24, 6);
+  product << packed.times(0, columns), packed.times(1, columns);
+  EXPECT_LT((product.topRows(15) - weighted.transpose() * columns).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_TRUE(product.bottomRows(9).isZero(0.0));
+}
+
+/// Every pose but home is added once and compared once a sweep; what is expected grows by a sweep when there is one
+/// more.
+TEST(SelectionProgress, CountsAdditionsAndComparisons) {
+  const Robot robot = catalogue::rotary_delta();
+  std::vector<std::uint64_t> done, expected;
+  const Selection selection = select_stations(robot, candidate_stations(robot, 60, 1),
+                                              {.poses = 12, .progress = [&](std::uint64_t one, std::uint64_t all) {
+                                                 done.push_back(one);
+                                                 expected.push_back(all);
+                                               }});
+  ASSERT_EQ(done.size(), 11u * static_cast<std::size_t>(1 + selection.sweeps));
+  for (std::size_t k = 0; k < done.size(); ++k) {
+    EXPECT_EQ(done[k], k + 1);
+    EXPECT_GE(expected[k], done[k]);
+  }
+  EXPECT_EQ(expected.front(), 22u);
+  EXPECT_EQ(expected.back(), done.back());
+}
 
 TEST(Visibility, SeesWithinTheConeOnly) {
   Visibility visibility{.tracker = {3000, 0, -900}, .facing = {1, 0, 0}, .half_angle = to_radians(30)};

@@ -14,6 +14,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/units.hpp"
+#include "progress_line.hpp"
 #include "session.hpp"
 #include "usage.hpp"
 
@@ -133,11 +134,18 @@ void run_selection(const Options& options, Session& session) {
     throw MathematicsSaysNo(
         fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options.optimal));
   }
+  ProgressLine line("comparisons", 2U * static_cast<std::uint64_t>(options.optimal - 1));
+  const auto progress = [&](std::uint64_t done, std::uint64_t expected) {
+    line.expect(expected);
+    line.show(done);
+  };
   const Selection selection = select_stations(robot, candidates,
                                               {.poses = options.optimal,
                                                .criterion = kCriteria.at(options.criterion),
                                                .noise = options.measuring.noise(),
-                                               .readings = readings});
+                                               .readings = readings,
+                                               .progress = progress});
+  line.clear();
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
     const Identifiability seen =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct SelectionOptions {
   PlannedReadings readings = {};              ///< at every pose; not distances of all pairs
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
   int largest_sweeps = 20;
+  /// Told after each pose that was added or compared with all candidates: how many so far, and how many there will be
+  /// if this sweep is the last.
+  std::function<void(std::uint64_t done, std::uint64_t expected)> progress = {};
 };
 
 /// A plan and what it promises.
