@@ -40,9 +40,9 @@ struct PrinterOptions {
   PrinterFile printer;
   std::vector<std::string> readings;
   io::TableStyle style = {};  ///< of the readings
-  std::string write;   ///< empty: as the printer's firmware
-  std::string config;  ///< file for the whole changed configuration; empty: none
-  bool apply = false;  ///< change the configuration itself, and keep what it was beside it
+  std::string write;          ///< empty: as the printer's firmware
+  std::string config;         ///< file for the whole changed configuration; empty: none
+  bool apply = false;         ///< change the configuration itself, and keep what it was beside it
 };
 
 /// --printer, --firmware, --readings, --write, --config and --apply.

@@ -261,9 +261,7 @@ void add_tolerance(py::module_& module) {
   module.def("stated_tolerances", &stated, "robot"_a, "half_widths"_a, "others"_a, "distribution"_a);
   module.def(
       "read_tolerances",
-      [](const Robot& robot, const std::string& path) {
-        return io::read_tolerances(io::read_file(path), robot);
-      },
+      [](const Robot& robot, const std::string& path) { return io::read_tolerances(io::read_file(path), robot); },
       "robot"_a, "path"_a);
   module.def("problem_requirements", &problem_requirements, "robot"_a, "tolerances"_a, "path"_a);
   module.def("analyze", &analyzed, "robot"_a, "tolerances"_a, "requirements"_a, "poses"_a, "keywords"_a);

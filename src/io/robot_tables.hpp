@@ -15,7 +15,8 @@ namespace paracal::io {
 
 /// A table that lists only some errors says what the others are, in `others`: "exact" or "generous". Drawing statements
 /// are of the nominal sizes of that geometry, with what single limbs are intended to differ by.
-/// @throws InputFileError where it does not, naming what is missing; for a negative half-width, for what no drawing says
+/// @throws InputFileError where it does not, naming what is missing; for a negative half-width, for what no drawing
+/// says
 ///         of an error, and unknown keys.
 Tolerances tolerances_of(Section section, const Geometry& geometry, const SourceErrors& intended);
 

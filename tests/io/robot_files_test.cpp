@@ -89,8 +89,11 @@ TEST(RobotFile, RefusesMoreLimbsThanAnyRobotHas) {
   for (int limb = 0; limb < 40; ++limb) azimuths += fmt::format("{}{}", limb > 0 ? ", " : "", 9 * limb);
   text.replace(text.find("[0, 120, 240]"), 13, "[" + azimuths + "]");
   for (int limb = 0; limb < 40; ++limb) text += "\n[[limb]]\nrod_mean_mm = 5\n";
-  EXPECT_THAT([&] { read_robot({"r.toml", text}); },
-              testing::ThrowsMessage<InputFileError>(testing::HasSubstr("expected 3 limbs")));
+  EXPECT_THAT(
+      [&] {
+        read_robot({"r.toml", text});
+      },
+      testing::ThrowsMessage<InputFileError>(testing::HasSubstr("expected 3 limbs")));
 }
 
 TEST(SourceErrorFile, KeysAreInDegAndMm) {
