@@ -188,7 +188,7 @@ TEST(ErrorSpread, OfCountedMachinesIsTheirHistogram) {
   Tally tally;
   RandomStream random(4);
   for (int m = 0; m < 500; ++m) {
-    MachineOutcome outcome{.fate = Fate::accepted, .passes = true};
+    MachineOutcome outcome{.fate = Fate::accepted, .passes = true, .before = {}, .after = {}};
     outcome.after[ErrorKind::tilt] = std::exp(random.normal());
     tally.add(outcome);
   }

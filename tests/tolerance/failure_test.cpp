@@ -98,7 +98,9 @@ TEST_P(SourceLawTest, StaysWithinItsEndsHoweverTilted) {
       EXPECT_LE(drawn, law_.most());
     }
     const double mean = law_.mean(t * far), end = t > 0 ? law_.most() : law_.least();
-    if (std::isfinite(end)) EXPECT_LT(std::abs(mean - end), 0.05 * std::abs(end));
+    if (std::isfinite(end)) {
+      EXPECT_LT(std::abs(mean - end), 0.05 * std::abs(end));
+    }
   }
 }
 
@@ -231,7 +233,9 @@ TEST_P(FailureLaw, DoesNotDependOnThreads) {
   EXPECT_EQ(one.linear.value, two.linear.value);
   EXPECT_EQ(one.check.value, two.check.value);
   ASSERT_EQ(one.exact.has_value(), two.exact.has_value());
-  if (one.exact) EXPECT_EQ(one.exact->value, two.exact->value);
+  if (one.exact) {
+    EXPECT_EQ(one.exact->value, two.exact->value);
+  }
 }
 
 // ---- what is said where it is not known
