@@ -24,7 +24,7 @@ namespace paracal {
 double half_width_of(std::string_view statement, const DrawnFeature& feature);
 
 /// Largest turn (rad) of a line within a zone as drawings write it, "0.1/100": asin(0.1 / 100). Empty where it is none.
-std::optional<double> turn_within(std::string_view zone);
+std::optional<double> turn_within(std::string_view text);
 
 /// What a half-width is on a drawing: never wider (but for 1e-12 of itself), three digits.
 struct DrawingStatement {

@@ -8,7 +8,7 @@
 
 namespace paracal {
 
-/// Tolerances of orientation [iso1101, 17.9 to 17.11].
+/// Tolerances of orientation [iso1101].
 enum class Orientation : std::uint8_t { parallelism, perpendicularity, angularity };
 std::string_view name(Orientation orientation);
 
