@@ -44,8 +44,8 @@ struct Part {
 /// Strata from below, the pairs put where their linear values lie.
 std::vector<Part> parts_of(const SurrogateTally& tally, Measure measure) {
   const Histogram& linear = first_order(tally, measure);
-  std::vector<std::uint32_t> ends;
-  for (const double rank : kRanks) ends.push_back(Histogram::bin_of(linear.quantile(rank)));
+  std::array<std::uint32_t, kRanks.size()> ends{};
+  std::ranges::transform(kRanks, ends.begin(), [&](double rank) { return Histogram::bin_of(linear.quantile(rank)); });
   const auto place = [&](std::uint32_t bin) {
     return static_cast<std::size_t>(std::ranges::lower_bound(ends, bin) - ends.begin());
   };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <iterator>
 #include <map>
 #include <string_view>
@@ -94,23 +93,18 @@ void check_at(const LengthSeries& series) {
 }
 
 /// A pair of stations whichever is named first, and its place among the readings.
-struct NumberedPair {
-  std::pair<std::size_t, std::size_t> stations;
-  std::size_t number = 0;
-
-  auto operator<=>(const NumberedPair&) const = default;
-};
+using NumberedPair = std::pair<std::pair<std::size_t, std::size_t>, std::size_t>;
 
 /// Sorted, for a million pairs would fill a tree of 70 MB.
 void check_pairs(const std::vector<DistanceReading>& distances) {
   std::vector<NumberedPair> pairs;
   pairs.reserve(distances.size());
-  for (const DistanceReading& one : distances) pairs.push_back({std::minmax(one.from, one.to), pairs.size() + 1});
+  for (const DistanceReading& one : distances) pairs.emplace_back(std::minmax(one.from, one.to), pairs.size() + 1);
   std::ranges::sort(pairs);
-  const auto again = std::ranges::adjacent_find(pairs, {}, &NumberedPair::stations);
+  const auto again = std::ranges::adjacent_find(pairs, {}, &NumberedPair::first);
   if (again == pairs.end()) return;
   throw InvalidArgument(
-      fmt::format("distance {}: the same two stations as distance {}", std::next(again)->number, again->number));
+      fmt::format("distance {}: the same two stations as distance {}", std::next(again)->second, again->second));
 }
 
 /// Readings of one station as their mean.

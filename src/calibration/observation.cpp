@@ -165,7 +165,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
     Machine machine;
     std::vector<StationState> states = {};
   };
-  const auto answer = std::make_shared<Answer>(build(robot_, errors(unknowns)));
+  const auto answer = std::make_shared<Answer>(Answer{build(robot_, errors(unknowns))});
   const Machine& machine = answer->machine;
   answer->states.reserve(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
@@ -183,7 +183,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
   return {answer, &answer->states};
 }
 
-StationState Observation::state_of(const Machine& machine, const PlateState& plate) const {
+StationState Observation::state_of(const Machine& machine, const PlateState& plate) {
   return {plate, machine.rotation_of(plate.slide), &machine, plate.position};
 }
 

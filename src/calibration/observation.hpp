@@ -145,7 +145,7 @@ class Observation {
   void check_station(
       std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
       const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  StationState state_of(const Machine& machine, const PlateState& plate) const;
+  static StationState state_of(const Machine& machine, const PlateState& plate);
   /// @returns motions of no columns where the machine is singular.
   StationMotions motions_at(const Machine& machine, const PlateState& plate, const Joints& joints) const;
   ForwardOptions start_of(std::size_t station) const { return starts_.empty() ? ForwardOptions{} : starts_[station]; }
