@@ -253,7 +253,10 @@ TEST_F(ToleranceCommands, AllocationByYieldKeepsItsShare) {
   EXPECT_THAT(folder.run("tolerance allocate --problem problem.toml").out,
               AllOf(HasSubstr("breaks a limit:"), HasSubstr("twice as many failures would save")));
   const json analysis = json_from("tolerance analyze --tolerances chosen.toml --max-tilt 0.001");
-  EXPECT_NEAR(analysis.at("failure").at("exact").at("value").get<double>(), 1e-4, 0.2e-4);
+  // The upper end of one interval is the share or a little below; other machines know it to a twentieth, too.
+  const double share = analysis.at("failure").at("exact").at("value");
+  EXPECT_LT(share, 1.05e-4);
+  EXPECT_GT(share, 0.7e-4);
   const auto refused = [&](const std::string& text, const std::string& message) {
     folder.write("problem.toml", text);
     const ProgramResult result = folder.run("tolerance allocate --problem problem.toml");
