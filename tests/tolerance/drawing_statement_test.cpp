@@ -2,6 +2,7 @@
 
 #include "paracal/tolerance/drawing_statement.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <rapidcheck/gtest.h>
