@@ -212,6 +212,9 @@ TEST(ErrorSpread, HasTheMachinesWhoseCalibrationFailed) {
   std::vector<MachinePair>& pairs = made.tally.surrogate->pairs;
   EXPECT_NEAR(unseen_share(made.tally, 0.95), proportion_interval(0, pairs.size(), 0.95).high, 1e-15);
   const double yield_before = yield(made.tally, 0.95).value;
+  // What may fail unseen lowers what is sure of the yield.
+  const Proportion within = ErrorSpread(made.tally, {.used_up = true}).share_within(1.0, 0.95);
+  EXPECT_NEAR(yield(made.tally, 0.95).interval.low, within.interval.low - unseen_share(made.tally, 0.95), 1e-12);
   int failed = 0;
   for (std::size_t k = 0; k < pairs.size(); k += 20, ++failed) {
     pairs[k].outcome.fate = Fate::rejected;
