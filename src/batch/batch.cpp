@@ -5,12 +5,11 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "batch_surrogate.hpp"
+#include "mechanism/normal_law.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal {
@@ -48,7 +47,7 @@ std::optional<Tally> produce_all(const Batch& batch, MachineRange range, unsigne
 /// A number in (0, 1) of a machine's stream, beyond those of its errors and readings.
 double lot(std::uint64_t seed, std::uint64_t machine) {
   constexpr std::uint64_t kBlock = std::uint64_t{1} << 41;
-  return 0.5 * std::erfc(-normal_pair(seed, machine, kBlock)[0] / std::numbers::sqrt2);
+  return detail::normal_probability(normal_pair(seed, machine, kBlock)[0]);
 }
 
 std::vector<Surrogate::Values> first_order(const Batch& batch, MachineRange range, unsigned threads,

@@ -6,7 +6,6 @@
 namespace paracal {
 namespace {
 
-constexpr std::array kRanks{0.5, 0.9, 0.99, 0.999};
 constexpr std::uint64_t kPilot = 4096;
 constexpr std::uint64_t kPilotStreams = std::uint64_t{3} << 60;  // beyond those of any batch
 constexpr double kAllOfAStratum = 100.0;                         // machines of it, before chance decides

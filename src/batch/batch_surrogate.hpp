@@ -10,6 +10,9 @@
 
 namespace paracal {
 
+/// Shares of the machines at which strata of an error end.
+inline constexpr std::array kRanks{0.5, 0.9, 0.99, 0.999};
+
 class BatchSurrogate {
  public:
   /// @throws as Surrogate.

@@ -7,10 +7,11 @@
 #include <limits>
 #include <numeric>
 
+#include "batch_surrogate.hpp"
+
 namespace paracal {
 namespace {
 
-constexpr std::array kRanks{0.5, 0.9, 0.99, 0.999};
 constexpr std::size_t kFewest = 10;  // pairs that tell a stratum's ratios; with fewer it joins the one below
 
 double first_order(const MachinePair& pair, Measure measure) {

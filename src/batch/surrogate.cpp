@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "calibration/linear_estimate.hpp"
+#include "calibration/sought.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
@@ -121,9 +122,8 @@ void Surrogate::ask_readings(const Robot& robot, const ProductionPlan& plan) {
   const auto varying = static_cast<Eigen::Index>(errors_.size());
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(varying, static_cast<Eigen::Index>(fit.sought.size()));
   for (std::size_t k = 0; k < fit.sought.size(); ++k) {
-    const auto same = std::ranges::find_if(errors_, [&](const SoughtSource& one) {
-      return one.limb == fit.sought[k].limb && one.source == fit.sought[k].source;
-    });
+    const auto same = std::ranges::find_if(
+        errors_, [&](const SoughtSource& one) { return detail::is_same_error(one, fit.sought[k]); });
     if (same != errors_.end()) found(same - errors_.begin(), static_cast<Eigen::Index>(k)) = 1.0;
   }
   left_by_error_ = Eigen::MatrixXd::Identity(varying, varying) - found * fit.by_error;

@@ -8,8 +8,12 @@
 #include <numbers>
 #include <vector>
 
+#include "normal_law.hpp"
+
 namespace paracal {
 namespace {
+
+using detail::normal_probability;
 
 /// 53 random bits as a number in (0, 1).
 double open_unit(std::uint32_t high, std::uint32_t low) {
@@ -31,9 +35,6 @@ std::array<double, 2> box_muller(double first, double second) {
   const double angle = 2.0 * std::numbers::pi * second;
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
-
-/// Phi(z).
-double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
 /// The same quantile of a normal distribution cut off at +-3.
 double cut_off(double z) {

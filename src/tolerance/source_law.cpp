@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "mechanism/normal_law.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::detail {
@@ -15,8 +16,6 @@ namespace {
 constexpr double kLargestTilt = 30.0;  // standard deviations
 constexpr double kCut = 3.0;           // where a truncated normal law ends, in standard deviations of the whole one
 
-/// Phi(z), with all its digits for z far below zero.
-double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 double normal_density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi); }
 
 /// log(sinh(x) / x)

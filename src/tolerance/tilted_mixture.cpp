@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "mechanism/normal_law.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::detail {
@@ -15,8 +16,6 @@ constexpr double kAsDrawn = 0.05;       // share of machines as drawn, a defence
 constexpr double kLikely = 0.05;        // a mode as likely as this needs no tilting
 constexpr double kHardlyCounts = 1e-7;  // of the likeliest mode
 constexpr std::uint64_t kChoice = std::uint64_t{1} << 40;  // number of the block that chooses the law
-
-double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
 /// log Phi(-r), r >= 0
 double log_tail(double r) {
