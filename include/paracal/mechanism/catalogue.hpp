@@ -13,7 +13,7 @@ namespace paracal::catalogue {
 /// Table 4.
 Robot huang2016();
 
-/// A rotary Delta: three limbs, rigid plate. Arms 400 mm and rods 950 mm as in the Delta of [tsinghua2025];
+/// A rotary Delta: three limbs, rigid plate. Arms 400 mm and rods 950 mm as in the Delta of [shang2025];
 /// the other dimensions are round numbers of the same class.
 Robot rotary_delta();
 
