@@ -19,10 +19,11 @@ struct Measure {
 /// and g: in each stratum s of l (ranks 0.5, 0.9, 0.99, 0.999 part them) the ratios g / l of the pairs, weighed by one
 /// over the chance with which they were chosen, tell how much the linear values there are to be corrected,
 ///
-///   P(g <= x) = sum over s of N_s / N  P_s(l (g / l) <= x),   l and g / l of a stratum taken as independent,
+///   \f[ P(g \le x) = sum_s (N_s / N) P_s(l (g / l) \le x) \f]
 ///
-/// with the variance of that of N drawn machines and of the weighed pairs together. Strata in which all machines were
-/// made both ways are counted. Machines that do not close have no error.
+/// with l and g / l of a stratum taken as independent, and with the variance of that of N drawn machines and of the
+/// weighed pairs together. Strata in which all machines were made both ways are counted. Machines that do not close
+/// have no error.
 class ErrorSpread {
  public:
   ErrorSpread(const Tally& tally, Measure measure);

@@ -13,7 +13,8 @@ namespace paracal {
 /// Observability indices of an identification Jacobian with m rows and singular values s_1 >= ... >= s_r > 0, all
 /// null directions left out  [sun-hollerbach2008; huang2016, Eq. (18)]:
 ///
-///   O1 = (s_1 ... s_r)^(1/r) / sqrt(m),  O2 = s_r / s_1,  O3 = s_r,  O4 = s_r^2 / s_1,  O5 = 1 / (1/s_1 + ... + 1/s_r)
+///   \f[ O_1 = (s_1 ... s_r)^{1/r} / \sqrt{m},   O_2 = s_r / s_1,   O_3 = s_r
+///       O_4 = s_r^2 / s_1,   O_5 = 1 / (1/s_1 + ... + 1/s_r) \f]
 struct Observability {
   double O1 = 0.0, O2 = 0.0, O3 = 0.0, O4 = 0.0, O5 = 0.0;
 };

@@ -7,9 +7,7 @@ namespace paracal {
 /// Square root of the information that rows of residuals carry about n parameters, streamed: of all rows [J | r] added
 /// so far only the upper triangle T with T^T T = [J | r]^T [J | r] is kept,
 ///
-///       | R  q |
-///   T = |      |,      |J dp + r|^2 = |R dp + q|^2 + e^2.
-///       | 0  e |
+///   \f[ T = \begin{pmatrix} R & q \\ 0 & e \end{pmatrix},    |J dp + r|^2 = |R dp + q|^2 + e^2 \f]
 ///
 /// Orthogonal (Householder) folding of blocks of rows: as accurate as a factorization of the whole J, in memory that
 /// depends on n alone. Rows are divided by their standard deviation first, so that R^T R is the inverse covariance.

@@ -34,11 +34,11 @@ struct [[nodiscard]] LeastSquaresResult {
 
 /// min over p of |r(p)|^2: Levenberg-Marquardt on the streamed root of the Jacobian,
 ///
-///   min over dp of |R dp + q|^2 + lambda |D dp|^2,   D: the largest column lengths of R so far,
+///   \f[ min_{dp} |R dp + q|^2 + lambda |D dp|^2 \f]
 ///
-/// with lambda led by the ratio of the true to the predicted descent (Nielsen 1999). Of all steps that change the
-/// residuals alike, the one of minimal length |C dp| is taken, C: the column lengths of R, whatever lambda is:
-/// directions which the data do not see stay where they started.
+/// with the largest column lengths of R so far in D, and lambda led by the ratio of the true to the predicted descent
+/// (Nielsen 1999). Of all steps that change the residuals alike, the one of minimal length |C dp| is taken, C: the
+/// column lengths of R, whatever lambda is: directions which the data do not see stay where they started.
 LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::VectorXd& start,
                                        const LeastSquaresOptions& options = {});
 

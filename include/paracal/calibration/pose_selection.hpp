@@ -75,7 +75,8 @@ std::vector<Station> within_range(const Robot& robot, const std::vector<Station>
 /// candidate, and the best exchange made, until none helps. With A_s, A_k the weighted rows of a chosen pose and a
 /// candidate, C the covariance of all unknowns,
 ///
-///   C_-  = C + C A_s^T (I - A_s C A_s^T)^-1 A_s C,     C_-+ = C_- - C_- A_k^T (I + A_k C_- A_k^T)^-1 A_k C_-
+///   \f[ C_- = C + C A_s^T (I - A_s C A_s^T)^-1 A_s C
+///       C_{-+} = C_- - C_- A_k^T (I + A_k C_- A_k^T)^-1 A_k C_- \f]
 ///
 /// so an exchange is judged by matrices of a pose's few rows; A_k C A_k^T of all candidates is kept up to date instead
 /// of being formed afresh.

@@ -80,7 +80,7 @@ struct CheckedReading {
 /// Whether readings lie where the calibration says that they must, given its own uncertainty and their noise: with
 /// residuals v = J_n a + J z + n, set-up a, errors z ~ N(0, C) beside the calibrated ones and joints at each pose,
 ///
-///   chi^2 = min over a, z of |v - J_n a - J z|^2 + z^T C^-1 z
+///   \f[ chi^2 = min_{a,z} |v - J_n a - J z|^2 + z^T C^-1 z \f]
 ///
 /// is chi-square distributed with `freedom` degrees of freedom where C and the noise are as stated. Where the noise is
 /// what `noise_dof` degrees of freedom of repeated visits show, their own sum, which is noise_dof then, and degrees of

@@ -65,9 +65,9 @@ struct NamedPlate {
 
 /// Lines of tables that the readers above accept again, with their ends: the header, and a row. The table of plates has
 /// tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
-/// @param tilts  of plates with six freedoms.
 std::string joint_table_header(const JointSpace& joints);
 std::string joint_table_row(const NamedJoints& row, Actuator actuator = Actuator::revolute);
+/// @param tilts  of plates with six freedoms.
 std::string pose_table_header(bool tilts = false);
 std::string pose_table_row(const NamedPose& row, bool tilts = false);
 std::string_view plate_table_header();

@@ -16,8 +16,8 @@ enum class ErrorModelStatus : std::uint8_t {
 
 /// Linear error model of a nominal robot at a pose [huang2016, Eqs. (3)-(7)], for N limbs:
 ///
-///   | A_dd  A_de | | delta   |   | B_d   0  | | dp_d |  (4)   delta   = G_dd dp_d + G_de dp_e     (5)
-///   |  0    A_ee | | epsilon | = |  0   B_e | | dp_e |        epsilon = G_ee dp_e                 (6)
+///   \f[ A_dd delta + A_de epsilon = B_d dp_d,    A_ee epsilon = B_e dp_e    (4)
+///       delta = G_dd dp_d + G_de dp_e  (5),      epsilon = G_ee dp_e        (6) \f]
 ///
 ///   delta    (dr, ds) in {O}, mm: 4, or 3 for a rigid plate, which has no slide
 ///   epsilon  small rotation of the plate about x, y, z of {O}, rad

@@ -24,7 +24,7 @@ struct [[nodiscard]] ExactJacobian {
 
 /// From stationarity of the least-squares closure, J^T f = 0, with J = df/dplate and J_p = df/dp:
 ///
-///   dplate/dp = -(J^T J)^-1 J^T J_p
+///   \f[ dplate / dp = -(J^T J)^-1 J^T J_p \f]
 ///
 /// Exact for 3 limbs and for 6. For 4 the one over-constraint leaves residuals f, whose curvature f d2f is neglected:
 /// with tilt errors as large as the tolerances of huang2016 that is below 1e-3 of a row's largest entry

@@ -39,11 +39,11 @@ struct [[nodiscard]] ForwardResult {
 
 /// Exact pose of a machine from its joint coordinates.
 ///
-///   plate = arg min sum_ij (|rod_ij(plate, joints)| - l_ij)^2      over position, slide, tilt
+///   \f[ plate = arg min sum_ij (|rod_ij(plate, joints)| - l_ij)^2 \f]
 ///
-/// 8 rods hold 7 unknowns (6 hold 6 for a rigid plate): equal elastic rods share the one over-constraint, which to
-/// first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with analytic Jacobian, steps halved
-/// while they do not descend.
+/// over position, slide and tilt. 8 rods hold 7 unknowns (6 hold 6 for a rigid plate): equal elastic rods share the one
+/// over-constraint, which to first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with
+/// analytic Jacobian, steps halved while they do not descend.
 ///
 /// @param joints  as the controller believes them, rad or mm, one a limb.
 /// Real-time: yes (no allocation, no exception, bounded loop).

@@ -44,8 +44,8 @@ ArmDirection<Scalar> outward_direction(const Scalar& a, const Scalar& b, const S
 /// Closes the triangle in closed form: the arm that puts the elbow one rod away from the plate joint. Of the two roots
 /// it takes the working mode with the elbow outward: the larger u_1.u_0.
 ///
-///   |d - L u_1(th)| = l   <=>   A cos(th) + B sin(th) = K,
-///   A = 2 L d.u_0,  B = 2 L d.v_0,  K = d.d + L^2 - l^2
+///   \f[ |d - L u_1(theta)| = l  \iff  A cos(theta) + B sin(theta) = K
+///       A = 2 L d.u_0,   B = 2 L d.v_0,   K = d.d + L^2 - l^2 \f]
 template <typename Scalar>
 ArmDirection<Scalar> close_triangle(const ArmReach<Scalar>& limb) noexcept {
   const Scalar diameter = Scalar(2) * limb.arm;
@@ -56,7 +56,7 @@ ArmDirection<Scalar> close_triangle(const ArmReach<Scalar>& limb) noexcept {
 
 /// Closes the same triangle where the elbow runs along a rail. Of the two roots it takes the carriage above the plate.
 ///
-///   |d + L u_0 - q v_0| = l   <=>   q = d.v_0 + sqrt(l^2 - (d.u_0 + L)^2 - (d.w_0)^2)
+///   \f[ |d + L u_0 - q v_0| = l  \iff  q = d.v_0 + \sqrt{l^2 - (d.u_0 + L)^2 - (d.w_0)^2} \f]
 ///
 /// @returns q with its offset, mm; NaN when out of reach.
 template <typename Scalar>

@@ -34,17 +34,23 @@ using Machine = BasicMachine<double>;
 
 /// The machine that a robot becomes with these source errors, which add to what its limbs are intended to differ by.
 /// The reduced errors enter Eq. (1) as
+///
 ///   db = e, da = 0;  l_1,2 = l + rod_mean +- rod_difference / 2;  c_c = c + width_difference, c_a = c;
 ///   alpha3 = alpha0 - alpha03, beta3 = beta0 - beta03;
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
+///
 /// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it:
+///
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03.
+///
 /// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()
+///
 ///   strut:     l = l_0 + theta_offset + (1 + gain) q;
 ///   crank:     l = l_1 + rod_length, an arm L + arm_length in R_0 = F Rot(x, alpha0) Rot(y, beta0);
 ///   carriage:  l = l_1 + rod_length, C = b + normal u_0 + across w_0 + ((1 + gain) q + theta_offset) v_1 on a rail
 ///              along v_1 of R_0 = F Rot(x, alpha0) Rot(z, beta0).
+///
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);

@@ -63,8 +63,9 @@ using DeltaBasis = Eigen::Matrix<double, DeltaNumber::count, Eigen::Dynamic, 0, 
 
 /// d nozzle / d numbers, from
 ///
-///   (p - c_i).dp = (p - c_i).dc_i + rod_i d(rod_i),    c_i: elbow i, which moves with its number and with homed_i
+///   \f[ (p - c_i).dp = (p - c_i).dc_i + rod_i d(rod_i) \f]
 ///
+/// with elbow i at c_i, which moves with its number and with homed_i.
 /// @param place  nozzle(geometry, drops).
 using NozzleJacobian = Eigen::Matrix<double, 3, DeltaNumber::count>;
 NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& drops, const Eigen::Vector3d& place);
@@ -89,7 +90,9 @@ struct DeltaReadings {
 
 /// How well a geometry explains readings, as Klipper's delta_calibrate judges it [klipper]:
 ///
-///   cost = w sum (z - height)^2 + sum (|p_to - p_from| - distance)^2,    w = 2 n_distances / n_probed; 1 without any
+///   \f[ cost = w sum (z - height)^2 + sum (|p_to - p_from| - distance)^2,    w = 2 n_distances / n_probed \f]
+///
+/// and w = 1 without distances or without heights.
 struct DeltaFit {
   LeastSquaresStatus status = LeastSquaresStatus::not_evaluable;
   DeltaGeometry geometry;

@@ -49,7 +49,8 @@ MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geomet
 /// another. t: where the machine stands on the grid, above the bed; a, b: where either believes it; Q: takes a shift
 /// along the bed and a turn about z away,
 ///
-///   D = |Q(t - a)|^2 - |Q(t - b)|^2 = (b - a)^T Q (2 t - a - b),    var D = 4 v^T cov(t) v,  v = Q(b - a):
+///   \f[ D = |Q(t - a)|^2 - |Q(t - b)|^2 = (b - a)^T Q (2 t - a - b)
+///       var(D) = 4 v^T cov(t) v,    v = Q(b - a) \f]
 ///
 /// linear in t, so that what is known of t is all it takes. 1/2 where both believe the same.
 double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than);
@@ -57,15 +58,15 @@ double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, c
 /// Error of shape to be expected over the workspace, root mean square, mm: that of the machine as it was found, and
 /// what is not known of it,
 ///
-///   sqrt((|Q(t - b)|^2 + tr Q cov(t) Q) / places)
+///   \f[ \sqrt{(|Q(t - b)|^2 + trace(Q cov(t) Q)) / places} \f]
 double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry);
 
 /// The best fit of what a controller holds over the workspace:
 ///
-///   min over geometry, shift, turn  sum over the grid of | turn nozzle(geometry, drops) + shift - p |^2,
+///   \f[ min_{geometry,shift,turn} sum |turn nozzle(geometry, drops) + shift - p|^2 \f]
 ///
-/// p: where the machine stands with these drops, above the bed. Shift and turn in the bed's plane are free, so tower C
-/// keeps its angle.
+/// over the grid, p: where the machine stands with these drops, above the bed. Shift and turn in the bed's plane are
+/// free, so tower C keeps its angle.
 /// @param start  the controller's present geometry.
 DeltaProjection project(const KnownPrinter& known, const DeltaGeometry& start, ControllerRods rods);
 

@@ -93,7 +93,7 @@ struct AllocationProblem {
 /// With limits that a share of machines may break, P(T) <= p: machines that fail at half-widths T are drawn
 /// (failure_share()), and count for others near by as
 ///
-///   P(T') = mean of w product over k of (T_k / T'_k) exp(z_k^2 / 2 (1 - (T_k / T'_k)^2)),   z_k = 3 e_k / T_k
+///   \f[ P(T') = mean(w \prod_k (T_k / T'_k) exp(z_k^2 / 2 (1 - (T_k / T'_k)^2))),    z_k = 3 e_k / T_k \f]
 ///
 /// a smooth function of T' with its gradient, times what the exact model makes of it. The cheapest T' within a quarter
 /// of T is drawn at next, until it stays. The upper end of the stated interval keeps p.

@@ -33,9 +33,9 @@ std::vector<LinearityPoint> linearity(const Robot& robot, const Tolerances& tole
 /// Share of the variance of a characteristic's length at a pose that a source error (of all limbs) explains by itself,
 /// and with all its interactions  [martinez2011]:
 ///
-///   S_k = corr(f(B), f(A with the errors k of B)),   T_k = 1 - corr(f(A), f(A with the errors k of B))
+///   \f[ S_k = corr(f(B), f(A_k)),    T_k = 1 - corr(f(A), f(A_k)) \f]
 ///
-/// with intervals by Fisher's transformation of the correlation coefficient.
+/// where A_k is A with the errors k of B, with intervals by Fisher's transformation of the correlation coefficient.
 struct SobolIndex {
   Source source = Source::theta_offset;
   double first = 0.0, total = 0.0;

@@ -53,7 +53,7 @@ struct FailureOptions {
 /// mixture q of the drawings' law f tilted towards each way in which a limit may be broken (a requirement at a pose in
 /// a direction n):
 ///
-///   q(e) = a_0 f(e) + sum_j a_j f(e) exp(t_j . e - K(t_j)),   with t_j = theta_j rows^T n / limit
+///   \f[ q(e) = a_0 f(e) + sum_j a_j f(e) exp(t_j . e - K(t_j)),    t_j = theta_j rows^T n / limit \f]
 ///
 /// so that the mean of the j-th lies on its limit  [siegmund1976], and each counts w = f / q. The share is the mean of
 /// w over the machines that fail. The mixture leaves out ways that are close to others; a second one, with all of them

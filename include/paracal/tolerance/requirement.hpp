@@ -27,7 +27,7 @@ std::string_view name(Spread criterion);
 
 /// The worst that parts within their drawings can do at a pose: a machine, and the direction in which it is worst.
 ///
-///   max over |dp_k| <= T_k of |rows dp|  =  max over unit n of  sum_k |n . g_k| T_k
+///   \f[ max_{|dp_k| \le T_k} |rows dp| = max_{|n| = 1} sum_k |n . g_k| T_k \f]
 ///
 /// Exact for one and two components (all vertices of the zonotope are visited); for three, refined from the best of
 /// many directions.

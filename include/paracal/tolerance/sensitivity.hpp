@@ -21,9 +21,9 @@ PerSource half_widths(const Tolerances& tolerances);
 
 /// Squared local sensitivities of a characteristic at a pose  [huang2016, Eq. (11)]:
 ///
-///   mu_k^2 = sum over limbs i and components j of g_ijk^2,   sigma^2 = sum_k mu_k^2 sigma^2(dp_k)
+///   \f[ mu_k^2 = sum_ij g_ijk^2,    sigma^2 = sum_k mu_k^2 sigma^2(dp_k) \f]
 ///
-/// in the squared unit of the characteristic over that of the source error (mm or rad).
+/// over limbs i and components j, in the squared unit of the characteristic over that of the source error (mm or rad).
 PerSource squared_sensitivities(const SourceRows& rows);
 
 /// Variances of the source errors within their tolerances.
