@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|python|package|test]. The Debian packages of packages.txt, of the group and those above it (test: all), then the
-# npm packages that web/package-lock.json pins, those of tests with the group test alone. Quiet, and quick when there is nothing to do.
+# Installs what is missing: setup.sh [run|python|package|test|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
+# alone), then, but for site, the npm packages that web/package-lock.json pins, those of tests with the group test alone. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 group=${1:-test}
-grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package or test, got $group" >&2; exit 2; }
-mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/' packages.txt)
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test or site, got $group" >&2; exit 2; }
+mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/ && (done || last != "[site]")' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
   [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] && continue
@@ -35,6 +35,7 @@ if ((${#missing[@]})); then
     apt-get install -y --no-install-recommends "${missing[@]}"
 fi
 
+[[ $group != site ]] || exit 0
 omitted=(--omit=dev)
 [[ $group == test ]] && omitted=()
 here=../web/node_modules

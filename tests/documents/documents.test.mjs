@@ -1,0 +1,49 @@
+// What the documents say of each other and of others' work.
+import assert from "node:assert/strict";
+import { mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { deadLinks, headings } from "./markdown.mjs";
+
+const root = fileURLToPath(new URL("../..", import.meta.url));
+const read = (path) => readFileSync(join(root, path), "utf8");
+const documents = [".", "docs", "samples", ...readdirSync(join(root, "data")).map((folder) => `data/${folder}`)].flatMap((folder) =>
+  readdirSync(join(root, folder)).filter((file) => file.endsWith(".md")).map((file) => join(folder, file)),
+);
+
+test("every link leads somewhere", () => {
+  assert.ok(documents.includes("README.md") && documents.includes("docs/files.md") && documents.includes("data/huang2016/README.md"));
+  assert.deepEqual(deadLinks(root, documents), []);
+});
+
+test("links that lead nowhere are told with file and line", (t) => {
+  const folder = mkdtempSync(join(tmpdir(), "links"));
+  t.after(() => rmSync(folder, { recursive: true }));
+  mkdirSync(join(folder, "docs"));
+  writeFileSync(join(folder, "README.md"), "# One\n\nSee [one](docs/one.md#a-b), [it](docs/one.md#a), ![drawn](no.svg)\nand [here](#one), [not\nhere](#two), [a](https://a.b/#c).\n");
+  writeFileSync(join(folder, "docs/one.md"), "# A `b`\n\n    [code](gone.md)\n\n`[code](gone.md)`\n~~~\n# A\n~~~\n[up](../README.md), [gone](two.md#x)\n");
+  assert.deepEqual(deadLinks(folder, ["README.md", "docs/one.md"]), [
+    "README.md:3: docs/one.md#a: no such anchor",
+    "README.md:3: no.svg: no such file",
+    "README.md:5: #two: no such anchor",
+    "docs/one.md:9: two.md#x: no such file",
+  ]);
+});
+
+test("headings have the anchors of a git host", () => {
+  assert.deepEqual(headings("# What is `a_b`, in mm?\n## Twice\n## Twice\n").map(({ slug }) => slug), ["what-is-a_b-in-mm", "twice", "twice-1"]);
+});
+
+test("every reference says who, what, when and for what", () => {
+  const entries = read("docs/references.md").split("\n\n").slice(2).map((entry) => entry.replace(/\s+/g, " ").trim());
+  assert.ok(entries.length > 30);
+  for (const entry of entries) {
+    const [, key, said] = entry.match(/^\*\*\[([\w-]+)\]\*\* (.*)$/);
+    assert.match(said, /^[A-Z][^*"]*[,:]/, `${key}: who`);
+    assert.match(said, /"[^"]+,"|\*[^*]+\*/, `${key}: what`);
+    assert.match(said, /\b(1[89]|20)\d\d\b|undated/, `${key}: when`);
+    assert.match(said, / Used for: .*\.$/, `${key}: for what`);
+  }
+});
