@@ -4,7 +4,7 @@
 
 namespace paracal {
 
-/// Version of the library, e.g. "0.1.0"; written into every calibration.
+/// Version of the library, e.g. "0.2.0"; written into every calibration.
 std::string_view version();
 
 /// Commit and compiler of the library, e.g. "1a2b3c4d5e6f, GNU 12.2.0 Release"; "-dirty" behind a commit: and what was

@@ -1,4 +1,4 @@
-// What the documents say of each other and of others' work.
+// What the documents say of each other and of others' work, and the version wherever it stands.
 import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -34,6 +34,18 @@ test("links that lead nowhere are told with file and line", (t) => {
 
 test("headings have the anchors of a git host", () => {
   assert.deepEqual(headings("# What is `a_b`, in mm?\n## Twice\n## Twice\n").map(({ slug }) => slug), ["what-is-a_b-in-mm", "twice", "twice-1"]);
+});
+
+test("the version is the same wherever it stands", () => {
+  const found = (path, pattern) => read(path).match(pattern)?.[1];
+  const version = found("CMakeLists.txt", /^project\(paracal VERSION (\S+) /m);
+  assert.match(version, /^\d+\.\d+\.\d+$/);
+  const [, released, date] = read("CHANGELOG.md").match(/^## \[(\d\S*)\] - (\S+)$/m);
+  assert.equal(found("CITATION.cff", /^version: (.*)$/m), version, "CITATION.cff");
+  assert.equal(released, version, "the newest in CHANGELOG.md");
+  assert.equal(found("CITATION.cff", /^date-released: (.*)$/m), date, "CITATION.cff and CHANGELOG.md");
+  assert.equal(found("tests/package/consumer/CMakeLists.txt", /find_package\(paracal (\S+)/), version.replace(/\.\d+$/, ""), "whoever asks for this minor version");
+  if (process.env.PARACAL_PACKAGES) assert.match(readFileSync(process.env.PARACAL_PACKAGES, "utf8"), new RegExp(`^set\\(CPACK_PACKAGE_VERSION "${version}"\\)$`, "m"));
 });
 
 test("every reference says who, what, when and for what", () => {
