@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::uint64_t kMachines = 16384, kPart = 256;
 constexpr std::uint64_t kStreams = std::uint64_t{5} << 60;  // beyond those of any batch and of failure_share()
-constexpr double kApart = 1.0;
-constexpr std::size_t kMostModes = 64;
 
 /// The design variable of each varying error, or -1.
 std::vector<Eigen::Index> variables_of(const AllocationProblem& problem, const VaryingErrors& errors) {
@@ -36,9 +34,8 @@ FailingMachines::FailingMachines(const Robot& robot, const AllocationProblem& pr
   const Tolerances tolerances = with(problem, half_widths);
   const Limits where(robot, tolerances, limits, poses);
   const FailureOptions options;
-  const WeighedSample sample(
-      where, TiltedMixture(where.errors(), likeliest(where.modes(), where.errors(), kApart, kMostModes)), kStreams,
-      options);
+  const TiltedMixture mixture(where.errors(), likeliest_apart(where.modes(), where.errors()));
+  const WeighedSample sample(where, mixture, kStreams, options);
   const std::vector<Eigen::Index> variables = variables_of(problem, where.errors());
   for (const Eigen::Index variable : variables) {
     if (variable >= 0) counts_(variable) += 1.0;

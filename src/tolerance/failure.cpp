@@ -6,6 +6,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "limits.hpp"
 #include "paracal/error.hpp"
@@ -22,9 +23,7 @@ using detail::Weights;
 constexpr std::uint64_t kMostToCheck = 65536;
 constexpr double kCheckError = 0.1;  // the second mixture need not know the share better
 constexpr double kEnough = 100.0;    // effective failures: below, an estimate of the weights' own scatter is a guess
-constexpr double kApart = 1.0;       // standard deviations between the means of two laws of the mixture
-constexpr std::size_t kMostModes = 64, kAllModes = 100'000;
-constexpr double kDisagrees = 1e-3;                    // chance of two sound mixtures
+constexpr double kDisagrees = 1e-3;  // chance of two sound mixtures
 constexpr double kFirstBand = 0.1, kWidestBand = 0.4;  // below a limit, as a share of it: what the exact model looks at
 constexpr double kNoLongerCounts = 0.01;               // of the failures, what may come from the outer half of the band
 /// Where the streams of both mixtures begin: beyond those of any batch.
@@ -42,8 +41,8 @@ class Analysis {
     // What is asked is shared by the two sampling errors of the exact share.
     const double part =
         options_.max_exact > 0 ? options_.relative_error / std::numbers::sqrt2 : options_.relative_error;
-    WeighedSample main = sample(modes, kApart, kMostModes, kMain);
-    WeighedSample check = sample(modes, 0.0, kAllModes, kCheck);
+    WeighedSample main = sample(detail::likeliest_apart(modes, limits_.errors()), kMain);
+    WeighedSample check = sample(detail::likeliest(modes), kCheck);
     if (!main.draw(part, options_.max_machines, progress_)) return stopped();
     if (!check.draw(std::max(kCheckError, part), std::min(kMostToCheck, options_.max_machines), progress_))
       return stopped();
@@ -55,10 +54,8 @@ class Analysis {
   }
 
  private:
-  WeighedSample sample(const std::vector<FailureMode>& modes, double apart, std::size_t most,
-                       std::uint64_t first) const {
-    return {limits_, detail::TiltedMixture(limits_.errors(), detail::likeliest(modes, limits_.errors(), apart, most)),
-            first, options_};
+  WeighedSample sample(std::vector<FailureMode> modes, std::uint64_t first) const {
+    return {limits_, detail::TiltedMixture(limits_.errors(), std::move(modes)), first, options_};
   }
 
   double half_widths() const { return detail::two_sided_quantile(options_.confidence); }

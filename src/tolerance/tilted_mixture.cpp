@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "mechanism/normal_law.hpp"
 #include "paracal/mechanism/random.hpp"
@@ -15,6 +16,8 @@ namespace {
 constexpr double kAsDrawn = 0.05;       // share of machines as drawn, a defence where no mode was looked for
 constexpr double kLikely = 0.05;        // a mode as likely as this needs no tilting
 constexpr double kHardlyCounts = 1e-7;  // of the likeliest mode
+constexpr double kApart = 1.0;          // standard deviations between the means of two laws of a mixture
+constexpr std::size_t kMostModesApart = 64, kAllModes = 100'000;
 constexpr std::uint64_t kChoice = std::uint64_t{1} << 40;  // number of the block that chooses the law
 
 /// log Phi(-r), r >= 0
@@ -96,16 +99,24 @@ std::optional<FailureMode> failure_mode(const VaryingErrors& errors, const Eigen
   return FailureMode{theta * a, cumulant, log_tail(r)};
 }
 
-std::vector<FailureMode> likeliest(std::vector<FailureMode> modes, const VaryingErrors& errors, double apart,
-                                   std::size_t most) {
+std::vector<FailureMode> likeliest(std::vector<FailureMode> modes) {
   std::ranges::stable_sort(modes, std::greater(), &FailureMode::log_probability);
+  const auto hardly_counts = [&](const FailureMode& mode) {
+    return mode.log_probability < modes.front().log_probability + std::log(kHardlyCounts);
+  };
+  modes.erase(std::ranges::find_if(modes, hardly_counts), modes.end());
+  if (modes.size() > kAllModes) modes.resize(kAllModes);
+  return modes;
+}
+
+std::vector<FailureMode> likeliest_apart(std::vector<FailureMode> modes, const VaryingErrors& errors) {
   Eigen::ArrayXd stds(errors.size());
   std::ranges::transform(errors.laws, stds.begin(), &SourceLaw::std);
   std::vector<FailureMode> chosen;
-  for (FailureMode& mode : modes) {
-    if (chosen.size() == most || mode.log_probability < modes.front().log_probability + std::log(kHardlyCounts)) break;
-    const auto near = [&](const FailureMode& other) { return distance(mode, other, stds) < apart; };
-    if (std::ranges::none_of(chosen, near)) chosen.push_back(mode);
+  for (FailureMode& mode : likeliest(std::move(modes))) {
+    if (chosen.size() == kMostModesApart) break;
+    const auto near = [&](const FailureMode& other) { return distance(mode, other, stds) < kApart; };
+    if (std::ranges::none_of(chosen, near)) chosen.push_back(std::move(mode));
   }
   return chosen;
 }

@@ -28,10 +28,10 @@ struct FailureMode {
 /// Empty where no machine within its drawings gets there.
 std::optional<FailureMode> failure_mode(const VaryingErrors& errors, const Eigen::VectorXd& a);
 
-/// The likeliest first, without those that hardly count; where `apart` is not zero, without those whose means lie
-/// within so many standard deviations of a likelier one's, and at most `most`.
-std::vector<FailureMode> likeliest(std::vector<FailureMode> modes, const VaryingErrors& errors, double apart,
-                                   std::size_t most);
+/// The likeliest first, without those that hardly count.
+std::vector<FailureMode> likeliest(std::vector<FailureMode> modes);
+/// Of those, the few that no likelier one stands for.
+std::vector<FailureMode> likeliest_apart(std::vector<FailureMode> modes, const VaryingErrors& errors);
 
 /// q = a_0 f + sum a_j f_j, see failure_share(). Machine m is stream m of the seed, whose numbers are those of
 /// draw_errors(), and one more that says which law it is drawn from.
