@@ -208,6 +208,16 @@ TEST_F(CalibrationCommands, NeedsNoTracker) {
   EXPECT_EQ(json_of(folder.run(simulate + " --measure home-distance --json"))["distances"].size(), 24);
 }
 
+/// A seed is the same instrument for every compiler: these are of the first one that made them.
+TEST_F(CalibrationCommands, ASeedSetsTheInstrumentUpInOnePlace) {
+  folder.write("poses.csv", "# robot: huang2016\nx_mm,y_mm,z_mm,phi_deg\n0,0,-888,0\n");
+  const json read = json_of(folder.run("simulate --poses poses.csv --seed 4 --frame random --json"));
+  const json& home = read.at("points").at(0);
+  EXPECT_NEAR(home.at("x_mm").get<double>(), 1555.4126033535, 1e-6);
+  EXPECT_NEAR(home.at("y_mm").get<double>(), -4709.4323171767, 1e-6);
+  EXPECT_NEAR(home.at("z_mm").get<double>(), -147.8535507512, 1e-6);
+}
+
 /// A ball bar and two dials the whole way: planned within their range, seen beforehand, read, mixed, calibrated from,
 /// shown and validated.
 TEST_F(CalibrationCommands, ABallBarAndDialsGoTheWholeWay) {

@@ -27,12 +27,18 @@ struct Options {
   io::TableStyle style = {};
 };
 
+/// z first: the order in which compilers take the arguments of a call is their own affair.
+Eigen::Vector3d normal_vector(RandomStream& random) {
+  const double z = random.normal(), y = random.normal(), x = random.normal();
+  return {x, y, z};
+}
+
 /// Anywhere within some metres, turned anyhow: what "unknown frame" means.
 RigidMotion random_frame(RandomStream& random) {
   constexpr double kFar = 3000.0;
-  const Eigen::Vector3d axis = Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  const Eigen::Vector3d axis = normal_vector(random).normalized();
   const double angle = 2.0 * std::numbers::pi * random.uniform();
-  const Eigen::Vector3d shift = Eigen::Vector3d(random.normal(), random.normal(), random.normal()) * kFar;
+  const Eigen::Vector3d shift = normal_vector(random) * kFar;
   return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), shift};
 }
 
