@@ -9,7 +9,6 @@
 
 #include "paracal/error.hpp"
 #include "paracal/io/measurement_files.hpp"
-#include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
@@ -36,63 +35,22 @@ TrackerModel tracker_model(const std::vector<double>& um) {
   return tracker;
 }
 
-/// Whether options say how an instrument's export is to be read.
-bool says_export(const MeasuringOptions& options) {
-  return !options.columns.empty() || !options.unit.empty() || options.match != "name";
+std::vector<io::TextFile> input_tables(const std::vector<std::string>& names, const io::TableStyle& style) {
+  std::vector<io::TextFile> tables;
+  tables.reserve(names.size());
+  for (const std::string& name : names) tables.push_back(input_table(name, style));
+  return tables;
 }
 
-Measurements read_export(const MeasuringOptions& options, const io::TextFile& file, const std::vector<Station>& poses) {
+Measurements read_tables(const MeasuringOptions& options, const JointSpace& joints) {
+  const std::vector<io::TextFile> files = input_tables(options.files, options.style);
+  const std::vector<io::TextFile> poses = input_tables(options.poses, options.style);
   try {
-    const io::ColumnMap map = io::find_columns(file, options.columns, options.unit, options.match == "order");
-    return io::read_tracker_export(file, map, poses);
+    return io::read_measurements(
+        files, poses, {.columns = options.columns, .unit = options.unit, .by_order = options.match == "order"}, joints);
   } catch (const InvalidArgument& refused) {
-    throw WrongUsage(std::string("--columns, --unit: ") + refused.what());
+    throw WrongUsage(std::string("--") + refused.what());  // the options have the names of the arguments
   }
-}
-
-/// The tables of poses, as files ask for them one after the other.
-class PoseTables {
- public:
-  PoseTables(const std::vector<std::string>& names, const io::TableStyle& style) : names_(names), style_(style) {}
-
-  bool empty() const { return names_.empty(); }
-  io::TextFile next(const std::string& asking) {
-    if (names_.empty()) throw WrongUsage(fmt::format("{}: expected --poses with it, got none", asking));
-    const std::size_t place = names_.size() == 1 ? 0 : asked_;
-    ++asked_;
-    if (place < names_.size()) return input_table(names_[place], style_);
-    throw WrongUsage(
-        fmt::format("--poses: expected one table for all files that name poses, or one for each, got {} and "
-                    "none for {}",
-                    names_.size(), asking));
-  }
-  void check_all_used() const {
-    if (names_.size() < 2 || asked_ == names_.size()) return;
-    throw WrongUsage(
-        fmt::format("--poses: expected one table for each of {} files that name poses, got {}", asked_, names_.size()));
-  }
-
- private:
-  const std::vector<std::string>& names_;
-  const io::TableStyle& style_;
-  std::size_t asked_ = 0;
-};
-
-Measurements read_file(PoseTables& tables, const MeasuringOptions& options, const std::string& name,
-                       const JointSpace& joints) {
-  const io::TextFile file = input_table(name, options.style);
-  const auto poses = [&] { return tables.next(name); };
-  switch (says_export(options) ? io::TableKind::exported : io::kind_of_table(file, !tables.empty())) {
-    case io::TableKind::lengths:
-      return io::read_lengths(file, poses(), joints);
-    case io::TableKind::distances:
-      return io::read_distances(file, poses(), joints);
-    case io::TableKind::exported:
-      return read_export(options, file, io::read_poses(poses(), joints));
-    case io::TableKind::points:
-      break;
-  }
-  return io::read_points(file, joints);
 }
 
 }  // namespace
@@ -104,12 +62,7 @@ std::vector<std::string> MeasuringOptions::tables() const {
 }
 
 Measurements MeasuringOptions::read(const Robot& robot) const {
-  std::vector<Measurements> parts;
-  PoseTables pose_tables(poses, style);
-  for (const std::string& file : files) parts.push_back(read_file(pose_tables, *this, file, robot.joint_space()));
-  pose_tables.check_all_used();
-  Measurements all = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
-  return at_reference_temperature(with_commands(robot, std::move(all)), expansion());
+  return at_reference_temperature(with_commands(robot, read_tables(*this, robot.joint_space())), expansion());
 }
 
 double MeasuringOptions::expansion() const {

@@ -24,77 +24,35 @@ io::TextFile file_of(const GivenTable& table) {
   return table.second ? io::TextFile{table.first, *table.second} : io::read_file(table.first);
 }
 
-/// Tables of poses: one for all that name poses, or one for each of them.
-class PoseTables {
- public:
-  explicit PoseTables(const std::vector<GivenTable>& tables) : tables_(tables) {}
-
-  bool empty() const { return tables_.empty(); }
-
-  io::TextFile next(const std::string& asking, std::optional<io::RobotStatement>& stated) {
-    if (used_ == tables_.size() && tables_.size() != 1) {
-      throw InvalidArgument(fmt::format(
-          "poses: expected one table for all tables that name poses, or one for each, got {} and none for {}",
-          tables_.size(), asking));
-    }
-    io::TextFile file = file_of(tables_[tables_.size() == 1 ? 0 : used_]);
-    ++used_;
-    take_statement(stated, file);
-    return file;
+std::vector<io::TextFile> files_of(const std::vector<GivenTable>& tables, const io::TableStyle& style) {
+  std::vector<io::TextFile> files;
+  files.reserve(tables.size());
+  for (const GivenTable& table : tables) {
+    files.push_back(file_of(table));
+    files.back().style = style;
+    if (table.second) files.back().style.decimal_comma = false;  // written by this program
   }
+  return files;
+}
 
-  void check_all_used() const {
-    if (tables_.size() < 2 || used_ == tables_.size()) return;
-    throw InvalidArgument(
-        fmt::format("poses: expected a table for each of {} that name poses, got {}", used_, tables_.size()));
-  }
-
-  static void take_statement(std::optional<io::RobotStatement>& stated, const io::TextFile& file) {
-    std::optional<io::RobotStatement> said = io::robot_of_table(file);
-    if (!said) return;
-    if (stated) return io::require_same(*stated, *said);
-    stated = std::move(said);
-  }
-
- private:
-  const std::vector<GivenTable>& tables_;
-  std::size_t used_ = 0;
-};
+void take_statement(std::optional<io::RobotStatement>& stated, const io::TextFile& file) {
+  std::optional<io::RobotStatement> said = io::robot_of_table(file);
+  if (!said) return;
+  if (stated) return io::require_same(*stated, *said);
+  stated = std::move(said);
+}
 
 GivenMeasurements read(const std::vector<GivenTable>& tables, const std::vector<GivenTable>& poses,
-                       const std::optional<std::pair<std::string, std::string>>& columns, const Robot* robot) {
-  const JointSpace joints = robot != nullptr ? robot->joint_space() : JointSpace();
+                       const io::ExportStatement& exported, const io::TableStyle& style, const Robot* robot) {
+  const std::vector<io::TextFile> files = files_of(tables, style), pose_files = files_of(poses, style);
   GivenMeasurements all;
-  PoseTables pose_tables(poses);
-  std::vector<Measurements> parts;
-  for (const GivenTable& table : tables) {
-    const io::TextFile file = file_of(table);
-    if (!columns) PoseTables::take_statement(all.stated, file);
-    const auto of_poses = [&] { return pose_tables.next(file.name, all.stated); };
+  for (const io::TextFile& file : files) {
     all.tables.push_back(file.name);
-    if (columns) {
-      const io::ColumnMap map = io::find_columns(file, columns->first, columns->second);
-      parts.push_back(io::read_tracker_export(file, map, io::read_poses(of_poses(), joints)));
-      continue;
-    }
-    switch (io::kind_of_table(file, !pose_tables.empty())) {
-      case io::TableKind::exported:
-        parts.push_back(
-            io::read_tracker_export(file, io::find_columns(file, "", ""), io::read_poses(of_poses(), joints)));
-        break;
-      case io::TableKind::points:
-        parts.push_back(io::read_points(file, joints));
-        break;
-      case io::TableKind::distances:
-        parts.push_back(io::read_distances(file, of_poses(), joints));
-        break;
-      case io::TableKind::lengths:
-        parts.push_back(io::read_lengths(file, of_poses(), joints));
-        break;
-    }
+    if (exported.is_silent()) take_statement(all.stated, file);
   }
-  pose_tables.check_all_used();
-  all.readings = parts.size() == 1 ? std::move(parts.front()) : io::merge(std::move(parts));
+  for (const io::TextFile& file : pose_files) take_statement(all.stated, file);
+  all.readings =
+      io::read_measurements(files, pose_files, exported, robot != nullptr ? robot->joint_space() : JointSpace());
   if (robot != nullptr) {
     require_robot(*robot, all);
     all.readings = with_commands(*robot, std::move(all.readings));
@@ -152,8 +110,8 @@ py::tuple stations_of(const GivenMeasurements& given, const Robot* robot) {
   return named_poses(given.readings.stations, robot_of(robot, given.stated));
 }
 
-py::tuple pose_table(const GivenTable& table, const Robot* said) {
-  const io::TextFile file = file_of(table);
+py::tuple pose_table(const GivenTable& table, const io::TableStyle& style, const Robot* said) {
+  const io::TextFile file = files_of({table}, style).front();
   const std::optional<io::RobotStatement> stated = io::robot_of_table(file);
   if (said != nullptr && stated) io::require_same({.robot = *said, .by = "robot"}, *stated);
   const Robot* robot = robot_of(said, stated);
@@ -174,8 +132,8 @@ py::dict counts_of(const GivenMeasurements& given) {
   return counts;
 }
 
-py::tuple joint_table(const GivenTable& table, const Robot& robot) {
-  const std::vector<io::NamedJoints> rows = io::read_joints(file_of(table), robot.joint_space());
+py::tuple joint_table(const GivenTable& table, const io::TableStyle& style, const Robot& robot) {
+  const std::vector<io::NamedJoints> rows = io::read_joints(files_of({table}, style).front(), robot.joint_space());
   py::list names;
   Array joints({rows.size(), robot.limb_count()});
   double* to = joints.mutable_data();
@@ -207,11 +165,15 @@ void add_measurements(py::module_& module) {
           [](const GivenMeasurements& g) { return g.stated ? std::optional<Robot>(g.stated->robot) : std::nullopt; })
       .def("tables", &tables_of, "robot"_a)
       .def("at_reference_temperature", &at_reference_temperature_of, "expansion"_a);
-  module.def("read_measurements", &read, "tables"_a, "poses"_a, "columns"_a, "robot"_a,
+  py::class_<io::ExportStatement>(module, "ExportStatement")
+      .def(py::init<std::string, std::string, bool>(), "columns"_a, "unit"_a, "by_order"_a);
+  py::class_<io::TableStyle>(module, "TableStyle")
+      .def(py::init<bool, std::vector<std::string>>(), "decimal_comma"_a, "ignored_columns"_a);
+  module.def("read_measurements", &read, "tables"_a, "poses"_a, "exported"_a, "style"_a, "robot"_a,
              py::call_guard<py::gil_scoped_release>());
   module.def("merge", &merged, "parts"_a);
-  module.def("read_poses", &pose_table, "table"_a, "robot"_a);
-  module.def("read_joints", &joint_table, "table"_a, "robot"_a);
+  module.def("read_poses", &pose_table, "table"_a, "style"_a, "robot"_a);
+  module.def("read_joints", &joint_table, "table"_a, "style"_a, "robot"_a);
 }
 
 }  // namespace paracal::python

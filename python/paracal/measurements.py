@@ -139,6 +139,9 @@ def read_measurements(
     robot: Robot | None = None,
     columns: str | None = None,
     unit: str | None = None,
+    match: str = "name",
+    decimal_comma: bool = False,
+    ignore_columns: Sequence[str] = (),
 ) -> Measurements:
     """Measurements from tables: files (CSV), DataFrames or dicts of columns, one or several.
 
@@ -151,16 +154,21 @@ def read_measurements(
     poses: the table that distances, lengths and exports name poses of; one for all, or one for
         each.
     robot: what they are of; a line "# robot: NAME" of a file that says another is refused.
-    columns, unit: read an instrument's text export instead, e.g. columns="name=3,x=4,y=5,z=6",
-        unit="mm".
+    columns, unit: read an instrument's text export, where its header row does not say enough:
+        numbers or headings, columns="name=3,x=4,y=5,z=6" or "name=Target,x=Measured X,...", or
+        "spatialanalyzer"; unit="mm", "m", "um" or "inch".
+    match: how points of an export find their poses: by "name", or in their "order".
+    decimal_comma: 1,5 is a number; without it a table must show that it has decimal commas.
+    ignore_columns: headings of columns that are passed over; any other that nobody knows is
+        refused.
     Raises InputFileError (with file and line) for a table that cannot be read, InvalidArgument for
-    columns without unit, or poses that are missing.
+    an export that is not as stated, or poses that are missing.
     """
     given = _list(tables)
     if not given:
         raise InvalidArgument("tables: expected at least one, got none")
-    if (columns is None) != (unit is None):
-        raise InvalidArgument("columns, unit: expected both or neither")
+    if match not in ("name", "order"):
+        raise InvalidArgument(f"match: expected name or order, got {match}")
     several = len(given) > 1
     native = _paracal.read_measurements(
         [
@@ -168,7 +176,8 @@ def read_measurements(
             for k, one in enumerate(given)
         ],
         [_tables.native(one, "poses") for one in _list(poses)],
-        None if columns is None or unit is None else (columns, unit),
+        _paracal.ExportStatement(columns or "", unit or "", match == "order"),
+        _paracal.TableStyle(decimal_comma, list(ignore_columns)),
         None if robot is None else robot._native,
     )
     return Measurements(native, robot)
@@ -187,21 +196,37 @@ def merge(parts: Iterable[Measurements]) -> Measurements:
     )
 
 
-def read_poses(table: Table, robot: Robot | None = None) -> tuple[list[str], FloatArray]:
+def read_poses(
+    table: Table,
+    robot: Robot | None = None,
+    decimal_comma: bool = False,
+    ignore_columns: Sequence[str] = (),
+) -> tuple[list[str], FloatArray]:
     """Names and (n, 4) poses of a pose table (x_mm, y_mm, z_mm, phi_deg; or commanded ones), in mm
     and rad; (n, 6) with tilt_x_deg, tilt_y_deg, tilt_z_deg of a robot with six freedoms.
 
     robot: what they are of; default: what a line "# robot: NAME" says, else one with six freedoms
         where some pose is tilted.
+    decimal_comma, ignore_columns: as of read_measurements().
     Raises InputFileError, InvalidArgument for a pose that such a robot does not take.
     """
     return _paracal.read_poses(
-        _tables.native(table, "poses"), None if robot is None else robot._native
+        _tables.native(table, "poses"),
+        _paracal.TableStyle(decimal_comma, list(ignore_columns)),
+        None if robot is None else robot._native,
     )
 
 
-def read_joints(table: Table, robot: Robot) -> tuple[list[str], FloatArray]:
+def read_joints(
+    table: Table,
+    robot: Robot,
+    decimal_comma: bool = False,
+    ignore_columns: Sequence[str] = (),
+) -> tuple[list[str], FloatArray]:
     """Names and (n, limbs) joint coordinates of a joint table (q1_deg, ...; q1_mm of rails and
     struts), in rad or mm.
+
+    decimal_comma, ignore_columns: as of read_measurements().
     Raises InputFileError."""
-    return _paracal.read_joints(_tables.native(table, "joints"), robot._native)
+    style = _paracal.TableStyle(decimal_comma, list(ignore_columns))
+    return _paracal.read_joints(_tables.native(table, "joints"), style, robot._native)

@@ -93,8 +93,42 @@ class In(TestCase):
         )
         self.assertEqual(measured.counts, {"points": 4})
         self.same(measured.to_frame()["z_mm"], [0.0, 0.0, 0.0, 1.0])
-        with self.assertRaisesRegex(pc.InvalidArgument, "columns, unit: expected both or neither"):
-            pc.read_measurements(text, poses=POINTS_POSES, columns="name=2")
+        for columns, unit, what in (("name=2", "m", "columns"), ("name=2,x=3,y=4,z=5", None, "unit")):
+            with self.assertRaisesRegex(pc.InvalidArgument, f"^{what}: expected"):
+                pc.read_measurements(text, poses=POINTS_POSES, columns=columns, unit=unit)
+
+    def test_exports_in_the_order_of_poses(self):
+        text = self.file("export.txt", "7 0 0 0\n8 200 0 0\n9 0 200 0\n10 -200 0 1\n")
+        said = {"poses": POINTS_POSES, "columns": "name=1,x=2,y=3,z=4", "unit": "mm"}
+        measured = pc.read_measurements(text, match="order", robot=pc.robot("huang2016"), **said)
+        self.assertEqual(list(measured.to_frame()["pose"]), POINTS["pose"])
+        with self.assertRaises(pc.InputFileError):
+            pc.read_measurements(text, **said)
+        with self.assertRaisesRegex(pc.InvalidArgument, "match: expected name or order, got rank"):
+            pc.read_measurements(text, match="rank", **said)
+
+    def test_tables_as_spreadsheets_write_them(self):
+        comma = self.file(
+            "comma.csv",
+            "pose;height_mm;who\nP0;10,125;Ann\nP1;10,250;Ann\nP2;10,500;Bob\nP3;11,000;Bob\n",
+        )
+        robot = pc.robot("huang2016")
+        said = {"poses": POINTS_POSES, "robot": robot}
+        with self.assertRaisesRegex(pc.InputFileError, "who"):
+            pc.read_measurements(comma, decimal_comma=True, **said)
+        with self.assertRaisesRegex(pc.InputFileError, "10.125 or 10125"):
+            pc.read_measurements(comma, ignore_columns=["who"], **said)
+        heights = pc.read_measurements(comma, decimal_comma=True, ignore_columns=["who"], **said)
+        self.same(heights.to_frame()["height_mm"], [10.125, 10.25, 10.5, 11.0])
+        # What is no file has no decimal comma, whatever the files beside it have.
+        both = pc.read_measurements([comma, POINTS], decimal_comma=True, ignore_columns=["who"], **said)
+        self.same(both.to_frame("points")["y_mm"], POINTS["y_mm"])
+        joints = self.file("joints.csv", "pose;q1_deg;q2_deg;q3_deg;q4_deg;by\nA;1,5;2;3;4;Ann\n")
+        poses = self.file("poses.csv", "pose;x_mm;y_mm;z_mm;phi_deg;by\nA;1,5;2;-900;0;Ann\n")
+        style = {"decimal_comma": True, "ignore_columns": ["by"]}
+        self.same(pc.read_joints(joints, robot, **style)[1][0, 0], np.radians(1.5))
+        self.same(pc.read_poses(poses, robot, **style)[1][0, 0], 1.5)
+        self.assertRaises(pc.InputFileError, pc.read_poses, poses, robot)
 
     def test_temperature(self):
         robot = pc.robot("huang2016")
@@ -201,7 +235,7 @@ class Wrong(TestCase):
     def test_poses_that_are_missing_or_too_many(self):
         distances = {"from": ["P0"], "to": ["P1"], "distance_mm": [200.0]}
         with self.assertRaisesRegex(
-            pc.InvalidArgument, "poses: expected one table .* got 0 and none for table"
+            pc.InvalidArgument, "poses: expected a table for table, got none"
         ):
             pc.read_measurements(distances)
         with self.assertRaisesRegex(

@@ -1,8 +1,12 @@
 #include "paracal/io/measurement_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
@@ -30,7 +34,60 @@ bool is_ours(std::string_view header) {
                              [&](std::string_view column) { return header.find(column) != std::string_view::npos; });
 }
 
+/// The tables of poses, as others ask for them one after the other.
+class PoseTables {
+ public:
+  explicit PoseTables(const std::vector<TextFile>& tables) : tables_(tables) {}
+
+  bool empty() const { return tables_.empty(); }
+  const TextFile& next(const std::string& asking) {
+    if (tables_.empty()) throw InvalidArgument(fmt::format("poses: expected a table for {}, got none", asking));
+    const std::size_t place = tables_.size() == 1 ? 0 : asked_;
+    ++asked_;
+    if (place < tables_.size()) return tables_[place];
+    throw InvalidArgument(
+        fmt::format("poses: expected one table for all that name poses, or one for each, got {} and none for {}",
+                    tables_.size(), asking));
+  }
+  void check_all_used() const {
+    if (tables_.size() < 2 || asked_ == tables_.size()) return;
+    throw InvalidArgument(
+        fmt::format("poses: expected a table for each of {} that name poses, got {}", asked_, tables_.size()));
+  }
+
+ private:
+  const std::vector<TextFile>& tables_;
+  std::size_t asked_ = 0;
+};
+
+Measurements read_table(const TextFile& table, PoseTables& tables, const ExportStatement& exported,
+                        const JointSpace& joints) {
+  const auto poses = [&]() -> const TextFile& { return tables.next(table.name); };
+  switch (exported.is_silent() ? kind_of_table(table, !tables.empty()) : TableKind::exported) {
+    case TableKind::lengths:
+      return read_lengths(table, poses(), joints);
+    case TableKind::distances:
+      return read_distances(table, poses(), joints);
+    case TableKind::exported:
+      return read_tracker_export(table, find_columns(table, exported.columns, exported.unit, exported.by_order),
+                                 read_poses(poses(), joints));
+    case TableKind::points:
+      break;
+  }
+  return read_points(table, joints);
+}
+
 }  // namespace
+
+Measurements read_measurements(const std::vector<TextFile>& tables, const std::vector<TextFile>& poses,
+                               const ExportStatement& exported, const JointSpace& joints) {
+  PoseTables pose_tables(poses);
+  std::vector<Measurements> parts;
+  parts.reserve(tables.size());
+  for (const TextFile& table : tables) parts.push_back(read_table(table, pose_tables, exported, joints));
+  pose_tables.check_all_used();
+  return parts.size() == 1 ? std::move(parts.front()) : merge(std::move(parts));
+}
 
 TableKind kind_of_table(const TextFile& file, bool has_poses) {
   const std::string_view header = header_of(file.text);

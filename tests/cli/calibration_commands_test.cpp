@@ -288,10 +288,10 @@ TEST_F(CalibrationCommands, FilesTakePosesOfTheirOwn) {
   const ProgramResult few = folder.run("calibrate --measurements bar.csv heights.csv bar.csv --poses high.csv low.csv");
   EXPECT_EQ(few.exit_code, kWrongUsage);
   EXPECT_THAT(few.err,
-              HasSubstr("--poses: expected one table for all files that name poses, or one for each, got 2 and none"));
+              HasSubstr("--poses: expected one table for all that name poses, or one for each, got 2 and none"));
   const ProgramResult many = folder.run("calibrate --measurements bar.csv points.csv --poses high.csv low.csv");
   EXPECT_EQ(many.exit_code, kWrongUsage);
-  EXPECT_THAT(many.err, HasSubstr("--poses: expected one table for each of 1 files that name poses, got 2"));
+  EXPECT_THAT(many.err, HasSubstr("--poses: expected a table for each of 1 that name poses, got 2"));
 }
 
 TEST_F(CalibrationCommands, RefusesWhatAReadingDoesNotHave) {

@@ -20,6 +20,23 @@ enum class TableKind : std::uint8_t { points, distances, lengths, exported };
 /// @param has_poses  tables of poses are given, which distances need.
 TableKind kind_of_table(const TextFile& file, bool has_poses);
 
+/// How the exports of instruments among tables are to be read, as find_columns() takes it.
+struct ExportStatement {
+  std::string columns = {}, unit = {};
+  bool by_order = false;
+
+  bool is_silent() const { return columns.empty() && unit.empty() && !by_order; }
+};
+
+/// Every table by what its header says it is, or as an export where somebody states how these are to be read; all in
+/// one, see merge().
+/// @param poses   one table for all that name poses, or one for each of these in their order.
+/// @param joints  where joint columns stand, they must be these.
+/// @throws InputFileError for a table that cannot be read, InvalidArgument for an export that is not as stated and for
+/// poses that are missing or too many; its message begins with what it is of: "columns: ", "unit: " or "poses: ".
+Measurements read_measurements(const std::vector<TextFile>& tables, const std::vector<TextFile>& poses,
+                               const ExportStatement& exported = {}, const JointSpace& joints = {});
+
 /// Those of these tables, by name, that a calibration was made from: they confirm nothing.
 /// @param inputs  of the calibration.
 /// @param tables  that hold readings; poses may be the same.
