@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|python|package|test|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
-# alone), then, but for site, the npm packages that web/package-lock.json pins, those of tests with the group test alone. Quiet, and quick when there is nothing to do.
+# Installs what is missing: setup.sh [run|python|package|test|live|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
+# alone), then, but for site, the npm packages that web/package-lock.json pins, those of tests with the groups test and live alone. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 group=${1:-test}
-grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test or site, got $group" >&2; exit 2; }
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test, live or site, got $group" >&2; exit 2; }
 mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/ && (done || last != "[site]")' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
@@ -37,9 +37,9 @@ fi
 
 [[ $group != site ]] || exit 0
 omitted=(--omit=dev)
-[[ $group == test ]] && omitted=()
+[[ $group == test || $group == live ]] && omitted=()
 here=../web/node_modules
-if [[ ! $here/.package-lock.json -nt ../web/package-lock.json || ( $group == test && ! -d $here/typescript ) ]]; then
+if [[ ! $here/.package-lock.json -nt ../web/package-lock.json || ( ${#omitted[@]} -eq 0 && ! -d $here/typescript ) ]]; then
   echo "installing the npm packages of web/package-lock.json"
   quietly "npm ci" npm --prefix ../web ci "${omitted[@]}"
 fi

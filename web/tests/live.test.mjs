@@ -1,0 +1,272 @@
+// The live page against the program, and in a real browser: PARACAL=path/to/paracal LIVE=build/live node --test web/tests/live.test.mjs
+import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { loaded } from "../live_program.mjs";
+import { launch, open } from "./browser.mjs";
+
+const root = fileURLToPath(new URL("../../", import.meta.url));
+const program = resolve(process.env.PARACAL), live = resolve(process.env.LIVE), file = join(live, "paracal-live.html");
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const kLargestFile = 4e6; // bytes
+const kVerdict = 500; // ms from the drop to the verdict
+const kSame = 1e-9;
+
+const folder = mkdtempSync(join(tmpdir(), "paracal-live-"));
+let browser, ours;
+before(async () => {
+  execFileSync(join(root, "tools/samples.sh"), [folder]);
+  ours = await loaded(live);
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+const sample = (name) => new Uint8Array(readFileSync(join(folder, name)));
+const allSamples = () => Object.fromEntries(readdirSync(folder).filter((name) => !name.startsWith(".")).map((name) => [name, sample(name)]));
+
+/// Where two answers differ by more than 1e-9 (of numbers above 1, of themselves); what says when and by which build is passed over.
+function differences(one, other, at = "") {
+  if (typeof one === "number" && typeof other === "number") return Math.abs(one - other) <= kSame * Math.max(1, Math.abs(one)) ? [] : [`${at}: ${one}, ${other}`];
+  if (one === null || other === null || typeof one !== "object" || typeof other !== "object") return one === other || /(^|\.)(program|date|build)$/.test(at) ? [] : [`${at}: ${one}, ${other}`];
+  const keys = Object.keys(one);
+  if (JSON.stringify(keys) !== JSON.stringify(Object.keys(other))) return [`${at}: keys ${keys} and ${Object.keys(other)}`];
+  return keys.flatMap((key) => differences(one[key], other[key], at ? `${at}.${key}` : key));
+}
+
+const countNumbers = (value) => (typeof value === "number" ? 1 : value !== null && typeof value === "object" ? Object.values(value).reduce((sum, one) => sum + countNumbers(one), 0) : 0);
+const dataIn = (page) => JSON.parse(/<script type="application\/json" id="data">(.*?)<\/script>/s.exec(page)[1]);
+
+const kCommands = [
+  "calibrate --printer printer.cfg --json --report report.html",
+  "calibrate --printer config.g --firmware reprapfirmware --readings bed_heights.csv bed_distances.csv --json --report report.html",
+  "calibrate --measurements distances.csv --poses poses.csv --json --report report.html",
+  "calibrate --measurements measured.csv --tolerances tolerances.toml --json --report report.html",
+  "calibrate --measurements stated.csv --json",
+  "calibrate --measurements export.csv --poses plan.csv --json",
+  "calibrate --measurements heights.csv home_distances.csv --poses heights_plan.csv --height-sigma-mm 0.01 --sigma-mm 0.02 --json",
+  "calibrate --measurements bar.csv --poses bar_plan.csv --sigma-mm 0.005 --json",
+  "calibrate --measurements heights.csv dial.csv --poses heights_plan.csv dial_plan.csv --height-sigma-mm 0.01 --json",
+  "calibrate --measurements body.csv --reflectors end-effector --json",
+  "identifiability --robot huang2016 --poses plan.csv --rotation relative --json",
+  "poses --robot robot.toml --optimal 12 --candidates 300 --json",
+  "sensitivity --robot huang2016 --json --report report.html",
+  "tolerance analyze --robot huang2016 --tolerances drawing.toml --max-tilt 0.001 --max-machines 2000 --json --report report.html",
+  "tolerance allocate --robot huang2016 --json",
+  "yield --robot huang2016 --machines 20 --json",
+  "forward --robot huang2016 --joints joints.csv --errors errors.toml --json",
+  "calibrate --measurements nowhere.csv --json",
+  "calibrate --measurements check_plan.csv --json",
+];
+for (const command of kCommands) {
+  test(`the same numbers, words and exit code: ${command}`, async (t) => {
+    const words = command.split(" ");
+    const theirs = spawnSync(program, words, { cwd: folder, encoding: "utf8" });
+    const { code, stdout, stderr, files } = await ours(words, allSamples());
+    const page = theirs.status <= 1 && words.includes("--report") ? readFileSync(join(folder, "report.html"), "utf8") : null;
+    assert.equal(code, theirs.status, stderr);
+    assert.equal(stderr, theirs.stderr);
+    if (theirs.stdout === "") return;
+    const [one, other] = [theirs.stdout, stdout].map(JSON.parse);
+    t.diagnostic(`${countNumbers(one)} numbers`);
+    assert.ok(countNumbers(one) > 10);
+    assert.deepEqual(differences(one, other), []);
+    if (page === null) return;
+    const report = new TextDecoder().decode(files["report.html"]);
+    assert.deepEqual(differences(dataIn(page), dataIn(report)), []);
+    assert.equal(report.replace(/id="data">.*?<\/script>/s, ""), page.replace(/id="data">.*?<\/script>/s, ""));
+    rmSync(join(folder, "report.html"));
+  });
+}
+
+test("one file, small enough, and nothing in it that is fetched", () => {
+  assert.ok(statSync(file).size <= kLargestFile, `${statSync(file).size} bytes`);
+  console.log(`the page: ${(statSync(file).size / 1e6).toFixed(2)} MB`);
+  const policy = /http-equiv="Content-Security-Policy" content="([^"]*)"/.exec(readFileSync(file, "utf8"))[1];
+  assert.match(policy, /^default-src 'none'; script-src 'wasm-unsafe-eval' 'sha256-[^ ]+' 'sha256-[^ ]+'; worker-src blob:;/);
+  assert.doesNotMatch(policy, /connect-src|https?:|\*|'unsafe-eval'/);
+});
+
+const statusOf = (page) => page.locator("#status");
+const ready = (page) => page.waitForFunction(() => /ready/.test(document.getElementById("status").textContent));
+
+/// The page when the program can be asked, and the tools have answered for the first time.
+async function opened(options) {
+  const all = await open(browser, file, options);
+  await ready(all.page);
+  await all.page.waitForFunction(() => [...document.querySelectorAll(".answer")].every((one) => one.getAttribute("aria-busy") === "false"));
+  return all;
+}
+
+/// Drops files of the samples as a hand does. @returns ms from the drop to the verdict.
+async function drop(page, names) {
+  const files = names.map((name) => ({ name, text: readFileSync(join(folder, name), "utf8") }));
+  return page.evaluate((dropped) => new Promise((done) => {
+    const transfer = new DataTransfer();
+    for (const { name, text } of dropped) transfer.items.add(new File([text], name));
+    const start = performance.now();
+    const look = new MutationObserver(() => {
+      if (!document.querySelector("#result .verdict")) return;
+      look.disconnect();
+      done(performance.now() - start);
+    });
+    document.getElementById("result").replaceChildren();
+    look.observe(document.getElementById("result"), { childList: true });
+    document.querySelector(".drop").dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }), files);
+}
+
+for (const names of [["printer.cfg"], ["poses.csv", "distances.csv"], ["measured.csv", "tolerances.toml"], ["stated.csv"]]) {
+  test(`verdict soon after the drop of ${names.join(" and ")}, and no request`, async () => {
+    const { page, context, complaints, requests } = await opened();
+    const times = [];
+    for (let k = 0; k < 3; ++k) times.push(await drop(page, names));
+    console.log(`${names.join(", ")}: verdict after ${times.map(Math.round).join(", ")} ms`);
+    assert.ok(Math.min(...times) <= kVerdict, times.join());
+    const shown = await page.locator("#result .verdict strong").first().textContent();
+    assert.ok(shown.length > 5);
+    assert.deepEqual([complaints, requests], [[], []]);
+    await context.close();
+  });
+}
+
+test("what is saved is what the program writes", async () => {
+  const { page, context } = await opened();
+  await drop(page, ["printer.cfg"]);
+  const saved = async (name) => {
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+    return [download.suggestedFilename(), readFileSync(await download.path(), "utf8")];
+  };
+  const theirs = spawnSync(program, ["calibrate", "--printer", "printer.cfg", "--json", "--report", "saved.html"], { cwd: folder, encoding: "utf8" });
+  const [jsonName, json] = await saved("Save JSON"), [reportName, report] = await saved("Save report");
+  assert.deepEqual([jsonName, reportName], ["calibrate.json", "report.html"]);
+  assert.deepEqual(differences(JSON.parse(theirs.stdout), JSON.parse(json)), []);
+  const written = dataIn(readFileSync(join(folder, "saved.html"), "utf8"));
+  const { command, ...rest } = written, { command: ourCommand, ...ourRest } = dataIn(report);
+  assert.match(ourCommand, /calibrate --printer printer\.cfg --json --report report\.html/);
+  assert.ok(command.includes("saved.html"));
+  assert.deepEqual(differences(rest, ourRest), []);
+  writeFileSync(join(folder, "shown.html"), report);
+  const { context: other, complaints } = await open(browser, join(folder, "shown.html"));
+  assert.deepEqual(complaints, []);
+  await Promise.all([other.close(), context.close()]);
+});
+
+test("the report shows itself within the page", async () => {
+  const { page, context, complaints, requests } = await opened();
+  await drop(page, ["poses.csv", "distances.csv"]);
+  await page.getByRole("button", { name: "Show report here" }).click();
+  const frame = page.frameLocator("iframe");
+  await frame.locator("#verdict strong").first().waitFor();
+  assert.equal(await frame.locator("#verdict strong").first().textContent(), await page.locator("#result .verdict strong").first().textContent());
+  assert.deepEqual([complaints, requests], [[], []]);
+  await context.close();
+});
+
+test("the program's own words about a wrong file, with file and line", async () => {
+  const { page, context } = await opened();
+  await page.locator("#chooser").setInputFiles({ name: "broken.csv", mimeType: "text/csv", buffer: Buffer.from("pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm\nP0,0,0,-888,0,1,two,3\n") });
+  await page.locator("#result .errors").waitFor();
+  writeFileSync(join(folder, "broken.csv"), "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm\nP0,0,0,-888,0,1,two,3\n");
+  const theirs = spawnSync(program, ["calibrate", "--measurements", "broken.csv", "--json", "--report", "report.html"], { cwd: folder, encoding: "utf8" });
+  assert.equal(await page.locator("#result .errors").textContent(), theirs.stderr.trim());
+  assert.match(await statusOf(page).textContent(), /^paracal calibrate: (wrong usage|an input file is wrong)/);
+  await context.close();
+});
+
+test("all by keys: a sample, another command, its run", async () => {
+  const { page, context } = await opened();
+  await page.locator("#load-sample").focus();
+  await page.keyboard.press("Enter");
+  await page.locator("#result .verdict").waitFor();
+  assert.equal(await statusOf(page).getAttribute("aria-live"), "polite");
+  await page.locator("#command").focus();
+  await page.keyboard.press("Control+A");
+  await page.keyboard.type("robot --list");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.querySelector("#result .said")?.textContent.includes("huang2016"));
+  assert.match(await statusOf(page).textContent(), /^paracal robot: done \(/);
+  for (let k = 0; k < 200; ++k) {
+    await page.keyboard.press("Tab");
+    if (await page.evaluate(() => document.activeElement?.closest("#tolerances") !== null && document.activeElement?.type === "range")) return context.close();
+  }
+  assert.fail("Tab does not reach the sliders");
+});
+
+for (const [id, key] of [["plan", "Poses"], ["tolerances", "beta2_deg"]]) {
+  test(`sliders answer while they are dragged: ${id}`, async () => {
+    const { page, context, complaints } = await opened();
+    const slider = page.locator(`#${id}`).getByLabel(key), answer = page.locator(`#${id} .answer`);
+    const was = await answer.textContent();
+    const asked = await page.locator(`#${id} code`).textContent();
+    await slider.focus();
+    for (let k = 0; k < 10; ++k) await page.keyboard.press("ArrowLeft");
+    const times = await page.evaluate(({ of, label }) => new Promise((done) => {
+      const place = document.querySelector(`#${of} .answer`), input = [...document.querySelectorAll(`#${of} label`)].find((one) => one.textContent === label).parentElement.querySelector("input");
+      const all = [];
+      const drag = () => {
+        if (all.length === 5) return done(all);
+        const start = performance.now();
+        const look = new MutationObserver(() => {
+          if (place.getAttribute("aria-busy") !== "false") return;
+          look.disconnect();
+          all.push(performance.now() - start);
+          drag();
+        });
+        look.observe(place, { attributes: true });
+        input.value = String(Number(input.value) - Number(input.step || 1));
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+      };
+      drag();
+    }), { of: id, label: key });
+    console.log(`${id}: a movement is answered after ${times.map(Math.round).join(", ")} ms`);
+    assert.ok(Math.min(...times) < 1000, times.join()); // a machine may be busy
+    assert.notEqual(await answer.textContent(), was);
+    if (id === "plan") assert.notEqual(await page.locator(`#${id} code`).textContent(), asked);
+    assert.deepEqual(complaints, []);
+    await context.close();
+  });
+}
+
+test("what is hidden from readings is what the program says", async () => {
+  const { page, context } = await opened();
+  await drop(page, ["measured.csv"]);
+  await page.locator("#chooser").setInputFiles(join(folder, "plan.csv"));
+  await page.locator("#seen").getByLabel("Poses").selectOption("plan.csv");
+  await page.waitForFunction(() => document.querySelector("#seen code").textContent.includes("plan.csv") && document.querySelector("#seen .answer").getAttribute("aria-busy") === "false");
+  const theirs = JSON.parse(execFileSync(program, ["identifiability", "--robot", "huang2016", "--poses", "plan.csv", "--measure", "coordinates", "--frame", "unknown", "--rotation", "none", "--json"], { cwd: folder, encoding: "utf8" }));
+  const shown = await page.locator("#seen .answer").textContent();
+  assert.ok(shown.includes(`Rank ${theirs.rank} of ${theirs.parameters.length} parameters`), shown.slice(0, 200));
+  assert.deepEqual(await page.locator("#seen .answer li").allTextContents(), theirs.null_space.map(({ text }) => text));
+  await context.close();
+});
+
+test("no serious violation of accessibility rules, light and dark; fits a phone", async () => {
+  for (const colorScheme of ["light", "dark"]) {
+    const { page, context } = await opened({ colorScheme, bypassCSP: true });
+    await drop(page, ["printer.cfg"]);
+    await page.evaluate(axe);
+    const { violations } = await page.evaluate(() => window.axe.run({ exclude: ["iframe"] }));
+    assert.deepEqual(violations.map(({ id, impact, nodes }) => [colorScheme, impact, id, ...nodes.slice(0, 3).map((node) => node.html.slice(0, 200))]), []);
+    await page.setViewportSize({ width: 360, height: 740 });
+    const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+    assert.ok(content <= screen, `${content} px on ${screen}`);
+    await context.close();
+  }
+});
+
+test("hostile names stay text", async () => {
+  const { page, context, complaints } = await opened();
+  await page.locator("#chooser").setInputFiles({ name: "<img src=x onerror=alert(1)>.csv", mimeType: "text/csv", buffer: Buffer.from("pose,x_cmd_mm\n") });
+  await page.waitForFunction(() => document.querySelector("#files td")?.textContent.startsWith("<img"));
+  assert.equal(await page.locator("#live img").count(), 0);
+  assert.deepEqual(complaints, []);
+  await context.close();
+});
