@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
-// What this project takes from oneTBB, on the one thread that a page has: the same calls, one after another. Results do not
-// depend on the number of threads (tests/ hold that), so these are those of the program.
+// What this project takes from oneTBB, on the one thread that a page has: the same calls, one after another. Results do
+// not depend on the number of threads (tests/ hold that), so these are those of the program.
 
 namespace tbb {
 

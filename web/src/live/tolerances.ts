@@ -16,10 +16,10 @@ const kLimits: Record<string, { key: string; unit: string; value: string }> = {
 
 interface AnalysisAnswer {
   requirements: { unit: string; worst_case: number; rss_3sigma: number; monte_carlo_3sigma: number; contributors: { name: string; share: number }[] }[];
-  yield: { value: number; low: number; high: number };
+  dpmo: { value: number; low: number; high: number };
 }
 
-function show({ requirements: [one], yield: share }: AnalysisAnswer): Node[] {
+function show({ requirements: [one], dpmo: beyond }: AnalysisAnswer): Node[] {
   const { unit, contributors } = one!;
   const bar = (value: number) => {
     const element = h("div", { class: "bar" });
@@ -32,7 +32,7 @@ function show({ requirements: [one], yield: share }: AnalysisAnswer): Node[] {
       [words.worst(unit), digits(one!.worst_case)],
       [words.rss(unit), digits(one!.rss_3sigma)],
       [words.drawn(unit), digits(one!.monte_carlo_3sigma)],
-      [words.share, words.between(percent(share.value), percent(share.low), percent(share.high))],
+      [words.beyond, words.between(digits(beyond.value), digits(beyond.low), digits(beyond.high))],
     ], words.caption, [1]),
     h("h3", {}, words.contributors),
     table(words.contributorColumns, shown.map(({ name, share: part }) => [name, percent(part), bar(part)]), words.contributors, [1]),
