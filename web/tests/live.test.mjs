@@ -150,7 +150,8 @@ async function opened(options) {
 /// Drops files of the samples as a hand does. @returns ms from the drop to the verdict.
 async function drop(page, names) {
   const files = names.map((name) => ({ name, text: readFileSync(join(folder, name), "utf8") }));
-  return page.evaluate((dropped) => new Promise((done) => {
+  return page.evaluate((dropped) => new Promise((done, failed) => {
+    setTimeout(() => failed(new Error(`no verdict; ${document.getElementById("status").textContent}`)), 60_000);
     const transfer = new DataTransfer();
     for (const { name, text } of dropped) transfer.items.add(new File([text], name));
     const start = performance.now();
