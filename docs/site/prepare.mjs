@@ -24,7 +24,7 @@ const guides = {
   "Designer": { "Tolerances": "docs/tolerance.md", "Batches": "docs/scale.md" },
   "Metrologist": { "Calibration": "docs/calibration.md", "Judgement": "docs/judgement.md", "Reports": "docs/report.md" },
   "Controls engineer": { "Controllers": "docs/controllers.md", "Hexapods": "docs/hexapods.md" },
-  "Printer owner": { "Printers": "docs/printers.md" },
+  "Printer owner": { "Printers": "docs/printers.md", "Live page": "docs/live-page.md" },
   "Researcher": {
     "The library": "docs/library.md", "Examples": "examples", "Python": "docs/python.md", "Examples in Python": "python/examples",
     "Evidence": "docs/evidence.md", "Slips of the paper": "docs/paper-slips.md", "Data: the paper": "data/huang2016/README.md",
