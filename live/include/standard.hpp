@@ -10,8 +10,9 @@
 #include <range/v3/algorithm.hpp>
 #include <string_view>
 
-// What C++20 has and the standard library of Debian's emscripten (libc++ 13) has not: the algorithms over ranges, from the
-// library that they come from, decimal numbers in <charconv>, three-way comparison of text, std::bit_cast. Included before every file by the compiler (emscripten.cmake).
+// What C++20 has and the standard library of Debian's emscripten (libc++ 13) has not: the algorithms over ranges, from
+// the library that they come from, decimal numbers in <charconv>, three-way comparison of text, std::bit_cast. Included
+// before every file by the compiler (emscripten.cmake).
 
 namespace std {  // NOLINT(cert-dcl58-cpp): where programs expect it
 
