@@ -6,7 +6,12 @@ cd "$(dirname "$0")/.."
 
 preset=$1
 left_out=()
-[[ $preset == asan ]] && left_out=(--exclude-regex "^($(grep -v '^#' tests/minutes_under_sanitizers.txt | paste -sd '|'))$")
+if [[ $preset == asan ]]; then
+  minutes="^($(grep -v '^#' tests/minutes_under_sanitizers.txt | paste -sd '|'))$"
+  left_out=(--exclude-regex "$minutes")
+  # ctest passes over an expression that it cannot read.
+  ctest --preset "$preset" -N --tests-regex "$minutes" | grep -q '^Total Tests: [1-9]' || { echo "tests/minutes_under_sanitizers.txt: expected names of tests, got none" >&2; exit 1; }
+fi
 ctest --preset "$preset" --progress --output-junit tests.xml "${left_out[@]}" "${@:2}"
 skipped=$(sed -n 's/.*<testcase name="\([^"]*\)".* status="\(notrun\|disabled\)".*/  \1/p' "build/$preset/tests.xml")
 if [[ -n $skipped ]]; then
