@@ -435,12 +435,15 @@ class Tolerances(TestCase):
 
 
 class EveryTemplate(TestCase):
-    """Robots that are a file alone, whatever their rods hang on."""
+    """Robots with six freedoms, which are a file alone, whatever their rods hang on."""
 
     def each(self):
         for path in sorted(HEXAPOD.parent.glob("*.toml")):
+            robot = pc.robot(path)
+            if len(robot.pose_axes) != 6:
+                continue
             with self.subTest(path.stem):
-                yield path, pc.robot(path)
+                yield path, robot
 
     def test_kinematics_are_the_programs(self):
         for path, robot in self.each():

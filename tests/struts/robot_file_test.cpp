@@ -5,6 +5,8 @@
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
@@ -54,6 +56,36 @@ TEST_P(RobotTemplate, ErrorsReadBackAsTheyAreWritten) {
   }
   for (const char* of_parallelograms : {"theta_offset", "\ne_mm", "rod_mean", "rod_difference", "alpha2"}) {
     EXPECT_EQ(text.find(of_parallelograms), std::string::npos) << of_parallelograms;
+  }
+}
+
+/// The templates whose plates stay level, of the kinds that the catalogue has.
+class LevelTemplate : public test::EveryRobot {};
+INSTANTIATE_TEST_SUITE_P(Template, LevelTemplate, testing::Values("delta", "quattro", "line-printer"),
+                         test::robot_name);
+
+TEST_P(LevelTemplate, ReadsBackAsItIsWrittenWithTolerancesOfItsOwn) {
+  const std::string text = robot_toml(robot);
+  EXPECT_EQ(robot_toml(read_robot({"robot.toml", text})), text);
+  EXPECT_EQ(robot.name(), GetParam());
+  EXPECT_TRUE(robot.tolerances().has_value());
+  EXPECT_EQ(robot.slide().has_value(), GetParam() == "quattro");
+  EXPECT_EQ(robot.actuator(), GetParam() == "line-printer" ? Actuator::linear : Actuator::revolute);
+}
+
+/// The nominal machine closes all over its workspace, and so does one whose parts are off by a millimetre and half a
+/// degree.
+TEST_P(LevelTemplate, ReachesItsWorkspaceWithAndWithoutErrors) {
+  test::Random random;
+  for (int k = 0; k < 100; ++k) {
+    const Machine machine = build(robot, random.errors(robot, 1.0, 0.01));
+    const Pose pose = random.pose(robot);
+    const InverseResult joints = inverse(robot.nominal(), pose);
+    ASSERT_TRUE(joints.ok());
+    EXPECT_NEAR((forward(robot.nominal(), joints.joints).plate.position - pose.position).norm(), 0.0, 1e-9);
+    const ForwardResult reached = forward(machine, joints.joints);
+    ASSERT_TRUE(reached.ok());
+    EXPECT_LT((reached.plate.position - pose.position).norm(), 30.0);
   }
 }
 

@@ -45,13 +45,17 @@ RobotDescription inclined_rails() {
 Robot robot_named(std::string_view name) {
   if (name == "unlike_limbs") return Robot(unlike_limbs());
   if (name == "inclined_rails") return Robot(inclined_rails());
-  const auto& templates = template_names();
+  const std::vector<std::string> templates = io::robot_templates();
   if (std::ranges::find(templates, name) != templates.end()) return io::read_robot(io::robot_template(name));
   return catalogue::find(name);
 }
 
 const std::vector<std::string_view>& template_names() {
-  static const std::vector<std::string> kinds = io::robot_templates();
+  static const std::vector<std::string> kinds = [] {
+    std::vector<std::string> six = io::robot_templates();
+    std::erase_if(six, [](const std::string& kind) { return !robot_named(kind).has_six_freedoms(); });
+    return six;
+  }();
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }

@@ -26,7 +26,7 @@ class EveryRobot : public ::testing::TestWithParam<std::string_view> {
   Robot robot = robot_named(GetParam());
 };
 
-/// io::robot_templates(), for good.
+/// Those of io::robot_templates() whose plate has six freedoms; the others are of the kinds that the catalogue has.
 const std::vector<std::string_view>& template_names();
 
 /// As names of tests may be.
@@ -51,7 +51,7 @@ inline double joint_scale(const Robot& robot) {
   INSTANTIATE_TEST_SUITE_P(Unusual, suite, ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails"), \
                            paracal::test::robot_name)
 
-/// The same for robots that are a file alone, of any number of freedoms.
+/// The same for robots with six freedoms, which are a file alone.
 #define PARACAL_ON_ROBOT_TEMPLATES(suite)                                                         \
   INSTANTIATE_TEST_SUITE_P(Template, suite, ::testing::ValuesIn(paracal::test::template_names()), \
                            paracal::test::robot_name)
