@@ -66,7 +66,7 @@ std::vector<double> StageFit::settle_by_robust_loss() {
     for (std::size_t g = 0; g < sizes.size(); ++g) {
       observation_.groups()[g].weight = 1.0 / (1.0 + std::pow(sizes[g] / kCauchy, 2));
     }
-    solve();
+    solve_roughly();
     const Eigen::ArrayXd moved = (fit_.parameters - before).array().abs();
     if ((moved <= kSettled * covariance.diagonal().array().sqrt()).all()) break;
   }
@@ -87,7 +87,7 @@ void StageFit::mark_by_robust_loss(double outlier_chance) {
     observation_.groups()[g].active = false;
   }
   settle();
-  for (bool some = true; some && converged(); settle()) some = readmit(outlier_chance);
+  while (converged() && readmit(outlier_chance)) settle();
 }
 
 /// What comes back tells the noise better, by which more may come back.

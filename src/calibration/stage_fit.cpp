@@ -16,11 +16,16 @@ StageFit::StageFit(const Robot& robot, const Measurements& measurements, const C
 }
 
 void StageFit::solve() {
+  // With priors: a thousandth of a percent of a standard deviation, far below what anyone states.
+  solve_to(has_priors(observation_) ? 1e-5 : LeastSquaresOptions{}.step_tolerance);
+}
+
+void StageFit::solve_roughly() { solve_to(1e-3); }
+
+void StageFit::solve_to(double step_tolerance) {
   if (fit_.parameters.size() == 0) return;
   // Where a body sits and how the plate tilts show together alone, and are found in turns.
-  LeastSquaresOptions options{.max_iterations = 500};
-  // With priors: a thousandth of a percent of a standard deviation, far below what anyone states.
-  if (has_priors(observation_)) options.step_tolerance = 1e-5;
+  const LeastSquaresOptions options{.max_iterations = 500, .step_tolerance = step_tolerance};
   observation_.hold_joint_rows(fit_.parameters);
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
   observation_.release_joint_rows();
@@ -64,14 +69,9 @@ std::optional<Scatter> StageFit::scatter_at_answer() const {
   }
   const bool stated = groups.front().stated;
   if (!std::ranges::all_of(groups, [stated](const Group& one) { return one.stated == stated; })) return std::nullopt;
-  InformationRoot priors(observation_.unknown_count());
-  observation_.add_priors(fit_.parameters, priors);
-  const auto rows = static_cast<double>(fit_.at_answer.row_count() - priors.row_count());
-  const Eigen::MatrixXd known = priors.root();
-  const double seen = static_cast<double>(known.rows()) - (known * covariance()).cwiseProduct(known).sum();
   const double was = stated ? solved_with_.stated_noise : solved_with_.unstated_noise;
-  const double smaller = std::pow(was / (stated ? now.stated_noise : now.unstated_noise), 2);
-  return Scatter{smaller * (fit_.at_answer.squared_residuals() - priors.squared_residuals()), rows - smaller * seen};
+  const double is = stated ? now.stated_noise : now.unstated_noise;
+  return detail::scatter_at_answer(observation_, fit_.parameters, fit_.at_answer, std::pow(was / is, 2));
 }
 
 Scatter StageFit::found_scatter() const {
@@ -87,7 +87,7 @@ Scatter StageFit::found_scatter() const {
 void StageFit::settle() {
   constexpr int kRounds = 30;
   constexpr double kSettled = 0.01;
-  solve();
+  solve_roughly();
   const bool any_unstated = !all_stated(observation_);
   VarianceComponents& now = observation_.components();
   for (int round = 0; round < kRounds && converged(); ++round) {
@@ -99,9 +99,10 @@ void StageFit::settle() {
     if (sought_.joint) note(update_joint());
     for (WidenedPriors& one : sought_.priors) note(update_priors(one));
     known_ = {};
-    if (change < kSettled) return;
-    solve();
+    if (change < kSettled) break;
+    solve_roughly();
   }
+  solve();
 }
 
 double StageFit::update_noise(double& factor, bool stated) {

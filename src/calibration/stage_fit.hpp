@@ -93,6 +93,9 @@ class StageFit {
   bool may_exclude() const;
   std::optional<Contradiction> most_contradicting() const;
   bool is_suspicious() const;
+  /// To a thousandth of a standard deviation: enough where the next round changes what is solved.
+  void solve_roughly();
+  void solve_to(double step_tolerance);
   void mark_by_robust_loss(double outlier_chance);
   /// Solves with Cauchy's weights until it settles.
   /// @returns the studentised sizes that gave the last weights.
@@ -101,8 +104,6 @@ class StageFit {
   /// Takes back readings that were left out and do not contradict the rest.
   /// @returns whether there was one.
   bool readmit(double outlier_chance);
-  /// Of the readings at the answer, without looking at one again: with the information P of the priors and the
-  /// covariance C of the unknowns of rows that one noise of all readings has scaled, tr(J C J^T) = n - tr(C P).
   /// @returns empty where noise of several kinds, joints or wider priors are sought, and without priors.
   std::optional<Scatter> scatter_at_answer() const;
   Scatter found_scatter() const;

@@ -171,8 +171,9 @@ double rows_of(const std::vector<Miss>& misses) {
   return rows;
 }
 
-Scatter scatter_of_all(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& root) {
-  Scatter all = scatter(observation, unknowns, root, [](const Group&) { return true; });
+Scatter scatter_of_all(const Observation& observation, const Eigen::VectorXd& unknowns,
+                       const InformationRoot& at_answer) {
+  Scatter all = scatter_at_answer(observation, unknowns, at_answer);
   all.redundancy = std::max(all.redundancy, 1.0);
   return all;
 }
@@ -185,14 +186,14 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
   const std::vector<Miss> misses = misses_of(observation, unknowns);
   state_errors(observation, unknowns, root, fit);
   state_noise(observation, unknowns,
-              std::sqrt(rows_of(misses) / scatter_of_all(observation, unknowns, root).redundancy), fit);
+              std::sqrt(rows_of(misses) / scatter_of_all(observation, unknowns, information).redundancy), fit);
   state_objective(misses, root, fit);
   return fit;
 }
 
 /// One step on the noise: the scale at which the weighted residuals equal their redundancy.
 double better_scale(const Observation& observation, const LeastSquaresResult& result) {
-  const Scatter all = scatter_of_all(observation, result.parameters, result.at_answer.root());
+  const Scatter all = scatter_of_all(observation, result.parameters, result.at_answer);
   const double factor = std::sqrt(all.sum / all.redundancy);
   return std::max(observation.components().unstated_noise * factor, kSmallestScale);
 }
