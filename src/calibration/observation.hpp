@@ -32,6 +32,8 @@ struct VarianceComponents {
   /// Standard deviation of where each joint stands at each station from where the model has it, the same at every visit
   /// (backlash, friction, load, an encoder that is not round), rad or mm; 0: the model is right at every pose.
   double joint = 0.0;
+
+  bool operator==(const VarianceComponents&) const = default;
 };
 
 /// The rows [H | J | r] of the active readings of one station whose joints may be off by dq ~ N(0, s^2): H by dq, J by

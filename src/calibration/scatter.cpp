@@ -23,14 +23,14 @@ void add_visits(const Visits& visits, Scatter& scatter) {
 }  // namespace
 
 Scatter scatter_at_answer(const Observation& observation, const Eigen::VectorXd& unknowns,
-                          const InformationRoot& at_answer, double smaller) {
+                          const InformationRoot& at_answer) {
   InformationRoot priors(observation.unknown_count());
   observation.add_priors(unknowns, priors);
   const auto rows = static_cast<double>(at_answer.row_count() - priors.row_count());
   const Eigen::MatrixXd known = priors.root();
   const Eigen::MatrixXd hat = at_answer.root().triangularView<Eigen::Upper>().transpose().solve(known.transpose());
   const double seen = static_cast<double>(known.rows()) - hat.squaredNorm();
-  return {smaller * (at_answer.squared_residuals() - priors.squared_residuals()), rows - smaller * seen};
+  return {at_answer.squared_residuals() - priors.squared_residuals(), rows - seen};
 }
 
 Scatter scatter_of_visits(const Observation& observation, const Eigen::VectorXd& unknowns) {

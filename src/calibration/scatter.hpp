@@ -49,10 +49,9 @@ Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns,
 /// The same of all active readings of a fit without joint effects, without looking at one again: with P the information
 /// of the priors and C the covariance of the unknowns, tr(J C J^T) = n - tr(C P).
 ///
-/// @param at_answer  rows of the readings and of the priors.
-/// @param smaller    by which the readings' rows weigh more since then: (noise then / noise now)^2.
+/// @param at_answer  rows of the readings and of the priors, as they are now.
 Scatter scatter_at_answer(const Observation& observation, const Eigen::VectorXd& unknowns,
-                          const InformationRoot& at_answer, double smaller = 1.0);
+                          const InformationRoot& at_answer);
 
 /// How repeated visits of a station scatter about their mean, by rows as weighted for the fit: pure error.
 Scatter scatter_of_visits(const Observation& observation, const Eigen::VectorXd& unknowns);

@@ -64,14 +64,12 @@ std::optional<Scatter> StageFit::scatter_at_answer() const {
   const auto& groups = observation_.groups();
   const VarianceComponents& now = observation_.components();
   if (groups.empty() || !has_priors(observation_) || !sought_.priors.empty() || now.joint > 0.0 ||
-      now.orientation_noise != solved_with_.orientation_noise) {
+      now != solved_with_) {
     return std::nullopt;
   }
   const bool stated = groups.front().stated;
   if (!std::ranges::all_of(groups, [stated](const Group& one) { return one.stated == stated; })) return std::nullopt;
-  const double was = stated ? solved_with_.stated_noise : solved_with_.unstated_noise;
-  const double is = stated ? now.stated_noise : now.unstated_noise;
-  return detail::scatter_at_answer(observation_, fit_.parameters, fit_.at_answer, std::pow(was / is, 2));
+  return detail::scatter_at_answer(observation_, fit_.parameters, fit_.at_answer);
 }
 
 Scatter StageFit::found_scatter() const {
@@ -102,7 +100,7 @@ void StageFit::settle() {
     if (change < kSettled) break;
     solve_roughly();
   }
-  solve();
+  if (converged()) solve();
 }
 
 double StageFit::update_noise(double& factor, bool stated) {

@@ -104,7 +104,8 @@ class StageFit {
   /// Takes back readings that were left out and do not contradict the rest.
   /// @returns whether there was one.
   bool readmit(double outlier_chance);
-  /// @returns empty where noise of several kinds, joints or wider priors are sought, and without priors.
+  /// @returns empty where noise of several kinds, joints or wider priors are sought, without priors, and where
+  /// components have changed since the fit was solved.
   std::optional<Scatter> scatter_at_answer() const;
   Scatter found_scatter() const;
   /// Each returns the factor by which it changed a standard deviation.

@@ -64,6 +64,9 @@ TEST_F(LargeSets, ScatterAtTheAnswerIsThatOfTheRows) {
   joints.seek_joint(1e-4);
   joints.settle();
   expect_that_of_rows(joints);
+  detail::StageFit louder = settled(measured);
+  louder.observation_to_change().components().stated_noise *= 2.0;
+  expect_that_of_rows(louder);
 }
 
 /// What is asked of a fit twice is found once, and found anew when the fit changes.
