@@ -59,18 +59,22 @@ TEST_P(RobotTemplate, ErrorsReadBackAsTheyAreWritten) {
   }
 }
 
-/// The templates whose plates stay level, of the kinds that the catalogue has.
 class LevelTemplate : public test::EveryRobot {};
-INSTANTIATE_TEST_SUITE_P(Template, LevelTemplate, testing::Values("delta", "quattro", "line-printer"),
-                         test::robot_name);
+INSTANTIATE_TEST_SUITE_P(Template, LevelTemplate, testing::ValuesIn(test::level_template_names()), test::robot_name);
 
 TEST_P(LevelTemplate, ReadsBackAsItIsWrittenWithTolerancesOfItsOwn) {
   const std::string text = robot_toml(robot);
   EXPECT_EQ(robot_toml(read_robot({"robot.toml", text})), text);
   EXPECT_EQ(robot.name(), GetParam());
   EXPECT_TRUE(robot.tolerances().has_value());
-  EXPECT_EQ(robot.slide().has_value(), GetParam() == "quattro");
-  EXPECT_EQ(robot.actuator(), GetParam() == "line-printer" ? Actuator::linear : Actuator::revolute);
+}
+
+TEST(RobotTemplates, AreWhatTheirNamesSay) {
+  for (const std::string_view kind : {"delta", "quattro", "line-printer"}) {
+    const Robot robot = test::robot_named(kind);
+    EXPECT_EQ(robot.slide().has_value(), kind == "quattro") << kind;
+    EXPECT_EQ(robot.actuator(), kind == "line-printer" ? Actuator::linear : Actuator::revolute) << kind;
+  }
 }
 
 /// The nominal machine closes all over its workspace, and so does one whose parts are off by a millimetre and half a

@@ -40,6 +40,12 @@ RobotDescription inclined_rails() {
   return robot;
 }
 
+std::vector<std::string> templates_of(bool six_freedoms) {
+  std::vector<std::string> kinds = io::robot_templates();
+  std::erase_if(kinds, [&](const std::string& kind) { return robot_named(kind).has_six_freedoms() != six_freedoms; });
+  return kinds;
+}
+
 }  // namespace
 
 Robot robot_named(std::string_view name) {
@@ -51,11 +57,13 @@ Robot robot_named(std::string_view name) {
 }
 
 const std::vector<std::string_view>& template_names() {
-  static const std::vector<std::string> kinds = [] {
-    std::vector<std::string> six = io::robot_templates();
-    std::erase_if(six, [](const std::string& kind) { return !robot_named(kind).has_six_freedoms(); });
-    return six;
-  }();
+  static const std::vector<std::string> kinds = templates_of(true);
+  static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
+  return names;
+}
+
+const std::vector<std::string_view>& level_template_names() {
+  static const std::vector<std::string> kinds = templates_of(false);
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }

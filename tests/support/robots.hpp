@@ -26,8 +26,10 @@ class EveryRobot : public ::testing::TestWithParam<std::string_view> {
   Robot robot = robot_named(GetParam());
 };
 
-/// Those of io::robot_templates() whose plate has six freedoms; the others are of the kinds that the catalogue has.
+/// Those of io::robot_templates() whose plate has six freedoms, for good.
 const std::vector<std::string_view>& template_names();
+/// Those whose plate stays level, of the kinds that the catalogue has.
+const std::vector<std::string_view>& level_template_names();
 
 /// As names of tests may be.
 inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& info) {
