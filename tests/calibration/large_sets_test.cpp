@@ -90,9 +90,9 @@ TEST_F(LargeSets, OfManyReadingsTheWorstAreListed) {
   for (DistanceReading& one : read.distances) one.distance_sigma = 2.0 * kNoise;
   read.distances[4711].distance += 2.0;
   const Calibration found = calibrate(robot, read, {.states_use = false, .diagnose = false});
-  EXPECT_EQ(found.readings, 20301u);
+  EXPECT_EQ(found.readings, 20301U);
   EXPECT_TRUE(found.distances.empty());
-  ASSERT_EQ(found.suspects.size(), 100u);
+  ASSERT_EQ(found.suspects.size(), 100U);
   EXPECT_TRUE(found.suspects.front().excluded);
   EXPECT_EQ(std::ranges::count(found.suspects, true, &Suspect::excluded), 1);
   EXPECT_TRUE(std::ranges::is_sorted(found.suspects, std::greater{}, &Suspect::statistic));
