@@ -1,0 +1,76 @@
+#include "prior_promise.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace paracal::detail {
+namespace {
+
+/// What an error that has no prior is taken to have: nothing that counts.
+constexpr double kNoPrior = 1e4;  // standard deviations that the fit leaves it
+/// Drop at one factor, s = 1 - 1 / factor^2.
+double drop_at(const Eigen::VectorXd& squares, const Eigen::VectorXd& known, double s) {
+  double drop = 0.0;
+  for (Eigen::Index i = 0; i < squares.size(); ++i) {
+    const double left = std::max(1.0 - s * known(i), 1.0 - s);  // known <= 1 but for rounding
+    drop += s * squares(i) / left - std::log(left) + std::log(1.0 - s);
+  }
+  return drop;
+}
+
+}  // namespace
+
+PriorPromise::PriorPromise(const StageFit& fit) {
+  constexpr int kLevels = 9;  // variances down to 1e-8, standard deviations to 1e-4 of what they are
+  const Observation& observation = fit.observation();
+  const Eigen::Index n = observation.source_count();
+  const Eigen::MatrixXd covariance = fit.covariance().bottomRightCorner(n, n);
+  Eigen::VectorXd scales(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto prior = observation.sought()[static_cast<std::size_t>(k)].prior_std;
+    scales(k) = prior.value_or(kNoPrior * std::sqrt(covariance(k, k)));
+  }
+  const Eigen::VectorXd errors = fit.fit().parameters.tail(n).cwiseQuotient(scales);
+  levels_.push_back(
+      {0.0, errors, scales.cwiseInverse().asDiagonal() * covariance * scales.cwiseInverse().asDiagonal()});
+  if (all_stated(observation)) return;
+  for (int k = 1; k < kLevels; ++k) add_level(fit.scatter(), std::pow(0.1, k));
+}
+
+/// Least of (r + 2 g^T (p - z) + (p - z)^T A (p - z)) / variance + p^T p, where A = K^-1 - 1 is what readings tell and
+/// g = -z, as z is the least for a variance of 1: along the axes of K one number after the other.
+void PriorPromise::add_level(const Scatter& scatter, double variance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(levels_.front().covariance);
+  const Eigen::ArrayXd known = axes.eigenvalues().array().max(1e-12).min(1.0);
+  const Eigen::ArrayXd told = 1.0 / known - 1.0;
+  const Eigen::ArrayXd was = (axes.eigenvectors().transpose() * levels_.front().errors).array();
+  const Eigen::ArrayXd moved = was * (1.0 - variance) / (told + variance);
+  const double left = scatter.sum + (told * moved.square() - 2.0 * was * moved).sum();
+  if (left < 0.0) return;  // no linear model of these readings
+  const double rows = scatter.redundancy + (1.0 - known).sum();
+  const Eigen::ArrayXd now = was + moved, information = told / variance + 1.0;
+  const double objective = rows * std::log(variance) + left / variance - scatter.sum +
+                           (now.square() - was.square() + (information * known).log()).sum();
+  levels_.push_back(
+      {objective, axes.eigenvectors() * now.matrix(),
+       axes.eigenvectors() * information.inverse().matrix().asDiagonal() * axes.eigenvectors().transpose()});
+}
+
+PriorPromise::Drop PriorPromise::of(const std::vector<std::size_t>& places) const {
+  constexpr int kSteps = 60;
+  constexpr double kStep = 1.122;  // 20 to a factor of ten: up to 1000
+  std::vector<Eigen::Index> at(places.begin(), places.end());
+  Drop best;
+  for (const Level& one : levels_) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(one.covariance(at, at));
+    const Eigen::VectorXd squares = (axes.eigenvectors().transpose() * one.errors(at)).cwiseAbs2();
+    for (int step = 1; step <= kSteps; ++step) {
+      const double factor = std::pow(kStep, step);
+      const double drop = drop_at(squares, axes.eigenvalues(), 1.0 - 1.0 / (factor * factor)) - one.objective;
+      if (drop > best.drop) best = {drop, factor};
+    }
+  }
+  return best;
+}
+
+}  // namespace paracal::detail

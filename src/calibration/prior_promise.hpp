@@ -1,0 +1,42 @@
+#pragma once
+
+// Private to calibration: what wider priors promise, before they are tried.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "stage_fit.hpp"
+
+namespace paracal::detail {
+
+/// By how much -2 log likelihood drops where priors are widened, in a linear model of the fit as it stands, and for
+/// which factor. With errors z over their priors, their covariance K, and s = 1 - 1 / factor^2,
+///
+///   drop = sum s v_i^2 / (1 - s k_i) - log(1 - s k_i) + log(1 - s),     K = Q diag(k) Q^T,  v = Q^T z
+///
+/// over the errors that are widened. Noise that nobody stated is sought anew: what a wrong part bends, the fit as it
+/// stands takes for noise, under which no error stands out.
+class PriorPromise {
+ public:
+  explicit PriorPromise(const StageFit& fit);
+
+  struct Drop {
+    double drop = 0.0;
+    double factor = 1.0;
+  };
+  /// @param places  of sought errors that have a prior.
+  Drop of(const std::vector<std::size_t>& places) const;
+
+ private:
+  /// The fit under noise of another size.
+  struct Level {
+    double objective = 0.0;      ///< -2 log likelihood less that of the fit as it stands
+    Eigen::VectorXd errors;      ///< over their priors
+    Eigen::MatrixXd covariance;  ///< likewise
+  };
+  void add_level(const Scatter& scatter, double variance);
+
+  std::vector<Level> levels_;
+};
+
+}  // namespace paracal::detail
