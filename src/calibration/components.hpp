@@ -22,7 +22,8 @@ FitScatter fit_scatter(const StageFit& fit);
 /// - joints that stand elsewhere at each pose, the same at every visit (backlash, friction, load): only where visits
 ///   repeat or the noise is stated, for else nobody can tell them from noise;
 /// - stated noise that is not what was stated;
-/// - priors of all errors, of the position or the tilt group, of one kind of error on all limbs, or of one error: parts
+/// - priors of all errors, of the position or the tilt group, of one kind of error on all limbs, of the coordinates of
+///   one joint centre, or of one error: parts
 ///   worse than their tolerances (empirical Bayes).
 ///
 /// @returns those found, in words. The fit is settled with them.

@@ -209,6 +209,11 @@ void StageFit::seek_wider_priors(std::vector<std::size_t> places, double start) 
   sought_.priors.push_back({std::move(places), start});
 }
 
+std::optional<double> StageFit::widened(const std::vector<std::size_t>& places) const {
+  const auto at = std::ranges::find(sought_.priors, places, &WidenedPriors::places);
+  return at == sought_.priors.end() ? std::nullopt : std::optional(at->factor);
+}
+
 void StageFit::restore(State state) {
   for (const WidenedPriors& now : sought_.priors) observation_.widen_priors(now.places, 1.0 / now.factor);
   for (const WidenedPriors& before : state.sought.priors) observation_.widen_priors(before.places, before.factor);

@@ -61,6 +61,8 @@ class StageFit {
   void seek_joint(double start);
   void seek_stated_noise(double start);
   void seek_wider_priors(std::vector<std::size_t> places, double start);
+  /// Factor of the priors of just these errors, where it is sought.
+  std::optional<double> widened(const std::vector<std::size_t>& places) const;
 
   /// Of the active readings. Without priors: residual sum, and rows less unknowns.
   Scatter scatter() const;

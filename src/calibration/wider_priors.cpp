@@ -1,0 +1,129 @@
+// Priors that may be wider than the tolerances say: of groups of errors, of one kind, of one joint centre, of one
+// error.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "component_candidates.hpp"
+#include "prior_promise.hpp"
+
+namespace paracal::detail {
+namespace {
+
+class PriorCandidates {
+ public:
+  PriorCandidates(const StageFit& fit, std::vector<ComponentCandidate>& all)
+      : fit_(fit), promise_(fit), all_(all), actuator_(fit.observation().robot().actuator()) {}
+
+  void add() {
+    add_groups();
+    add_kinds();
+    add_joint_centres();
+    add_ones();
+  }
+
+ private:
+  using Places = std::vector<std::size_t>;
+
+  const std::vector<SoughtSource>& sought() const { return fit_.observation().sought(); }
+
+  template <typename Chosen>
+  Places places(Chosen&& chosen) const {
+    Places list;
+    for (std::size_t k = 0; k < sought().size(); ++k) {
+      if (sought()[k].prior_std && chosen(sought()[k])) list.push_back(k);
+    }
+    return list;
+  }
+
+  void add_groups() {
+    const double price = 2.0 * std::log(3.0);
+    add_several(ComponentFamily::group, "all errors are", price, places([](const SoughtSource&) { return true; }));
+    add_several(ComponentFamily::group, "the errors of the position group are", price,
+                places([this](const SoughtSource& one) { return !tilts_plate(one.source, actuator_); }));
+    add_several(ComponentFamily::group, "the errors of the tilt group are", price,
+                places([this](const SoughtSource& one) { return tilts_plate(one.source, actuator_); }));
+  }
+
+  void add_kinds() {
+    const double price = 2.0 * std::log(static_cast<double>(kSourceCount));
+    for (const Source source : sources_of(actuator_)) {
+      add_several(ComponentFamily::kind, fmt::format("{} of all limbs is", name(source, actuator_)), price,
+                  places([source](const SoughtSource& one) { return one.source == source; }));
+    }
+  }
+
+  /// A bracket that is mounted elsewhere is off in more than one coordinate.
+  void add_joint_centres() {
+    const std::size_t limbs = fit_.observation().robot().limb_count();
+    const bool has_plate_joints = has_six_freedoms(actuator_);
+    const double price = 2.0 * std::log(static_cast<double>(has_plate_joints ? 2 * limbs : limbs));
+    for (std::size_t limb = 0; limb < limbs; ++limb) {
+      add_joint_centre(limb, {Source::e_x, Source::e_y, Source::e_z}, price);
+      if (has_plate_joints) add_joint_centre(limb, {Source::plate_x, Source::plate_y, Source::plate_z}, price);
+    }
+  }
+
+  void add_joint_centre(std::size_t limb, const std::vector<Source>& coordinates, double price) {
+    const Places list = places([&](const SoughtSource& one) {
+      return one.limb == limb && std::ranges::find(coordinates, one.source) != coordinates.end();
+    });
+    if (list.size() < 2) return;
+    std::string names;
+    for (const std::size_t k : list) names += fmt::format("{}{}", names.empty() ? "" : ", ", name_of(k));
+    const std::string subject = fmt::format("{} of limb {}", names, limb + 1);
+    add_several(ComponentFamily::in_limb, subject + " are", price, list, subject);
+  }
+
+  void add_ones() {
+    const double price = 2.0 * std::log(static_cast<double>(std::max<std::size_t>(sought().size(), 1)));
+    for (std::size_t k = 0; k < sought().size(); ++k) {
+      if (!sought()[k].prior_std) continue;
+      const std::string subject = fmt::format("{} of limb {}", name_of(k), sought()[k].limb + 1);
+      add_prior(ComponentFamily::one, subject, price, {k}, [subject](const StageFit&, double size) {
+        return fmt::format(
+            "{} is {:.1f} standard deviations of its tolerance away from nominal: a wrong part, or a wrong "
+            "tolerance",
+            subject, size);
+      });
+    }
+  }
+
+  std::string_view name_of(std::size_t place) const { return name(sought()[place].source, actuator_); }
+
+  void add_several(ComponentFamily family, const std::string& whose, double price, Places list,
+                   std::string subject = {}) {
+    add_prior(family, std::move(subject), price, std::move(list), [whose](const StageFit&, double size) {
+      return fmt::format("{} {:.1f} times as large as the tolerances say", whose, size);
+    });
+  }
+
+  void add_prior(ComponentFamily family, std::string subject, double price, Places list,
+                 std::function<std::string(const StageFit&, double)> say) {
+    if (list.empty() || fit_.widened(list)) return;
+    const PriorPromise::Drop drop = promise_.of(list);
+    all_.push_back({.family = family,
+                    .subject = std::move(subject),
+                    .promised = drop.drop,
+                    .price = price,
+                    .begin = [list, start = drop.factor](StageFit& fit) { fit.seek_wider_priors(list, start); },
+                    .size = [list](const StageFit& fit) { return fit.widened(list).value_or(1.0); },
+                    .say = std::move(say)});
+  }
+
+  const StageFit& fit_;
+  PriorPromise promise_;
+  std::vector<ComponentCandidate>& all_;
+  Actuator actuator_;
+};
+
+}  // namespace
+
+void add_prior_candidates(const StageFit& fit, std::vector<ComponentCandidate>& all) {
+  if (has_priors(fit.observation())) PriorCandidates(fit, all).add();
+}
+
+}  // namespace paracal::detail
