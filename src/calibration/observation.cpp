@@ -14,6 +14,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
     : robot_(robot),
       options_(options),
       sought_(std::move(sought)),
+      prior_std_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sought_.size()))),
       prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))),
       moving_(sought_),
       at_station_(measurements.stations.size()) {
@@ -26,6 +27,9 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   for (auto& series : all_series(measurements, options)) {
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);
     series_.push_back(std::move(series));
+  }
+  for (std::size_t k = 0; k < sought_.size(); ++k) {
+    prior_std_(static_cast<Eigen::Index>(k)) = sought_[k].prior_std.value_or(0.0);
   }
   lay_out_priors();
   add_groups();
@@ -42,18 +46,17 @@ std::vector<Eigen::Index> Observation::scale_columns() const {
   return columns;
 }
 
-void Observation::widen_priors(const std::vector<std::size_t>& places, double factor) {
-  for (const std::size_t place : places) {
-    if (!sought_[place].prior_std) continue;
-    *sought_[place].prior_std *= factor;
-    prior_factor_(static_cast<Eigen::Index>(place)) *= factor;
+void Observation::widen_priors(const Eigen::VectorXd& factors) {
+  prior_factor_ = factors;
+  for (Eigen::Index k = 0; k < factors.size(); ++k) {
+    std::optional<double>& prior = sought_[static_cast<std::size_t>(k)].prior_std;
+    if (prior) prior = factors(k) * prior_std_(k);
   }
   lay_out_priors();
 }
 
-/// C = diag(prior^2) with what common errors correlate; prior_std has their share already.
-void Observation::lay_out_priors() {
-  if (options_.common.empty() || !has_priors(*this)) return;
+/// prior_std has the share of common errors already.
+Eigen::MatrixXd Observation::prior_covariance() const {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(source_count(), source_count());
   for (Eigen::Index i = 0; i < source_count(); ++i) {
     const SoughtSource& one = sought_[static_cast<std::size_t>(i)];
@@ -69,7 +72,12 @@ void Observation::lay_out_priors() {
       covariance(k, i) = covariance(i, k);
     }
   }
-  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  return covariance;
+}
+
+void Observation::lay_out_priors() {
+  if (options_.common.empty() || !has_priors(*this)) return;
+  const Eigen::LLT<Eigen::MatrixXd> root(prior_covariance());
   common_prior_ = root.matrixL().solve(Eigen::MatrixXd::Identity(source_count(), source_count()));
 }
 

@@ -69,8 +69,10 @@ class Observation {
   const std::vector<Group>& groups() const { return groups_; }
   VarianceComponents& components() { return components_; }
   const VarianceComponents& components() const { return components_; }
-  /// Multiplies the prior standard deviations of some of the sought errors.
-  void widen_priors(const std::vector<std::size_t>& places, double factor);
+  /// Makes the prior standard deviations of the sought errors as many times as large as they were given.
+  void widen_priors(const Eigen::VectorXd& factors);
+  /// diag(prior^2) with what common errors correlate.
+  Eigen::MatrixXd prior_covariance() const;
   /// Derivatives at the nominal machine whatever the unknowns: the paper's chord method.
   void keep_nominal_derivative();
 
@@ -155,7 +157,8 @@ class Observation {
   const Robot& robot_;
   const CalibrationOptions& options_;
   std::vector<SoughtSource> sought_;
-  Eigen::VectorXd prior_factor_;  ///< by which priors were widened
+  Eigen::VectorXd prior_std_;     ///< as given, 0 where there is none
+  Eigen::VectorXd prior_factor_;  ///< by which they were widened
   /// What is sought, then the offset of every joint, which moves the plate as the joint does.
   std::vector<SoughtSource> moving_;
   SourceErrors held_;

@@ -1,5 +1,6 @@
 #include "prior_promise.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
@@ -20,40 +21,49 @@ double drop_at(const Eigen::VectorXd& squares, const Eigen::VectorXd& known, dou
 
 }  // namespace
 
+PriorPromise::Whitened PriorPromise::whitened(const Level& level, const Eigen::MatrixXd& prior) {
+  const Eigen::LLT<Eigen::MatrixXd> root(prior);
+  const Eigen::MatrixXd half = root.matrixL().solve(level.covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(root.matrixL().solve(half.transpose()));
+  return {axes.eigenvalues(), axes.eigenvectors().transpose() * root.matrixL().solve(level.errors),
+          root.matrixL() * axes.eigenvectors()};
+}
+
 PriorPromise::PriorPromise(const StageFit& fit) {
   constexpr int kLevels = 9;  // variances down to 1e-8, standard deviations to 1e-4 of what they are
   const Observation& observation = fit.observation();
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd covariance = fit.covariance().bottomRightCorner(n, n);
-  Eigen::VectorXd scales(n);
+  prior_ = observation.prior_covariance();
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto prior = observation.sought()[static_cast<std::size_t>(k)].prior_std;
-    scales(k) = prior.value_or(kNoPrior * std::sqrt(covariance(k, k)));
+    if (!observation.sought()[static_cast<std::size_t>(k)].prior_std) {
+      prior_(k, k) = kNoPrior * kNoPrior * covariance(k, k);
+    }
   }
-  const Eigen::VectorXd errors = fit.fit().parameters.tail(n).cwiseQuotient(scales);
-  levels_.push_back(
-      {0.0, errors, scales.cwiseInverse().asDiagonal() * covariance * scales.cwiseInverse().asDiagonal()});
+  levels_.push_back({0.0, fit.fit().parameters.tail(n), covariance});
   if (all_stated(observation)) return;
-  for (int k = 1; k < kLevels; ++k) add_level(fit.scatter(), std::pow(0.1, k));
+  const Whitened now = whitened(levels_.front(), prior_);
+  for (int k = 1; k < kLevels; ++k) add_level(now, fit.scatter(), std::pow(0.1, k));
 }
 
 /// Least of (r + 2 g^T (p - z) + (p - z)^T A (p - z)) / variance + p^T p, where A = K^-1 - 1 is what readings tell and
 /// g = -z, as z is the least for a variance of 1: along the axes of K one number after the other.
-void PriorPromise::add_level(const Scatter& scatter, double variance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(levels_.front().covariance);
-  const Eigen::ArrayXd known = axes.eigenvalues().array().max(1e-12).min(1.0);
+void PriorPromise::add_level(const Whitened& at, const Scatter& scatter, double variance) {
+  constexpr double kTold = 1e-5;   // below it an error is not what readings say, but what an iteration leaves
+  constexpr double kFewest = 3.0;  // degrees of freedom that tell the noise: errors must not take up all readings
+  const Eigen::ArrayXd known = at.known.array().max(1e-12).min(1.0);
   const Eigen::ArrayXd told = 1.0 / known - 1.0;
-  const Eigen::ArrayXd was = (axes.eigenvectors().transpose() * levels_.front().errors).array();
-  const Eigen::ArrayXd moved = was * (1.0 - variance) / (told + variance);
+  const Eigen::ArrayXd was = at.errors.array();
+  const Eigen::ArrayXd moved = (told > kTold).select(was * (1.0 - variance) / (told + variance), 0.0);
+  const double rows = scatter.redundancy + (1.0 - known).sum();
+  if (rows - (told / (told + variance)).sum() < kFewest) return;
   const double left = scatter.sum + (told * moved.square() - 2.0 * was * moved).sum();
   if (left < 0.0) return;  // no linear model of these readings
-  const double rows = scatter.redundancy + (1.0 - known).sum();
   const Eigen::ArrayXd now = was + moved, information = told / variance + 1.0;
   const double objective = rows * std::log(variance) + left / variance - scatter.sum +
                            (now.square() - was.square() + (information * known).log()).sum();
   levels_.push_back(
-      {objective, axes.eigenvectors() * now.matrix(),
-       axes.eigenvectors() * information.inverse().matrix().asDiagonal() * axes.eigenvectors().transpose()});
+      {objective, at.axes * now.matrix(), at.axes * information.inverse().matrix().asDiagonal() * at.axes.transpose()});
 }
 
 PriorPromise::Drop PriorPromise::of(const std::vector<std::size_t>& places) const {
@@ -62,11 +72,13 @@ PriorPromise::Drop PriorPromise::of(const std::vector<std::size_t>& places) cons
   std::vector<Eigen::Index> at(places.begin(), places.end());
   Drop best;
   for (const Level& one : levels_) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(one.covariance(at, at));
-    const Eigen::VectorXd squares = (axes.eigenvectors().transpose() * one.errors(at)).cwiseAbs2();
+    const Whitened here = whitened({0.0, one.errors(at), one.covariance(at, at)}, prior_(at, at));
+    const Eigen::VectorXd squares = here.errors.cwiseAbs2();
+    const double most = (squares.array() / (1.0 - here.known.array()).max(1e-12)).sum();  // what s = 1 would save
+    if (most - one.objective < best.drop) continue;
     for (int step = 1; step <= kSteps; ++step) {
       const double factor = std::pow(kStep, step);
-      const double drop = drop_at(squares, axes.eigenvalues(), 1.0 - 1.0 / (factor * factor)) - one.objective;
+      const double drop = drop_at(squares, here.known, 1.0 - 1.0 / (factor * factor)) - one.objective;
       if (drop > best.drop) best = {drop, factor};
     }
   }

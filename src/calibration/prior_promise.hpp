@@ -10,12 +10,13 @@
 namespace paracal::detail {
 
 /// By how much -2 log likelihood drops where priors are widened, in a linear model of the fit as it stands, and for
-/// which factor. With errors z over their priors, their covariance K, and s = 1 - 1 / factor^2,
+/// which factor. With errors z = L^-1 p over their prior L L^T, their covariance K, and s = 1 - 1 / factor^2,
 ///
 ///   drop = sum s v_i^2 / (1 - s k_i) - log(1 - s k_i) + log(1 - s),     K = Q diag(k) Q^T,  v = Q^T z
 ///
-/// over the errors that are widened. Noise that nobody stated is sought anew: what a wrong part bends, the fit as it
-/// stands takes for noise, under which no error stands out.
+/// over the errors that are widened. (Where they share an error with others, these are taken to follow.) Noise that
+/// nobody stated is sought anew: what a wrong part bends, the fit as it stands takes for noise, under which no error
+/// stands out.
 class PriorPromise {
  public:
   explicit PriorPromise(const StageFit& fit);
@@ -30,12 +31,21 @@ class PriorPromise {
  private:
   /// The fit under noise of another size.
   struct Level {
-    double objective = 0.0;      ///< -2 log likelihood less that of the fit as it stands
-    Eigen::VectorXd errors;      ///< over their priors
-    Eigen::MatrixXd covariance;  ///< likewise
+    double objective = 0.0;  ///< -2 log likelihood less that of the fit as it stands
+    Eigen::VectorXd errors;
+    Eigen::MatrixXd covariance;
   };
-  void add_level(const Scatter& scatter, double variance);
+  /// The same in numbers that are independent and, but for readings, of variance 1.
+  struct Whitened {
+    Eigen::VectorXd known;  ///< their variances, 1 where readings tell nothing
+    Eigen::VectorXd errors;
+    Eigen::MatrixXd axes;  ///< errors of one of each
+  };
+  static Whitened whitened(const Level& level, const Eigen::MatrixXd& prior);
+  /// @param at  the fit as it stands.
+  void add_level(const Whitened& at, const Scatter& scatter, double variance);
 
+  Eigen::MatrixXd prior_;  ///< covariance under the tolerances, as far as they are widened by now
   std::vector<Level> levels_;
 };
 

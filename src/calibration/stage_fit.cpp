@@ -163,14 +163,12 @@ double StageFit::update_joint() {
 }
 
 Scatter StageFit::prior_squares(const std::vector<std::size_t>& places, const Eigen::MatrixXd& covariance) const {
-  Scatter squares;
-  for (const std::size_t place : places) {
-    const Eigen::Index at = observation_.nuisance_count() + static_cast<Eigen::Index>(place);
-    const double prior = *observation_.sought()[place].prior_std;
-    squares.sum += std::pow(fit_.parameters(at) / prior, 2);
-    squares.redundancy += 1.0 - covariance(at, at) / (prior * prior);
-  }
-  return squares;
+  std::vector<Eigen::Index> at(places.begin(), places.end()), column(at);
+  for (Eigen::Index& one : column) one += observation_.nuisance_count();
+  const Eigen::LLT<Eigen::MatrixXd> root(observation_.prior_covariance()(at, at));
+  const Eigen::VectorXd errors = fit_.parameters(column);
+  return {errors.dot(root.solve(errors)),
+          static_cast<double>(places.size()) - root.solve(covariance(column, column)).trace()};
 }
 
 std::optional<double> StageFit::prior_freedom() const {
@@ -188,10 +186,10 @@ double StageFit::update_priors(WidenedPriors& widened) {
   constexpr double kNothing = 1e-3, kSmallest = 0.5, kLargest = 1e3;
   const Scatter squares = prior_squares(widened.places, covariance());
   if (squares.redundancy < kNothing) return 1.0;
-  const double factor = std::clamp(std::sqrt(squares.sum / squares.redundancy), kSmallest, kLargest);
-  observation_.widen_priors(widened.places, factor);
-  widened.factor *= factor;
-  return factor;
+  const double change = std::clamp(std::sqrt(squares.sum / squares.redundancy), kSmallest, kLargest);
+  const double before = std::exchange(widened.factor, std::max(widened.factor * change, 1.0));
+  widen_priors();
+  return widened.factor / before;
 }
 
 void StageFit::seek_joint(double start) {
@@ -205,8 +203,16 @@ void StageFit::seek_stated_noise(double start) {
 }
 
 void StageFit::seek_wider_priors(std::vector<std::size_t> places, double start) {
-  observation_.widen_priors(places, start);
   sought_.priors.push_back({std::move(places), start});
+  widen_priors();
+}
+
+void StageFit::widen_priors() {
+  Eigen::VectorXd factors = Eigen::VectorXd::Ones(observation_.source_count());
+  for (const WidenedPriors& one : sought_.priors) {
+    for (const std::size_t place : one.places) factors(static_cast<Eigen::Index>(place)) *= one.factor;
+  }
+  observation_.widen_priors(factors);
 }
 
 std::optional<double> StageFit::widened(const std::vector<std::size_t>& places) const {
@@ -215,11 +221,10 @@ std::optional<double> StageFit::widened(const std::vector<std::size_t>& places) 
 }
 
 void StageFit::restore(State state) {
-  for (const WidenedPriors& now : sought_.priors) observation_.widen_priors(now.places, 1.0 / now.factor);
-  for (const WidenedPriors& before : state.sought.priors) observation_.widen_priors(before.places, before.factor);
   observation_.components() = state.components;
   solved_with_ = state.solved_with;
   sought_ = std::move(state.sought);
+  widen_priors();
   fit_ = std::move(state.fit);
   known_ = {};
 }

@@ -76,8 +76,8 @@ class StageFit {
   double minus_twice_log_likelihood_of_all() const;
   /// Degrees of freedom that determine the joints' standard deviation: n - tr C_dq / joint^2.
   double joint_freedom() const;
-  /// Squares of sought errors (by their places) over their priors, and the degrees of freedom that determine these:
-  /// sum (p / prior)^2 and n - sum C_pp / prior^2.
+  /// Squares of sought errors (by their places) over their prior covariance P, and the degrees of freedom that
+  /// determine these: p^T P^-1 p and n - tr P^-1 C_pp.
   Scatter prior_squares(const std::vector<std::size_t>& places, const Eigen::MatrixXd& covariance) const;
   /// The fewest degrees of freedom that determine a factor by which the priors of several errors were widened.
   std::optional<double> prior_freedom() const;
@@ -115,7 +115,10 @@ class StageFit {
   /// As far as orientations scatter more than the positions that were read with them, or less.
   double update_orientation_noise();
   double update_joint();
+  /// Never below what the tolerances say: half the machines would seem better than that, by chance.
   double update_priors(WidenedPriors& widened);
+  /// By what is sought.
+  void widen_priors();
   struct JointSquares {
     double sum = 0.0;      ///< of dq^2
     double freedom = 0.0;  ///< that determine it
