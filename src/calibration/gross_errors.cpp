@@ -26,6 +26,16 @@ void StageFit::exclude_one_by_one(double outlier_chance) {
   }
 }
 
+std::vector<bool> StageFit::kept() const {
+  std::vector<bool> kept;
+  for (const Group& group : observation_.groups()) kept.push_back(group.active);
+  return kept;
+}
+
+void StageFit::keep(const std::vector<bool>& kept) {
+  for (std::size_t g = 0; g < kept.size(); ++g) observation_.groups()[g].active = kept[g];
+}
+
 const std::vector<Contradiction>& StageFit::suspects() const {
   if (!known_.suspects) known_.suspects = contradictions(observation_, fit_.parameters, covariance(), scatter());
   return *known_.suspects;

@@ -74,8 +74,32 @@ Calibration finished(const Measurements& used, const detail::StageFit& stage, Ca
   return calibration;
 }
 
-std::ptrdiff_t left_out(const detail::StageFit& fit) {
-  return std::ranges::count(fit.observation().groups(), false, &Group::active);
+/// A fit, and what its components of variance came to.
+struct Explanation {
+  detail::StageFit fit;
+  std::vector<Component> components;
+};
+
+/// Components are those of the readings that are kept, and which are kept depends on the components: sought in turn,
+/// each time from the fit without any, until the same readings stay out.
+/// @param fit  without components, its gross errors left out, or none yet.
+/// @param rounds  after which the last answer is taken.
+Explanation explained(const detail::StageFit& without, detail::StageFit fit, const CalibrationOptions& options,
+                      int rounds = 4) {
+  std::vector<Component> components = detail::find_components(fit, options);
+  if (components.empty() || !options.exclude_outliers || rounds == 0) return {std::move(fit), std::move(components)};
+  const std::vector<bool> kept = fit.kept();
+  fit.exclude_outliers(options.outlier_chance);
+  if (fit.kept() == kept) return {std::move(fit), std::move(components)};
+  detail::StageFit again = without;
+  again.keep(fit.kept());
+  again.settle();
+  return explained(without, std::move(again), options, rounds - 1);
+}
+
+bool likelier(const detail::StageFit& one, const detail::StageFit& other) {
+  if (!one.converged() || !other.converged()) return one.converged();
+  return one.minus_twice_log_likelihood_of_all() < other.minus_twice_log_likelihood_of_all();
 }
 
 /// Gross errors and components of variance can each be taken for the other: a wrong part for readings that contradict
@@ -84,17 +108,16 @@ std::ptrdiff_t left_out(const detail::StageFit& fit) {
 Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration) {
   const CalibrationOptions options = calibration.options;
   stage.settle();
-  detail::StageFit other = stage;
+  const detail::StageFit without = stage;
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
-  calibration.components = detail::find_components(stage, options);
-  if (left_out(stage) == left_out(other)) return finished(used, stage, std::move(calibration));
-  std::vector<Component> components = detail::find_components(other, options);
-  other.exclude_outliers(options.outlier_chance);
-  const bool better = other.converged() && (!stage.converged() || other.minus_twice_log_likelihood_of_all() <
-                                                                      stage.minus_twice_log_likelihood_of_all());
-  if (!better) return finished(used, stage, std::move(calibration));
-  calibration.components = std::move(components);
-  return finished(used, other, std::move(calibration));
+  const bool left_out = stage.kept() != without.kept();
+  std::vector<Explanation> all;
+  all.push_back(explained(without, std::move(stage), options));
+  if (left_out) all.push_back(explained(without, without, options));
+  const bool other = left_out && !all[1].components.empty() && likelier(all[1].fit, all[0].fit);
+  Explanation& found = all[other ? 1 : 0];
+  calibration.components = std::move(found.components);
+  return finished(used, found.fit, std::move(calibration));
 }
 
 /// The machine that the fit expects, by which priors and held errors are counted.

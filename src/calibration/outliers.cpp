@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "readings/median.hpp"
 #include "tails.hpp"
@@ -14,17 +15,41 @@ constexpr int kMostRows = 7;  // of a reading
 using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
 
-/// v^T S^-1 v over the directions in which the reading can be checked at all.
-double checked_sum(const SmallSquare& spread, const SmallVector& residual) {
+/// S^-1 over the directions in which the reading can be checked at all.
+SmallSquare checked_inverse(const SmallSquare& spread) {
   constexpr double kUncheckable = 1e-6;  // of the reading's own variance
   const Eigen::SelfAdjointEigenSolver<SmallSquare> eigen(spread);
-  const SmallVector along = eigen.eigenvectors().transpose() * residual;
-  double sum = 0.0;
-  for (Eigen::Index k = 0; k < along.size(); ++k) {
-    if (eigen.eigenvalues()(k) > kUncheckable) sum += along(k) * along(k) / eigen.eigenvalues()(k);
-  }
-  return sum;
+  const SmallVector inverse =
+      (eigen.eigenvalues().array() > kUncheckable).select(eigen.eigenvalues().cwiseInverse(), 0.0);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
+
+/// How priors give way when a reading in use is left out: unknowns move by d = C J^T S^-1 v, their squares grow by
+/// 2 d^T W^T w + |W d|^2, and readings tell tr(S^-1 J C W^T W C J^T) less of what priors tell more.
+class GivingWay {
+ public:
+  GivingWay(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance)
+      : priors_(observation.unknown_count()) {
+    observation.add_priors(unknowns, priors_);
+    by_unknowns_ = priors_.root() * covariance;
+    pull_ = by_unknowns_.transpose() * priors_.reachable();
+  }
+
+  /// Of the other readings, when these rows no longer count.
+  Scatter rest(const Scatter& all, const Eigen::MatrixXd& jacobian, const SmallSquare& inverse,
+               const SmallVector& residual) const {
+    const SmallVector told = inverse * residual;
+    const Eigen::MatrixXd moved = by_unknowns_ * jacobian.transpose();
+    const double growth = 2.0 * told.dot(jacobian * pull_) + (moved * told).squaredNorm();
+    return {all.sum - residual.dot(told) - growth,
+            all.redundancy - static_cast<double>(residual.size()) + (moved * inverse).cwiseProduct(moved).sum()};
+  }
+
+ private:
+  InformationRoot priors_;
+  Eigen::MatrixXd by_unknowns_;  ///< W C
+  Eigen::VectorXd pull_;         ///< C W^T w
+};
 
 }  // namespace
 
@@ -38,18 +63,19 @@ std::vector<Contradiction> contradictions(const Observation& observation, const 
                                           const Eigen::MatrixXd& covariance, const Scatter& scatter) {
   std::vector<Contradiction> all;
   const Eigen::Index n = observation.unknown_count();
+  const GivingWay priors(observation, unknowns, covariance);
   observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block, const Eigen::MatrixXd& own) {
     const bool active = observation.groups()[g].active;
     const int rows = static_cast<int>(block.rows());
-    const auto jacobian = block.leftCols(n);
+    const Eigen::MatrixXd jacobian = block.leftCols(n);
+    const SmallVector residual = block.col(n);
     const double sign = active ? -1.0 : 1.0;
-    const SmallSquare spread = own + sign * jacobian * covariance * jacobian.transpose();
-    const double sum = checked_sum(spread, block.col(n));
-    const double freedom = scatter.redundancy - (active ? rows : 0);
-    if (freedom < 1.0) return;
-    const double rest = std::max(scatter.sum - (active ? sum : 0.0), 1e-12) / freedom;
-    const double statistic = sum / rows / rest;
-    all.push_back({g, statistic, freedom, rows});
+    const SmallSquare inverse = checked_inverse(own + sign * jacobian * covariance * jacobian.transpose());
+    const Scatter rest = active ? priors.rest(scatter, jacobian, inverse, residual) : scatter;
+    const bool told = rest.redundancy >= 1.0;  // else nothing tells how much good readings scatter
+    if (!told && active) return;
+    const double unit = told ? std::max(rest.sum, 1e-12) / rest.redundancy : std::numeric_limits<double>::infinity();
+    all.push_back({g, residual.dot(inverse * residual) / rows / unit, std::max(rest.redundancy, 1.0), rows});
   });
   std::ranges::sort(all, std::greater{}, &Contradiction::statistic);
   return all;

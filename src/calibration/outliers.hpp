@@ -21,11 +21,14 @@ struct Contradiction {
   double chance(std::size_t count) const;
 };
 
-/// Every reading with the drop of the weighted residual sum if it were left out (for a reading left out already: the
-/// rise if it were taken in), exact for a linear model:
+/// Every reading with the drop of the weighted squares if it were left out (for a reading left out already: the rise if
+/// it were taken in) over the scatter of the others, exact for a linear model:
 ///
-///   T = v^T S^-1 v,   S = I - J C J^T  (I + J C J^T when left out),   F = (T / rows) / ((sum - T) / (redundancy -
-///   rows))
+///   T = v^T S^-1 v,   S = I - J C J^T  (I + J C J^T when left out),   F = (T / rows) / (sum' / redundancy')
+///
+/// where sum' and redundancy' are those of the other readings without this one, priors not counted (see Scatter): what
+/// leaving it out takes from the priors is no drop of the others' squares. Where these tell no noise, F is 0 of a
+/// reading that was left out: nothing contradicts it.
 ///
 /// with v its residuals and J its rows at the answer. F is Fisher distributed whatever the true scale of the noise: the
 /// externally studentised residual of several rows  [baarda1968].

@@ -57,6 +57,10 @@ class StageFit {
   /// hide behind each other; then, one at a time, the reading that contradicts the others most, if chance does not
   /// explain it (data snooping  [baarda1968]).
   void exclude_outliers(double outlier_chance);
+  /// Which readings are not left out.
+  std::vector<bool> kept() const;
+  /// Leaves out the others. To be settled again.
+  void keep(const std::vector<bool>& kept);
   /// Begins to seek a component, at `start` (a standard deviation, or a factor of it).
   void seek_joint(double start);
   void seek_stated_noise(double start);
