@@ -21,7 +21,6 @@ export interface Robot {
   plate?: { slide_axis: Vector };
   workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number]; tilt_deg?: number };
 }
-export const singleRodsOf = (robot: Robot): SingleRod[] => (robot.limb ?? []).filter((one): one is SingleRod => one.kind !== undefined);
 
 export interface Largest {
   max_abs_distance_mm: number | null; ///< the first four: null where lengths alone were read
@@ -335,19 +334,4 @@ export interface Report {
     largest_of_a_machine?: { quantity: string; limit?: number; before: Bins; after: Bins }[];
   };
   inputs: InputFile[];
-}
-
-export const isPoint = (residual: Residual): residual is PointResidual => Array.isArray(residual.before_mm);
-export const isLength = (residual: Residual): residual is LengthResidual => "pose" in residual && !isPoint(residual);
-
-/// The kinds of length of which a summary has a root mean square: ["height", "ball_bar"].
-export const lengthsOf = (summary: Largest): string[] =>
-  Object.entries(summary).flatMap(([key, value]) => (value == null || key === "rms_distance_mm" ? [] : (/^rms_(.+)_mm$/.exec(key)?.slice(1) ?? [])));
-
-export const length = (v: Vector) => Math.hypot(...v);
-
-export function readReport(): Report {
-  const report = JSON.parse(document.getElementById("data")!.textContent!) as Report;
-  if (report.format !== "paracal report 1") throw new Error(`expected a "paracal report 1", got "${report.format}"`);
-  return report;
 }

@@ -1,5 +1,6 @@
 // The page: every section whose data are there.
-import { readReport, type Report } from "./data";
+import type { Report } from "./data";
+import { readReport } from "./report";
 import { h } from "./dom";
 import type { Section } from "./section";
 import { batch } from "./sections/batch";

@@ -1,6 +1,7 @@
 // Base, arms, rails, parallelograms or single rods, and plate of the nominal robot at a pose.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Object3D, SphereGeometry, TorusGeometry, Vector3 } from "three";
-import { singleRodsOf, type Robot, type ScenePose, type SingleRod, type Vector } from "../data";
+import type { Robot, ScenePose, SingleRod, Vector } from "../data";
+import { singleRodsOf } from "../report";
 import { Rods, type Segment } from "./arrows";
 
 const kRound = 16;

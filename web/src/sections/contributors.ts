@@ -1,6 +1,7 @@
 // Which parts matter [huang2016, Figs. 5, 6] and how tight they must be.
 import { barX, dot, ruleX, text as label } from "@observablehq/plot";
-import { singleRodsOf, type Allocation, type Contributor, type Report, type Sensitivity, type SigmaMap } from "../data";
+import type { Allocation, Contributor, Report, Sensitivity, SigmaMap } from "../data";
+import { singleRodsOf } from "../report";
 import { bandLegend, discs } from "../disc";
 import { h } from "../dom";
 import { figure } from "../figure";

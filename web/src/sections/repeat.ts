@@ -1,5 +1,6 @@
 // What it takes to get the same numbers again.
-import { singleRodsOf, type Report } from "../data";
+import type { Report } from "../data";
+import { singleRodsOf } from "../report";
 import { h, table } from "../dom";
 import { exact } from "../numbers";
 import { section, type Section } from "../section";

@@ -1,6 +1,7 @@
 // What the fit leaves over, reading by reading, and what other poses say.
 import { dot, line, ruleX, ruleY } from "@observablehq/plot";
-import { isLength, isPoint, length, type Calibration, type DistanceResidual, type LengthResidual, type Report, type Residual, type Validation } from "../data";
+import type { Calibration, DistanceResidual, LengthResidual, Report, Residual, Validation } from "../data";
+import { isLength, isPoint, length } from "../report";
 import { h, table } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, normalQuantile, probability } from "../numbers";

@@ -1,6 +1,6 @@
 // The robot, its workspace and the errors at the poses, with what one turns and slides.
 import type { Report, Scene, ScenePose } from "../data";
-import { length } from "../data";
+import { length } from "../report";
 import { h } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, exact } from "../numbers";

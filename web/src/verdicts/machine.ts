@@ -1,5 +1,6 @@
 // Is the machine good? A calibration and a validation.
-import { lengthsOf, type Calibration, type ErrorMap, type Largest, type Use, type UseQuantity, type Validation } from "../data";
+import type { Calibration, ErrorMap, Largest, Use, UseQuantity, Validation } from "../data";
+import { lengthsOf } from "../report";
 import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
 import { strings } from "../strings";
 import { assumptions, card, from, unitOf, type Verdict } from "./card";

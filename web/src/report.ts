@@ -1,0 +1,20 @@
+// The report that stands in the page, and what is asked of its results in more than one place.
+
+import type { Largest, LengthResidual, PointResidual, Report, Residual, Robot, SingleRod, Vector } from "./data";
+
+export const singleRodsOf = (robot: Robot): SingleRod[] => (robot.limb ?? []).filter((one): one is SingleRod => one.kind !== undefined);
+
+export const isPoint = (residual: Residual): residual is PointResidual => Array.isArray(residual.before_mm);
+export const isLength = (residual: Residual): residual is LengthResidual => "pose" in residual && !isPoint(residual);
+
+/// The kinds of length of which a summary has a root mean square: ["height", "ball_bar"].
+export const lengthsOf = (summary: Largest): string[] =>
+  Object.entries(summary).flatMap(([key, value]) => (value == null || key === "rms_distance_mm" ? [] : (/^rms_(.+)_mm$/.exec(key)?.slice(1) ?? [])));
+
+export const length = (v: Vector) => Math.hypot(...v);
+
+export function readReport(): Report {
+  const report = JSON.parse(document.getElementById("data")!.textContent!) as Report;
+  if (report.format !== "paracal report 1") throw new Error(`expected a "paracal report 1", got "${report.format}"`);
+  return report;
+}
