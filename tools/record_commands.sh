@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Records what the commands of tests/corpus/commands.txt print and leave: tools/record_commands.sh PROGRAM FOLDER
-# FOLDER/NN.out, NN.err, NN.rc: line NN of the list; FOLDER/files: what they left. Two programs are compared by
+# FOLDER/NNN.out, NNN.err, NNN.rc: line NNN of the list; FOLDER/files: what they left. Two programs are compared by
 # node tools/compare_records.mjs ONE OTHER.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -10,14 +10,15 @@ mkdir -p "$2"
 out=$(realpath "$2")
 [[ -z $(ls -A "$out") ]] || { echo "$out: expected an empty folder" >&2; exit 2; }
 mkdir "$out/files"
-cp "$root"/data/huang2016/*.{csv,toml} "$root/samples/printer.cfg" "$out/files"
+"$root/tools/samples.sh" "$out/files"
+cp "$root"/tests/corpus/files/* "$out/files"
 cd "$out/files"
 number=0
 while IFS= read -r line; do
   number=$((number + 1))
   [[ -z $line || $line == \#* ]] && continue
   read -ra words <<< "$line"
-  name=$(printf '%02d' "$number")
+  name=$(printf '%03d' "$number")
   code=0
   "$program" "${words[@]}" > "$out/$name.out" 2> "$out/$name.err" < /dev/null || code=$?
   echo "$code" > "$out/$name.rc"

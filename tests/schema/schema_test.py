@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""Every JSON output against its schema: schema_test.py PROGRAM runs the commands of tests/corpus/commands.txt for them."""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+from jsonschema import Draft202012Validator
+
+from outputs import Output, outputs
+from schemas import FOLDER, Met, Schemas
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMAS = Schemas()
+OUTPUTS: list[Output] = []
+PROGRAM = ""
+
+
+def setUpModule() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([ROOT / "tools/record_commands.sh", PROGRAM, folder], check=True)
+        OUTPUTS.extend(outputs(Path(folder)))
+
+
+def meaning(schema: dict[str, Any]) -> str:
+    """What a schema, or the one that it refers to, says in words."""
+    return schema.get("description") or (meaning(SCHEMAS.at(schema["$ref"])) if "$ref" in schema else "")
+
+
+class TheOutputs(unittest.TestCase):
+    def test_are_as_their_schemas_say(self) -> None:
+        self.assertGreater(len(OUTPUTS), 100)
+        for one in OUTPUTS:
+            self.assertEqual(SCHEMAS.complaints(SCHEMAS.at(one.schema), one.value), [], one.command)
+
+    def test_show_every_key(self) -> None:
+        """A key that nothing prints is not true; nor is a pattern that no key is of."""
+        met = [one for output in OUTPUTS for one in SCHEMAS.met(output.schema, output.value)]
+        seen = {f"{one.place}/{below}" for one in met for key in one.value for below, _ in SCHEMAS.rules(one.schema, key)}
+        wanted = {f"{place}/{kind}/{key}" for place, schema in SCHEMAS.objects() for kind in ("properties", "patternProperties") for key in schema.get(kind, {})}
+        self.assertEqual(sorted(wanted - seen), [])
+
+    def test_show_every_result(self) -> None:
+        results = {one.schema.split("#")[0] for one in OUTPUTS}
+        self.assertEqual(sorted(set(SCHEMAS.files) - results), ["common.schema.json", "printer.schema.json"], "parts of others")
+
+    def test_would_not_pass_with_a_key_more_or_less(self) -> None:
+        tried: set[str] = set()
+        for one in OUTPUTS:
+            for met in SCHEMAS.met(one.schema, one.value):
+                if met.place not in tried:
+                    tried.add(met.place)
+                    self.check_one_more_or_less(met)
+        self.assertEqual(tried, {place for place, _ in SCHEMAS.objects()})
+
+    def check_one_more_or_less(self, met: Met) -> None:
+        self.assertTrue(SCHEMAS.is_valid(met.judge, met.value), met.place)
+        self.assertFalse(SCHEMAS.is_valid(met.judge, {**met.value, "Not a key": 1}), met.place)
+        for key in met.schema.get("required", []):
+            less = {name: value for name, value in met.value.items() if name != key}
+            self.assertFalse(SCHEMAS.is_valid(met.judge, less), f"{met.place} without {key}")
+
+
+class TheSchemas(unittest.TestCase):
+    def test_are_schemas(self) -> None:
+        for name, schema in SCHEMAS.files.items():
+            Draft202012Validator.check_schema(schema)
+            self.assertEqual(schema["$schema"], Draft202012Validator.META_SCHEMA["$id"], name)
+
+    def test_are_closed_and_say_what_each_key_means(self) -> None:
+        for place, schema in SCHEMAS.objects():
+            self.assertIs(schema.get("additionalProperties"), False, place)
+            self.assertLessEqual(set(schema.get("required", [])), set(schema.get("properties", {})), place)
+            for key, value in schema.get("properties", {}).items():
+                self.assertTrue(meaning(value), f"{place}: {key}")
+
+    def test_use_every_part(self) -> None:
+        text = "\n".join(json.dumps(schema) for schema in SCHEMAS.files.values())
+        parts = {f"{file}#/$defs/{name}" for file, schema in SCHEMAS.files.items() for name in schema.get("$defs", {})}
+        rows = {one.schema for one in OUTPUTS}
+        self.assertEqual(sorted(part for part in parts - rows if f'"{part}"' not in text), [])
+
+    def test_call_no_two_parts_the_same(self) -> None:
+        names = [name for schema in SCHEMAS.files.values() for name in schema.get("$defs", {})]
+        titles = re.findall(r'"title": "([^"]*)"', "\n".join(path.read_text() for path in FOLDER.iterdir()))
+        for all_of_a_kind in (names, titles):
+            self.assertEqual(sorted({one for one in all_of_a_kind if all_of_a_kind.count(one) > 1}), [])
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()
