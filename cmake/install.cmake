@@ -1,4 +1,4 @@
-# Two components: `program`, with its manual pages, completions and samples; `development`, the library.
+# Two components: `program`, with its manual pages, completions, samples and schemas; `development`, the library.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS paracal EXPORT paracal-targets COMPONENT development)
@@ -30,6 +30,7 @@ if(TARGET paracal-app)
       set(zsh_folder vendor-completions)  # Debian's, of packages
     endif()]] COMPONENT program)
   install(FILES ${manual}/_paracal DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/\${zsh_folder}" COMPONENT program)
+  install(DIRECTORY schema/ DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/schema COMPONENT program)
   install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/samples COMPONENT program)
   install(FILES data/huang2016/poses.csv data/huang2016/distances.csv data/huang2016/offsets.toml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/samples COMPONENT program)

@@ -19,13 +19,14 @@ while read -r library; do
   grep -qx "$owner" <<<"$all" || fail "expected Depends to name the package of $library, ${owner:-none}, got: $depends"
 done < <(ldd "$root/usr/bin/paracal" | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p')
 
-# The program, its pages, completions and samples.
+# The program, its pages, completions, samples and schemas.
 PATH=$root/usr/bin:$PATH
 work=$root/work
 mkdir "$work"
 cp -r "$root/usr/share/paracal/samples/." "$work"
 (cd "$work" && paracal demo && paracal calibrate --measurements distances.csv --poses poses.csv) >/dev/null
 for page in paracal paracal-demo paracal-tolerance-allocate; do zcat "$root/usr/share/man/man1/$page.1.gz" | grep -q '^.SH NAME' || fail "expected a page of $page"; done
+[[ -s $root/usr/share/paracal/schema/calibration.schema.json ]] || fail "expected the schema of a calibration"
 bash -c 'source "$1"; complete -p paracal' _ "$root/usr/share/bash-completion/completions/paracal" >/dev/null
 for file in zsh/vendor-completions/_paracal fish/vendor_completions.d/paracal.fish; do [[ -s $root/usr/share/$file ]] || fail "expected $file"; done
 

@@ -28,8 +28,9 @@ std::string option_entry(const OptionText& option) {
     names += (names.empty() ? "" : ", ") + fmt::format("\\fB{}\\fR", roff(name));
   }
   if (names.empty()) names = fmt::format("\\fI{}\\fR", roff(option.positional));
-  const std::string value = option.value.empty() ? "" : " " + roff(option.value);
-  return fmt::format(".TP\n{}{}\n{}\n", names, value, roff(option.text));
+  // Between two choices a line may end, wherever it does, and nowhere else.
+  const std::string value = option.value.empty() ? "" : " \\%" + escaped(roff(option.value), {{',', ",\\:\\%"}});
+  return fmt::format(".TP\n.na\n{}{}\n.ad\n{}\n", names, value, roff(option.text));
 }
 
 /// Headings in the order in which they come first.

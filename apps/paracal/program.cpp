@@ -34,6 +34,7 @@ void add_commands(Arguments& arguments, Session& session) {
   add_yield(program, session);
   add_compensate(program, session);
   add_export(program, session);
+  add_schema(program, session);
   add_reproduce(program, session);
   add_manual(arguments, session);
 }

@@ -139,6 +139,7 @@ void add_reproduce(Command& program, Session& session);
 void add_yield(Command& program, Session& session);
 void add_compensate(Command& program, Session& session);
 void add_export(Command& program, Session& session);
+void add_schema(Command& program, Session& session);
 void add_demo(Command& program, Session& session);
 /// Reads the whole tree of commands, once it is called.
 void add_manual(Arguments& arguments, Session& session);

@@ -413,6 +413,7 @@ const std::vector<BrokenInput> kUsage{
     usage("pose_infinite", "error-model --pose 0,0,-inf,0", {"--pose", "inf"}),
     usage("unknown_robot", "robot --robot huang2017", {"--robot", "huang2016", "rotary_delta", "\"huang2017\""}),
     usage("unknown_paper", "reproduce newton1687", {"huang2016", "newton1687"}),
+    usage("unknown_schema", "schema calibratoin", {"calibration", "calibratoin"}),
     usage("reproduce_without_paper", "reproduce", {"paper"}),
     usage("unknown_stage", kCalibrate + " --stage perfect", {"--stage", "rough", "perfect"}),
     usage("sigma_negative", kCalibrate + " --sigma-mm -0.05", {"--sigma-mm", "-0.05"}),

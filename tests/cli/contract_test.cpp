@@ -365,7 +365,7 @@ TEST(Program, AnswersHelpAndVersion) {
   }
   EXPECT_THAT(licences, Not(HasSubstr("Its licence was not there")));
   for (const char* command : {"--help", "robot --help", "inverse --help", "forward --help", "error-model --help",
-                              "calibrate --help", "reproduce --help"}) {
+                              "calibrate --help", "schema --help", "reproduce --help"}) {
     const ProgramResult result = folder.run(command);
     EXPECT_EQ(result.exit_code, kDone) << command;
     EXPECT_THAT(result.out, HasSubstr("Usage:")) << command;

@@ -81,6 +81,7 @@ void PrintTo(const Injected& one, std::ostream* stream) { *stream << one.command
 
 const std::vector<Injected> kCommands{
     {"robot --out out.toml"},
+    {"schema calibration --out out.json"},
     {"poses --stage rough --out out.csv"},
     {"poses --optimal 8 --candidates 40 --out out.csv"},
     {"inverse --poses plan.csv --errors calibration.json --out out.csv"},

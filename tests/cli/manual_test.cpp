@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <regex>
 #include <sstream>
 
 #include "run_program.hpp"
@@ -30,6 +31,10 @@ std::string plain(std::string text) {
   replace("\\fR", "");
   replace("\\fI", "");
   replace("\\&", "");
+  replace("\\:", "");
+  replace("\\%", "");
+  replace("\n.na\n", "\n");
+  replace("\n.ad\n", "\n");
   return text;
 }
 
@@ -55,7 +60,7 @@ std::vector<std::string> entries_of(const std::string& help) {
 
 const std::vector<std::string> kCommands = words(
     "demo robot inverse forward error-model poses identifiability simulate calibrate validate report sensitivity "
-    "tolerance tolerance-allocate tolerance-analyze yield compensate export reproduce");
+    "tolerance tolerance-allocate tolerance-analyze yield compensate export schema reproduce");
 
 class Manual : public testing::Test {
  protected:
@@ -86,6 +91,13 @@ TEST_F(Manual, HasAPageForEachCommand) {
   for (const char* of_shells : {"script", "said", "text"}) names.erase(of_shells);
   EXPECT_EQ(names, expected);
   for (const std::string& command : words(run_program({"--help"}).out)) EXPECT_NE(command, "manual");
+}
+
+TEST_F(Manual, EndsLinesBetweenChoicesAlone) {
+  const std::string text = said_by("MANWIDTH=80 man -E UTF-8 -l paracal-schema.1");
+  for (const char* whole : {",reproduction,", "error-model,export-configuration,", "{allocation,"}) {
+    EXPECT_THAT(std::regex_replace(text, std::regex(",\\n *"), ","), HasSubstr(whole));
+  }
 }
 
 TEST_F(Manual, SaysWhatHelpSays) {

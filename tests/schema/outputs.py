@@ -12,7 +12,7 @@ from schemas import SUFFIX
 
 COMMANDS = Path(__file__).resolve().parents[1] / "corpus" / "commands.txt"
 DATA_OF_A_PAGE = re.compile(r'<script[^>]*id="data"[^>]*>(.*?)</script>', re.DOTALL)
-NAMED_OTHERWISE = {"calibrate": "calibration", "validate": "validation", "reproduce": "reproduction"}
+NAMED_OTHERWISE = {"calibrate": "calibration", "validate": "validation", "reproduce": "reproduction", "schema": "schemas"}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 from jsonschema import Draft202012Validator
 
 from outputs import Output, outputs
-from schemas import FOLDER, Met, Schemas
+from schemas import FOLDER, SUFFIX, Met, Schemas
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMAS = Schemas()
@@ -86,10 +86,56 @@ class TheSchemas(unittest.TestCase):
         self.assertEqual(sorted(part for part in parts - rows if f'"{part}"' not in text), [])
 
     def test_call_no_two_parts_the_same(self) -> None:
-        names = [name for schema in SCHEMAS.files.values() for name in schema.get("$defs", {})]
+        """So that all fit into one schema, and are told apart by their titles."""
+        names = [name for file, schema in SCHEMAS.files.items() for name in [file.removesuffix(SUFFIX), *schema.get("$defs", {})]]
         titles = re.findall(r'"title": "([^"]*)"', "\n".join(path.read_text() for path in FOLDER.iterdir()))
         for all_of_a_kind in (names, titles):
             self.assertEqual(sorted({one for one in all_of_a_kind if all_of_a_kind.count(one) > 1}), [])
+
+
+class ThePrintedSchemas(unittest.TestCase):
+    """`paracal schema NAME` prints each by itself."""
+
+    abouts: dict[str, str]
+    schemas: dict[str, dict[str, Any]]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        def printed(*words: str) -> Any:
+            return json.loads(subprocess.run([PROGRAM, "schema", *words], check=True, capture_output=True).stdout)
+
+        cls.abouts = {one["name"]: one["about"] for one in printed("--json")["schemas"]}
+        cls.schemas = {name: printed(name) for name in cls.abouts}
+
+    def test_are_those_of_the_files(self) -> None:
+        files = {path.name.removesuffix(SUFFIX): json.loads(path.read_text()) for path in FOLDER.iterdir()}
+        self.assertEqual(self.abouts, {name: schema["description"] for name, schema in files.items() if name != "common"})
+        for name, schema in self.schemas.items():
+            for key in ("$schema", "title", "description", "required"):
+                self.assertEqual(schema[key], files[name][key], name)
+            for key in ("properties", "$defs"):
+                self.assertLessEqual(files[name].get(key, {}).keys(), schema[key].keys(), name)
+
+    def test_refer_to_nothing_outside(self) -> None:
+        for name, schema in self.schemas.items():
+            Draft202012Validator.check_schema(schema)
+            led_to = re.findall(r'"\$ref": "([^"]*)"', json.dumps(schema))
+            self.assertLessEqual(set(led_to), {f"#/$defs/{part}" for part in schema["$defs"]}, name)
+
+    def test_judge_outputs_as_the_files_do(self) -> None:
+        first = {one.schema.removesuffix(SUFFIX): one for one in reversed(OUTPUTS)}
+        self.assertEqual(self.schemas.keys() - first.keys(), {"printer"})
+        for name, schema in self.schemas.items():
+            if name in first:
+                self.check_judges(Draft202012Validator(schema), first[name])
+
+    def check_judges(self, schema: Draft202012Validator, one: Output) -> None:
+        self.assertEqual(list(schema.iter_errors(one.value)), [], one.command)
+        places: dict[str, Met] = {met.place: met for met in SCHEMAS.met(one.schema, one.value)}
+        for place, met in places.items():
+            met.value["Not a key"] = 1
+            self.assertFalse(schema.is_valid(one.value), f"{one.command}: {place}")
+            del met.value["Not a key"]
 
 
 if __name__ == "__main__":
