@@ -1,74 +1,248 @@
-// What the program puts into the page: results as its commands print them with --json (docs/files.md), and what figures
-// need beyond.
+// Made by node types.mjs from the schemas in schema/, which say what each key means. Not to be edited.
 
 export type Vector = [number, number, number];
+export type Interval = [number, number];
+export type Assumed = string[];
+export type Residual = DistanceResidual | HeightResidual | BallBarResidual | DialResidual | PointResidual;
+export type RotationMatrix = [Vector, Vector, Vector];
+export type InputFiles = InputFile[];
+export type DeltaGeometry = LinearDelta | RotaryDelta;
+export type Contributors = Contributor[];
+export type IntervalOverMachines = [number | null, number | null];
 
-/// A limb of a plate with six freedoms, as its robot file has it: a strut, or one rod on an arm or on a rail's carriage.
-export interface SingleRod {
-  kind: "strut" | "arm" | "rail";
-  base_joint_mm: Vector;
-  plate_joint_mm: Vector;
-  length_at_zero_mm?: number; ///< of a strut
-  rod_mm?: number;
-  arm_mm?: number;
-  direction?: Vector; ///< of a rail
+export interface Report {
+  format: "paracal report 1";
+  program: string;
+  date: string;
+  command: string;
+  kind: string;
+  robot: Robot;
+  results: Results;
+  figures: Figures;
+  inputs: InputFiles;
 }
 export interface Robot {
   name: string;
-  /// What all limbs share; none on limbs with one rod.
-  geometry?: { base_radius_mm: number; plate_radius_mm: number; actuator: "revolute" | "linear"; arm_mm: number; rod_mm: number; parallelogram_width_mm: number; limb_azimuth_deg: number[] };
-  limb?: (SingleRod | { kind?: undefined })[];
-  plate?: { slide_axis: Vector };
-  workspace: { radius_mm: number; height_mm: number; top_z_mm: number; rotation_deg: [number, number]; tilt_deg?: number };
+  geometry?: Geometry;
+  plate?: Plate;
+  workspace: Workspace;
+  controller?: Controller;
+  limb?: (Strut | SingleRodOnAnArm | SingleRodOnARail | IntendedLimb)[];
+  tolerances?: HalfWidths;
 }
-
-export interface Largest {
-  max_abs_distance_mm: number | null; ///< the first four: null where lengths alone were read
-  rms_distance_mm: number | null;
-  max_volumetric_mm: number | null;
-  max_volumetric_aligned_mm: number | null;
-  [length: `rms_${string}_mm`]: number | null | undefined; ///< of lengths, a kind each: null where none were read
-  max_abs_rotation_deg: number | null;
-  max_orientation_deg?: number | null; ///< of a body's orientation; files of earlier versions have none
+export interface Geometry {
+  base_radius_mm: number;
+  plate_radius_mm: number;
+  arm_mm: number;
+  rod_mm: number;
+  parallelogram_width_mm: number;
+  limb_azimuth_deg: number[];
+  actuator: "revolute" | "linear";
 }
-
-/// U of one quantity anywhere in the workspace, against its limit where one was set.
-export interface UseQuantity {
-  U: number;
-  limit: number | null;
-  verdict: "kept" | "not kept" | null;
+export interface Plate {
+  slide_axis: Vector;
+  slide_sign: number[];
+  pinion_radius_mm: number;
+}
+export interface Workspace {
+  radius_mm: number;
+  height_mm: number;
+  top_z_mm: number;
+  rotation_deg: Interval;
+  tilt_deg?: number;
+}
+export interface Controller {
+  origin_mm: Vector;
+}
+export interface Strut {
+  kind: "strut";
+  base_joint_mm: Vector;
+  plate_joint_mm: Vector;
+  length_at_zero_mm: number;
+}
+export interface SingleRodOnAnArm {
+  kind: "arm";
+  base_joint_mm: Vector;
+  plate_joint_mm: Vector;
+  rod_mm: number;
+  arm_mm: number;
+  axis: Vector;
+  arm_at_zero: Vector;
+}
+export interface SingleRodOnARail {
+  kind: "rail";
+  base_joint_mm: Vector;
+  plate_joint_mm: Vector;
+  rod_mm: number;
+  direction: Vector;
+  carriage: "ahead" | "behind";
+}
+export interface IntendedLimb {
+  [k: string]: number | Vector;
+}
+export interface HalfWidths {
+  others?: "exact";
+  generous?: string[];
+  distribution: "normal" | "uniform" | "truncated_normal";
+  measured?: {
+    [k: string]: number[];
+  };
+  [k: string]:
+    | number
+    | "exact"
+    | string[]
+    | "normal"
+    | "uniform"
+    | "truncated_normal"
+    | {
+        [k: string]: number[];
+      }
+    | undefined;
+}
+export interface Results {
+  calibration?: Calibration;
+  validation?: Validation;
+  sensitivity?: Sensitivity;
+  allocation?: Allocation;
+  analysis?: Analysis;
+  yield?: Yield;
+  reproduction?: Reproduction;
+}
+export interface Calibration {
+  format: "paracal calibration 1";
+  program: string;
+  build: string;
+  date: string;
+  accepted: boolean;
+  verdict: "accepted" | "rejected" | "not identifiable" | "not converged";
+  reasons: string[];
+  use: Use | null;
+  notes: string[];
+  assumed: Assumed;
+  components: Component[];
+  robot: Robot;
+  parameters: Parameter[];
+  covariance: number[][] | null;
+  covariance_of_noise: number[][] | null;
+  noise_dof: number | null;
+  joint_std_deg?: number;
+  joint_std_mm?: number;
+  correlations: Correlation[];
+  coverage_factor: number;
+  rank: number;
+  null_space: NullDirection[];
+  stages: StageReport[];
+  residual_rms_mm: number | null;
+  readings: number;
+  noise_mm: number;
+  orientation_noise_deg: number | null;
+  degrees_of_freedom: number;
+  unit_weight_std: number | null;
+  fit_probability: number | null;
+  chance: number | null;
+  before: ErrorSummary;
+  after: ErrorSummary;
+  residuals: Residual[];
+  suspects: Suspect[];
+  frames: SeriesFrame[];
+  planes: Plane[];
+  ball_bars: BallBar[];
+  dials: Dial[];
+  distance_bias_mm: number | null;
+  distance_bias_std_mm: number | null;
+  options: CalibrationOptions;
+  inputs: InputFiles;
+  printer?: Printer;
 }
 export interface Use {
   distance_mm: UseQuantity;
   aligned_mm: UseQuantity;
   rotation_deg: UseQuantity | null;
 }
-
+export interface UseQuantity {
+  U: number;
+  limit: number | null;
+  verdict: "kept" | "not kept" | null;
+}
+export interface Component {
+  text: string;
+  drop: number;
+  chance: number;
+  told: boolean;
+}
 export interface Parameter {
   name: string;
   limb: number;
   value: number;
-  unit: string;
+  unit: "mm" | "deg" | "mm/m";
   std: number | null;
   U: number | null;
   k: number | null;
-  status: string;
+  dof: number | null;
+  status: "identified" | "prior" | "fixed";
   prior_std: number | null;
   expected: number;
   data_share: number;
 }
-
+export interface Correlation {
+  one: string;
+  other: string;
+  value: number;
+}
+export interface NullDirection {
+  text: string;
+  direction: number[];
+}
+export interface StageReport {
+  name: "rough" | "fine";
+  iterations: number;
+  converged: boolean;
+  rank: number;
+  condition: number | null;
+  residual_rms_mm: number;
+}
+export interface ErrorSummary {
+  max_abs_distance_mm: number | null;
+  rms_distance_mm: number | null;
+  max_volumetric_mm: number | null;
+  max_volumetric_aligned_mm: number | null;
+  rms_height_mm: number | null;
+  rms_ball_bar_mm: number | null;
+  rms_dial_mm: number | null;
+  max_abs_rotation_deg: number | null;
+  max_orientation_deg: number | null;
+}
 export interface DistanceResidual {
   from: string;
   to: string;
+  distance_mm: number;
+  before_mm: number;
+  after_mm: number;
+  excluded: boolean;
+  rotation_deg?: number;
+  rotation_before_deg?: number;
+  rotation_after_deg?: number;
+}
+export interface HeightResidual {
+  series: string;
+  pose: string;
+  height_mm: number;
   before_mm: number;
   after_mm: number;
   excluded: boolean;
 }
-/// A height, a ball bar's length or a dial's reading: its own number stands under the name of its column.
-export interface LengthResidual {
+export interface BallBarResidual {
   series: string;
   pose: string;
+  ball_bar_mm: number;
+  before_mm: number;
+  after_mm: number;
+  excluded: boolean;
+}
+export interface DialResidual {
+  series: string;
+  pose: string;
+  dial_mm: number;
   before_mm: number;
   after_mm: number;
   excluded: boolean;
@@ -79,17 +253,131 @@ export interface PointResidual {
   before_mm: Vector;
   after_mm: Vector;
   excluded: boolean;
+  orientation_before_deg?: Vector;
+  orientation_after_deg?: Vector;
+  rotation_before_deg?: number;
+  rotation_after_deg?: number;
 }
-
-export type Residual = DistanceResidual | LengthResidual | PointResidual;
-
-/// What a delta's firmware is told: a number a tower, or one for all.
-export type DeltaGeometry = Record<string, number | number[]>;
+export interface Suspect {
+  reading: string;
+  statistic: number;
+  chance: number;
+  excluded: boolean;
+}
+export interface SeriesFrame {
+  series: string;
+  rotation: RotationMatrix;
+  translation_mm: Vector;
+  rotation_zero_deg: number | null;
+  second_reflector_mm: Vector | null;
+  body: BodyPlace | null;
+}
+export interface BodyPlace {
+  rotation: RotationMatrix;
+  translation_mm: Vector;
+}
+export interface Plane {
+  series: string;
+  z_mm: number;
+  slope_x: number;
+  slope_y: number;
+}
+export interface BallBar {
+  series: string;
+  x_mm: number;
+  y_mm: number;
+  z_mm: number;
+  zero_mm?: number;
+}
+export interface Dial {
+  series: string;
+  zero_mm: number;
+  direction_x: number;
+  direction_y: number;
+  direction_z: number;
+}
+export interface CalibrationOptions {
+  method: "best" | "paper";
+  stage: "rough" | "fine" | "auto";
+  frame: "unknown" | "robot";
+  body: "unknown" | "plate";
+  rotation: "relative" | "absolute";
+  reflectors: "plate" | "end-effector" | "end-effector-reversed";
+  distance_sigma_mm: number;
+  point_sigma_mm: number;
+  body_sigma_mm: number;
+  rotation_sigma_deg: number;
+  height_sigma_mm: number;
+  distance_bias_sigma_mm: number;
+  dial_angle_sigma_deg: number | null;
+  plane_slope_sigma_rad: number | null;
+  common: CommonError[];
+  noise_is_known: boolean;
+  fixed: string[];
+  free: string[];
+  exclude_outliers: boolean;
+  scale_sigma_ppm: number;
+  limit_distance_mm: number | null;
+  limit_aligned_mm: number | null;
+  limit_rotation_deg: number | null;
+  outlier_chance: number;
+  largest_chance: number;
+  tracker?: TrackerNoise;
+  tolerances?: HalfWidths;
+}
+export interface CommonError {
+  text: string;
+  std_mm: number;
+}
+export interface TrackerNoise {
+  transverse_mm: number;
+  transverse_mm_per_m: number;
+  radial_mm: number;
+  radial_mm_per_m: number;
+}
+export interface InputFile {
+  file: string;
+  sha256: string;
+}
+export interface Printer {
+  advice: "accept_new" | "take_firmware" | "keep_saved" | "check_input";
+  findings: string[];
+  saved: DeltaFit;
+  firmware: DeltaFit;
+  new: DeltaGeometry;
+  accuracy_saved: DeltaAccuracy;
+  accuracy_new: DeltaAccuracy;
+  left_out: PredictionErrors | null;
+  left_out_firmware: PredictionErrors | null;
+  left_out_saved: PredictionErrors | null;
+  groups: number;
+  judged_new: PrinterCandidate;
+  judged_firmware: PrinterCandidate;
+  expected_shape_saved_mm: number;
+  size: PrintSize;
+  uncheckable: string[];
+  lines: string;
+}
 export interface DeltaFit {
+  cost_mm2: number;
   rms_height_mm: number;
   rms_distance_mm: number;
   parameters: number;
   geometry: DeltaGeometry;
+}
+export interface LinearDelta {
+  tower_angle_deg: Vector;
+  position_endstop_mm: Vector;
+  delta_radius_mm: number;
+  arm_length_mm: Vector;
+}
+export interface RotaryDelta {
+  tower_angle_deg: Vector;
+  position_endstop_mm: Vector;
+  shoulder_radius_mm: number;
+  shoulder_height_mm: Vector;
+  upper_arm_length_mm: Vector;
+  lower_arm_length_mm: Vector;
 }
 export interface DeltaAccuracy {
   absolute_rms_mm: number;
@@ -101,150 +389,362 @@ export interface PredictionErrors {
   height_mm: number;
   distance_mm: number;
 }
-/// Values that could be written, against the saved ones.
 export interface PrinterCandidate {
   geometry: DeltaGeometry;
-  gain: { value: number; low: number; high: number };
+  gain: Gain;
   chance_better: number;
   expected_shape_mm: number;
 }
-export interface Printer {
-  advice: "accept_new" | "take_firmware" | "keep_saved" | "check_input";
-  findings: string[];
-  saved: DeltaFit;
-  firmware: DeltaFit;
-  new: DeltaGeometry;
-  lines: string;
-  accuracy_saved: DeltaAccuracy;
-  accuracy_new: DeltaAccuracy;
-  left_out: PredictionErrors | null; ///< null: too few readings
-  left_out_firmware: PredictionErrors | null;
-  left_out_saved: PredictionErrors | null;
-  judged_new: PrinterCandidate;
-  judged_firmware: PrinterCandidate;
-  expected_shape_saved_mm: number;
+export interface Gain {
+  value: number;
+  low: number;
+  high: number;
 }
-
-export interface Calibration {
-  printer?: Printer;
+export interface PrintSize {
+  bias_can_be_told: boolean;
+  bias_is_there: boolean;
+  bias_mm: number;
+  bias_std_mm: number;
+  open_share: number;
+}
+export interface Validation {
   accepted: boolean;
-  verdict: string;
   reasons: string[];
-  use: Use | null;
+  before: ErrorSummary;
+  after: ErrorSummary;
+  iso9283: Iso9283;
+  checks: LimitCheck[];
+  poses: ValidatedPose[];
+  readings: CheckedReading[];
+  agreement: Agreement | null;
   notes: string[];
-  assumed: string[];
-  parameters: Parameter[];
-  covariance: number[][] | null;
-  correlations: { one: string; other: string; value: number }[];
-  rank: number;
-  null_space: { text: string }[];
-  readings: number;
-  noise_mm: number;
-  degrees_of_freedom: number;
-  before: Largest;
-  after: Largest;
-  residuals: Residual[];
-  suspects: { reading: string; statistic: number; chance: number; excluded: boolean }[];
-  options: Record<string, unknown>;
-  program: string;
-  date: string;
-  inputs: InputFile[];
 }
-
+export interface Iso9283 {
+  max_AP_mm: number;
+  max_RP_mm: number;
+  max_AD_mm: number;
+  max_RD_mm: number;
+  poses: Iso9283Pose[];
+}
+export interface Iso9283Pose {
+  pose: string;
+  repeats: number;
+  AP_mm: number;
+  RP_mm: number;
+  AD_mm: number;
+  RD_mm: number;
+  AP_deg?: number;
+  RP_deg?: number;
+}
+export interface LimitCheck {
+  quantity: string;
+  error: number;
+  U: number;
+  k: number;
+  limit: number;
+  conformity: "conforming" | "not conforming" | "undecided";
+}
+export interface ValidatedPose {
+  series: string;
+  pose: string;
+  before: PoseError;
+  after: PoseError;
+  predicted_U_mm?: Vector;
+  predicted_U_deg?: number;
+  predicted_U_tilt_deg?: Vector;
+}
 export interface PoseError {
   d_rho_mm: number;
   d_v_mm: number;
   d_phi_deg: number | null;
 }
-export interface Validation {
-  accepted: boolean;
-  reasons: string[];
-  before: Largest;
-  after: Largest;
-  iso9283: { max_AP_mm: number; max_RP_mm: number; max_AD_mm: number; max_RD_mm: number; poses: { pose: string; repeats: number; AP_mm: number; RP_mm: number; AD_mm: number; RD_mm: number }[] };
-  checks: { quantity: string; error: number; U: number; k: number; limit: number; conformity: string }[];
-  poses: { series: string; pose: string; before: PoseError; after: PoseError; predicted_U_mm?: Vector }[];
-  readings: { reading: string; before_mm: number; after_mm: number; sigma_mm: number; U_mm: number }[];
-  agreement: { chi_square: number; dof: number; noise_dof: number | null; chance: number; contradicts: boolean } | null;
-  notes: string[];
+export interface CheckedReading {
+  reading: string;
+  before_mm: number;
+  after_mm: number;
+  sigma_mm: number;
+  U_mm: number;
 }
-
-export interface Contributor {
-  name: string;
-  share: number;
+export interface Agreement {
+  chi_square: number;
+  dof: number;
+  noise_dof: number | null;
+  chance: number;
+  contradicts: boolean;
 }
 export interface Sensitivity {
   quantity: string;
   poses: number;
-  global: Record<string, number>;
-  global_error: Record<string, number>;
-  largest: Record<string, number>;
-  worst: Record<string, number>;
-  contributors: Contributor[];
-  assumed: string[];
+  global: PerSource;
+  global_error: PerSource;
+  largest: PerSource;
+  local?: PerSource;
+  worst: WorstPose;
+  contributors: Contributors;
+  half_widths: HalfWidths;
+  drawing: Drawing;
+  assumed: Assumed;
 }
-
+export interface PerSource {
+  [k: string]: number;
+}
+export interface WorstPose {
+  x_mm: number;
+  y_mm: number;
+  z_mm: number;
+  phi_deg: number;
+  tilt_x_deg?: number;
+  tilt_y_deg?: number;
+  tilt_z_deg?: number;
+  [k: string]: number | undefined;
+}
+export interface Contributor {
+  name: string;
+  share: number;
+}
+export interface Drawing {
+  [k: string]: DrawingStatement;
+}
+export interface DrawingStatement {
+  statement: string | null;
+  grade: string | null;
+  text: string;
+}
+export interface Allocation {
+  status: "optimal" | "feasible" | "infeasible" | "not converged";
+  reason: string;
+  cost: number;
+  tolerances?: TiltGroup;
+  bound?: "sum-of-maxima" | "true-maximum";
+  max_tilt_3sigma?: number;
+  half_widths: HalfWidths;
+  drawing: Drawing;
+  requirements: RequirementOutcome[];
+  failure?: Failure;
+  failure_price?: number;
+  assumed: Assumed;
+}
+export interface TiltGroup {
+  rod_difference_over_c: number;
+  width_difference_over_c: number;
+  alpha03: number;
+  beta03: number;
+  alpha2: number;
+  beta2: number;
+}
+export interface RequirementOutcome {
+  quantity: string;
+  criterion: "statistical" | "worst-case" | "yield";
+  worst_pose: Pose;
+  price: number;
+  [k: string]: number | string | "statistical" | "worst-case" | "yield" | Pose;
+}
+export interface Pose {
+  x_mm: number;
+  y_mm: number;
+  z_mm: number;
+  phi_deg: number;
+  tilt_x_deg?: number;
+  tilt_y_deg?: number;
+  tilt_z_deg?: number;
+}
+export interface Failure {
+  status: "settled" | "impossible" | "unsettled";
+  reason: string;
+  linear: WeighedShare;
+  check: WeighedShare;
+  exact: WeighedShare | null;
+  not_closed: number;
+}
+export interface WeighedShare {
+  value: number;
+  low: number;
+  high: number;
+  machines: number;
+  effective: number;
+}
+export interface Analysis {
+  model: "linear" | "exact";
+  machines: number;
+  converged: boolean;
+  not_closed: number;
+  confidence: number;
+  requirements: [Requirement, ...Requirement[]];
+  worst_case: number;
+  rss_3sigma: number;
+  monte_carlo_3sigma: number;
+  monte_carlo_3sigma_interval: Interval;
+  contributors: Contributors;
+  yield: Proportion;
+  dpmo: Proportion;
+  failure: Failure;
+  sobol?: SobolIndex[];
+  linearity?: LinearityPoint[];
+  half_widths: HalfWidths;
+  drawing: Drawing;
+  assumed: Assumed;
+}
+export interface Requirement {
+  quantity: string;
+  unit: "mm" | "deg" | "rad";
+  limit: number;
+  worst_case: number;
+  worst_case_pose: Pose;
+  rss_3sigma: number;
+  rss_pose: Pose;
+  monte_carlo_3sigma: number;
+  monte_carlo_3sigma_interval: Interval;
+  monte_carlo_pose: Pose;
+  cpk: number | null;
+  passed: number;
+  contributors: Contributors;
+  largest_on_a_machine: LargestOnAMachine;
+  failure: Failure;
+}
+export interface LargestOnAMachine {
+  p50: number;
+  p90: number;
+  p95: number;
+  p99: number;
+  p95_interval: Interval;
+}
 export interface Proportion {
   value: number;
   low: number;
   high: number;
 }
-export interface Requirement {
-  quantity: string;
-  unit: string;
-  limit: number;
-  worst_case: number;
-  rss_3sigma: number;
-  monte_carlo_3sigma: number;
-  monte_carlo_3sigma_interval: [number, number];
-  cpk: number;
-  contributors: Contributor[];
+export interface SobolIndex {
+  name: string;
+  first: number;
+  first_interval: Interval;
+  total: number;
+  total_interval: Interval;
 }
-export interface Analysis {
-  model: string;
-  machines: number;
-  converged: boolean;
-  confidence: number;
-  requirements: Requirement[];
-  yield: Proportion;
-  dpmo: Proportion;
-  assumed: string[];
-}
-
-export interface Allocation {
-  status: string;
-  reason: string;
-  cost: number;
-  tolerances?: Record<string, number>; ///< of the tilt group; struts have none
-  max_tilt_3sigma?: number;
-  half_widths: Record<string, unknown>;
-  drawing: Record<string, { text: string }>; ///< by the keys of half_widths, without exact ones
-  requirements: ({ quantity: string; criterion: string; price: number } & Record<string, unknown>)[];
-  assumed: string[];
-}
-
-export interface Spread {
-  mean: number;
-  std: number;
-  p50: number;
-  p90: number;
-  p95: number;
-  p99: number;
-  p99_73: number;
-  p95_interval: [number, number];
+export interface LinearityPoint {
+  factor: number;
+  difference: number;
+  not_closed: number;
 }
 export interface Yield {
-  machines: number;
+  machines_asked: number;
   partial: boolean;
-  fates: Record<string, number>;
-  passed: number | null; ///< null, as yield and dpmo: no limits
+  machines: number;
+  produced: number;
+  unseen: number;
+  fates: Fates;
+  confidence: number;
+  passed: number | null;
+  yield: YieldOfMachines | null;
+  dpmo: Defects | null;
+  quantities: Quantities;
   min_yield?: number;
-  yield: (Proportion & { confidence: number }) | null;
-  dpmo: Proportion | null;
-  assumed: string[];
-  quantities: Record<string, { before: Spread; after: Spread } | null>;
+  assumed: Assumed;
+  batch: Batch;
+  inputs: InputFiles;
 }
-
+export interface Fates {
+  accepted: number;
+  rejected: number;
+  not_identifiable: number;
+  not_converged: number;
+  does_not_close: number;
+}
+export interface YieldOfMachines {
+  value: number | null;
+  low: number;
+  high: number;
+  confidence: number;
+}
+export interface Defects {
+  value: number | null;
+  low: number;
+  high: number;
+}
+export interface Quantities {
+  distance_mm: BeforeAndAfter;
+  volumetric_mm: BeforeAndAfter;
+  volumetric_aligned_mm: BeforeAndAfter;
+  rotation_deg: BeforeAndAfter | null;
+  tilt_rad: BeforeAndAfter;
+}
+export interface BeforeAndAfter {
+  before: Spread;
+  after: Spread;
+}
+export interface Spread {
+  mean: number | null;
+  std: number | null;
+  p50: number | null;
+  p90: number | null;
+  p95: number | null;
+  p99: number | null;
+  p99_73: number | null;
+  p99_9: number | null;
+  p95_interval: IntervalOverMachines;
+  intervals: PercentileIntervals;
+}
+export interface PercentileIntervals {
+  p50: IntervalOverMachines;
+  p90: IntervalOverMachines;
+  p95: IntervalOverMachines;
+  p99: IntervalOverMachines;
+  p99_73: IntervalOverMachines;
+  p99_9: IntervalOverMachines;
+}
+export interface Batch {
+  program: string;
+  build: string;
+  seed: number;
+  robot: Robot;
+  limb_azimuth_rad: number[];
+  rotation_rad: Interval;
+  robot_tolerances: ExactTolerances | null;
+  tolerances: ExactTolerances;
+  stations: Stations;
+  validation: Stations;
+  instrument: VirtualInstrument;
+  calibration: CalibrationOptions;
+  rotation_sigma_rad: number;
+  priors: ExactTolerances | null;
+  limits: BatchLimits;
+  strata: number[][] | null;
+}
+export interface ExactTolerances {
+  half_width: number[];
+  distribution: "normal" | "uniform" | "truncated_normal";
+  measured?: {
+    [k: string]: number[];
+  };
+}
+export interface Stations {
+  count: number;
+  sha256: string;
+}
+export interface VirtualInstrument {
+  noise_mm: number;
+  repeatability_mm: number;
+  repeats: number;
+  reads_rotation: boolean;
+  rotation_noise_rad: number;
+  rotation: [Vector, Vector, Vector];
+  translation_mm: Vector;
+  reads_orientation?: true;
+  tracker?: TrackerNoise;
+  second_reflector_mm?: Vector;
+}
+export interface BatchLimits {
+  distance_mm?: number;
+  volumetric_mm?: number;
+  volumetric_aligned_mm?: number;
+  rotation_rad?: number;
+  tilt_rad?: number;
+}
+export interface Reproduction {
+  paper: string;
+  rule: string[];
+  rows: Row[];
+  counts: Counts;
+}
 export interface Row {
   id: string;
   table: string;
@@ -257,81 +757,98 @@ export interface Row {
   verdict: "reproduced" | "not reproduced" | "cannot be tested";
   reason: string;
 }
-export interface Reproduction {
-  rule: string[];
-  rows: Row[];
-  counts: { reproduced: number; not_reproduced: number; cannot_be_tested: number };
+export interface Counts {
+  reproduced: number;
+  not_reproduced: number;
+  cannot_be_tested: number;
 }
-
-export interface InputFile {
-  file: string;
-  sha256: string;
+export interface Figures {
+  scene?: Scene;
+  error_map?: ErrorMap;
+  observability?: ObservabilityCurves;
+  sigma_map?: SigmaMap;
+  largest_on_a_machine?: RequirementHistogram[];
+  largest_of_a_machine?: ErrorHistogram[];
 }
-
+export interface Scene {
+  measured: boolean;
+  poses: ScenePose[];
+}
 export interface ScenePose {
   pose: string;
   position_mm: Vector;
   rotation_deg: number;
   before_mm: Vector;
   after_mm: Vector | null;
-  tilt_rad: [number, number] | null; ///< away from how it was commanded
-  tilt_deg?: Vector; ///< commanded, and the plate's normal there: of plates with six freedoms
+  tilt_rad: [number, number] | null;
+  tilt_deg?: Vector;
   normal?: Vector;
-  limbs?: { base_mm: Vector; elbow_mm?: Vector; rods_mm: [Vector, Vector][] }[]; ///< struts and carriages have no elbow, and one rod
+  limbs?: DrawnLimb[];
 }
-export interface Scene {
-  measured: boolean;
-  poses: ScenePose[];
+export interface DrawnLimb {
+  base_mm: Vector;
+  elbow_mm?: Vector;
+  rods_mm: [Vector, Vector][];
 }
-
-export interface MapAxes {
+export interface ErrorMap {
   radii_mm: number[];
   azimuths_deg: number[];
   layers_mm: number[];
-}
-export interface ErrorMap extends MapAxes {
   coverage_factor: number;
-  points: Record<string, number | null>[];
+  points: ErrorMapPoint[];
 }
-export interface SigmaMap extends MapAxes {
-  quantity: string;
-  unit: string;
-  points: { x_mm: number; y_mm: number; z_mm: number; value: number }[];
+export interface ErrorMapPoint {
+  x_mm: number;
+  y_mm: number;
+  z_mm: number;
+  distance_before_mm: number;
+  distance_after_mm: number | null;
+  position_before_mm: number;
+  position_after_mm: number | null;
+  rotation_before_deg?: number;
+  rotation_after_deg?: number | null;
 }
-
+export interface ObservabilityCurves {
+  rough: Curve;
+  fine: Curve;
+}
 export interface Curve {
   n: number;
-  curve: { n: number; O2: number; change: number }[];
+  curve: RoundedCurvePoint[];
+}
+export interface RoundedCurvePoint {
+  n: number;
+  O2: number;
+  change: number;
+}
+export interface SigmaMap {
+  radii_mm: number[];
+  azimuths_deg: number[];
+  layers_mm: number[];
+  quantity: string;
+  unit: "mm" | "deg" | "rad";
+  points: SigmaMapPoint[];
+}
+export interface SigmaMapPoint {
+  x_mm: number;
+  y_mm: number;
+  z_mm: number;
+  value: number;
+}
+export interface RequirementHistogram {
+  quantity: string;
+  unit: "mm" | "deg" | "rad";
+  limit: number;
+  machines: Bins;
 }
 export interface Bins {
   bin_width: number;
   counts: number[];
   total: number;
 }
-
-export interface Report {
-  format: string;
-  program: string;
-  date: string;
-  command: string;
-  kind: string;
-  robot: Robot;
-  results: {
-    calibration?: Calibration;
-    validation?: Validation;
-    sensitivity?: Sensitivity;
-    allocation?: Allocation;
-    analysis?: Analysis;
-    yield?: Yield;
-    reproduction?: Reproduction;
-  };
-  figures: {
-    scene?: Scene;
-    error_map?: ErrorMap;
-    observability?: { rough: Curve; fine: Curve };
-    sigma_map?: SigmaMap;
-    largest_on_a_machine?: { quantity: string; unit: string; limit: number; machines: Bins }[];
-    largest_of_a_machine?: { quantity: string; limit?: number; before: Bins; after: Bins }[];
-  };
-  inputs: InputFile[];
+export interface ErrorHistogram {
+  quantity: string;
+  limit?: number;
+  before: Bins;
+  after: Bins;
 }

@@ -1,7 +1,10 @@
 // Maps over a layer of the workspace, seen from above: one cell a point of a polar grid.
-import type { MapAxes } from "./data";
+import type { ErrorMap, SigmaMap } from "./data";
 import { svg } from "./dom";
 import type { Bands } from "./scale";
+
+/// What both maps have.
+type MapAxes = Pick<ErrorMap & SigmaMap, "radii_mm" | "azimuths_deg" | "layers_mm">;
 
 export interface Disc {
   heading: string;

@@ -16,9 +16,9 @@ export function withUncertainty(value: number, uncertainty: number): string {
   return `${fixed(value, decimals)} ± ${uncertainty.toFixed(decimals)}`;
 }
 
-/// So many significant digits, without an exponent where people would not use one.
-export function digits(value: number, count = 3): string {
-  if (!Number.isFinite(value)) return "\u2013";
+/// So many significant digits, without an exponent where people would not use one; of what is not known a dash.
+export function digits(value: number | null, count = 3): string {
+  if (value === null || !Number.isFinite(value)) return "\u2013";
   if (Math.abs(value) < 1e-12) return "0"; // rounding
   const magnitude = Math.floor(Math.log10(Math.abs(value)));
   if (magnitude >= count) return fixed(value, 0);

@@ -1,6 +1,6 @@
 // The pages of the built program in a real browser: PARACAL=path/to/paracal node --test web/tests/
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -98,6 +98,28 @@ test("every published number stands with its verdict and reason, and the counts 
   assert.ok(head.includes(`${counts.not_reproduced} are not reproduced and ${counts.cannot_be_tested} cannot be tested`), head);
   const text = await page.locator("#published").textContent();
   for (const sentence of rule) assert.ok(text.includes(sentence), sentence);
+  await context.close();
+});
+
+/// What `yield` prints where it was stopped before the first machine.
+function withoutMachines(report) {
+  const { yield: batch } = report.results, nothing = (value) => (Array.isArray(value) ? value.map(nothing) : typeof value === "object" && value ? Object.fromEntries(Object.entries(value).map(([key, one]) => [key, nothing(one)])) : null);
+  const none = { bin_width: 0, counts: [], total: 0 };
+  Object.assign(batch, { machines: 0, produced: 0, partial: true, passed: 0, yield: { value: null, low: 0, high: 1, confidence: 0.95 }, dpmo: { value: null, low: 0, high: 1e6 }, quantities: nothing(batch.quantities) });
+  for (const one of report.figures.largest_of_a_machine) Object.assign(one, { before: none, after: none });
+  return report;
+}
+
+test("a batch that was stopped before its first machine says nothing of machines", async () => {
+  const file = join(folder, "nothing.html");
+  const data = /(<script[^>]*id="data"[^>]*>)(.*?)(<\/script>)/s;
+  writeFileSync(file, readFileSync(pages.yield, "utf8").replace(data, (_, begin, json, end) => begin + JSON.stringify(withoutMachines(JSON.parse(json))) + end));
+  const { page, context, complaints } = await open(browser, file);
+  const cells = await page.locator("#machines table", { hasText: "99.73 %" }).last().locator("tbody tr").evaluateAll((rows) => rows.map((row) => [...row.cells].slice(2).map((cell) => cell.textContent)));
+  assert.ok(cells.length >= 8);
+  for (const cell of cells.flat()) assert.match(cell, /^\u2013( to \u2013)?$/);
+  assert.deepEqual(await page.locator("#verdict .card").allTextContents(), []);
+  assert.deepEqual(complaints, []);
   await context.close();
 });
 

@@ -1,7 +1,7 @@
 // Base, arms, rails, parallelograms or single rods, and plate of the nominal robot at a pose.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Object3D, SphereGeometry, TorusGeometry, Vector3 } from "three";
-import type { Robot, ScenePose, SingleRod, Vector } from "../data";
-import { singleRodsOf } from "../report";
+import type { Robot, ScenePose, SingleRodOnARail, Vector } from "../data";
+import { singleRodsOf, type SingleRod } from "../report";
 import { Rods, type Segment } from "./arrows";
 
 const kRound = 16;
@@ -15,7 +15,8 @@ export interface Size {
   above: number; ///< how high arms reach above the base
 }
 
-const lengthOf = (limb: SingleRod) => limb.length_at_zero_mm ?? limb.rod_mm ?? 0;
+const lengthOf = (limb: SingleRod) => (limb.kind === "strut" ? limb.length_at_zero_mm : limb.rod_mm);
+const isOnRail = (limb: SingleRod): limb is SingleRodOnARail => limb.kind === "rail";
 
 /// Where a limb begins at all poses: of a rail, its carriage.
 const beginnings = (poses: ScenePose[], limb: number): Vector3[] => poses.flatMap(({ limbs }) => (limbs?.[limb] ? [vector(limbs[limb].base_mm)] : []));
@@ -24,10 +25,10 @@ export function sizeOf(robot: Robot, poses: ScenePose[]): Size {
   if (robot.geometry) return { base: robot.geometry.base_radius_mm, plate: robot.geometry.plate_radius_mm, rod: robot.geometry.rod_mm, above: robot.geometry.arm_mm / 2 }; // arms seldom stand steeper
   const limbs = singleRodsOf(robot), hangs = robot.workspace.top_z_mm < 0, largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
   return {
-    base: Math.max(...limbs.flatMap((limb, k) => [vector(limb.base_joint_mm), ...(limb.direction ? beginnings(poses, k) : [])]).map(({ x, y }) => Math.hypot(x, y))),
+    base: Math.max(...limbs.flatMap((limb, k) => [vector(limb.base_joint_mm), ...(isOnRail(limb) ? beginnings(poses, k) : [])]).map(({ x, y }) => Math.hypot(x, y))),
     plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)),
     rod: largest(lengthOf),
-    above: largest(({ base_joint_mm: [, , z], arm_mm: arm = 0 }) => z + (hangs ? arm / 2 : 0)),
+    above: largest((limb) => limb.base_joint_mm[2] + (hangs && limb.kind === "arm" ? limb.arm_mm / 2 : 0)),
   };
 }
 
@@ -63,7 +64,7 @@ function rails(robot: Robot, azimuths: number[], thickness: number, material: Me
 
 /// A rail as far as its carriage goes, and a little farther.
 function along(limb: SingleRod, carriages: Vector3[]): Segment {
-  const base = vector(limb.base_joint_mm), direction = vector(limb.direction ?? [0, 0, 1]).normalize(), end = 0.05 * lengthOf(limb);
+  const base = vector(limb.base_joint_mm), direction = vector(isOnRail(limb) ? limb.direction : [0, 0, 1]).normalize(), end = 0.05 * lengthOf(limb);
   const places = carriages.map((one) => one.clone().sub(base).dot(direction));
   const at = (place: number) => base.clone().addScaledVector(direction, place);
   return places.length > 0 ? [at(Math.min(...places) - end), at(Math.max(...places) + end)] : [at(-end), at(end)];
@@ -72,7 +73,7 @@ function along(limb: SingleRod, carriages: Vector3[]): Segment {
 function baseOf(robot: Robot, poses: ScenePose[], thickness: number, material: MeshLambertMaterial): Object3D {
   if (!robot.geometry) {
     const limbs = singleRodsOf(robot), corners = limbs.map((one) => vector(one.base_joint_mm)), rods = new Rods(corners.length, thickness, material, kRound);
-    rods.set(limbs.some((one) => one.direction) ? limbs.map((one, k) => along(one, beginnings(poses, k))) : edges(corners));
+    rods.set(limbs.some(isOnRail) ? limbs.map((one, k) => along(one, beginnings(poses, k))) : edges(corners));
     return rods.object;
   }
   if (robot.geometry.actuator === "linear") return rails(robot, robot.geometry.limb_azimuth_deg, thickness, material);

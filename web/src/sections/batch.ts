@@ -1,6 +1,6 @@
 // Machines drawn from tolerances: what customers get.
 import { rectY, ruleX, ruleY } from "@observablehq/plot";
-import type { Bins, Report } from "../data";
+import type { BeforeAndAfter, Bins, Report } from "../data";
 import { h, table } from "../dom";
 import { figure } from "../figure";
 import { digits, milli } from "../numbers";
@@ -44,12 +44,12 @@ function histogram({ id, title, axis, bins, limit, fill }: Histogram): HTMLEleme
 
 function percentiles(report: Report): HTMLElement | null {
   const { quantities } = report.results.yield!;
-  const rows = Object.entries(quantities).flatMap(([name, both]) => {
+  const rows = (Object.entries(quantities) as [string, BeforeAndAfter | null][]).flatMap(([name, both]) => {
     if (!both) return [];
     const cut = name.lastIndexOf("_");
     return (["before", "after"] as const).map((when) => {
       const spread = both[when];
-      const { scale, unit } = milli(name.slice(cut + 1)), number = (value: number) => digits(scale * value);
+      const { scale, unit } = milli(name.slice(cut + 1)), number = (value: number | null) => digits(value === null ? null : scale * value);
       return [`${text.quantities[name.slice(0, cut)] ?? name}, ${unit}`, when, ...[spread.p50, spread.p90, spread.p95].map(number), spread.p95_interval.map(number).join(" to "), ...[spread.p99, spread.p99_73].map(number)];
     });
   });

@@ -1,5 +1,5 @@
 // Errors by layer before and after, on one scale [huang2016, Fig. 9]; 3 sigma by layer [Fig. 6] stands with the contributors.
-import type { ErrorMap, Report } from "../data";
+import type { ErrorMap, ErrorMapPoint, Report } from "../data";
 import { bandLegend, discs, type Disc } from "../disc";
 import { h } from "../dom";
 import { figure } from "../figure";
@@ -11,14 +11,14 @@ import { strings } from "../strings";
 const text = strings.map;
 
 function mapFigure(map: ErrorMap, key: string, [title, unit]: string[]): HTMLElement | null {
-  const names = { before: `${key}_before_${unit}`, after: `${key}_after_${unit}` };
+  const names = { before: `${key}_before_${unit}`, after: `${key}_after_${unit}` } as Record<"before" | "after", keyof ErrorMapPoint>;
   if (!(names.before in map.points[0]!)) return null;
   const has = map.points[0]![names.after] !== null;
   const perLayer = map.points.length / map.layers_mm.length;
-  const values = (name: string, layer: number) => map.points.slice(layer * perLayer, (layer + 1) * perLayer).map((point) => point[name] as number);
+  const values = (name: keyof ErrorMapPoint, layer: number) => map.points.slice(layer * perLayer, (layer + 1) * perLayer).map((point) => point[name] as number);
   const all = map.points.flatMap((point) => [point[names.before]!, ...(has ? [point[names.after]!] : [])]);
   const bands = bandsFor(all);
-  const largest = (name: string) => digits(Math.max(...map.points.map((point) => point[name]!)));
+  const largest = (name: keyof ErrorMapPoint) => digits(Math.max(...map.points.map((point) => point[name]!)));
   const rows: Disc[][] = map.layers_mm.map((z, layer) => [
     { heading: text.before, row: text.layer(z), values: values(names.before, layer) },
     ...(has ? [{ heading: text.after, row: text.layer(z), values: values(names.after, layer) }] : []),

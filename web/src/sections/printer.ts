@@ -10,7 +10,7 @@ const text = strings.printer;
 /// One row a number; those of the towers apart.
 function rowsOf(geometries: DeltaGeometry[]): string[][] {
   return Object.entries(text.names).flatMap(([key, name]) => {
-    const values = geometries.map((geometry) => geometry[key]);
+    const values = geometries.map((geometry): number | number[] | undefined => new Map(Object.entries(geometry)).get(key));
     if (values.some((value) => value === undefined)) return [];
     const ofTowers = values.map((value) => [value!].flat());
     return ofTowers[0]!.map((_, tower) => [ofTowers[0]!.length > 1 ? text.tower(name, tower) : name, ...ofTowers.map((value) => fixed(value[tower]!, 4))]);

@@ -11,8 +11,12 @@ const text = strings.repeat;
 export function repeat(report: Report): Section {
   const files = report.inputs.map(({ file, sha256 }) => [h("span", { class: "name" }, file), h("span", { class: "hash" }, sha256)]);
   const { calibration } = report.results;
-  const value = (given: string | number | number[]) => (typeof given === "string" ? given : [given].flat().map(exact).join(", "));
-  const listed = (names: Record<string, string>, given: Record<string, string | number | number[]>) => Object.entries(names).flatMap(([key, name]) => (given[key] === undefined ? [] : [[name, value(given[key])]]));
+  type Given = string | number | number[];
+  const value = (given: Given) => (typeof given === "string" ? given : [given].flat().map(exact).join(", "));
+  const listed = (names: Record<string, string>, given: object) => {
+    const said = new Map<string, Given>(Object.entries(given));
+    return Object.entries(names).flatMap(([key, name]) => (said.has(key) ? [[name, value(said.get(key)!)]] : []));
+  };
   const limbs = singleRodsOf(report.robot).map(({ kind, ...numbers }, k) => [text.limb(k + 1, kind), Object.entries(numbers).map(([key, given]) => `${key} ${value(given)}`).join("; ")]);
   const dimensions = [...listed(text.geometry, report.robot.geometry ?? {}), ...limbs, ...listed(text.workspace, report.robot.workspace)];
   return section("repeat", strings.nav.repeat, text.heading, text.intro,

@@ -1,7 +1,7 @@
 // What the fit leaves over, reading by reading, and what other poses say.
 import { dot, line, ruleX, ruleY } from "@observablehq/plot";
-import type { Calibration, DistanceResidual, LengthResidual, Report, Residual, Validation } from "../data";
-import { isLength, isPoint, length } from "../report";
+import type { Calibration, DistanceResidual, Report, Residual, Validation } from "../data";
+import { isLength, isPoint, length, type LengthResidual } from "../report";
 import { h, table } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, normalQuantile, probability } from "../numbers";

@@ -1,16 +1,18 @@
 // Is a batch good, and how much of a paper comes out?
-import type { Reproduction, Spread, Yield } from "../data";
+import type { BeforeAndAfter, Reproduction, Spread, Yield } from "../data";
 import { decimalsFor, digits, exact, fixed, milli, percent } from "../numbers";
 import { strings } from "../strings";
 import { assumptions, card, from, unitOf, type Verdict } from "./card";
 
 const text = strings.verdict;
 
-function spreadCard(key: string, before: Spread, after: Spread): HTMLElement {
+/// None where there are no machines.
+function spreadCard(key: string, before: Spread, after: Spread): HTMLElement[] {
+  if (before.p95 === null || after.p95 === null) return [];
   const cut = key.lastIndexOf("_"), { scale, unit } = milli(key.slice(cut + 1));
-  const [low, high] = after.p95_interval.map((value) => scale * value) as [number, number];
+  const [low, high] = after.p95_interval.map((value) => scale * value!) as [number, number];
   const decimals = decimalsFor((high - low) / 2);
-  return card(text.p95(strings.batch.quantities[key.slice(0, cut)] ?? key), [from(digits(scale * before.p95)), fixed(scale * after.p95, decimals), unitOf(unit)], [text.after(fixed(low, decimals), fixed(high, decimals))]);
+  return [card(text.p95(strings.batch.quantities[key.slice(0, cut)] ?? key), [from(digits(scale * before.p95)), fixed(scale * after.p95, decimals), unitOf(unit)], [text.after(fixed(low, decimals), fixed(high, decimals))])];
 }
 
 /// A verdict only where a share was asked for, as --min-yield does.
@@ -21,8 +23,8 @@ export function ofYield({ machines, partial, passed, min_yield: asked, yield: sh
     says: partial ? text.no.yield : reached === null ? text.yes.yield : reached ? text.yes.reached(`${exact(100 * asked!)} %`) : text.no.reached(`${exact(100 * asked!)} %`),
     sentence: passed === null ? text.noLimits(String(machines)) : `${text.yield}: ${text.of(String(passed), String(machines))}.`,
     cards: [
-      ...(share ? [card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low), percent(share.high), share.confidence)])] : []),
-      ...Object.entries(quantities).flatMap(([key, both]) => (both ? [spreadCard(key, both.before, both.after)] : [])),
+      ...(share?.value != null ? [card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low), percent(share.high), share.confidence)])] : []),
+      ...(Object.entries(quantities) as [string, BeforeAndAfter | null][]).flatMap(([key, both]) => (both ? spreadCard(key, both.before, both.after) : [])),
     ],
     notes: assumptions(assumed),
   };

@@ -1,5 +1,5 @@
 // Is the machine good? A calibration and a validation.
-import type { Calibration, ErrorMap, Largest, Use, UseQuantity, Validation } from "../data";
+import type { Calibration, ErrorMap, ErrorMapPoint, ErrorSummary, Use, UseQuantity, Validation } from "../data";
 import { lengthsOf } from "../report";
 import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
 import { strings } from "../strings";
@@ -25,7 +25,7 @@ interface Notes {
 }
 
 /// Before and after, of what was read: nothing is shown that no reading tells.
-function largestCards(before: Largest, after: Largest, names: Record<keyof Notes, string>, notes: Notes): HTMLElement[] {
+function largestCards(before: ErrorSummary, after: ErrorSummary, names: Record<keyof Notes, string>, notes: Notes): HTMLElement[] {
   const largest = (name: string, was: number | null, is: number | null, unit: string, ...more: (string | null)[]) =>
     was === null || is === null || was === 0 ? [] : [beforeAfter(name, was, is, unit, more)];
   const rms = before.rms_distance_mm === null || after.rms_distance_mm === null ? null : text.rms(digits(before.rms_distance_mm, 3), digits(after.rms_distance_mm, 2));
@@ -67,7 +67,7 @@ export function ofCalibration(calibration: Calibration): Verdict {
 /// What the map says of the uncertainty of predictions, relative to home.
 function predictedNotes(map: ErrorMap | undefined): Notes {
   const note = (key: string, unit: string) => {
-    const values = (map?.points ?? []).map((point) => point[`${key}_after_${unit}`] ?? null).filter((value): value is number => value !== null);
+    const values = (map?.points ?? []).map((point) => point[`${key}_after_${unit}` as keyof ErrorMapPoint] ?? null).filter((value): value is number => value !== null);
     return values.length > 0 ? text.predicted(digits(Math.max(...values), 2), unit) : null;
   };
   return { distance: note("distance", "mm"), aligned: note("position", "mm"), rotation: note("rotation", "deg"), orientation: null };
