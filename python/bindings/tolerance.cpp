@@ -145,8 +145,8 @@ FailureOptions failures_of(const Keywords& given, const MonteCarloOptions& drawi
 }
 
 py::dict share_of(const WeighedShare& share) {
-  return py::dict("value"_a = share.value, "interval"_a = pair_of(share.interval), "machines"_a = share.machines,
-                  "effective"_a = share.effective);
+  return py::dict("value"_a = share.value, "low"_a = share.interval.low, "high"_a = share.interval.high,
+                  "machines"_a = share.machines, "effective"_a = share.effective);
 }
 
 py::dict failure_of(const FailureShare& failures) {

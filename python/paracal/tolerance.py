@@ -37,7 +37,7 @@ class Analysis:
     yield_interval: tuple[float, float]
     dpmo: float  #: defects per million machines
     #: Share of the machines that break a limit, however rare: status ("settled", "impossible" or
-    #: "unsettled"), reason, linear, check and exact (or None): value, interval, machines, effective;
+    #: "unsettled"), reason, linear, check and exact (or None): value, low, high, machines, effective;
     #: not_closed.
     failure: dict[str, Any]
     #: One a requirement: quantity, unit, limit, worst_case, rss_3sigma, monte_carlo_3sigma (and

@@ -78,6 +78,7 @@ class Analysis(TestCase):
                 theirs["yield"],
             )
             self.assertEqual(mine.dpmo, theirs["dpmo"]["value"])
+            self.assertEqual(mine.failure, theirs["failure"])
             self.assertEqual(mine.assumed, theirs["assumed"])
             self.assertEqual(len(mine.requirements), len(theirs["requirements"]))
             for one, other in zip(mine.requirements, theirs["requirements"]):
