@@ -100,11 +100,14 @@ Progress watched() {
   };
 }
 
-std::vector<Pose> drawn_poses(const Robot& robot, const std::vector<RequirementAnalysis>& analyses, const Rows& poses) {
+/// Those asked for, and the worst ones; by default where limits may be broken.
+std::vector<Pose> drawn_poses(const Robot& robot, const Tolerances& tolerances,
+                              const std::vector<RequirementAnalysis>& analyses, const std::optional<Rows>& poses) {
+  if (!poses) return judged_poses(robot, tolerances, analyses);
   std::vector<Pose> all;
   all.reserve(analyses.size());
   for (const RequirementAnalysis& one : analyses) all.push_back(one.three_sigma.pose);
-  for (std::size_t k = 0; k < poses.count(); ++k) all.push_back(pose_of(poses[k], pose_width(robot)));
+  for (std::size_t k = 0; k < poses->count(); ++k) all.push_back(pose_of((*poses)[k], pose_width(robot)));
   return all;
 }
 
@@ -157,18 +160,19 @@ py::dict failure_of(const FailureShare& failures) {
 }
 
 py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
-                  const std::vector<std::pair<std::string, double>>& wanted, const Array& poses,
+                  const std::vector<std::pair<std::string, double>>& wanted, const std::optional<Array>& poses,
                   const py::dict& keywords) {
   const std::vector<Requirement> requirements = requirements_of(wanted);
   const MonteCarloOptions options = sampling_of(Keywords(keywords));
-  const Rows at(poses, "poses", pose_width(robot));
+  std::optional<Rows> at;
+  if (poses) at.emplace(*poses, "poses", pose_width(robot));
   const FailureOptions rare = failures_of(Keywords(keywords), options);
   std::vector<RequirementAnalysis> analyses;
   FailureShare failures;
   const MonteCarlo batch = [&] {
     const py::gil_scoped_release released;
     analyses = analyze(robot, tolerances, requirements);
-    const std::vector<Pose> poses_tried = drawn_poses(robot, analyses, at);
+    const std::vector<Pose> poses_tried = drawn_poses(robot, tolerances, analyses, at);
     failures = failure_share(robot, tolerances, requirements, poses_tried, rare, watched());
     return monte_carlo(robot, tolerances, requirements, poses_tried, options, watched());
   }();

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _html, _paracal, _tables
 from ._arrays import FloatArray
 from .errors import InvalidArgument
-from .plans import named_poses, workspace_poses
+from .plans import named_poses
 from .robots import Robot
 from .tolerances import Tolerances
 
@@ -165,8 +165,8 @@ def analyze(
         {"tilt": 1e-3}. problem:
         instead: the requirements of this file (TOML).
     poses: (n, 4), or (n, 6) with six freedoms, in mm and rad, where machines are held against the
-        limits; default: workspace_poses() and each requirement's worst, as `paracal tolerance
-        analyze`.
+        limits, beside each requirement's worst; default: where they may be broken on the surface
+        of the workspace, as `paracal tolerance analyze`.
     model: of the Monte Carlo: "linear" or "exact". Draws machines until every sigma is known to
         sigma_error at
     `confidence`, at most max_machines; the share that fails, however rare, to failure_error of itself.
@@ -180,7 +180,7 @@ def analyze(
     wanted = list((requirements if requirements is not None else {"tilt": 1e-3}).items())
     if problem is not None:
         wanted = _paracal.problem_requirements(robot._native, native, _tables.path_of(problem))
-    at = workspace_poses(robot).poses if poses is None else named_poses(poses, robot)[1]
+    at = None if poses is None else named_poses(poses, robot)[1]
     found = _paracal.analyze(
         robot._native,
         native,

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "names.hpp"
-#include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
+#include "paracal/tolerance/workspace_samples.hpp"
 #include "paracal/units.hpp"
 #include "section.hpp"
 
@@ -156,7 +156,7 @@ void read_max_failures(Section& root, const Robot& robot, AllocationProblem& pro
     root.fail(*node, fmt::format("expected max_failures above 0 and below 0.5, got {}", share));
   }
   problem.max_failures = share;
-  for (const Station& station : workspace_stations(robot)) problem.poses.push_back(station.commanded);
+  problem.poses = surface_poses(robot);
 }
 
 }  // namespace

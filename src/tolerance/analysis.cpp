@@ -1,5 +1,6 @@
 #include "paracal/tolerance/analysis.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "paracal/mechanism/random.hpp"
@@ -41,6 +42,22 @@ std::vector<RequirementAnalysis> analyze(const Robot& robot, const Tolerances& t
     list.push_back(std::move(one));
   }
   return list;
+}
+
+std::vector<Pose> judged_poses(const Robot& robot, const Tolerances& tolerances,
+                               const std::vector<RequirementAnalysis>& analyses) {
+  constexpr double kCounts = 0.8;
+  const LinearModel model(robot);
+  std::vector<Pose> poses;
+  for (const RequirementAnalysis& one : analyses) poses.push_back(one.three_sigma.pose);
+  for (const Pose& pose : surface_poses(robot)) {
+    const bool counts = std::ranges::any_of(analyses, [&](const RequirementAnalysis& one) {
+      const SourceRows rows = model.rows(pose, one.requirement.characteristic);
+      return spread_at(rows, tolerances, Spread::statistical) >= kCounts * one.three_sigma.value;
+    });
+    if (counts) poses.push_back(pose);
+  }
+  return poses;
 }
 
 std::vector<LinearityPoint> linearity(const Robot& robot, const Tolerances& tolerances, Characteristic characteristic,

@@ -137,4 +137,8 @@ std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all
   return poses;
 }
 
+std::vector<Pose> surface_poses(const Robot& robot) {
+  return polar_grid(robot, {.radii = 1, .azimuths = 48, .layers = 3}, true);
+}
+
 }  // namespace paracal

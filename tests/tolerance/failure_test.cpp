@@ -13,6 +13,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/random.hpp"
+#include "paracal/tolerance/analysis.hpp"
 #include "support/robots.hpp"
 #include "tolerance/source_law.hpp"
 
@@ -318,6 +319,25 @@ TEST(FailureShare, AsksForWhatMakesSense) {
   EXPECT_THROW((void)failure_share(robot, *robot.tolerances(), tilt, poses, {.relative_error = 0.0}), InvalidArgument);
   EXPECT_THROW((void)failure_share(robot, *robot.tolerances(), tilt, poses, {.confidence = 1.0}), InvalidArgument);
 }
+
+/// A machine is worst where its own errors make it so. The share at the poses that are judged is that of the whole
+/// workspace, here five times as many poses, inside included: within 15 %, of which the two drawings have 5 %.
+class JudgedPoses : public testing::TestWithParam<double> {};
+
+TEST_P(JudgedPoses, AreWhereLimitsBreak) {
+  const Robot robot = catalogue::huang2016();
+  const Tolerances& tolerances = *robot.tolerances();
+  const std::vector<Requirement> limits{{{Quantity::tilt}, GetParam()}};
+  const std::vector<RequirementAnalysis> analyses = analyze(robot, tolerances, limits);
+  const auto share = [&](const std::vector<Pose>& poses) {
+    return failure_share(robot, tolerances, limits, poses, {.max_exact = 0}).linear.value;
+  };
+  const double judged = share(judged_poses(robot, tolerances, analyses));
+  const double dense = share(polar_grid(robot, {.radii = 3, .azimuths = 48, .layers = 5}, true));
+  EXPECT_NEAR(judged, dense, 0.15 * dense);
+  EXPECT_GT(judged, 1.5 * share(workspace_poses(robot)));  // the plan's, 39 places with a rotation each
+}
+INSTANTIATE_TEST_SUITE_P(Limits, JudgedPoses, testing::Values(0.0008));
 
 }  // namespace
 }  // namespace paracal

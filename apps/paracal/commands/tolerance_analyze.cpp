@@ -7,7 +7,6 @@
 #include "failing.hpp"
 #include "interruption.hpp"
 #include "measuring.hpp"
-#include "paracal/calibration/plan.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
@@ -54,16 +53,6 @@ std::vector<Requirement> requirements_of(const Options& options, const Robot& ro
   return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
 }
 
-/// The poses of the validation plan with all rotations, and those that are worst.
-std::vector<Pose> poses_of(const Robot& robot, const std::vector<RequirementAnalysis>& analyses) {
-  const std::vector<Station> stations = workspace_stations(robot);
-  std::vector<Pose> poses;
-  poses.reserve(analyses.size() + stations.size());
-  for (const RequirementAnalysis& one : analyses) poses.push_back(one.three_sigma.pose);
-  for (const Station& station : stations) poses.push_back(station.commanded);
-  return poses;
-}
-
 /// Shows how far the drawing of machines is; an interruption ends it.
 Progress watched(const std::atomic<bool>& interrupted) {
   const auto line = std::make_shared<ProgressLine>("machines", 0);
@@ -94,7 +83,7 @@ Findings find(const Options& options, const Robot& robot, const Session& session
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   const std::vector<Requirement> requirements = requirements_of(options, robot, tolerances);
   Findings found{.tolerances = tolerances, .analyses = analyze(robot, tolerances, requirements)};
-  const std::vector<Pose> poses = poses_of(robot, found.analyses);
+  const std::vector<Pose> poses = judged_poses(robot, tolerances, found.analyses);
   MonteCarloOptions sampling = options.monte_carlo;
   sampling.model = options.model == "exact" ? Model::exact : Model::linear;
   sampling.seed = session.seed();

@@ -19,6 +19,12 @@ struct RequirementAnalysis {
 std::vector<RequirementAnalysis> analyze(const Robot& robot, const Tolerances& tolerances,
                                          const std::vector<Requirement>& requirements);
 
+/// Poses at which machines may break the limits: where 3 sigma is largest, and of surface_poses() those where it is at
+/// least 0.8 of that for some requirement. (Where it is less, limits that are kept elsewhere are broken too rarely to
+/// count.)
+std::vector<Pose> judged_poses(const Robot& robot, const Tolerances& tolerances,
+                               const std::vector<RequirementAnalysis>& analyses);
+
 /// How far the linear model can be trusted: the tolerances times a factor, the same machines by both models.
 struct LinearityPoint {
   double factor = 1.0;
