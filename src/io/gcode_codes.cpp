@@ -37,8 +37,8 @@ constexpr std::array kCodes{
     Code{290, Effect::home},
     Code{300, Effect::home},
     Code{301, Effect::none},
-    Code{330, Effect::probe},
-    Code{331, Effect::probe},
+    Code{330, Effect::thread},
+    Code{331, Effect::thread},
     Code{382, Effect::probe},
     Code{383, Effect::probe},
     Code{384, Effect::probe},
@@ -135,6 +135,10 @@ MEffect effect_of_m(int tenths) {
     case 980:
     case 990:
       return MEffect::flow;
+    case 180:  // RepRap
+    case 840:
+      return MEffect::motors_off;
+    case 170:   // motors on
     case 920:   // RepRap: steps per mm
     case 2010:  // accelerations
     case 2020:

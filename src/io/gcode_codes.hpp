@@ -26,7 +26,8 @@ enum class Effect : std::uint8_t {
   return_to_start,  ///< of cycles
   return_to_clearance,
   no_motion,
-  probe,  ///< probing and threads
+  probe,
+  thread,
   home,   ///< homing, stored places, levelling
   dwell,  ///< in X for some controllers
   absolute,
@@ -69,6 +70,7 @@ enum class MEffect : std::uint8_t {
   flow,
   absolute_extrusion,
   relative_extrusion,
+  motors_off,
   setting,  ///< of RepRap firmwares: axis words are numbers of the firmware's, not places
   shift,    ///< of the origin
 };

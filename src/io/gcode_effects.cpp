@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 
-constexpr std::string_view kUnknownCode = "a G code that is not known here";
 constexpr std::string_view kForeignCycle = "a canned cycle in a dialect that does not have LinuxCNC's";
 
 /// 10 times the code; -1 for what no code is.
@@ -135,7 +134,9 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       if (!request.motion) motion_ = Motion::none;  // beside another it says nothing
       return;
     case Effect::probe:
+    case Effect::thread:
       request.goes_elsewhere = true;
+      request.is_thread = code->effect == Effect::thread;
       return start_motion(Motion::unknown);
     case Effect::home:
       request.goes_elsewhere = request.takes_axes = true;
@@ -218,8 +219,12 @@ void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) 
     case MEffect::tool_change:
       request.then_lost = true;
       return;
+    case MEffect::motors_off:
+      request.then_lost = request.is_setting = true;
+      return;
     case MEffect::flow:
       request.refused = kFlow;
+      request.ends_subprogram = tenths == 990;
       return;
     case MEffect::setting:
       request.is_setting = true;

@@ -69,13 +69,15 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   if (block.kind == GcodeBlock::Kind::setting) return {};
   if (block.kind != GcodeBlock::Kind::words) {
     forget();
+    target.is_work = block.kind != GcodeBlock::Kind::macro;
     return block.kind == GcodeBlock::Kind::flow ? kFlow : block.kind == GcodeBlock::Kind::macro ? kMacro : kMalformed;
   }
   const Axes axes = axes_of(block);
   const std::string_view late = take_rotation(axes);
-  if (block.is_optional) return take_optional(block, axes);
+  if (block.is_optional) return take_optional(block, axes, target);
   Request request = apply_codes(block, axes);
   if (!request.refused.empty()) {
+    target.is_work = may_be_work(block, axes, request, motion_);
     forget();
     return request.refused;
   }
@@ -85,6 +87,14 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   if (request.then_lost) lose_all();
   if (request.then_unknown) forget();
   return passed;
+}
+
+/// Of a line of which not all is known.
+bool GcodeModes::may_be_work(const GcodeBlock& block, const Axes& axes, const Request& request, Motion motion) {
+  if (request.goes_elsewhere || request.ends_subprogram) return request.is_thread;
+  const bool is_harmless = request.refused.empty() || request.refused == kUnknownCode;
+  const bool states_way = axes.count > 0 || block.has_letter("IJKR");
+  return !is_harmless || (states_way && is_work(block, axes, motion));
 }
 
 /// The first C of a program: what it was before is not known.
@@ -97,15 +107,17 @@ std::string_view GcodeModes::take_rotation(const Axes& axes) {
 }
 
 /// The operator decides whether it counts.
-std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& axes) {
+std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target) {
   if (axes.count == 0 && !block.has_letter("GMT")) return {};
   const GcodeOrigin origin = origin_;
   const unsigned transforms = transforms_;
   const Request request = apply_codes(block, axes);
   if (!(origin_ == origin) || request.calls_here) forget_systems();
   transforms_ |= transforms;
+  target.is_work = may_be_work(block, axes, request, motion_);
   forget();
-  return axes.count > 0 || !request.refused.empty() || request.goes_elsewhere ? kOptional : std::string_view();
+  return axes.count > 0 || target.is_work || !request.refused.empty() || request.goes_elsewhere ? kOptional
+                                                                                                : std::string_view();
 }
 
 }  // namespace paracal::io

@@ -23,6 +23,7 @@ namespace paracal::io {
 inline constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
 inline constexpr std::string_view kExpression = "parameters and expressions";
 inline constexpr std::string_view kFlow = "subprograms, jumps and loops";
+inline constexpr std::string_view kUnknownCode = "a G code that is not known here";
 
 /// Modal state of a program. What a line does not let know for certain is unknown until the program states it again.
 class GcodeModes {
@@ -65,13 +66,15 @@ class GcodeModes {
     bool takes_axes = false;        ///< axis words are parameters, not a target
     bool calls_here = false;        ///< axis words are what this place is called from now on
     bool goes_elsewhere = false;    ///< ends where the program does not say
+    bool is_thread = false;         ///< goes elsewhere, and cuts
     bool has_m_code = false;
-    bool is_setting = false;    ///< of M codes whose axis words are numbers of the firmware's, not places
-    bool acts_after = false;    ///< M0, M2
-    bool in_machine = false;    ///< G53
-    AxisValues shift{};         ///< place = stated + shift
-    bool then_lost = false;     ///< after the block, no place is known
-    bool then_unknown = false;  ///< nor any mode
+    bool ends_subprogram = false;  ///< M99
+    bool is_setting = false;       ///< of M codes whose axis words are numbers of the firmware's, not places
+    bool acts_after = false;       ///< M0, M2
+    bool in_machine = false;       ///< G53
+    AxisValues shift{};            ///< place = stated + shift
+    bool then_lost = false;        ///< after the block, no place is known
+    bool then_unknown = false;     ///< nor any mode
   };
 
   /// The axis words of a block.
@@ -96,7 +99,8 @@ class GcodeModes {
   void lose(const Axes& axes);
   void lose_all();
   std::string_view take_rotation(const Axes& axes);
-  std::string_view take_optional(const GcodeBlock& block, const Axes& axes);
+  std::string_view take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target);
+  static bool may_be_work(const GcodeBlock& block, const Axes& axes, const Request& request, Motion motion);
   std::string_view move(const GcodeBlock& block, const Axes& axes, Request& request, TargetLine& target);
   std::string_view expand_cycle(const GcodeBlock& block, const Axes& axes, const Request& request,
                                 std::string_view passed, TargetLine& target);
@@ -107,6 +111,7 @@ class GcodeModes {
   void state(const Axes& axes, const Request& request, TargetLine& target) const;
   DividedLine divided(const GcodeBlock& block, const Request& request, bool is_rapid);
   void restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const;
+  static bool is_work(const GcodeBlock& block, const Axes& axes, Motion motion);
   static bool is_arc(Motion motion) { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
 
   std::size_t axis_count_;

@@ -46,6 +46,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
   }
   if (request.goes_elsewhere) {
     lose_all();
+    target.is_work = request.is_thread;
     // Homing alone states no target, and so leaves nothing uncorrected.
     return axes.has_number || axes.has_expression || !request.takes_axes ? kElsewhere : std::string_view();
   }
@@ -56,16 +57,17 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
     if (!request.has_m_code || request.motion) extruder_.move(block);
     return {};
   }
-  if (axes.has_flag) {
-    forget();
-    return kMalformed;
-  }
   const auto give_up = [&](std::string_view why) {
     lose(axes);
     extruder_.forget_place();
     return why;
   };
   if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
+  target.is_work = axes.has_flag || is_work(block, axes, motion);
+  if (axes.has_flag) {
+    forget();
+    return kMalformed;
+  }
   if (motion == Motion::unknown && lost_rewritten_mode_) {
     target.breaks = true;
     return give_up(kRewrittenMode);
@@ -83,6 +85,13 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
   request.shift = request.in_machine ? shift.value_or(AxisValues{}) : origin_.shift();
   if (motion == Motion::cycle) return expand_cycle(block, axes, request, passed, target);
   return passed.empty() ? move_to(block, axes, request, target) : give_up(passed);
+}
+
+/// Approach and retreat are rapid, or go along Z alone.
+bool GcodeModes::is_work(const GcodeBlock& block, const Axes& axes, Motion motion) {
+  const bool is_across = axes.count > (axes.word[2] != nullptr ? 1U : 0U);
+  if (is_arc(motion) || motion == Motion::cycle) return true;
+  return is_across && (motion != Motion::rapid || block.has_letter("E"));
 }
 
 /// @param passed  why it cannot be taken, whatever it is; else empty.

@@ -10,14 +10,16 @@ void PassedTally::pass(std::string_view reason, std::int64_t line) {
   if (found == passed_.end()) since_.emplace_back();
   PassedThrough& entry = found != passed_.end() ? *found : passed_.emplace_back(PassedThrough{reason, 0, line});
   ++entry.count;
-  if (!corrected_) return;  // on the way to the first
   Since& since = since_[static_cast<std::size_t>(&entry - passed_.data())];
   if (since.count++ == 0) since.first_line = line;
   passes_since_ = true;
 }
 
 void PassedTally::correct() {
-  corrected_ = true;
+  if (!std::exchange(corrected_, true)) {  // what came before was on the way to it
+    std::ranges::fill(since_, Since{});
+    passes_since_ = false;
+  }
   break_off();
 }
 

@@ -16,7 +16,7 @@ class PassedTally {
   void pass(std::string_view reason, std::int64_t line);
   /// What was passed since the last corrected target stands between two.
   void correct();
-  /// What was passed last is not what it was: as if a corrected target followed.
+  /// What was passed last is no approach or retreat: as if it stood between corrected targets.
   void break_off();
   /// In the order of their first lines.
   std::vector<PassedThrough> sorted() const;

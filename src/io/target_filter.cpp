@@ -118,7 +118,7 @@ class Passage {
       if (take_instead(line, format)) return;
       if (stated.kind != TargetLine::Kind::none) stated_.push_back(stated);
     }
-    if (!passed.empty()) passed_.push_back({passed, lines_.size(), stated.breaks});
+    if (!passed.empty()) passed_.push_back({passed, lines_.size(), stated.breaks || stated.is_work});
     lines_.push_back(line);
   }
 
@@ -176,6 +176,7 @@ class Passage {
     const bool is_reached = reached_.size() == cut.pieces;
     if (!is_reached || !cut.hindrance.empty()) {
       filtering_.tally.pass(is_reached ? cut.hindrance : kUnreachable, line.number);
+      if (line.is_work) filtering_.tally.break_off();
     }
     if (!is_reached || (line.path.is_arc() && !cut.hindrance.empty())) return filtering_.writer.pass(content, line);
     filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.write(content, end, line, reached_));

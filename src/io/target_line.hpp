@@ -76,6 +76,9 @@ struct TargetLine {
   /// It is passed through, and what it does now is not what it did in the program, whether a corrected target follows
   /// or not.
   bool breaks = false;
+  /// At feed across the part, extruding, drilling, or what may be that: more than approach and retreat. Passed through
+  /// it makes a program one that is corrected in parts, wherever it stands.
+  bool is_work = false;
   DividedLine divided = {};
 };
 

@@ -94,7 +94,7 @@ TEST_F(ExportFilter, StandardInputAndAFileDoTheSame) {
 /// A program that would be corrected in parts is refused whole, with the line; nothing is written, on demand all is.
 TEST_F(ExportFilter, WorkOffsetsAreReadFromLinuxcncsFile) {
   folder.write("part.ngc", "G54 G0 X0 Y0 Z-888 C0\nG55 G1 X5 Y0 Z-888\n");
-  EXPECT_EQ(folder.run(kGcode).exit_code, kVerdictIsNo);
+  EXPECT_EQ(folder.run(kGcode).exit_code, kBadInputFile);
   std::string parameters;
   for (const int base : {5221, 5241}) {
     for (int k = 0; k < 9; ++k) parameters += fmt::format("{} 0\n", base + k);
@@ -117,7 +117,7 @@ TEST_F(ExportFilter, DialectsAreNamed) {
   EXPECT_EQ(folder.run(kGcode + " --dialect marlin").exit_code, kBadInputFile);
   folder.write("part.ngc", "G1 X-100. Y0 Z-900. C0\nG1 X100\n");
   EXPECT_EQ(folder.run(kGcode + " --dialect linuxcnc").exit_code, kDone);
-  EXPECT_EQ(folder.run(kGcode + " --dialect fanuc-like").exit_code, kVerdictIsNo);
+  EXPECT_EQ(folder.run(kGcode + " --dialect fanuc-like").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run(kGcode + " --dialect heidenhain").exit_code, kWrongUsage);
   EXPECT_EQ(folder.run(kCsv + " --dialect linuxcnc").exit_code, kWrongUsage);
 }
@@ -132,11 +132,14 @@ TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
     EXPECT_THAT(result.out, IsEmpty());
     EXPECT_THAT(result.err,
                 StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got splines (1 times) "
-                           "between targets that can; line 4: homing, probing and threads (1 times); "));
+                           "among targets that can; line 4: homing, probing and threads (1 times); "));
     EXPECT_THAT(result.err, HasSubstr("--partial corrects 3 targets"));
     EXPECT_EQ(folder.read("corrected.ngc"), "of yesterday");
   }
-  EXPECT_EQ(folder.run(kGcode + " --partial --out corrected.ngc").exit_code, kVerdictIsNo);
+  const ProgramResult partial = folder.run(kGcode + " --partial --out corrected.ngc");
+  EXPECT_EQ(partial.exit_code, kVerdictIsNo);
+  EXPECT_THAT(partial.err,
+              HasSubstr("\n  corrected in parts: 2 lines, the first in line 2, are left where they count: "));
   EXPECT_THAT(folder.read("corrected.ngc"), HasSubstr("\nG5 X5 Y5 I1 P1 Q1\n"));
   folder.write("targets.csv", "pose,x_mm,y_mm,z_mm,phi_deg\na,0,0,-888,0\nb,0,0,far,0\nc,9,0,-888,0\n");
   const ProgramResult table = folder.run(kCsv);
@@ -208,11 +211,29 @@ TEST_F(ExportFilter, ApproachAndRetreatDoNotMatter) {
   EXPECT_THAT(result.out, testing::EndsWith("\nG28\nG1 Z-800\n"));
 }
 
+/// A tool change behind the first target: all that is cut would stay as it was.
+TEST_F(ExportFilter, WorkBehindTheLastCorrectedTargetIsRefused) {
+  folder.write("part.ngc",
+               "G54\nG0 X0 Y0 Z-880\nT1 M6\nG43 H1\nG0 X-60 Y-60 Z-890\nG1 Z-900 F300\nG1 X60 F1500\nG0 Z-880\n");
+  const ProgramResult result = folder.run(kGcode);
+  EXPECT_EQ(result.exit_code, kBadInputFile);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, StartsWith("paracal: part.ngc:5: expected targets that can all be corrected, got another "
+                                     "origin than that of the first corrected target (3 times) among targets that can; "
+                                     "nothing was written; --partial corrects 1 targets and leaves these"));
+  const ProgramResult partial = folder.run(kGcode + " --partial");
+  EXPECT_EQ(partial.exit_code, kVerdictIsNo);
+  EXPECT_THAT(partial.err, HasSubstr("corrected in parts: 3 lines, the first in line 5, "));
+  EXPECT_THAT(partial.out, HasSubstr("\nG1 X60 F1500\n"));
+}
+
 TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
-  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG5 X5 Y5 I1 P1 Q1\nG5 X5 Y5 I1 P1 Q1\n");
+  folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG53 G0 Z0\nG53 G0 X0 Y0\n");
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kVerdictIsNo);
-  EXPECT_THAT(result.err, HasSubstr("passed through: splines (2 times, first in line 2)"));
+  EXPECT_THAT(result.err, HasSubstr("passed through: another origin than that of the first corrected target (2 times, "
+                                    "first in line 2)"));
+  EXPECT_THAT(result.err, testing::Not(HasSubstr("in parts")));
   const json summary = json_of(folder.run(kGcode + " --json --out corrected.ngc"), kVerdictIsNo);
   ASSERT_TRUE(
       has_keys(summary,
@@ -222,7 +243,8 @@ TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
   EXPECT_EQ(summary["corrected"], 1);
   EXPECT_EQ(summary["lines_added"], 0);
   EXPECT_EQ(summary["refused"], false);
-  EXPECT_EQ(summary["passed"], json::parse(R"([{"reason": "splines", "count": 2, "first_line": 2, "between": 0}])"));
+  EXPECT_EQ(summary["passed"], json::parse(R"([{"reason":
+    "another origin than that of the first corrected target", "count": 2, "first_line": 2, "between": 0}])"));
   EXPECT_EQ(folder.read("corrected.ngc"), result.out);
 }
 

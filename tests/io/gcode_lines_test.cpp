@@ -256,8 +256,8 @@ TEST(GcodeRotation, ThatIsNeverStatedIsZeroAndSaid) {
   const Filtered late = filtered_gcode(motion + "G1 C5\n" + motion, correction);
   EXPECT_FALSE(late.summary.whole());
   EXPECT_TRUE(late.has("C is stated after"));
-  EXPECT_TRUE(filtered_gcode("G1 C5\n" + motion, correction).summary.whole());
-  EXPECT_FALSE(filtered_gcode("G1 C5\n" + motion, correction).has("C is stated after"));
+  EXPECT_TRUE(filtered_gcode("G0 C5\n" + motion, correction).summary.whole());
+  EXPECT_FALSE(filtered_gcode("G0 C5\n" + motion, correction).has("C is stated after"));
   EXPECT_TRUE(filtered_gcode(motion + "G1 C5\n", correction, {.start = Pose{{0, 0, -900}, 0.0}}).summary.complete());
 }
 
@@ -458,14 +458,14 @@ TEST_F(GcodeLines, CyclesThatAreLeftAreStated) {
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";
   for (const std::string& start : {arc, cycle}) {
-    const Filtered relies = of(start + "MY_MACRO\nG90 G21 X5 Y5\n");
+    const Filtered relies = of(start + "MY_MACRO\nG90 G21 Z-870\n");
     EXPECT_TRUE(relies.has("behind one that was rewritten"));
     EXPECT_FALSE(relies.summary.whole());
-    EXPECT_TRUE(of(start + "MY_MACRO\nG90 G21 G1 X5 Y5\nX6\n").summary.whole());
-    EXPECT_TRUE(of(start + "MY_MACRO\nG80\nX5 Y5\n").summary.whole());
+    EXPECT_TRUE(of(start + "MY_MACRO\nG90 G21 G1 Z-870\nZ-860\n").summary.whole());
+    EXPECT_TRUE(of(start + "MY_MACRO\nG80\nZ-870\n").summary.whole());
   }
   EXPECT_FALSE(of(cycle + "X5 #1=2\n").summary.whole());
-  EXPECT_TRUE(of("G0 X0 Y0 Z-880\nMY_MACRO\nG90 G21 X5 Y5\n").summary.whole());
+  EXPECT_TRUE(of("G0 X0 Y0 Z-880\nMY_MACRO\nG90 G21 Z-870\n").summary.whole());
 }
 
 /// What systems are to each other is known from the program or from LinuxCNC's file, or their targets stay.

@@ -339,31 +339,72 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
   const auto summary_of = [&](const std::string& text) { return filtered_gcode(text, correction).summary; };
   const std::string target = "G1 X1 Y2 Z-900 C3\n", arc = "G5 X5 Y5 I1 J2 P1 Q1\n", home = "G28\nG1 Z-880\n";
-  const FilterSummary around = summary_of(home + target + target + arc);
+  const FilterSummary around = summary_of(home + target + target + home);
   EXPECT_FALSE(around.complete());
   EXPECT_TRUE(around.whole());
   const FilterSummary between =
-      summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G28\nG91 G1 Z5\n" + arc);
+      summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G28\nG91 G1 Z5\n");
   EXPECT_FALSE(between.whole());
   ASSERT_THAT(between.passed, SizeIs(3));
   EXPECT_EQ(between.passed[0].reason, "X has not been stated yet (--start)");
   EXPECT_EQ(between.passed[0].between, 0);
   EXPECT_EQ(between.passed[1].reason, "splines");
-  EXPECT_EQ(between.passed[1].count, 4);
+  EXPECT_EQ(between.passed[1].count, 3);
   EXPECT_EQ(between.passed[1].between, 3);
   EXPECT_EQ(between.passed[1].first_between, 4);
   EXPECT_EQ(between.passed[2].between, 0);
   EXPECT_EQ(summary_of(target + "G1 X3 M204\n").corrected, 2);  // a motion stays one beside a setting
   // A target out of reach is left, too; many lines are read in pieces.
-  EXPECT_TRUE(summary_of(target + "G1 X4000\n").whole());
-  EXPECT_FALSE(summary_of(target + "G1 X4000\n" + target).whole());
+  EXPECT_TRUE(summary_of(target + "G0 X4000\n").whole());
+  EXPECT_FALSE(summary_of(target + "G0 X4000\n" + target).whole());
   std::string many = target;
   for (int k = 0; k < 30000; ++k) many += fmt::format("G1 X{} Y0 Z-900 C0 (long enough to be read apart)\n", k % 50);
-  EXPECT_TRUE(summary_of(arc + many + arc).whole());
+  EXPECT_TRUE(summary_of(home + many + home).whole());
   const FilterSummary apart = summary_of(many + arc + many);
   ASSERT_THAT(apart.passed, SizeIs(1));
   EXPECT_EQ(apart.passed[0].between, 1);
   EXPECT_EQ(apart.passed[0].first_between, 30002);
+}
+
+/// Before the first corrected target and after the last a program may come and go, not work.
+TEST_F(Gcode, WorkIsNoRetreat) {
+  const auto is_whole = [&](const std::string& before, const std::string& after) {
+    const FilterSummary summary = filtered_gcode(before + "G0 X1 Y2 Z-900 C3\n" + after, correction).summary;
+    EXPECT_EQ(summary.corrected, 1) << before << after;
+    EXPECT_FALSE(summary.complete()) << before << after;
+    return summary.whole();
+  };
+  const std::string lost = "T1 M6\n";  // then no axis is known
+  for (const char* harmless : {"G0 X5 Y5", "G1 Z-800", "G1 Z-800 E-2", "G28 X0 Y0 Z-800", "G38.2 Z-950 F10",
+                               "END_PRINT", "M600 X80", "M99", "/G0 X5", "/G28 X0", "G187 P1"}) {
+    EXPECT_TRUE(is_whole("", lost + harmless + "\n")) << harmless;
+    EXPECT_TRUE(is_whole(std::string(harmless) + "\nG90 G21 G80\n", "")) << harmless;
+  }
+  for (const char* work : {"G1 X5",      "G1 Y5 F100",    "G1 C5",       "G0 X5 E3",
+                           "X5 Y5",      "G2 I5",         "G2 Z-910 I5", "G81 Z-910 R-905 G98",
+                           "G5 X5 Y5",   "G33 Z-910 K1",  "M98 P1000",   "o100 call",
+                           "G65 P1",     "/G1 X5",        "/G2 I5",      "/M98 P1",
+                           "/X5",        "G187 X5",       "G1 X",        "G1 X5 X6",
+                           "G1 X5 Y6*1", "hello, there!", "G[#1] X5"}) {
+    EXPECT_FALSE(is_whole("", lost + "G80\n" + work + "\n")) << work;
+    EXPECT_FALSE(is_whole("G80\n" + std::string(work) + "\nG90 G21 G80 G91.1 G94\n", "")) << work;
+  }
+  // Offset from beginning to end, with one target behind it.
+  EXPECT_FALSE(is_whole("G41 D1\nG1 X5 Y5 Z-900 C0\nG1 X9\nG40\n", ""));
+  // What leads to the work counts with it.
+  const FilterSummary led = filtered_gcode(kStart + "M6\nG0 X5\nG1 Z-890\nG1 Y6\nG0 Z-800\n", correction).summary;
+  ASSERT_THAT(led.passed, SizeIs(2));
+  EXPECT_EQ(led.passed[0].between + led.passed[1].between, 3);
+  EXPECT_EQ(led.passed[0].first_between, 3);
+}
+
+/// Motors are switched off with the letters of axes at the end of a print.
+TEST_F(Gcode, MotorsThatAreOffHoldNoPlace) {
+  for (const char* off : {"M84 X Y E", "M18 X", "M84"}) {
+    EXPECT_TRUE(after_start(std::string(off) + "\n").summary.complete()) << off;
+    EXPECT_EQ(after_start(std::string(off) + "\nG1 X1\n").summary.corrected, 1) << off;
+  }
+  EXPECT_EQ(after_start("M17 X Y\nG1 X1\n").summary.corrected, 2);
 }
 
 /// A start is told in the system that holds when the program begins: after another one nothing is known, nor is it back

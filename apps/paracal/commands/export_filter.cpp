@@ -108,6 +108,20 @@ class HeaderSink {
   std::vector<std::string> lines_;
 };
 
+/// Of a program that is corrected in parts all the same.
+std::string parts_text(const io::FilterSummary& summary) {
+  std::int64_t count = 0, first = std::numeric_limits<std::int64_t>::max();
+  for (const io::PassedThrough& one : summary.passed) {
+    count += one.between;
+    if (one.between > 0) first = std::min(first, one.first_between);
+  }
+  if (count == 0) return {};
+  return fmt::format(
+      "  corrected in parts: {} lines, the first in line {}, are left where they count: there the plate jumps by the "
+      "correction, or the machine works without it\n",
+      count, first);
+}
+
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
   if (summary.added > 0) {
@@ -138,8 +152,8 @@ std::string farthest_text(const io::FilterSummary& summary) {
   return text;
 }
 
-/// A program of which some targets are corrected and others between them are not is worse than either: where one meets
-/// the other the plate jumps by the correction. One without any would be handed out as it came.
+/// A program of which some targets are corrected and others are not is worse than either: where one meets the other the
+/// plate jumps by the correction. One without any would be handed out as it came.
 bool is_refused(const io::FilterSummary& summary) {
   return !summary.whole() || (summary.corrected == 0 && !summary.complete());
 }
@@ -147,7 +161,7 @@ bool is_refused(const io::FilterSummary& summary) {
 /// @throws InputFileError with the first line that cannot be corrected.
 void require_whole(const std::string& name, const io::FilterSummary& summary) {
   if (!is_refused(summary)) return;
-  const bool is_between = !summary.whole();
+  const bool is_between = !summary.whole() && summary.corrected > 0;
   std::vector<io::PassedThrough> hindrances = summary.passed;
   if (is_between) std::erase_if(hindrances, [](const io::PassedThrough& one) { return one.between == 0; });
   const auto count = [&](const io::PassedThrough& one) { return is_between ? one.between : one.count; };
@@ -163,14 +177,14 @@ void require_whole(const std::string& name, const io::FilterSummary& summary) {
       name, first_line,
       fmt::format("expected targets that can all be corrected, got {} ({} times){}{}; nothing was written; --partial "
                   "corrects {} targets and leaves these",
-                  first.reason, count(first), is_between ? " between targets that can" : "", others,
-                  summary.corrected));
+                  first.reason, count(first), is_between ? " among targets that can" : "", others, summary.corrected));
 }
 
 std::string checked_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = summary_text(name, summary);
-  if (is_refused(summary))
-    text += "without --partial this file is refused: no target, or not each between two others, can be corrected\n";
+  if (is_refused(summary)) {
+    text += "without --partial this file is refused: no target, or not each that counts, can be corrected\n";
+  }
   return summary.farthest.empty() ? text : text + farthest_text(summary);
 }
 
@@ -226,7 +240,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   } else if (session.json()) {
     session.print_summary(json_text(json));
   } else {
-    session.say_when_done(summary_text(in.name, summary));
+    session.say_when_done(summary_text(in.name, summary) + parts_text(summary));
   }
   if (!summary.complete()) session.exit_code = kVerdictIsNo;
 }

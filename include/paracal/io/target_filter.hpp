@@ -20,7 +20,9 @@ struct PassedThrough {
   std::string_view reason;
   std::int64_t count = 0;
   std::int64_t first_line = 0;  ///< from 1
-  /// How many of them stand between corrected targets, and the first: there the plate jumps by the correction.
+  /// How many of them stand among corrected targets, and the first: between two, where the plate jumps by the
+  /// correction, or on the way to a motion of the program's work (at feed across the part, extruding, drilling) that is
+  /// left.
   std::int64_t between = 0, first_between = 0;
 };
 
@@ -46,8 +48,8 @@ struct FilterSummary {
   std::vector<std::string> assumed;  ///< what was taken for granted, in words
 
   bool complete() const { return passed.empty(); }
-  /// Nothing stands as it was between corrected targets; before the first and after the last, as approach and retreat,
-  /// it may.
+  /// Nothing stands as it was between corrected targets; before the first and after the last approach and retreat may:
+  /// homing, macros, G0, an axis Z alone.
   bool whole() const {
     return std::ranges::all_of(passed, [](const PassedThrough& one) { return one.between == 0; });
   }
