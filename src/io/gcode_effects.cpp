@@ -174,7 +174,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       for (const GcodeWord& word : block.words) {
         if (word.letter == 'E') extruder_.call(word);
       }
-      if (axes.count == 0 && block.has_letter("ABEUVW")) return;
+      if (axes.count == 0 && block.has_letter("ABCEUVW")) return;
       return call_here_or_shift(axes, request);
     case Effect::shift:
       request.takes_axes = true;

@@ -22,7 +22,8 @@ constexpr std::array<std::string_view, kAxes> kUnstated{
 constexpr std::string_view kIncremental = "incremental (G91) from a place that is not known";
 
 constexpr std::string_view kNumbered = "a line to divide that has a checksum";
-constexpr std::string_view kOtherAxes = "a line to divide that moves other axes (A, B, U, V, W), too";
+constexpr std::string_view kOtherAxes =
+    "a line to divide that moves other axes (A, B, U, V, W; C of a plate that does not turn), too";
 constexpr std::string_view kInverseTime = "a line to divide whose feed is an inverse time (G93), or may be";
 constexpr std::string_view kExtrusion = "a line to divide, and unclear whether extrusion is absolute (M82, M83)";
 
@@ -196,7 +197,7 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
   const std::optional<ExtrusionOfLine> extrusion = extruder_.move(block);
   line.extrusion = extrusion.value_or(ExtrusionOfLine{});
   if (block.checksum_at != 0) line.hindrance = kNumbered;
-  if (block.has_letter("ABUVW")) line.hindrance = kOtherAxes;
+  if (block.has_letter(axis_count_ < kAxes ? "ABCUVW" : "ABUVW")) line.hindrance = kOtherAxes;
   if (inverse_time_ != false) line.hindrance = kInverseTime;
   if (!extrusion) line.hindrance = kExtrusion;
   std::size_t arc_words = 0;

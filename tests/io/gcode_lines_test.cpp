@@ -454,6 +454,21 @@ TEST_F(GcodeLines, CyclesThatAreLeftAreStated) {
   EXPECT_THAT(of("G0 X0 Y0 Z-880\nG81 X10 Z-910 R-900\nX3\n").text, testing::EndsWith("R-900\nX3\n"));
 }
 
+/// C of a plate that does not turn is an axis of its own, as A is: pieces of a line would turn it at once.
+TEST_F(GcodeLines, AnotherAxisIsNotTurnedAhead) {
+  const std::string start = "G0 X0 Y0 Z-900 C0\nF600\n";
+  for (const char* axis : {"A", "B", "C", "U", "V", "W"}) {
+    const Filtered line = of(start + "G1 X300 " + axis + "90\nG1 X280\n"),
+                   arc = of(start + "G3 X-80 I-40 " + axis + "180\nG1 X0 Y0 Z-900\n");
+    for (const Filtered& result : {line, arc}) {
+      EXPECT_EQ(result.passed("a line to divide that moves other axes"), 1) << axis;
+      EXPECT_FALSE(result.summary.whole());
+      EXPECT_EQ(result.summary.added, 0);
+    }
+    EXPECT_TRUE(of(start + "G1 X1 " + axis + "90\nG92 " + axis + "0\nX2\n").summary.complete()) << axis;
+  }
+}
+
 /// After something unknown nobody can say in which mode the controller would have been, and is not.
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";

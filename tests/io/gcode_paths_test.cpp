@@ -101,6 +101,10 @@ TEST_P(GcodePaths, TheMachineFollowsThePathOfTheProgram) {
       SCOPED_TRACE(program.stem().string() + fmt::format(", chord {}", chord));
       const fs::path output = folder / program.filename();
       const FilterSummary summary = filtered(program, output, chord);
+      if (!robot.slide() && program.stem() == "rotation") {  // its C is another axis of theirs
+        EXPECT_FALSE(summary.whole());
+        continue;
+      }
       EXPECT_TRUE(summary.whole());
       EXPECT_GT(summary.corrected, 0);
       const test::CanonicalProgram before = test::interpreted(PARACAL_RS274, folder, program);
