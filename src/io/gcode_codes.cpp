@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace paracal::io {
 namespace {
@@ -49,15 +50,15 @@ constexpr std::array kCodes{
     Code{420, Effect::transform, kRadius},
     Code{421, Effect::transform, kRadius},
     Code{430, Effect::tool_length},
-    Code{431, Effect::tool_length},
-    Code{432, Effect::tool_length},
+    Code{431, Effect::tool_length_by_axes},
+    Code{432, Effect::tool_length_by_axes},
     Code{440, Effect::tool_length},
     Code{490, Effect::no_tool_length},
     Code{500, Effect::no_transform, kScale},
     Code{501, Effect::no_transform, kMirror},
     Code{510, Effect::transform_by_axes, kScale},
     Code{511, Effect::transform_by_axes, kMirror},
-    Code{520, Effect::shift},
+    Code{520, Effect::shift_by_axes},
     Code{530, Effect::in_machine},
     Code{540, Effect::system},
     Code{550, Effect::system},
@@ -105,6 +106,54 @@ constexpr std::array kCodes{
 static_assert(std::ranges::is_sorted(kCodes, {}, &Code::tenths));
 
 }  // namespace
+
+int tenths_of(double code) {
+  const double tenths = std::round(10.0 * code);
+  return std::abs(10.0 * code - tenths) < 1e-6 && tenths >= 0.0 && tenths < 1e5 ? static_cast<int>(tenths) : -1;
+}
+
+int stage_of(Effect effect) {
+  switch (effect) {
+    case Effect::inverse_time:
+    case Effect::feed_per_time:
+      return 0;
+    case Effect::dwell:
+      return 2;
+    case Effect::plane:
+      return 3;
+    case Effect::inch:
+    case Effect::mm:
+      return 4;
+    case Effect::transform:
+    case Effect::transform_by_axes:
+    case Effect::no_transform:
+      return 5;
+    case Effect::tool_length:
+    case Effect::tool_length_by_axes:
+    case Effect::no_tool_length:
+      return 6;
+    case Effect::system:
+      return 7;
+    case Effect::path_mode:
+      return 8;
+    case Effect::absolute:
+    case Effect::incremental:
+    case Effect::centre_is_place:
+    case Effect::centre_from_start:
+      return 9;
+    case Effect::return_to_start:
+    case Effect::return_to_clearance:
+      return 10;
+    case Effect::home:
+    case Effect::shift:
+    case Effect::shift_by_axes:
+    case Effect::shift_if_stated:
+    case Effect::shift_axes:
+      return 11;
+    default:
+      return 12;  // motions, and what none of this asks for
+  }
+}
 
 const Code* find_code(int tenths) {
   const auto* const found = std::ranges::lower_bound(kCodes, tenths, {}, &Code::tenths);

@@ -29,7 +29,7 @@ enum class Effect : std::uint8_t {
   probe,
   thread,
   home,   ///< homing, stored places, levelling
-  dwell,  ///< in X for some controllers
+  dwell,  ///< in X for some controllers, if it has no P
   absolute,
   incremental,
   inch,
@@ -37,8 +37,10 @@ enum class Effect : std::uint8_t {
   in_machine,
   system,
   tool_length,
+  tool_length_by_axes,  ///< axis words say by how much
   no_tool_length,
   shift,
+  shift_by_axes,
   shift_if_stated,  ///< G10: RepRap's retraction, if it has neither L nor P
   shift_axes,       ///< G92: of the extruder alone, if it has E and no axis
   flow,
@@ -55,6 +57,13 @@ struct Code {
 };
 
 inline constexpr unsigned kRadius = 1, kTurn = 2, kScale = 4, kMirror = 8, kPolar = 16, kDiameter = 32;
+
+/// 10 times the code; -1 for what no code is.
+int tenths_of(double code);
+
+/// When LinuxCNC carries a code of a line out, wherever it stands: 0 first  [linuxcnc, order of execution].
+int stage_of(Effect effect);
+inline constexpr int kStageOfM = 1;  ///< M codes, but what stops, which comes last and changes nothing before
 
 /// @returns null where the code is not known here.
 const Code* find_code(int tenths);

@@ -13,7 +13,8 @@ DialectTraits traits_of(GcodeDialect dialect) {
     case GcodeDialect::marlin:
       return {.extruder = ExtruderRule::last_counts, .has_cycles = false};
     case GcodeDialect::reprapfirmware:
-      return {.extruder = ExtruderRule::codes_alone, .has_cycles = false, .zero_is_current = true};
+      return {
+          .extruder = ExtruderRule::codes_alone, .has_cycles = false, .zero_is_current = true, .runs_as_written = true};
     case GcodeDialect::fanuc_like:
       return {.prepares_tools = true, .has_cycles = false, .counts_without_points = true};
   }

@@ -22,6 +22,7 @@ struct DialectTraits {
   bool prepares_tools = false;         ///< T chooses, M6 changes
   bool has_cycles = true;              ///< LinuxCNC's canned cycles
   bool zero_is_current = false;        ///< the system P0 of G10 L2
+  bool runs_as_written = false;        ///< codes of a line in the order of its words, not in that of RS-274
   bool counts_without_points = false;  ///< lengths without a decimal point are numbers of smallest steps
 };
 

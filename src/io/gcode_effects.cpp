@@ -1,4 +1,4 @@
-// What the codes of a block do to what a controller remembers.
+// What G codes do to what a controller remembers.
 
 #include <cmath>
 
@@ -11,12 +11,6 @@ namespace {
 constexpr double kMmPerInch = 25.4;
 
 constexpr std::string_view kForeignCycle = "a canned cycle in a dialect that does not have LinuxCNC's";
-
-/// 10 times the code; -1 for what no code is.
-int tenths_of(double code) {
-  const double tenths = std::round(10.0 * code);
-  return std::abs(10.0 * code - tenths) < 1e-6 && tenths >= 0.0 && tenths < 1e5 ? static_cast<int>(tenths) : -1;
-}
 
 /// G54 to G59, G59.1 to G59.3: from 1.
 std::size_t system_of(int tenths) {
@@ -142,7 +136,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.goes_elsewhere = request.takes_axes = true;
       return;
     case Effect::dwell:
-      request.takes_axes = true;
+      request.takes_axes = !block.has_letter("P");
       return;
     case Effect::absolute:
       distance_ = Distance::absolute;
@@ -161,6 +155,9 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return;
     case Effect::system:
       return carry(origin_.choose_system(system_of(tenths)));
+    case Effect::tool_length_by_axes:
+      request.takes_axes = true;
+      [[fallthrough]];
     case Effect::tool_length:
       origin_.compensate_tool(true);
       return lose_all();
@@ -176,8 +173,10 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       }
       if (axes.count == 0 && block.has_letter("ABCEUVW")) return;
       return call_here_or_shift(axes, request);
-    case Effect::shift:
+    case Effect::shift_by_axes:
       request.takes_axes = true;
+      [[fallthrough]];
+    case Effect::shift:
       return shift_origin();
     case Effect::flow:
       request.refused = kFlow;
@@ -193,63 +192,6 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       transforms_ &= ~code->transform;
       return;
   }
-}
-
-void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) {
-  request.has_m_code |= takes_axis_words(tenths);
-  switch (effect_of_m(tenths)) {
-    case MEffect::none:
-      return;
-    case MEffect::pause:
-      request.acts_after = true;
-      return;
-    case MEffect::end:
-      request.acts_after = request.then_unknown = true;
-      return;
-    case MEffect::absolute_extrusion:
-      return extruder_.set_relative(false);
-    case MEffect::relative_extrusion:
-      return extruder_.set_relative(true);
-    case MEffect::end_of_modes:
-      request.then_unknown = true;
-      return;
-    case MEffect::end_of_modes_if_bare:
-      if (!block.has_letter("PRCD")) request.then_unknown = true;
-      return;
-    case MEffect::tool_change:
-      request.then_lost = true;
-      return;
-    case MEffect::motors_off:
-      request.then_lost = request.is_setting = true;
-      return;
-    case MEffect::flow:
-      request.refused = kFlow;
-      request.ends_subprogram = tenths == 990;
-      return;
-    case MEffect::setting:
-      request.is_setting = true;
-      return;
-    case MEffect::shift:
-      return shift_origin();
-  }
-}
-
-GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {
-  Request request;
-  if (axes.has_duplicate) request.refused = kMalformed;
-  for (const GcodeWord& word : block.words) {
-    if (word.letter == 'T' && !traits_.prepares_tools) request.then_lost = true;  // RepRap changes it at once
-    if (word.letter != 'G' && word.letter != 'M') continue;
-    if (word.is_number()) {
-      const int tenths = tenths_of(word.value);
-      const auto stated_before = request.motion;
-      word.letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
-      if (request.motion && !stated_before) request.motion_word = {word.at, word.end};
-    } else {
-      request.refused = word.kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
-    }
-  }
-  return request;
 }
 
 }  // namespace paracal::io

@@ -19,6 +19,7 @@ constexpr std::string_view kControllers =
     "subprograms, jumps and loops: a parameter of the controller is assigned here";
 constexpr std::string_view kNoSub = "subprograms, jumps and loops: no such subprogram in this file";
 constexpr std::string_view kNoEnd = "subprograms, jumps and loops: this one has no end";
+constexpr std::string_view kRestored = "subprograms, jumps and loops: modes that a subprogram's end restores (M73)";
 constexpr std::string_view kNotUnderstood = "subprograms, jumps and loops: a line that is not understood";
 constexpr std::string_view kTooLong = "subprograms, jumps and loops: more than a million lines are carried out";
 constexpr std::string_view kTooDeep = "subprograms, jumps and loops: more than 50 within each other";
@@ -36,6 +37,14 @@ std::string_view brackets_at(std::string_view text) {
     if (depth == 0) break;
   }
   return {};
+}
+
+/// With words it is RepRap's, and says how far a print is.
+bool restores_modes(const GcodeBlock& block) {
+  const auto is_bare = [&](const GcodeWord& word) {
+    return word.letter == 'M' && word.is_number() && word.value == 73.0 && !block.has_letter("PRCD");
+  };
+  return std::ranges::any_of(block.words, is_bare);
 }
 
 bool is_end_of_words(std::string_view text) { return text.empty() || text.starts_with('(') || text.starts_with(';'); }
@@ -174,6 +183,7 @@ GcodeFlow::End GcodeFlow::take_line(std::size_t at) {
   if (block.kind == GcodeBlock::Kind::malformed || (block.is_optional && !block.words.empty())) {
     return fail(at, kNotUnderstood);
   }
+  if (restores_modes(block)) return fail(at, kRestored);
   const std::vector<GcodeWord> as_written = block.words;
   const auto assignments = block.assignments;
   if (parameters_.apply(block)) return fail(at, kControllers);

@@ -87,6 +87,7 @@ class GcodeModes {
   using Places = std::array<std::optional<double>, kAxes>;
 
   Axes axes_of(const GcodeBlock& block) const;
+  void put_in_order(const GcodeBlock& block);
   Request apply_codes(const GcodeBlock& block, const Axes& axes);
   void apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request);
   void apply_m(int tenths, const GcodeBlock& block, Request& request);
@@ -133,6 +134,7 @@ class GcodeModes {
   bool lost_rewritten_mode_ = false;  ///< was it, when something unknown came?
   GcodeCycle cycle_;
   std::vector<std::string> instead_ = {};
+  std::vector<const GcodeWord*> codes_ = {};  ///< G and M of the block that is taken, in their order
 };
 
 }  // namespace paracal::io

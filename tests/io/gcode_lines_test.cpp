@@ -469,6 +469,40 @@ TEST_F(GcodeLines, AnotherAxisIsNotTurnedAhead) {
   }
 }
 
+/// LinuxCNC's order: modes, tool, plane, unit, system, distance, then G10 and G92, then the motion; wherever they
+/// stand.
+TEST_F(GcodeLines, CodesOfALineHaveAnOrder) {
+  const std::string start = "G21 G90\nG10 L2 P1 X0 Y0 Z0\nG10 L2 P2 X10 Y0 Z0\nG54 G0 X0 Y0 Z-900\n";
+  const GcodeOptions linuxcnc{.dialect = GcodeDialect::linuxcnc};
+  const auto told = [&](const std::string& lines, const GcodeOptions& options, double x, double unit, double shift) {
+    const Filtered result = of(start + lines, options);
+    EXPECT_TRUE(result.summary.complete()) << lines;
+    EXPECT_NEAR(*word(result.lines().back(), 'X') * unit + shift, target(x, 0, -900).position.x(), 1e-4) << lines;
+  };
+  told("G10 L2 P1 X1 G20\nG1 X1\n", linuxcnc, 50.8, 25.4, 25.4);
+  told("G10 L2 P1 X1 G20\nG1 X1\n", {.dialect = GcodeDialect::reprapfirmware}, 26.4, 25.4, 1.0);  // as written
+  told("G10 L2 P0 X5 G55\nG1 X20\n", linuxcnc, 25, 1.0, 5.0);
+  told("G92 X1 G20\nG1 X2\n", linuxcnc, 25.4, 25.4, -25.4);
+  told("G92 X1 G55\nG1 X2\n", linuxcnc, 1.0, 1.0, -1.0);
+  told("G4 P0.1 X7\n", linuxcnc, 7, 1.0, 0.0);
+  told("G1 X5 Y0 Z-900 M72 G90 G21\nX9\n", linuxcnc, 9, 1.0, 0.0);  // modes are restored before
+  EXPECT_EQ(of(start + "G4 X7\nG1 Y3\n").summary.corrected, 2);
+  EXPECT_EQ(of(start + "M6 G1 X7\n").summary.corrected, 1);  // from where the tool was changed
+  EXPECT_EQ(of(start + "G1 X7 T1\n").summary.corrected, 1);
+  EXPECT_EQ(of(start + "G92.1 X7\n").passed("another origin"), 1);
+  EXPECT_EQ(of("G0 X0 Y0\nG43.1 Z0.5\nG1 X5\n").summary.corrected, 0);
+}
+
+/// What a subprogram's end restores is not followed.
+TEST_F(GcodeLines, ModesThatASubprogramRestoresAreNotFollowed) {
+  const std::string program = "G0 X0 Y0 Z-900\no1 sub\nM73\nG91 G21 G1 X5\no1 endsub\no1 call\nG1 X20\n";
+  const Filtered result = of(program);
+  EXPECT_EQ(result.passed("modes that a subprogram's end restores (M73)"), 1);
+  EXPECT_FALSE(result.summary.whole());
+  std::string progress = program;
+  EXPECT_TRUE(of(progress.replace(progress.find("M73"), 3, "M73 P5")).summary.complete());
+}
+
 /// After something unknown nobody can say in which mode the controller would have been, and is not.
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";

@@ -1,0 +1,90 @@
+// The codes of a block in the order in which they are carried out.
+
+#include <algorithm>
+#include <cmath>
+
+#include "gcode_codes.hpp"
+#include "gcode_modes.hpp"
+
+namespace paracal::io {
+namespace {
+
+int stage_of(const GcodeWord& word) {
+  if (word.letter == 'M') return kStageOfM;
+  const Code* const code = word.is_number() ? find_code(tenths_of(word.value)) : nullptr;
+  return code != nullptr ? stage_of(code->effect) : 0;
+}
+
+}  // namespace
+
+void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) {
+  request.has_m_code |= takes_axis_words(tenths);
+  switch (effect_of_m(tenths)) {
+    case MEffect::none:
+      return;
+    case MEffect::pause:
+      request.acts_after = true;
+      return;
+    case MEffect::end:
+      request.acts_after = request.then_unknown = true;
+      return;
+    case MEffect::absolute_extrusion:
+      return extruder_.set_relative(false);
+    case MEffect::relative_extrusion:
+      return extruder_.set_relative(true);
+    case MEffect::end_of_modes:
+      return forget();
+    case MEffect::end_of_modes_if_bare:
+      if (!block.has_letter("PRCD")) forget();
+      return;
+    case MEffect::tool_change:
+      request.then_lost = true;
+      return lose_all();
+    case MEffect::motors_off:
+      request.then_lost = request.is_setting = true;
+      return;
+    case MEffect::flow:
+      request.refused = kFlow;
+      request.ends_subprogram = tenths == 990;
+      return;
+    case MEffect::setting:
+      request.is_setting = true;
+      return;
+    case MEffect::shift:
+      return shift_origin();
+  }
+}
+
+/// RS-274 knows no order of words in a line; firmwares that take several codes take them as they come.
+void GcodeModes::put_in_order(const GcodeBlock& block) {
+  codes_.clear();
+  for (const GcodeWord& word : block.words) {
+    if (word.letter == 'G' || word.letter == 'M') codes_.push_back(&word);
+  }
+  if (traits_.runs_as_written || codes_.size() < 2) return;
+  std::ranges::stable_sort(codes_, {}, [](const GcodeWord* word) { return stage_of(*word); });
+}
+
+GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {
+  Request request;
+  if (axes.has_duplicate) request.refused = kMalformed;
+  const bool changes_tool = !traits_.prepares_tools && block.word('T') != nullptr;  // RepRap does at once
+  if (changes_tool) {
+    request.then_lost = true;
+    lose_all();
+  }
+  put_in_order(block);
+  for (const GcodeWord* word : codes_) {
+    if (!word->is_number()) {
+      request.refused = word->kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
+      continue;
+    }
+    const int tenths = tenths_of(word->value);
+    const auto stated_before = request.motion;
+    word->letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
+    if (request.motion && !stated_before) request.motion_word = {word->at, word->end};
+  }
+  return request;
+}
+
+}  // namespace paracal::io
