@@ -7,16 +7,29 @@ DialectTraits traits_of(GcodeDialect dialect) {
     case GcodeDialect::any:
       return {};
     case GcodeDialect::linuxcnc:
-      return {.prepares_tools = true, .zero_is_current = true};
+      return {.tool_offsets = ToolOffsets::rs274, .prepares_tools = true, .zero_is_current = true};
     case GcodeDialect::klipper:
-      return {.extruder = ExtruderRule::either, .has_cycles = false};
+      return {.extruder = ExtruderRule::either,
+              .tool_offsets = ToolOffsets::none,
+              .has_one_code = true,
+              .has_cycles = false};
     case GcodeDialect::marlin:
-      return {.extruder = ExtruderRule::last_counts, .has_cycles = false};
+      return {.extruder = ExtruderRule::last_counts,
+              .tool_offsets = ToolOffsets::none,
+              .has_one_code = true,
+              .has_cycles = false};
     case GcodeDialect::reprapfirmware:
-      return {
-          .extruder = ExtruderRule::codes_alone, .has_cycles = false, .zero_is_current = true, .runs_as_written = true};
+      return {.extruder = ExtruderRule::codes_alone,
+              .tool_offsets = ToolOffsets::reprap,
+              .has_one_code = true,
+              .has_cycles = false,
+              .zero_is_current = true,
+              .runs_as_written = true};
     case GcodeDialect::fanuc_like:
-      return {.prepares_tools = true, .has_cycles = false, .counts_without_points = true};
+      return {.tool_offsets = ToolOffsets::rs274,
+              .prepares_tools = true,
+              .has_cycles = false,
+              .counts_without_points = true};
   }
   return {};
 }

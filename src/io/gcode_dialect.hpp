@@ -17,9 +17,19 @@ enum class ExtruderRule : std::uint8_t {
   either,       ///< a step where M83 or G91 holds
 };
 
+/// What G10 without L is.
+enum class ToolOffsets : std::uint8_t {
+  unknown,  ///< one of these
+  rs274,    ///< an offset
+  reprap,   ///< offsets of a tool, where axes are named, and its temperatures
+  none,     ///< retraction
+};
+
 struct DialectTraits {
   ExtruderRule extruder = ExtruderRule::unknown;
+  ToolOffsets tool_offsets = ToolOffsets::unknown;
   bool prepares_tools = false;         ///< T chooses, M6 changes
+  bool has_one_code = false;           ///< a line's first; its letters are numbers of that
   bool has_cycles = true;              ///< LinuxCNC's canned cycles
   bool zero_is_current = false;        ///< the system P0 of G10 L2
   bool runs_as_written = false;        ///< codes of a line in the order of its words, not in that of RS-274

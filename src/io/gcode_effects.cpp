@@ -4,6 +4,7 @@
 
 #include "gcode_codes.hpp"
 #include "gcode_modes.hpp"
+#include "gcode_words.hpp"
 
 namespace paracal::io {
 namespace {
@@ -166,6 +167,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
     case Effect::shift_if_stated:
       if (!block.has_letter("LP")) return;
       request.takes_axes = true;
+      if (sets_tool_temperature(block, traits_)) return;
       return define_system(block, axes);
     case Effect::shift_axes:
       for (const GcodeWord& word : block.words) {

@@ -5,6 +5,7 @@
 
 #include "gcode_codes.hpp"
 #include "gcode_modes.hpp"
+#include "gcode_words.hpp"
 
 namespace paracal::io {
 namespace {
@@ -68,7 +69,7 @@ void GcodeModes::put_in_order(const GcodeBlock& block) {
 GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {
   Request request;
   if (axes.has_duplicate) request.refused = kMalformed;
-  const bool changes_tool = !traits_.prepares_tools && block.word('T') != nullptr;  // RepRap does at once
+  const bool changes_tool = !traits_.prepares_tools && names_tool(block, traits_);  // RepRap does at once
   if (changes_tool) {
     request.then_lost = true;
     lose_all();

@@ -503,6 +503,40 @@ TEST_F(GcodeLines, ModesThatASubprogramRestoresAreNotFollowed) {
   EXPECT_TRUE(of(progress.replace(progress.find("M73"), 3, "M73 P5")).summary.complete());
 }
 
+/// T is a tool where it is one, and G10 without L an offset: the number of corrected targets behind a line, by dialect.
+TEST_F(GcodeLines, ToolsAreToldFromNumbersOfCodes) {
+  const auto keeps_place = [&](const std::string& line, GcodeDialect dialect) {
+    return of("G0 X0 Y0 Z-900.\n" + line + "\nG1 X1.\n", {.dialect = dialect}).summary.complete();
+  };
+  constexpr std::array kAll{GcodeDialect::any,    GcodeDialect::linuxcnc,       GcodeDialect::klipper,
+                            GcodeDialect::marlin, GcodeDialect::reprapfirmware, GcodeDialect::fanuc_like};
+  for (const GcodeDialect dialect : kAll) {
+    const bool prepares = dialect == GcodeDialect::linuxcnc || dialect == GcodeDialect::fanuc_like;
+    for (const char* number : {"M204 P1000 T2000", "M104 T0 S190", "N4 M109 S200 T1", "M204P500T500"}) {
+      EXPECT_TRUE(keeps_place(number, dialect)) << number << static_cast<int>(dialect);
+    }
+    for (const char* tool : {"T1", "N5 T0", "T1 M204 P5"}) {
+      EXPECT_EQ(keeps_place(tool, dialect), prepares) << tool << static_cast<int>(dialect);
+    }
+    EXPECT_FALSE(keeps_place("T1 M6", dialect));
+    EXPECT_FALSE(keeps_place("M6 T1", dialect));
+    EXPECT_FALSE(keeps_place("G10 L1 P1 Z5", dialect));
+  }
+  EXPECT_FALSE(keeps_place("M3 S1000 T2", GcodeDialect::any));
+  EXPECT_TRUE(keeps_place("M106 S255 T2", GcodeDialect::any));
+  EXPECT_TRUE(keeps_place("M3 S1000 T2", GcodeDialect::marlin));
+  EXPECT_TRUE(keeps_place("G10 P0 S205 T1", GcodeDialect::any));
+
+  const auto keeping = [&](const std::string& line) {
+    std::string result;
+    for (const GcodeDialect dialect : kAll) result += keeps_place(line, dialect) ? 'y' : 'n';
+    return result;
+  };
+  EXPECT_EQ(keeping("G10 P0 R140 S205"), "ynyyyn");
+  EXPECT_EQ(keeping("G10 P0 R140"), "nnyyyn");  // the offset of a tool for some
+  EXPECT_EQ(keeping("G10 P1 X5 S205"), "nnyynn");
+}
+
 /// After something unknown nobody can say in which mode the controller would have been, and is not.
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";
