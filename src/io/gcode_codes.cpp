@@ -213,7 +213,7 @@ MEffect effect_of_m(int tenths) {
 }
 
 bool takes_axis_words(int tenths) {
-  constexpr std::array kOfRs274{300, 480, 490, 500, 510, 520, 530, 600};
+  constexpr std::array kOfRs274{300, 480, 490, 500, 510, 520, 530, 600, 620, 630, 640, 650, 660, 670, 680};
   return tenths >= 100 && std::ranges::find(kOfRs274, tenths) == kOfRs274.end();
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "gcode_modes.hpp"
+#include "gcode_words.hpp"
 
 namespace paracal::io {
 namespace {
@@ -194,18 +195,19 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& req
 /// What the line would need if it became several.
 DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request, bool is_rapid) {
   DividedLine line{.motion = request.motion_word, .is_rapid = is_rapid, .stands_last = request.acts_after};
-  const std::optional<ExtrusionOfLine> extrusion = extruder_.move(block);
+  const std::optional<ExtrusionOfLine> extrusion = takes_output(block) ? ExtrusionOfLine{} : extruder_.move(block);
   line.extrusion = extrusion.value_or(ExtrusionOfLine{});
   if (block.checksum_at != 0) line.hindrance = kNumbered;
   if (block.has_letter(axis_count_ < kAxes ? "ABCUVW" : "ABUVW")) line.hindrance = kOtherAxes;
   if (inverse_time_ != false) line.hindrance = kInverseTime;
   if (!extrusion) line.hindrance = kExtrusion;
+  const std::string_view of_arc = shares_turns(block) ? "IJKR" : "IJKRP";
   std::size_t arc_words = 0;
   const auto first = std::ranges::find_if(block.words, [](const GcodeWord& word) { return word.letter != 'N'; });
   if (line.motion.is_empty() && first != block.words.end()) line.motion = {first->at, first->at};
   for (const GcodeWord& word : block.words) {
     if (word.letter == 'F') line.feed = {word.at, word.end};
-    if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
+    if (of_arc.find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
       line.arc_words[arc_words++] = {word.at, word.end};
     }
   }

@@ -1,5 +1,7 @@
 #include "gcode_words.hpp"
 
+#include <algorithm>
+
 #include "gcode_codes.hpp"
 
 namespace paracal::io {
@@ -20,6 +22,22 @@ bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits)
   if (traits.tool_offsets == ToolOffsets::none) return true;
   const bool is_certain = traits.tool_offsets == ToolOffsets::reprap || block.has_letter("S");
   return is_certain && !block.has_letter("XYZABCUVW");
+}
+
+bool shares_turns(const GcodeBlock& block) {
+  return std::ranges::any_of(block.words, [](const GcodeWord& word) {
+    const int tenths = word.is_number() ? tenths_of(word.value) : -1;
+    const bool is_of_m = (tenths >= 500 && tenths <= 530) || (tenths >= 620 && tenths <= 660) ||
+                         (tenths >= 1000 && tenths <= 1990);  // overrides, outputs, the owner's
+    const bool is_of_g = tenths == 40 || tenths == 640;
+    return (word.letter == 'M' && is_of_m) || (word.letter == 'G' && is_of_g);
+  });
+}
+
+bool takes_output(const GcodeBlock& block) {
+  return std::ranges::any_of(block.words, [](const GcodeWord& word) {
+    return word.letter == 'M' && word.is_number() && word.value >= 66.0 && word.value <= 68.0;
+  });
 }
 
 }  // namespace paracal::io

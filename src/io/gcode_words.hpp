@@ -13,4 +13,10 @@ bool names_tool(const GcodeBlock& block, const DialectTraits& traits);
 /// G10 without L states temperatures of a RepRap's tool, no offset, or is Marlin's or Klipper's retraction.
 bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits);
 
+/// P states turns of an arc, and something of another code, too, as LinuxCNC has it: G64 P1, M62 P1.
+bool shares_turns(const GcodeBlock& block);
+
+/// E is no extruder's, but an analog output or input: M66 to M68.
+bool takes_output(const GcodeBlock& block);
+
 }  // namespace paracal::io

@@ -537,6 +537,29 @@ TEST_F(GcodeLines, ToolsAreToldFromNumbersOfCodes) {
   EXPECT_EQ(keeping("G10 P1 X5 S205"), "nnyynn");
 }
 
+/// P of an output or a path mode stays where an arc becomes lines; it states turns all the same, as LinuxCNC has it. E
+/// of an output is not shared among pieces.
+TEST_F(GcodeLines, WordsOfOtherCodesStay) {
+  const std::string start = "G0 X40 Y0 Z-900\nF500\n";
+  for (const char* other :
+       {"M62 P1", "M63 P1", "M64 P1", "M65 P1", "M66 P1 L0", "M101 P1", "M52 P1", "G64 P1", "G4 P1"}) {
+    const Filtered result = of(start + "G2 X-40 R40 " + other + "\nG1 X0\n");
+    EXPECT_TRUE(result.summary.complete()) << other;
+    EXPECT_THAT(result.lines()[2], testing::EndsWith(std::string(" ") + other));
+    EXPECT_THAT(result.lines()[3], Not(HasSubstr("P")));
+  }
+  EXPECT_THAT(of(start + "G2 X-40 R40 M3 P1\nG1 X0\n").text, Not(HasSubstr("P1")));
+  const Filtered once = of(start + "G2 X-40 R40 M62 P1\n"), twice = of(start + "G2 X-40 R40 M62 P2\n");
+  EXPECT_NEAR(static_cast<double>(twice.summary.added) / static_cast<double>(once.summary.added), 3.0, 0.05);
+  const Filtered half = of(start + "G2 X-40 R40 G64 P0.5\n");
+  EXPECT_EQ(half.passed("turns"), 1);
+  const Filtered output = of(start + "G1 X300 M67 E0 Q2\nG1 X0 M68 E1 Q3\n");
+  EXPECT_TRUE(output.summary.complete());
+  EXPECT_GT(output.summary.added, 0);
+  EXPECT_THAT(output.lines()[2], HasSubstr(" M67 E0 Q2"));
+  EXPECT_THAT(output.lines()[3], Not(HasSubstr("E")));
+}
+
 /// After something unknown nobody can say in which mode the controller would have been, and is not.
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";
