@@ -69,6 +69,7 @@ constexpr std::array kCodes{
     Code{591, Effect::system},
     Code{592, Effect::system},
     Code{593, Effect::system},
+    Code{600, Effect::save_place},
     Code{610, Effect::path_mode},
     Code{611, Effect::path_mode},
     Code{640, Effect::path_mode},

@@ -23,6 +23,7 @@ enum class Effect : std::uint8_t {
   feed_per_time,
   cycle,
   path_mode,
+  save_place,
   return_to_start,  ///< of cycles
   return_to_clearance,
   no_motion,

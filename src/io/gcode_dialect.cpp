@@ -7,26 +7,37 @@ DialectTraits traits_of(GcodeDialect dialect) {
     case GcodeDialect::any:
       return {};
     case GcodeDialect::linuxcnc:
-      return {.tool_offsets = ToolOffsets::rs274, .prepares_tools = true, .zero_is_current = true};
+      return {.tool_offsets = ToolOffsets::rs274,
+              .turns = TurnsRule::turns,
+              .saved_places = SavedPlaces::none,
+              .prepares_tools = true,
+              .zero_is_current = true};
     case GcodeDialect::klipper:
       return {.extruder = ExtruderRule::either,
               .tool_offsets = ToolOffsets::none,
+              .turns = TurnsRule::unknown,
               .has_one_code = true,
               .has_cycles = false};
     case GcodeDialect::marlin:
       return {.extruder = ExtruderRule::last_counts,
               .tool_offsets = ToolOffsets::none,
+              .turns = TurnsRule::more_turns,
+              .saved_places = SavedPlaces::always,
               .has_one_code = true,
               .has_cycles = false};
     case GcodeDialect::reprapfirmware:
       return {.extruder = ExtruderRule::codes_alone,
               .tool_offsets = ToolOffsets::reprap,
+              .turns = TurnsRule::unknown,
+              .has_special_moves_by_s = true,
               .has_one_code = true,
               .has_cycles = false,
               .zero_is_current = true,
               .runs_as_written = true};
     case GcodeDialect::fanuc_like:
       return {.tool_offsets = ToolOffsets::rs274,
+              .turns = TurnsRule::unknown,
+              .saved_places = SavedPlaces::none,
               .prepares_tools = true,
               .has_cycles = false,
               .counts_without_points = true};

@@ -25,15 +25,33 @@ enum class ToolOffsets : std::uint8_t {
   none,     ///< retraction
 };
 
+/// What P of an arc is.
+enum class TurnsRule : std::uint8_t {
+  unless_extruding,  ///< turns, but of a printer's arcs not known
+  turns,
+  more_turns,  ///< beside the arc itself
+  unknown,
+};
+
+/// What G60 and G61 are.
+enum class SavedPlaces : std::uint8_t {
+  by_g60,  ///< a place is saved, and gone back to, in programs that have G60; else G61 is a path mode
+  none,    ///< G61 is a path mode
+  always,
+};
+
 struct DialectTraits {
   ExtruderRule extruder = ExtruderRule::unknown;
   ToolOffsets tool_offsets = ToolOffsets::unknown;
-  bool prepares_tools = false;         ///< T chooses, M6 changes
-  bool has_one_code = false;           ///< a line's first; its letters are numbers of that
-  bool has_cycles = true;              ///< LinuxCNC's canned cycles
-  bool zero_is_current = false;        ///< the system P0 of G10 L2
-  bool runs_as_written = false;        ///< codes of a line in the order of its words, not in that of RS-274
-  bool counts_without_points = false;  ///< lengths without a decimal point are numbers of smallest steps
+  TurnsRule turns = TurnsRule::unless_extruding;
+  SavedPlaces saved_places = SavedPlaces::by_g60;
+  bool has_special_moves_by_s = false;  ///< G1 S1 to S3, as G1 H1 to H3
+  bool prepares_tools = false;          ///< T chooses, M6 changes
+  bool has_one_code = false;            ///< a line's first; its letters are numbers of that
+  bool has_cycles = true;               ///< LinuxCNC's canned cycles
+  bool zero_is_current = false;         ///< the system P0 of G10 L2
+  bool runs_as_written = false;         ///< codes of a line in the order of its words, not in that of RS-274
+  bool counts_without_points = false;   ///< lengths without a decimal point are numbers of smallest steps
 };
 
 DialectTraits traits_of(GcodeDialect dialect);

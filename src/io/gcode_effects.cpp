@@ -118,7 +118,15 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       }
       cycle_.choose(tenths, motion_ == Motion::cycle);
       return start_motion(Motion::cycle);
+    case Effect::save_place:
+      saves_places_ = traits_.saved_places != SavedPlaces::none && axes.count == 0;
+      if (!saves_places_) request.refused = kUnknownCode;
+      return;
     case Effect::path_mode:
+      if (tenths == 610 && (saves_places_ || traits_.saved_places == SavedPlaces::always)) {
+        request.goes_elsewhere = request.takes_axes = true;
+        return;
+      }
       return cycle_.choose_path_mode(block, tenths);
     case Effect::return_to_start:
       return cycle_.choose_return(false);
@@ -160,6 +168,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.takes_axes = true;
       [[fallthrough]];
     case Effect::tool_length:
+      request.has_tool_length = true;
       origin_.compensate_tool(true);
       return lose_all();
     case Effect::no_tool_length:

@@ -23,6 +23,7 @@ namespace paracal::io {
 inline constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
 inline constexpr std::string_view kExpression = "parameters and expressions";
 inline constexpr std::string_view kFlow = "subprograms, jumps and loops";
+inline constexpr std::string_view kInverseTime = "a line to divide whose feed is an inverse time (G93), or may be";
 inline constexpr std::string_view kUnknownCode = "a G code that is not known here";
 
 /// Modal state of a program. What a line does not let know for certain is unknown until the program states it again.
@@ -66,6 +67,7 @@ class GcodeModes {
     bool takes_axes = false;        ///< axis words are parameters, not a target
     bool calls_here = false;        ///< axis words are what this place is called from now on
     bool goes_elsewhere = false;    ///< ends where the program does not say
+    bool has_tool_length = false;   ///< H is of G43
     bool is_thread = false;         ///< goes elsewhere, and cuts
     bool has_m_code = false;
     bool ends_subprogram = false;  ///< M99
@@ -106,6 +108,8 @@ class GcodeModes {
   std::string_view expand_cycle(const GcodeBlock& block, const Axes& axes, const Request& request,
                                 std::string_view passed, TargetLine& target);
   std::string_view move_to(const GcodeBlock& block, const Axes& axes, const Request& request, TargetLine& target);
+  std::string_view why_special(const GcodeBlock& block, const Request& request, Motion motion, TargetLine& target);
+  std::string_view take_turns(const GcodeBlock& block, ArcWords& words) const;
   std::string_view why_unknown(const Places& from, Motion motion) const;
   void call_here(const Axes& axes, TargetLine& target);
   std::string_view add_arc(const GcodeBlock& block, const Request& request, bool is_clockwise, TargetPath& path) const;
@@ -130,6 +134,7 @@ class GcodeModes {
   std::array<bool, kAxes> passed_{};  ///< stated by a line that was passed through
   Rotation rotation_ = Rotation::stated;
   bool forgotten_ = false;
+  bool saves_places_ = false;         ///< G60 came: G61 goes back
   bool arcs_are_lines_ = false;       ///< the controller may be in another motion mode than the program
   bool lost_rewritten_mode_ = false;  ///< was it, when something unknown came?
   GcodeCycle cycle_;

@@ -10,6 +10,8 @@ namespace paracal::io {
 namespace {
 
 constexpr std::string_view kElsewhere = "homing, probing and threads";
+constexpr std::string_view kMotors = "a motion of single motors or up to an endstop (H), or another tool's length";
+constexpr std::string_view kRestorePoint = "a motion relative to a saved place, or with a rounded corner (R)";
 constexpr std::string_view kMCode = "axis words of an M code";
 constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
 constexpr std::string_view kPlane = "an arc, and unclear in which plane (G17) and how its centre is stated (G91.1)";
@@ -22,20 +24,12 @@ constexpr std::array<std::string_view, kAxes> kUnstated{
     "C has not been stated yet (--start)"};
 constexpr std::string_view kIncremental = "incremental (G91) from a place that is not known";
 
-constexpr std::string_view kNumbered = "a line to divide that has a checksum";
-constexpr std::string_view kOtherAxes =
-    "a line to divide that moves other axes (A, B, U, V, W; C of a plate that does not turn), too";
-constexpr std::string_view kInverseTime = "a line to divide whose feed is an inverse time (G93), or may be";
-constexpr std::string_view kExtrusion = "a line to divide, and unclear whether extrusion is absolute (M82, M83)";
-
 constexpr std::string_view kCycleWords =
     "a canned cycle on a line that turns C, moves other axes, assigns parameters, stops, ends, changes the tool or has "
     "a checksum";
 constexpr std::string_view kCycleStart = "a canned cycle from a place that is not known";
 constexpr std::string_view kRewrittenMode =
     "a line without its motion (G2, G3, G81 to G89) behind one that was rewritten and one that may have changed it";
-
-constexpr std::string_view kCentreLetters = "IJK";
 
 StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, word.value}; }
 
@@ -70,6 +64,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
     forget();
     return kMalformed;
   }
+  if (const std::string_view why = why_special(block, request, motion, target); !why.empty()) return give_up(why);
   if (motion == Motion::unknown && lost_rewritten_mode_) {
     target.breaks = true;
     return give_up(kRewrittenMode);
@@ -87,6 +82,18 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
   request.shift = request.in_machine ? shift.value_or(AxisValues{}) : origin_.shift();
   if (motion == Motion::cycle) return expand_cycle(block, axes, request, passed, target);
   return passed.empty() ? move_to(block, axes, request, target) : give_up(passed);
+}
+
+/// Straight motions whose words are no places.
+std::string_view GcodeModes::why_special(const GcodeBlock& block, const Request& request, Motion motion,
+                                         TargetLine& target) {
+  if (motion != Motion::rapid && motion != Motion::straight) return {};
+  if (moves_motors(block, request.has_tool_length, traits_)) {
+    target.is_work = false;  // so printers are homed
+    traits_.has_one_code ? lose_all() : shift_origin();
+    return kMotors;
+  }
+  return block.has_letter("R") ? kRestorePoint : std::string_view();
 }
 
 /// Approach and retreat are rapid, or go along Z alone.
@@ -175,45 +182,6 @@ std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) cons
   return is_arc(motion) && !(normal_ && centre_is_place_) ? kPlane : std::string_view();
 }
 
-std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& request, bool is_clockwise,
-                                     TargetPath& path) const {
-  ArcWords words{.centre_is_place = *centre_is_place_};
-  for (const GcodeWord& word : block.words) {
-    const std::size_t axis = kCentreLetters.find(word.letter);
-    const bool is_of_arc = axis != std::string_view::npos || word.letter == 'R' || word.letter == 'P';
-    if (!is_of_arc) continue;
-    if (!word.is_number()) return kExpression;
-    const double length = word.value * *mm_per_unit_;
-    if (word.letter == 'R') words.radius = length;
-    if (word.letter == 'P') words.turns = word.value;
-    if (axis != std::string_view::npos)
-      words.centre[axis] = length + (words.centre_is_place ? request.shift[axis] : 0.0);
-  }
-  return make_arc(words, *normal_, is_clockwise, path);
-}
-
-/// What the line would need if it became several.
-DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request, bool is_rapid) {
-  DividedLine line{.motion = request.motion_word, .is_rapid = is_rapid, .stands_last = request.acts_after};
-  const std::optional<ExtrusionOfLine> extrusion = takes_output(block) ? ExtrusionOfLine{} : extruder_.move(block);
-  line.extrusion = extrusion.value_or(ExtrusionOfLine{});
-  if (block.checksum_at != 0) line.hindrance = kNumbered;
-  if (block.has_letter(axis_count_ < kAxes ? "ABCUVW" : "ABUVW")) line.hindrance = kOtherAxes;
-  if (inverse_time_ != false) line.hindrance = kInverseTime;
-  if (!extrusion) line.hindrance = kExtrusion;
-  const std::string_view of_arc = shares_turns(block) ? "IJKR" : "IJKRP";
-  std::size_t arc_words = 0;
-  const auto first = std::ranges::find_if(block.words, [](const GcodeWord& word) { return word.letter != 'N'; });
-  if (line.motion.is_empty() && first != block.words.end()) line.motion = {first->at, first->at};
-  for (const GcodeWord& word : block.words) {
-    if (word.letter == 'F') line.feed = {word.at, word.end};
-    if (of_arc.find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
-      line.arc_words[arc_words++] = {word.at, word.end};
-    }
-  }
-  return line;
-}
-
 void GcodeModes::state(const Axes& axes, const Request& request, TargetLine& target) const {
   target.kind = TargetLine::Kind::target;
   target.may_insert = true;
@@ -240,14 +208,6 @@ void GcodeModes::call_here(const Axes& axes, TargetLine& target) {
     target.stated[axis] = number_of(*word);
     origin_.call(axis, *place_[axis], in_mm(axis, *word));
   }
-}
-
-/// A line that relies on the mode of an arc that has become lines.
-void GcodeModes::restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const {
-  if (!arcs_are_lines_ || request.motion || !is_arc(motion_) || request.takes_axes) return;
-  if (!block.has_letter("XYZCIJKR")) return;
-  if (is_left && target.kind == TargetLine::Kind::none) target.kind = TargetLine::Kind::left;
-  target.restated = motion_ == Motion::clockwise ? "2" : "3";
 }
 
 }  // namespace paracal::io

@@ -34,6 +34,14 @@ bool shares_turns(const GcodeBlock& block) {
   });
 }
 
+bool moves_motors(const GcodeBlock& block, bool has_tool_length, const DialectTraits& traits) {
+  const GcodeWord *const special = block.word('H'), *const older = block.word('S');
+  const bool is_older = traits.has_special_moves_by_s && older != nullptr &&
+                        (older->value == 1.0 || older->value == 2.0 || older->value == 3.0);
+  const bool is_plain = special == nullptr || has_tool_length || (special->is_number() && special->value == 0.0);
+  return is_older || !is_plain;
+}
+
 bool takes_output(const GcodeBlock& block) {
   return std::ranges::any_of(block.words, [](const GcodeWord& word) {
     return word.letter == 'M' && word.is_number() && word.value >= 66.0 && word.value <= 68.0;

@@ -16,6 +16,11 @@ bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits)
 /// P states turns of an arc, and something of another code, too, as LinuxCNC has it: G64 P1, M62 P1.
 bool shares_turns(const GcodeBlock& block);
 
+/// A straight motion of single motors, or up to an endstop: RepRapFirmware's H1 to H4; H of another kind is no axis'
+/// way.
+/// @param has_tool_length  H is of G43.
+bool moves_motors(const GcodeBlock& block, bool has_tool_length, const DialectTraits& traits);
+
 /// E is no extruder's, but an analog output or input: M66 to M68.
 bool takes_output(const GcodeBlock& block);
 

@@ -560,6 +560,82 @@ TEST_F(GcodeLines, WordsOfOtherCodesStay) {
   EXPECT_THAT(output.lines()[3], Not(HasSubstr("E")));
 }
 
+/// Words of firmwares by which a straight motion is none to a place.
+TEST_F(GcodeLines, SpecialMotionsOfFirmwaresAreNoTargets) {
+  const GcodeOptions rrf{.dialect = GcodeDialect::reprapfirmware}, marlin{.dialect = GcodeDialect::marlin};
+  const std::string start = "G0 X0 Y0 Z-900\n";
+  for (const char* motors :
+       {"G1 H1 X5", "G1 H2 X5", "G0 H3 X5", "G1 X5 H4", "G1 H1 Z5", "G1 S1 X5", "G1 S2 X5", "G1 S3 X5"}) {
+    const Filtered result = of(start + motors + "\nG1 Y1\n", rrf);
+    EXPECT_EQ(result.passed("single motors"), 1) << motors;
+    EXPECT_EQ(result.summary.corrected, 1) << motors;
+    EXPECT_THAT(result.text, HasSubstr("\n" + std::string(motors) + "\n"));
+    EXPECT_TRUE(of(start + motors + "\n", rrf).summary.whole()) << motors;  // as homing
+    EXPECT_EQ(of(start + motors + "\n" + start, rrf).summary.corrected, 2) << motors;
+  }
+  for (const char* plain : {"G1 H0 X5", "G1 S0 X5", "G1 S255 X5"}) {
+    EXPECT_TRUE(of(start + plain + "\n", rrf).summary.complete()) << plain;
+  }
+  EXPECT_TRUE(of(start + "G1 S1 X5\n", marlin).summary.complete());
+  EXPECT_TRUE(of("G43 H1 G0 X0 Y0 Z-900\n").summary.complete());
+  EXPECT_TRUE(of("G43 H1 G0 X0 Y0 Z-900\n", rrf).summary.complete());
+  EXPECT_EQ(of(start + "G0 X5 H2\n" + start).passed("another origin"), 1);  // a tool's length where G43 holds
+
+  for (const char* restored : {"G1 R1 X5", "G0 R2 X0 Y0 Z5", "G1 X5 R0"}) {
+    const Filtered result = of(start + restored + "\nG1 Z-899\n", rrf);
+    EXPECT_EQ(result.passed("relative to a saved place"), 1) << restored;
+    EXPECT_EQ(result.summary.corrected, 1) << restored;
+  }
+  EXPECT_EQ(of(start + "G0 R2 X1\nG1 X5\n", rrf).summary.corrected, 2);  // only of the axes that it names
+}
+
+/// G61 goes back to what G60 saved, for Marlin; for LinuxCNC it is a path mode.
+TEST_F(GcodeLines, SavedPlacesAreNoPathModes) {
+  const auto corrected = [&](const std::string& between, GcodeDialect dialect) {
+    return of("G0 X0 Y0 Z-900\n" + between + "\nG1 Y1\n", {.dialect = dialect}).summary.corrected;
+  };
+  constexpr auto kAny = GcodeDialect::any, kMarlin = GcodeDialect::marlin, kRrf = GcodeDialect::reprapfirmware,
+                 kLinuxcnc = GcodeDialect::linuxcnc;
+  EXPECT_EQ(corrected("G60 S0", kMarlin), 2);
+  EXPECT_EQ(corrected("G60 S0", kRrf), 2);
+  EXPECT_EQ(corrected("G60", kAny), 2);
+  EXPECT_EQ(corrected("G60", kLinuxcnc), 1);  // a code that it does not have
+  EXPECT_EQ(corrected("G60 X5", kAny), 1);
+  EXPECT_EQ(corrected("G61", kMarlin), 1);
+  EXPECT_EQ(corrected("G61", kAny), 2);
+  EXPECT_EQ(corrected("G61", kRrf), 2);
+  EXPECT_EQ(corrected("G61", kLinuxcnc), 2);
+  EXPECT_EQ(corrected("G60 S0\nG61 S0", kAny), 1);
+  EXPECT_EQ(corrected("G60 S0\nG61.1", kAny), 2);
+  EXPECT_FALSE(of("G0 X0 Y0 Z-900\nG60\nG61 X5\n", {.dialect = kMarlin}).summary.complete());
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900\nG60\nG61\n", {.dialect = kMarlin}).summary.complete());
+}
+
+/// P of an arc: turns for LinuxCNC, turns beside the arc for Marlin, not known for others or where filament is
+/// extruded.
+TEST_F(GcodeLines, TurnsAreTheDialects) {
+  const auto lines = [&](const std::string& words, GcodeDialect dialect) {
+    return of("M83\nG0 X40. Y0 Z-900.\nG3 X0 Y40. I-40. J0 " + words + "\n", {.dialect = dialect}).summary;
+  };
+  constexpr auto kAny = GcodeDialect::any, kLinuxcnc = GcodeDialect::linuxcnc, kMarlin = GcodeDialect::marlin;
+  const auto quarters = [&](const std::string& words, GcodeDialect dialect) {
+    return static_cast<double>(lines(words, dialect).added + 1) / static_cast<double>(lines("", kAny).added + 1);
+  };
+  EXPECT_NEAR(quarters("P1", kLinuxcnc), 1.0, 1e-12);
+  EXPECT_NEAR(quarters("P2", kAny), 5.0, 0.2);
+  EXPECT_NEAR(quarters("P1 E9", kMarlin), 5.0, 0.2);
+  EXPECT_NEAR(quarters("P0 E9", kMarlin), 1.0, 1e-12);
+  EXPECT_TRUE(lines("P1 E9", kMarlin).complete());
+  EXPECT_TRUE(lines("P1", kAny).complete());
+  EXPECT_FALSE(lines("P1 E9", kAny).complete());
+  EXPECT_TRUE(lines("P1 E9", kLinuxcnc).complete());
+  for (const auto dialect : {GcodeDialect::klipper, GcodeDialect::reprapfirmware, GcodeDialect::fanuc_like}) {
+    const FilterSummary summary = lines("P1", dialect);
+    ASSERT_THAT(summary.passed, SizeIs(1));
+    EXPECT_THAT(std::string(summary.passed[0].reason), HasSubstr("an arc with P"));
+  }
+}
+
 /// After something unknown nobody can say in which mode the controller would have been, and is not.
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string arc = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n", cycle = "G0 X0 Y0 Z-880\nG99 G81 X10 Z-910 R-900\n";
