@@ -22,12 +22,12 @@ std::size_t system_of(int tenths) {
 
 void GcodeModes::shift_origin() {
   origin_.move();
-  lose_all();
+  lose_all(Loss::origin);
 }
 
 void GcodeModes::forget_systems() {
   origin_.forget_offsets();
-  lose_all();
+  lose_all(Loss::origin);
 }
 
 double GcodeModes::in_mm(std::size_t axis, const GcodeWord& word) const {
@@ -36,7 +36,7 @@ double GcodeModes::in_mm(std::size_t axis, const GcodeWord& word) const {
 
 /// Places into the frame that holds from now on.
 void GcodeModes::carry(const GcodeOrigin::Change& change) {
-  if (!change) return lose_all();
+  if (!change) return lose_all(Loss::origin);
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
     if (place_[axis]) *place_[axis] += (*change)[axis];
   }
@@ -170,7 +170,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
     case Effect::tool_length:
       request.has_tool_length = true;
       origin_.compensate_tool(true);
-      return lose_all();
+      return lose_all(Loss::origin);
     case Effect::no_tool_length:
       return origin_.compensate_tool(false);
     case Effect::shift_if_stated:
@@ -197,9 +197,9 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       [[fallthrough]];
     case Effect::transform:
       transforms_ |= code->transform;
-      return lose_all();
+      return lose_all(Loss::transform);
     case Effect::no_transform:
-      if ((transforms_ & code->transform) != 0) lose_all();
+      if ((transforms_ & code->transform) != 0) lose_all(Loss::transform);
       transforms_ &= ~code->transform;
       return;
   }

@@ -39,10 +39,11 @@ void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) 
       if (!block.has_letter("PRCD")) forget();
       return;
     case MEffect::tool_change:
-      request.then_lost = true;
-      return lose_all();
+      request.then_lost = Loss::tool;
+      return lose_all(Loss::tool);
     case MEffect::motors_off:
-      request.then_lost = request.is_setting = true;
+      request.then_lost = Loss::motors;
+      request.is_setting = true;
       return;
     case MEffect::flow:
       request.refused = kFlow;
@@ -71,8 +72,8 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
   if (axes.has_duplicate) request.refused = kMalformed;
   const bool changes_tool = !traits_.prepares_tools && names_tool(block, traits_);  // RepRap does at once
   if (changes_tool) {
-    request.then_lost = true;
-    lose_all();
+    request.then_lost = Loss::tool;
+    lose_all(Loss::tool);
   }
   put_in_order(block);
   for (const GcodeWord* word : codes_) {

@@ -18,7 +18,7 @@ GcodeModes::GcodeModes(std::size_t axis_count, const GcodeOptions& options)
       origin_(options.offsets) {
   passed_.fill(true);
   if (!options.start && axis_count == kAxes) rotation_ = Rotation::unstated;
-  lose_all();
+  lose_all(Loss::unstated);
   if (!options.start) return;
   const AxisValues start = place_of(*options.start, Eigen::Vector3d::Zero());
   for (std::size_t axis = 0; axis < axis_count; ++axis) place_[axis] = start[axis];
@@ -35,18 +35,21 @@ void GcodeModes::forget() {
   centre_is_place_.reset();
   inverse_time_.reset();
   extruder_.forget();
-  lose_all();
+  lose_all(Loss::unread);
 }
 
 void GcodeModes::lose(const Axes& axes) {
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    if (axes.word[axis] != nullptr) place_[axis].reset();
+    if (axes.word[axis] == nullptr) continue;
+    place_[axis].reset();
+    lost_[axis] = Loss::passed;
   }
 }
 
 /// A C that no line states stays where it is.
-void GcodeModes::lose_all() {
+void GcodeModes::lose_all(Loss loss) {
   place_.fill(std::nullopt);
+  lost_.fill(loss);
   if (rotation_ != Rotation::stated) place_[kRotation] = 0.0;
 }
 
@@ -84,7 +87,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   std::string_view passed = move(block, axes, request, target);
   if (!late.empty()) passed = late;
   restate_arc(block, request, !passed.empty(), target);
-  if (request.then_lost) lose_all();
+  if (request.then_lost) lose_all(*request.then_lost);
   if (request.then_unknown) forget();
   return passed;
 }

@@ -14,6 +14,7 @@
 #include "gcode_block.hpp"
 #include "gcode_cycle.hpp"
 #include "gcode_extruder.hpp"
+#include "gcode_loss.hpp"
 #include "gcode_origin.hpp"
 #include "target_line.hpp"
 
@@ -70,13 +71,13 @@ class GcodeModes {
     bool has_tool_length = false;   ///< H is of G43
     bool is_thread = false;         ///< goes elsewhere, and cuts
     bool has_m_code = false;
-    bool ends_subprogram = false;  ///< M99
-    bool is_setting = false;       ///< of M codes whose axis words are numbers of the firmware's, not places
-    bool acts_after = false;       ///< M0, M2
-    bool in_machine = false;       ///< G53
-    AxisValues shift{};            ///< place = stated + shift
-    bool then_lost = false;        ///< after the block, no place is known
-    bool then_unknown = false;     ///< nor any mode
+    bool ends_subprogram = false;        ///< M99
+    bool is_setting = false;             ///< of M codes whose axis words are numbers of the firmware's, not places
+    bool acts_after = false;             ///< M0, M2
+    bool in_machine = false;             ///< G53
+    AxisValues shift{};                  ///< place = stated + shift
+    std::optional<Loss> then_lost = {};  ///< after the block, no place is known
+    bool then_unknown = false;           ///< nor any mode
   };
 
   /// The axis words of a block.
@@ -100,7 +101,7 @@ class GcodeModes {
   double in_mm(std::size_t axis, const GcodeWord& word) const;
   void define_system(const GcodeBlock& block, const Axes& axes);
   void lose(const Axes& axes);
-  void lose_all();
+  void lose_all(Loss loss);
   std::string_view take_rotation(const Axes& axes);
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target);
   static bool may_be_work(const GcodeBlock& block, const Axes& axes, const Request& request, Motion motion);
@@ -131,6 +132,7 @@ class GcodeModes {
   GcodeOrigin origin_;
   unsigned transforms_ = 0;           ///< bits: the path is offset, turned or scaled
   Places place_ = {};                 ///< last stated, mm and deg, in the frame of the first target
+  std::array<Loss, kAxes> lost_{};    ///< why a place is not known
   std::array<bool, kAxes> passed_{};  ///< stated by a line that was passed through
   Rotation rotation_ = Rotation::stated;
   bool forgotten_ = false;

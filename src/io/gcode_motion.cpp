@@ -19,9 +19,6 @@ constexpr std::string_view kArcStart = "an arc from a place that is not known";
 constexpr std::string_view kSpline = "splines";
 constexpr std::string_view kOtherOrigin = "another origin than that of the first corrected target";
 constexpr std::string_view kTransformed = "offset, turned or scaled path";
-constexpr std::array<std::string_view, kAxes> kUnstated{
-    "X has not been stated yet (--start)", "Y has not been stated yet (--start)", "Z has not been stated yet (--start)",
-    "C has not been stated yet (--start)"};
 constexpr std::string_view kIncremental = "incremental (G91) from a place that is not known";
 
 constexpr std::string_view kCycleWords =
@@ -41,7 +38,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
     return {};
   }
   if (request.goes_elsewhere) {
-    lose_all();
+    lose_all(Loss::elsewhere);
     target.is_work = request.is_thread;
     // Homing alone states no target, and so leaves nothing uncorrected.
     return axes.has_number || axes.has_expression || !request.takes_axes ? kElsewhere : std::string_view();
@@ -90,7 +87,8 @@ std::string_view GcodeModes::why_special(const GcodeBlock& block, const Request&
   if (motion != Motion::rapid && motion != Motion::straight) return {};
   if (moves_motors(block, request.has_tool_length, traits_)) {
     target.is_work = false;  // so printers are homed
-    traits_.has_one_code ? lose_all() : shift_origin();
+    if (!traits_.has_one_code) shift_origin();
+    lose_all(Loss::motors);
     return kMotors;
   }
   return block.has_letter("R") ? kRestorePoint : std::string_view();
@@ -110,7 +108,7 @@ std::string_view GcodeModes::expand_cycle(const GcodeBlock& block, const Axes& a
   if (passed.empty() && !is_known) passed = kCycleStart;
   if (passed.empty() && axes.has_expression) passed = kExpression;
   if (passed.empty() && inverse_time_ != false) passed = kInverseTime;
-  const bool acts_after = request.acts_after || request.then_lost || request.then_unknown;
+  const bool acts_after = request.acts_after || request.then_lost.has_value() || request.then_unknown;
   const bool is_simple = !acts_after && block.checksum_at == 0 && block.assignments.empty();
   if (passed.empty() && !(is_simple && !block.has_letter("ABCUVWE"))) passed = kCycleWords;
   if (passed.empty()) {
@@ -129,7 +127,10 @@ std::string_view GcodeModes::expand_cycle(const GcodeBlock& block, const Axes& a
     if (!target.breaks) instead_ = cycle_.restated(block, *normal_);
   }
   lose(axes);
-  if (normal_) place_[*normal_].reset();
+  if (normal_) {
+    place_[*normal_].reset();
+    lost_[*normal_] = Loss::passed;
+  }
   extruder_.forget_place();
   return instead_.empty() ? passed : std::string_view();
 }
@@ -146,6 +147,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
     const GcodeWord* const word = axes.word[axis];
     if (word == nullptr) continue;
     place_[axis].reset();
+    lost_[axis] = Loss::passed;
     const double stated = in_mm(axis, *word);
     if (word->is_number() && !is_incremental) place_[axis] = stated + request.shift[axis];
     if (word->is_number() && is_incremental && from[axis]) place_[axis] = *from[axis] + stated;
@@ -176,7 +178,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
 std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) const {
   if (motion == Motion::spline) return kSpline;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : kUnstated[axis];
+    if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : sentence_of(lost_[axis], axis);
     if (is_arc(motion) && !from[axis]) return kArcStart;
   }
   return is_arc(motion) && !(normal_ && centre_is_place_) ? kPlane : std::string_view();

@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
     Lines, PassedGcode,
     testing::Values(
         Passed{"incremental_alone", "G91", "", "G90 G1 X1", ""},
-        Passed{"incremental_from_nowhere", "G28\nG91 G1 X1", "incremental", "G90 Y1", "stated yet"},
+        Passed{"incremental_from_nowhere", "G28\nG91 G1 X1", "incremental", "G90 Y1", "not known since"},
         Passed{"arc_from_nowhere", "G28\nG2 X5 Y5 Z-900 I1 J2 C0", "not known", "G1 Z-900", ""},
         Passed{"arc_not_reached", "G2 X5 Y5 I1 J2", "does not reach", "G1 Z-900", ""},
         Passed{"arc_without_centre", "G2 X5 Y5", "without a centre", "G1 Z-900", ""},
@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"arc_with_extrusion", "G2 X5 Y5 R6 E2", "M82", "G1 Z-900", ""},
         Passed{"arc_out_of_reach", "G2 X2000 Y0 R1000", "out of reach", "G1 X0 Z-900", ""},
         Passed{"spline", "G5 X5 Y5 I1 J2 P1 Q1", "splines", "G1 Z-900", ""},
-        Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "stated yet"},
+        Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "not known since"},
         Passed{"machine_coordinates_recover", "G53 G0 Z0", "another origin", "G0 Z-900", ""},
         Passed{"other_system", "G55", "", kAll, "another origin"},
         Passed{"other_system_and_back", "G55\nG54", "", kAll, "another origin"},
@@ -261,40 +261,46 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"scaled_and_back", "G51 X0 Y0 P2\nG50", "", kAll, ""},
         Passed{"mirrored_ends_other_than_scaled", "G51.1 X0\nG50", "", kAll, "scaled"},
         Passed{"cycle_with_spindle", "G98 G84 X1 Z-910 R-905 P1", "reverse the spindle", "G80 G90 G94 G0 X1",
-               "stated yet"},
-        Passed{"cycle_without_return", "G81 X1 Y2 Z-910 R-905 F100", "G98 or G99", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_without_bottom", "G98 G81 X1 R-905", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_without_clearance", "G98 G81 X1 Z-905", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_without_dwell", "G98 G82 X1 Z-910 R-905", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_without_peck", "G98 G83 X1 Z-910 R-905", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_of_no_peck", "G98 G83 X1 Z-910 R-905 Q0", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
+               "not known since"},
+        Passed{"cycle_without_return", "G81 X1 Y2 Z-910 R-905 F100", "G98 or G99", "G80 G90 G94 G0 X1",
+               "not known since"},
+        Passed{"cycle_without_bottom", "G98 G81 X1 R-905", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_without_clearance", "G98 G81 X1 Z-905", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_without_dwell", "G98 G82 X1 Z-910 R-905", "whose numbers", "G80 G90 G94 G0 X1",
+               "not known since"},
+        Passed{"cycle_without_peck", "G98 G83 X1 Z-910 R-905", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_of_no_peck", "G98 G83 X1 Z-910 R-905 Q0", "whose numbers", "G80 G90 G94 G0 X1",
+               "not known since"},
         Passed{"cycle_too_fine", "G98 G83 X1 Z-910 R-905 Q0.0001", "more than 10000", "G80 G90 G94 G0 X1",
-               "stated yet"},
+               "not known since"},
         Passed{"cycle_too_often", "G98 G81 X1 Z-910 R-905 L10001", "more than 10000", "G80 G90 G94 G0 X1",
-               "stated yet"},
-        Passed{"cycle_upwards", "G98 G81 X1 Z-905 R-910", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_never", "G98 G81 X1 Z-910 R-905 L0", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_half", "G98 G81 X1 Z-910 R-905 L1.5", "whose numbers", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_of_unknown_depth", "G98 G81 X1 Z#7 R-905", "expressions", "G80 G90 G94 G0 X1", "stated yet"},
+               "not known since"},
+        Passed{"cycle_upwards", "G98 G81 X1 Z-905 R-910", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_never", "G98 G81 X1 Z-910 R-905 L0", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_half", "G98 G81 X1 Z-910 R-905 L1.5", "whose numbers", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_of_unknown_depth", "G98 G81 X1 Z#7 R-905", "expressions", "G80 G90 G94 G0 X1", "not known since"},
         Passed{"cycle_of_unknown_clearance", "G98 G81 X1 Z-910 R#7", "whose numbers", "G80 G90 G94 G0 X1",
-               "stated yet"},
+               "not known since"},
         Passed{"cycle_of_unknown_repeats", "G98 G81 X1 Z-910 R-905 L#7", "whose numbers", "G80 G90 G94 G0 X1",
-               "stated yet"},
-        Passed{"cycle_of_another_axis", "G98 G81 X1 Z-910 R-905 A5", "other axes", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_that_turns", "G98 G81 X1 Z-910 R-905 C5", "turns C", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_that_stops", "G98 G81 X1 Z-910 R-905 M0", "changes the tool", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_that_assigns", "G98 G81 X1 Z-910 R-905 #1=2", "assigns", "G80 G90 G94 G0 X1", "stated yet"},
-        Passed{"cycle_in_machine", "G98 G53 G81 X1 Z-910 R-905", "another origin", "G80 G90 G94 G0 X1", "stated yet"},
+               "not known since"},
+        Passed{"cycle_of_another_axis", "G98 G81 X1 Z-910 R-905 A5", "other axes", "G80 G90 G94 G0 X1",
+               "not known since"},
+        Passed{"cycle_that_turns", "G98 G81 X1 Z-910 R-905 C5", "turns C", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_that_stops", "G98 G81 X1 Z-910 R-905 M0", "changes the tool", "G80 G90 G94 G0 X1",
+               "not known since"},
+        Passed{"cycle_that_assigns", "G98 G81 X1 Z-910 R-905 #1=2", "assigns", "G80 G90 G94 G0 X1", "not known since"},
+        Passed{"cycle_in_machine", "G98 G53 G81 X1 Z-910 R-905", "another origin", "G80 G90 G94 G0 X1",
+               "not known since"},
         Passed{"cycle_of_no_path_mode", "G64 P#7\nG98 G81 X1 Z-910 R-905", "path mode", "G80 G90 G94 G0 X1",
-               "stated yet"},
-        Passed{"cycle_by_inverse_time", "G93\nG98 G81 X1 Z-910 R-905", "G93", "G80 G90 G94 G0 X1", "stated yet"},
+               "not known since"},
+        Passed{"cycle_by_inverse_time", "G93\nG98 G81 X1 Z-910 R-905", "G93", "G80 G90 G94 G0 X1", "not known since"},
         Passed{"cycle_of_no_plane", "G17.1\nG98 G81 X1 Z-910 R-905", "a place that is not known", "G80 G90 G94 G0 X1",
-               "stated yet"},
+               "not known since"},
         Passed{"cycle_from_nowhere", "G28\nG98 G81 X1 Z-910 R-905", "a place that is not known", kAll, ""},
-        Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "stated yet"},
-        Passed{"homing", "G28", "", "G1 X1", "stated yet"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
+        Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "not known since"},
+        Passed{"homing", "G28", "", "G1 X1", "not known since"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
         Passed{"homing_over", "G28 Z-800", "homing", kAll, ""}, Passed{"dwell_in_x", "G4 X2.5", "", "Y1", ""},
-        Passed{"m_code", "M600 X80", "M code", "G1 Y1", "stated yet"},
+        Passed{"m_code", "M600 X80", "M code", "G1 Y1", "not known since"},
         Passed{"steps_per_mm", "M92 X80", "", "G1 Y1", ""}, Passed{"jerk", "M205 X8.00 Y8 Z0.4 E5", "", "G1 Y1", ""},
         Passed{"currents", "M906 X800 Y800", "", "X1", ""}, Passed{"object", "M486 Acube.stl", "", "X1", ""},
         Passed{"progress", "M73 P12 R34", "", "X1", ""}, Passed{"modes_are_restored", "M73", "", kAll, "unclear"},
@@ -303,13 +309,14 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"klipper_alone", "RESPOND", "", "X1", ""},
         Passed{"klipper_macro", "SET_VELOCITY_LIMITS_OF_MINE", "a macro", kAll, "unclear"},
         Passed{"klipper_motion", "PROBE_CALIBRATE", "a macro", kAll, "unclear"},
-        Passed{"m_code_beside", "M3 S1000", "", "X1", ""}, Passed{"tool_change", "T2 M6", "", "G1 X1", "stated yet"},
-        Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "stated yet"},
-        Passed{"tool_alone", "T2", "", "G1 X1", "stated yet"},
+        Passed{"m_code_beside", "M3 S1000", "", "X1", ""},
+        Passed{"tool_change", "T2 M6", "", "G1 X1", "not known since"},
+        Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "not known since"},
+        Passed{"tool_alone", "T2", "", "G1 X1", "not known since"},
         Passed{"home_offsets", "M206 X5", "M code", kAll, "another origin"},
         Passed{"tool_offsets", "M218 T1 X5", "M code", kAll, "another origin"},
         Passed{"home_offsets_from_here", "M428", "", kAll, "another origin"}, Passed{"end", "M30", "", kAll, "unclear"},
-        Passed{"expression", "G1 X[1+#2] Y3", "expressions", "G1 Z-900", "stated yet"},
+        Passed{"expression", "G1 X[1+#2] Y3", "expressions", "G1 Z-900", "not known since"},
         Passed{"parameter_of_the_controller", "#5063 = 1", "", kAll, "another origin"},
         Passed{"parameter_of_a_probe", "#7 = #5063\nG1 X#7", "expressions", "G1 X1", ""},
         Passed{"parameter", "G1 X#1", "expressions", "G1 X1", ""}, Passed{"assignment", "#1 = 5", "", "X1", ""},
@@ -346,7 +353,7 @@ TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
       summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G28\nG91 G1 Z5\n");
   EXPECT_FALSE(between.whole());
   ASSERT_THAT(between.passed, SizeIs(3));
-  EXPECT_EQ(between.passed[0].reason, "X has not been stated yet (--start)");
+  EXPECT_THAT(std::string(between.passed[0].reason), testing::StartsWith("X is not known since homing"));
   EXPECT_EQ(between.passed[0].between, 0);
   EXPECT_EQ(between.passed[1].reason, "splines");
   EXPECT_EQ(between.passed[1].count, 3);
@@ -398,6 +405,32 @@ TEST_F(Gcode, WorkIsNoRetreat) {
   EXPECT_EQ(led.passed[0].first_between, 3);
 }
 
+/// What is said of an axis that is not known is what made it so.
+TEST_F(Gcode, TheCauseOfAnUnknownAxisIsSaid) {
+  const auto cause_behind = [&](const std::string& lines) {
+    const Filtered result = after_start(lines + "\nG1 X5 Z-900 C0\n");
+    return result.summary.passed.empty() ? std::string() : std::string(result.summary.passed.back().reason);
+  };
+  using testing::StartsWith;
+  for (const char* tool : {"T1", "M6"})
+    EXPECT_THAT(cause_behind(tool), StartsWith("Y is not known since the tool was"));
+  for (const char* motors : {"M84", "M18", "G1 H2 X5 G54"}) {
+    EXPECT_THAT(filtered("G54\n" + kStart + motors + "\nG1 X5 Z-900 C0\n", {.dialect = GcodeDialect::marlin})
+                    .summary.passed.back()
+                    .reason,
+                StartsWith("Y is not known since motors were"));
+  }
+  EXPECT_THAT(cause_behind("G28"), StartsWith("Y is not known since homing"));
+  EXPECT_THAT(cause_behind("G60\nG61"), StartsWith("Y is not known since homing, probing or a stored place"));
+  EXPECT_THAT(cause_behind("G16\nG15"), StartsWith("Y is not known since the path was offset"));
+  EXPECT_THAT(cause_behind("MY_MACRO\nG90 G21"), StartsWith("Y is not known since something that may have done"));
+  EXPECT_THAT(cause_behind("M600 Y5"), StartsWith("Y is not known since a line that could not be corrected"));
+  EXPECT_THAT(cause_behind("G91\nG5 Y5\nG90"), StartsWith("Y is not known since a line that could not be corrected"));
+  EXPECT_THAT(std::string(filtered("G1 X5\n").summary.passed.at(0).reason), "Y has not been stated yet (--start)");
+  EXPECT_THAT(std::string(filtered("G0 X0 Z-900 C0\nG92.1\nG1 X5 Z-900 C0\n").summary.passed.back().reason),
+              StartsWith("Y is not known since the origin moved"));
+}
+
 /// Motors are switched off with the letters of axes at the end of a print.
 TEST_F(Gcode, MotorsThatAreOffHoldNoPlace) {
   for (const char* off : {"M84 X Y E", "M18 X", "M84"}) {
@@ -411,8 +444,8 @@ TEST_F(Gcode, MotorsThatAreOffHoldNoPlace) {
 /// in the first.
 TEST_F(Gcode, ASystemForgetsTheStart) {
   const GcodeOptions frame{.start = Pose{{0, 0, -900}, 0.0}};
-  EXPECT_EQ(filtered("G55\nG1 X1\n", frame).passed("not been stated"), 1);
-  EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("not been stated"), 1);
+  EXPECT_EQ(filtered("G55\nG1 X1\n", frame).passed("since the origin moved"), 1);
+  EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("since the origin moved"), 1);
   EXPECT_EQ(filtered("G55\n" + kStart + "G55\nG1 X1\n").summary.corrected, 2);  // the same again changes nothing
 }
 
