@@ -8,6 +8,7 @@
 #include <array>
 #include <numeric>
 
+#include "command_mistakes.hpp"
 #include "limb_orders.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
@@ -17,38 +18,6 @@ namespace paracal::detail {
 namespace {
 
 constexpr double kRadInDegrees = 180.0 / std::numbers::pi;  // what a number in rad lost when it was read as deg
-
-/// Whether the commanded poses decide which joints the controller believed.
-bool commands_count(const Measurements& measurements) {
-  return std::ranges::any_of(measurements.stations, [](const Station& one) { return !one.believed; });
-}
-
-bool states_joints(const Measurements& measurements) {
-  return std::ranges::any_of(measurements.stations, [](const Station& one) { return one.believed.has_value(); });
-}
-
-bool commands_turn(const Measurements& measurements) {
-  return std::ranges::any_of(measurements.stations, [](const Station& one) { return one.commanded.rotation != 0.0; });
-}
-
-template <typename Change>
-void change_commands(Measurements& measurements, Change&& change) {
-  for (Station& station : measurements.stations) change(station.commanded);
-}
-
-void scale_commands(Measurements& measurements, double factor) {
-  change_commands(measurements, [&](Pose& pose) { pose.position *= factor; });
-}
-
-void scale_joints(Measurements& measurements, double factor) {
-  for (Station& station : measurements.stations) {
-    if (station.believed) *station.believed *= factor;
-  }
-}
-
-void turn_commands(Measurements& measurements, double factor) {
-  change_commands(measurements, [&](Pose& pose) { pose.rotation *= factor; });
-}
 
 class MistakeList {
  public:
@@ -229,8 +198,7 @@ void MistakeList::add_frames() {
 void MistakeList::add_command_frames() {
   if (!commands_count(measurements())) return;
   const auto turned = [&](const std::string& text, const Eigen::Matrix3d& turn) {
-    add("commands", text,
-        [turn](Measurements& m) { change_commands(m, [&](Pose& pose) { pose.position = turn * pose.position; }); });
+    add("commands", text, [turn](Measurements& m) { turn_frame_of_commands(m, turn); });
   };
   turned("the commanded z has the other sign", Eigen::Vector3d(1, 1, -1).asDiagonal());
   turned("the commanded x has the other sign", Eigen::Vector3d(-1, 1, 1).asDiagonal());
