@@ -48,15 +48,22 @@ bool is_doubtful(const Calibration& calibration, const Measurements& measurement
          std::ranges::any_of(calibration.parameters, is_far_from_nominal);
 }
 
+/// The machine that was found explains what the readings show, if with parts out of their tolerances.
+bool is_explained(const Calibration& calibration, const Diagnosis& diagnosis) {
+  return calibration.accepted() && calibration.joint_std == 0.0 && calibration.noise <= diagnosis.largest_noise;
+}
+
 /// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains. Nor
 /// can anyone rely on a machine that the fit made of readings which are not what they were taken for.
 void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements, Calibration& calibration) {
+  if (diagnosis.causes.empty() && is_explained(calibration, diagnosis)) return;
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
+  calibration.use.reset();
+  if (diagnosis.causes.empty()) return calibration.reasons.push_back(diagnosis.text);
   calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
   calibration.notes = measurements.notes;
   calibration.components.clear();
   calibration.suspects.clear();
-  calibration.use.reset();
 }
 
 }  // namespace
@@ -71,7 +78,7 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
     return calibration;
   } catch (const Unreachable& complaint) {
     const auto diagnosis = diagnose(robot, measurements, options);
-    if (!diagnosis) throw;
+    if (!diagnosis || diagnosis->causes.empty()) throw;
     throw Unreachable(fmt::format("{}; {}", complaint.what(), diagnosis->text));
   }
 }

@@ -71,46 +71,68 @@ std::optional<TrialFit> fit_without(const Input& given, const Mistake& mistake) 
   return input ? detail::fit_robustly(*input) : std::nullopt;
 }
 
-/// Whether a fit leaves nothing to explain. One wrong number in the robot file does not make up for errors beyond their
-/// tolerances, and where the input as given says nothing at all, only good fits count.
-bool explains(const Mistake& mistake, const TrialFit& fit, bool has_rival) {
-  constexpr double kGoodFit = 10.0;  // times the sigmas
-  if (mistake.kind == detail::MistakeKind::nominal && fit.tension > kWithinTolerances) return false;
-  return has_rival || fit.scale < kGoodFit;
+/// Scale of the noise above which a fit leaves something to explain: readings scatter more than their repeats do, than
+/// was stated, or than any instrument may.
+double largest_scale(const TrialFit& fit) {
+  constexpr double kLeastScatter = 0.3;  // of the sigmas: repeats of rounded readings may agree to the last digit
+  constexpr double kOfRepeats = 2.0, kOfStated = 3.0, kOfAssumed = 10.0;
+  if (fit.repeats) return kOfRepeats * std::max(*fit.repeats, kLeastScatter);
+  return fit.is_stated ? kOfStated : kOfAssumed;
 }
 
-std::vector<Explanation> explanations(const Input& given, const std::vector<const Mistake*>& mistakes, bool has_rival) {
-  std::vector<Explanation> all;
-  for (const Mistake* mistake : mistakes) {
-    auto fit = fit_without(given, *mistake);
-    if (fit && explains(*mistake, *fit, has_rival)) all.push_back({mistake, std::move(*fit)});
-  }
-  return all;
-}
-
-/// Those as good as the best, one of a family, the most frugal first.
-std::vector<Explanation> best_of(std::vector<Explanation> all) {
-  if (all.empty()) return {};
-  const auto objective = [](const Explanation& one) { return one.fit.objective; };
-  const double least = objective(*std::ranges::min_element(all, {}, objective));
-  std::vector<Explanation> best;
-  for (Explanation& one : all) {
-    if (objective(one) > least + kEqual) continue;
-    const auto relative =
-        std::ranges::find(best, one.mistake->family, [](const Explanation& other) { return other.mistake->family; });
-    if (relative == best.end()) {
-      best.push_back(std::move(one));
-    } else if (objective(one) < objective(*relative) - 1e-3) {
-      *relative = std::move(one);
-    }
-  }
-  return best;
+/// Next to nothing is left of what there was to explain: what remains may be another fault (backlash), or sigmas in
+/// another unit.
+bool is_next_to_nothing(const TrialFit& fit, const std::optional<TrialFit>& given) {
+  constexpr double kNextToNothing = 0.01;
+  return given && fit.scale < kNextToNothing * given->scale;
 }
 
 /// Fits that stand for something else than noise and tolerances.
 bool differs(double one, double two) {
   constexpr double kDiffers = 1.5;
   return one > kDiffers * two || two > kDiffers * one;
+}
+
+/// Readings lie closer to the machine, or its errors closer to nominal.
+bool is_better(const TrialFit& fit, const TrialFit& given) {
+  return (fit.scale < given.scale && differs(fit.scale, given.scale)) ||
+         (fit.tension < given.tension && differs(fit.tension, given.tension));
+}
+
+/// Whether a fit leaves nothing to explain. One wrong number in the robot file does not make up for errors beyond their
+/// tolerances.
+bool explains(const Mistake& mistake, const TrialFit& fit, const std::optional<TrialFit>& given) {
+  if (mistake.kind == detail::MistakeKind::nominal && fit.tension > kWithinTolerances) return false;
+  if (given && !is_better(fit, *given)) return false;
+  return fit.scale <= largest_scale(fit) || is_next_to_nothing(fit, given);
+}
+
+std::vector<Explanation> fits_of(const Input& given, const std::vector<const Mistake*>& mistakes) {
+  std::vector<Explanation> all;
+  for (const Mistake* mistake : mistakes) {
+    if (auto fit = fit_without(given, *mistake)) all.push_back({mistake, std::move(*fit)});
+  }
+  return all;
+}
+
+double objective_of(const Explanation& one) { return one.fit.objective; }
+
+/// Those as good as the best, one of a family, the most frugal first.
+std::vector<Explanation> best_of(std::vector<Explanation> all) {
+  if (all.empty()) return {};
+  const double least = objective_of(*std::ranges::min_element(all, {}, objective_of));
+  std::vector<Explanation> best;
+  for (Explanation& one : all) {
+    if (objective_of(one) > least + kEqual) continue;
+    const auto relative =
+        std::ranges::find(best, one.mistake->family, [](const Explanation& other) { return other.mistake->family; });
+    if (relative == best.end()) {
+      best.push_back(std::move(one));
+    } else if (objective_of(one) < objective_of(*relative) - 1e-3) {
+      *relative = std::move(one);
+    }
+  }
+  return best;
 }
 
 /// Two digits, and whole numbers of many: "0.017", "301".
@@ -143,7 +165,19 @@ Diagnosis diagnosis_of(const std::vector<Explanation>& best, const std::optional
   const TrialFit& fit = best.front().fit;
   diagnosis.rms_explained = fit.noise;
   if (given) diagnosis.rms_as_given = given->noise;
+  diagnosis.largest_noise = fit.noise * largest_scale(fit) / fit.scale;
   diagnosis.text = text_of(diagnosis.causes, fit, given);
+  return diagnosis;
+}
+
+/// Something is wrong that makes a mistake likely, but none of them makes good for it.
+Diagnosis without_cause(const TrialFit& nearest, const TrialFit& given) {
+  Diagnosis diagnosis{.rms_as_given = given.noise, .rms_explained = nearest.noise};
+  diagnosis.largest_noise = given.noise * largest_scale(given) / given.scale;
+  diagnosis.text = fmt::format(
+      "none of the usual mistakes of an input explains the readings: as given they fit to {}, with the nearest mistake "
+      "undone to {}",
+      quality(given, nearest), quality(nearest, given));
   return diagnosis;
 }
 
@@ -168,10 +202,15 @@ std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measur
   const std::vector<Mistake> nominals = as_given ? detail::wrong_nominals(given, *as_given) : std::vector<Mistake>{};
   std::vector<const Mistake*> tried = promising(given, usual);
   for (const Mistake& mistake : nominals) tried.push_back(&mistake);
-  const std::vector<Explanation> best = best_of(explanations(given, tried, as_given.has_value()));
-  if (best.empty()) return std::nullopt;
-  if (best.front().fit.objective > objective_without_mistake(given, as_given) - kFarMoreProbable) return std::nullopt;
-  return diagnosis_of(best, as_given);
+  std::vector<Explanation> all = fits_of(given, tried);
+  if (all.empty()) return std::nullopt;
+  const TrialFit nearest = std::ranges::min_element(all, {}, objective_of)->fit;
+  std::erase_if(all, [&](const Explanation& one) { return !explains(*one.mistake, one.fit, as_given); });
+  const double enough = objective_without_mistake(given, as_given) - kFarMoreProbable;
+  const std::vector<Explanation> best = best_of(std::move(all));
+  if (!best.empty() && best.front().fit.objective <= enough) return diagnosis_of(best, as_given);
+  if (as_given && nearest.objective <= enough) return without_cause(nearest, *as_given);
+  return std::nullopt;
 }
 
 }  // namespace paracal

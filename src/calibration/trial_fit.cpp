@@ -178,6 +178,14 @@ Scatter scatter_of_all(const Observation& observation, const Eigen::VectorXd& un
   return all;
 }
 
+/// Gross errors hardly count: rows are weighted as in the fit.
+std::optional<double> scale_of_repeats(const Observation& observation, const Eigen::VectorXd& unknowns) {
+  constexpr double kEnough = 9.0;  // degrees of freedom
+  const Scatter visits = scatter_of_visits(observation, unknowns);
+  if (visits.redundancy < kEnough) return std::nullopt;
+  return observation.components().unstated_noise * std::sqrt(visits.sum / visits.redundancy);
+}
+
 TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns) {
   InformationRoot information(observation.unknown_count());
   (void)with_priors(observation)(unknowns, information);
@@ -188,6 +196,7 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
   state_noise(observation, unknowns,
               std::sqrt(rows_of(misses) / scatter_of_all(observation, unknowns, information).redundancy), fit);
   state_objective(misses, root, fit);
+  fit.repeats = scale_of_repeats(observation, unknowns);
   return fit;
 }
 
@@ -225,10 +234,13 @@ std::optional<TrialFit> fit_robustly(const Input& input) {
     Observation observation(input.robot, measurements, input.options, sought);
     const auto start = observation.start({});
     if (!start) return std::nullopt;
+    const bool is_stated = all_stated(observation);
     begin_at(observation, *start);
     const auto answer = settle(observation, *start);
     if (!answer) return std::nullopt;
-    return stated(observation, *answer);
+    TrialFit fit = stated(observation, *answer);
+    fit.is_stated = is_stated;
+    return fit;
   } catch (const Unreachable&) {
     return std::nullopt;
   }

@@ -36,6 +36,9 @@ struct TrialFit {
   double noise = 0.0;
   std::optional<double> rotation_noise = {};  ///< rad, where rotations are read
   double tension = 0.0;                       ///< root mean square of p_j / sigma_j
+  /// The s that the repeats of a visit show, whatever the machine is: empty where hardly anything was read twice.
+  std::optional<double> repeats = {};
+  bool is_stated = false;  ///< all sigmas
 };
 
 /// Root of the information and residuals in units of the sigmas at an answer of noise s: minimises the posterior under

@@ -12,10 +12,13 @@ namespace paracal {
 
 /// What is wrong with the input of a calibration.
 struct Diagnosis {
-  std::string text;                 ///< a sentence: the cause, its equals, how well readings fit with and without it
-  std::vector<std::string> causes;  ///< the most frugal first; others explain the readings equally well
+  std::string text = {};  ///< a sentence: the cause, its equals, how well readings fit with and without it
+  /// The most frugal first; others explain the readings equally well. Empty: some mistake is far more probable than the
+  /// input as given, but none explains the readings.
+  std::vector<std::string> causes = {};
   std::optional<double> rms_as_given = {};  ///< mm, of the residuals of a robust fit; empty: out of the robot's reach
-  double rms_explained = 0.0;               ///< mm, with the cause undone
+  double rms_explained = 0.0;               ///< mm, with the cause undone; of no cause with the nearest undone
+  double largest_noise = 0.0;  ///< mm, of sound input: above it readings scatter more than repeats or sigmas promise
 };
 
 /// Tries the usual mistakes (units, mirrored or swapped axes, order of limbs, another robot, rows that slipped, signs
@@ -24,7 +27,8 @@ struct Diagnosis {
 /// Each is undone and the readings fitted anew: maximum a posteriori for Student's t instead of normal noise, whose
 /// scale is found as well, so that gross errors neither decide nor escape. Compared are the logarithms of the evidence,
 /// the probability of the readings under robot, tolerances and mistake (Laplace's approximation), and a mistake is
-/// named only where it is far more probable than the input as given, even with one part out of its tolerance.
+/// named only where it is far more probable than the input as given, even with one part out of its tolerance, and where
+/// with it the readings scatter about as they repeat, or as was stated of them, and less than as given.
 ///
 /// @returns nothing where the input as given explains the readings about as well as any mistake does.
 /// @throws InvalidArgument for readings that make no sense (see check()).

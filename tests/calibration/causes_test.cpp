@@ -1,0 +1,112 @@
+// A cause is named only where the input so taken leaves nothing to explain.
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+
+#include "paracal/calibration/diagnosis.hpp"
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNoise = 0.017;  // mm
+
+std::vector<Station> stations_of(const Robot& robot, int count = 20) { return candidate_stations(robot, count, 3); }
+
+/// Points that repeat.
+Measurements points_of(const Robot& robot, int number) {
+  return measured_machine(robot, stations_of(robot), number, {.noise = kNoise, .repeats = 2}).measurements;
+}
+
+/// Poses of a body, with sigmas: of a machine whose commands a table may then have wrong.
+Measurements bodies_of(const Robot& robot, int number) {
+  RandomStream random(static_cast<std::uint64_t>(number), 31);
+  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  VirtualInstrument instrument{.noise = 0.02, .rotation_noise = to_radians(0.01), .body = random_body(random)};
+  instrument.frame = random_body(random);
+  Measurements read = simulate(robot, errors, planned(robot, stations_of(robot, 24), {.measurand = Measurand::poses}),
+                               instrument, random);
+  for (PointReading& one : read.series[0].readings) one.sigma = 0.02, one.orientation_sigma = to_radians(0.01);
+  return read;
+}
+
+void scale_points(Measurements& read, double factor) {
+  for (PointReading& one : read.series[0].readings) one.point *= factor;
+}
+
+/// Readings that are 2 % short along x: another robot and other arms lie nearer, but not near.
+TEST(Causes, ReadingsThatAreShortOneWayAreNoUsualMistake) {
+  const Robot robot = robot_named("delta");
+  Measurements read = points_of(robot, 1);
+  for (PointReading& one : read.series[0].readings) one.point.x() *= 0.98;
+  const auto diagnosis = diagnose(robot, read);
+  ASSERT_TRUE(diagnosis);
+  EXPECT_THAT(diagnosis->causes, IsEmpty()) << diagnosis->text;
+  EXPECT_THAT(diagnosis->text, testing::MatchesRegex("none of the usual mistakes of an input explains the readings: as "
+                                                     "given they fit to 0\\.73 mm, with the nearest mistake undone to "
+                                                     "0\\.3 mm"));
+  EXPECT_NEAR(diagnosis->largest_noise, 2.0 * kNoise, 0.5 * kNoise);
+  const Calibration calibration = calibrate(robot, read);
+  EXPECT_EQ(calibration.verdict, Verdict::rejected);
+  EXPECT_THAT(calibration.reasons, ElementsAre(diagnosis->text));
+  EXPECT_FALSE(calibration.use);
+}
+
+/// Tilts of which half is written are no usual mistake: what fits worse than the input as given is not named.
+TEST(Causes, NoneFitsWorseThanTheInputAsGiven) {
+  const Robot robot = robot_named("hexapod");
+  for (const int number : {1, 2, 3}) {
+    Measurements read = bodies_of(robot, number);
+    EXPECT_FALSE(diagnose(robot, read));
+    for (Station& one : read.stations) one.commanded.tilt *= 0.5;
+    const auto diagnosis = diagnose(robot, read);
+    if (diagnosis) {
+      EXPECT_THAT(diagnosis->causes, IsEmpty()) << diagnosis->text;
+    }
+  }
+}
+
+/// Where a wrong part explains what no mistake of the input does, the part is told.
+TEST(Causes, PartsThatAreFarOffNeedNoMistake) {
+  const Robot robot = robot_named("line-printer");
+  for (const int number : {1, 2}) {
+    SourceErrors errors = measured_machine(robot, stations_of(robot), number, {}).errors;
+    errors(1, Source::e_x) += 8.0;
+    errors(1, Source::e_y) -= 8.0;
+    const Measurements read = measure(robot, errors, stations_of(robot), number, {.noise = kNoise, .repeats = 2});
+    const Calibration calibration = calibrate(robot, read);
+    EXPECT_TRUE(calibration.accepted()) << calibration.reasons.front();
+    EXPECT_THAT(calibration.notes, Contains(HasSubstr("of limb 2")));
+  }
+}
+
+/// Another fault is left when nearly all is explained.
+TEST(Causes, AMistakeIsNamedOfAMachineWithBacklash) {
+  const Robot robot = robot_named("delta");
+  Random random(5);
+  std::vector<Station> stations = stations_of(robot);
+  for (Station& one : stations) {
+    one.believed = believed_joints(robot, one);
+    for (double& joint : *one.believed) joint += std::copysign(to_radians(0.02), random.uniform(-1.0, 1.0));
+  }
+  Measurements read =
+      measure(robot, measured_machine(robot, stations, 1, {}).errors, stations, 1, {.noise = kNoise, .repeats = 2});
+  read.stations = stations_of(robot);
+  scale_points(read, 1e-3);
+  const auto diagnosis = diagnose(robot, read);
+  ASSERT_TRUE(diagnosis);
+  EXPECT_THAT(diagnosis->causes, ElementsAre("the readings are in metres"));
+}
+
+}  // namespace
+}  // namespace paracal::test
