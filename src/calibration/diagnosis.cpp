@@ -99,10 +99,11 @@ bool is_better(const TrialFit& fit, const TrialFit& given) {
          (fit.tension < given.tension && differs(fit.tension, given.tension));
 }
 
-/// Whether a fit leaves nothing to explain. One wrong number in the robot file does not make up for errors beyond their
-/// tolerances.
+/// Whether a fit leaves nothing to explain. Neither one wrong number in the robot file nor another robot makes up for
+/// errors beyond their tolerances.
 bool explains(const Mistake& mistake, const TrialFit& fit, const std::optional<TrialFit>& given) {
-  if (mistake.kind == detail::MistakeKind::nominal && fit.tension > kWithinTolerances) return false;
+  const bool of_robot = mistake.kind == detail::MistakeKind::nominal || mistake.kind == detail::MistakeKind::robot;
+  if (of_robot && fit.tension > kWithinTolerances) return false;
   if (given && !is_better(fit, *given)) return false;
   return fit.scale <= largest_scale(fit) || is_next_to_nothing(fit, given);
 }

@@ -230,13 +230,16 @@ void MistakeList::add_limb_orders() {
   }
 }
 
+/// Who has a file of his own knows how many limbs his machine has.
 void MistakeList::add_robots() {
-  for (const std::string_view name : catalogue::names()) {
+  const std::vector<std::string_view> names = catalogue::names();
+  const bool own = std::ranges::find(names, given_.robot.name()) == names.end();
+  for (const std::string_view name : names) {
     const Robot other = catalogue::find(name);
     const bool alike = other.limb_count() == given_.robot.limb_count() && other.actuator() == given_.robot.actuator();
-    if (name == given_.robot.name() || (states_joints(measurements()) && !alike)) continue;
-    add_to_input("robot", fmt::format("the robot is {}, not {}", name, given_.robot.name()),
-                 [other](Input& input) { input.robot = other; });
+    if (name == given_.robot.name() || ((own || states_joints(measurements())) && !alike)) continue;
+    mistakes_.push_back({MistakeKind::robot, "robot", fmt::format("the robot is {}, not {}", name, given_.robot.name()),
+                         [other](Input& input) { input.robot = other; }});
   }
 }
 

@@ -13,6 +13,7 @@ namespace paracal::detail {
 
 enum class MistakeKind : std::uint8_t {
   usual,    ///< has nothing to adjust
+  robot,    ///< another robot of the catalogue
   nominal,  ///< one number of the robot file, which the readings themselves have told
   part,     ///< one part out of its tolerance: no mistake of the input, but the rival of all that are
 };

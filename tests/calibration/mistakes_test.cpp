@@ -10,6 +10,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
 namespace paracal::test {
@@ -227,6 +228,19 @@ TEST_F(Mistakes, OfFrames) {
 TEST_F(Mistakes, OfMountsAreTheOthers) {
   EXPECT_EQ(count(all_kinds(robot), "mount"), 2);
   EXPECT_EQ(count(measured_machine(robot, fine_stations(robot, 4), 1, {}).measurements, "mount"), 0);
+}
+
+/// Names of the catalogue are mixed up; whoever has a file of his own knows how many limbs his machine has.
+TEST_F(Mistakes, OfRobotsAreThoseThatItMayBe) {
+  EXPECT_EQ(count(all_kinds(robot), "robot"), 2);
+  EXPECT_EQ(count(believed(all_kinds(robot)), "robot"), 0);
+  robot = robot_named("delta");
+  const auto all = detail::usual_mistakes(Input{robot, all_kinds(robot), {}});
+  std::vector<std::string> robots;
+  for (const Mistake& one : all) {
+    if (one.family == "robot") robots.push_back(one.text);
+  }
+  EXPECT_THAT(robots, testing::ElementsAre("the robot is rotary_delta, not delta"));
 }
 
 /// The controller knew its robot; the file has one number that is not its. What the readings say that it should be.
