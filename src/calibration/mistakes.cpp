@@ -13,22 +13,23 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 #include "reading_mistakes.hpp"
+#include "tilt_mistakes.hpp"
 
 namespace paracal::detail {
 namespace {
-
-constexpr double kRadInDegrees = 180.0 / std::numbers::pi;  // what a number in rad lost when it was read as deg
 
 class MistakeList {
  public:
   explicit MistakeList(const Input& given) : given_(given) {}
 
   void add(std::string family, std::string text, std::function<void(Measurements&)> undo) {
-    add_to_input(std::move(family), std::move(text), [undo](Input& input) { undo(input.measurements); });
+    mistakes_.push_back(mistake_of_measurements(std::move(family), std::move(text), std::move(undo)));
   }
   void add_to_input(std::string family, std::string text, std::function<void(Input&)> undo) {
     mistakes_.push_back({MistakeKind::usual, std::move(family), std::move(text), std::move(undo)});
   }
+
+  void append(std::vector<Mistake> more) { std::ranges::move(more, std::back_inserter(mistakes_)); }
 
   void add_units();
   void add_angles();
@@ -245,6 +246,11 @@ void MistakeList::add_robots() {
 
 }  // namespace
 
+Mistake mistake_of_measurements(std::string family, std::string text, std::function<void(Measurements&)> undo) {
+  return {MistakeKind::usual, std::move(family), std::move(text),
+          [undo = std::move(undo)](Input& input) { undo(input.measurements); }};
+}
+
 void state_joints(const Robot& robot, Measurements& measurements) {
   for (Station& station : measurements.stations) station.believed = believed_joints(robot, station);
 }
@@ -254,6 +260,7 @@ std::vector<Mistake> usual_mistakes(const Input& given) {
   list.add_units();
   list.add_angles();
   list.add_signs_of_rotation();
+  list.append(tilt_mistakes(given));
   list.add_frames();
   list.add_rows();
   list.add_mounts();

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct Mistake {
   std::string text;    ///< "the readings are in metres"
   std::function<void(Input&)> undo;
 };
+
+/// A usual one, of readings or commands.
+Mistake mistake_of_measurements(std::string family, std::string text, std::function<void(Measurements&)> undo);
+
+/// What a number in rad lost when it was read as deg.
+inline constexpr double kRadInDegrees = 180.0 / std::numbers::pi;
 
 /// Those that can have been made with such an input, the most frugal first.
 std::vector<Mistake> usual_mistakes(const Input& given);

@@ -28,18 +28,6 @@ Measurements points_of(const Robot& robot, int number) {
   return measured_machine(robot, stations_of(robot), number, {.noise = kNoise, .repeats = 2}).measurements;
 }
 
-/// Poses of a body, with sigmas: of a machine whose commands a table may then have wrong.
-Measurements bodies_of(const Robot& robot, int number) {
-  RandomStream random(static_cast<std::uint64_t>(number), 31);
-  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
-  VirtualInstrument instrument{.noise = 0.02, .rotation_noise = to_radians(0.01), .body = random_body(random)};
-  instrument.frame = random_body(random);
-  Measurements read = simulate(robot, errors, planned(robot, stations_of(robot, 24), {.measurand = Measurand::poses}),
-                               instrument, random);
-  for (PointReading& one : read.series[0].readings) one.sigma = 0.02, one.orientation_sigma = to_radians(0.01);
-  return read;
-}
-
 void scale_points(Measurements& read, double factor) {
   for (PointReading& one : read.series[0].readings) one.point *= factor;
 }
@@ -66,7 +54,7 @@ TEST(Causes, ReadingsThatAreShortOneWayAreNoUsualMistake) {
 TEST(Causes, NoneFitsWorseThanTheInputAsGiven) {
   const Robot robot = robot_named("hexapod");
   for (const int number : {1, 2, 3}) {
-    Measurements read = bodies_of(robot, number);
+    Measurements read = body_poses(robot, stations_of(robot, 24), number);
     EXPECT_FALSE(diagnose(robot, read));
     for (Station& one : read.stations) one.commanded.tilt *= 0.5;
     const auto diagnosis = diagnose(robot, read);

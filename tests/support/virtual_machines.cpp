@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <numbers>
 
+#include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/forward.hpp"
 
@@ -42,6 +44,18 @@ MeasuredMachine measured_machine(const Robot& robot, const std::vector<Station>&
   RandomStream machine(kMachines, static_cast<std::uint64_t>(number));
   const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), machine);
   return {errors, measure(robot, errors, stations, number, std::move(instrument))};
+}
+
+Measurements body_poses(const Robot& robot, const std::vector<Station>& stations, int number) {
+  constexpr double kLength = 0.02, kTurn = 0.01 * std::numbers::pi / 180.0;
+  RandomStream random(kMachines, static_cast<std::uint64_t>(number));
+  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  VirtualInstrument instrument{.noise = kLength, .rotation_noise = kTurn, .body = random_body(random)};
+  instrument.frame = random_body(random);
+  Measurements read =
+      simulate(robot, errors, planned(robot, stations, {.measurand = Measurand::poses}), instrument, random);
+  for (PointReading& one : read.series[0].readings) one.sigma = kLength, one.orientation_sigma = kTurn;
+  return read;
 }
 
 void state_sigma(Measurements& measurements, double sigma) {

@@ -25,6 +25,10 @@ MeasuredMachine measured_machine(const Robot& robot, const std::vector<Station>&
 Measurements measure(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations, int number,
                      VirtualInstrument instrument);
 
+/// Poses of a body somewhere on the plate of a machine out of the robot's tolerances, with their sigmas: 0.02 mm and
+/// 0.01 deg.
+Measurements body_poses(const Robot& robot, const std::vector<Station>& stations, int number);
+
 /// States the sigma of every point.
 void state_sigma(Measurements& measurements, double sigma);
 

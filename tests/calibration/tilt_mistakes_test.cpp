@@ -1,0 +1,127 @@
+// What commanded tilts of hexapods suffer.
+
+#include "calibration/tilt_mistakes.hpp"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "paracal/calibration/diagnosis.hpp"
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::test {
+namespace {
+
+using testing::Contains;
+
+Eigen::Matrix3d turn(int axis, double angle) {
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+}
+
+/// Angles of Rot(z, c) Rot(y, b) Rot(x, a), by hand.
+Eigen::Vector3d roll_pitch_yaw(const Eigen::Vector3d& tilt) {
+  const Eigen::Matrix3d r = turn(0, tilt.x()) * turn(1, tilt.y()) * turn(2, tilt.z());
+  return {std::atan2(r(2, 1), r(2, 2)), -std::asin(r(2, 0)), std::atan2(r(1, 0), r(0, 0))};
+}
+
+struct Case {
+  std::string cause;
+  Eigen::Vector3d (*spoil)(const Eigen::Vector3d& tilt);
+};
+
+const std::vector<Case>& cases() {
+  using V = Eigen::Vector3d;
+  static const std::vector<Case> all{
+      {"the commanded tilts are in rad, not deg", [](const V& t) { return V(t * std::numbers::pi / 180.0); }},
+      {"the commanded tilts have the other sign", [](const V& t) { return V(-t); }},
+      {"the commanded tilt_x has the other sign", [](const V& t) { return V(-t.x(), t.y(), t.z()); }},
+      {"the commanded tilt_y has the other sign", [](const V& t) { return V(t.x(), -t.y(), t.z()); }},
+      {"the commanded tilt_z has the other sign", [](const V& t) { return V(t.x(), t.y(), -t.z()); }},
+      {"the commanded tilt_x and tilt_y have the other sign", [](const V& t) { return V(-t.x(), -t.y(), t.z()); }},
+      {"the commanded tilt_x and tilt_y are swapped", [](const V& t) { return V(t.y(), t.x(), t.z()); }},
+      {"the commanded tilt_x and tilt_z are swapped", [](const V& t) { return V(t.z(), t.y(), t.x()); }},
+      {"the commanded tilts are of Rot(z, tilt_z) Rot(y, tilt_y) Rot(x, tilt_x), not of Rot(x, tilt_x) Rot(y, tilt_y) "
+       "Rot(z, tilt_z)",
+       roll_pitch_yaw},
+  };
+  return all;
+}
+
+void spoil(Measurements& read, const Case& one) {
+  for (Station& station : read.stations) station.commanded.tilt = one.spoil(station.commanded.tilt);
+}
+
+TEST(TiltMistakes, LeadBackToWhatWasMeant) {
+  const Robot robot = robot_named("hexapod");
+  Measurements meant{.stations = candidate_stations(robot, 12, 4)};
+  for (const Case& one : cases()) {
+    detail::Input input{robot, meant, {}};
+    spoil(input.measurements, one);
+    const std::vector<detail::Mistake> all = detail::usual_mistakes(input);
+    const auto found = std::ranges::find(all, one.cause, &detail::Mistake::text);
+    ASSERT_NE(found, all.end()) << one.cause;
+    found->undo(input);
+    for (std::size_t k = 0; k < meant.stations.size(); ++k) {
+      const Eigen::Vector3d is = input.measurements.stations[k].commanded.tilt;
+      EXPECT_LT((is - meant.stations[k].commanded.tilt).norm(), 1e-12) << one.cause;
+    }
+  }
+}
+
+TEST(TiltMistakes, AreOfCommandsThatTilt) {
+  const Robot robot = robot_named("hexapod");
+  Measurements read{.stations = candidate_stations(robot, 12, 4)};
+  EXPECT_EQ(detail::tilt_mistakes({robot, read, {}}).size(), 1U + 7U + 3U + 5U);
+  for (Station& one : read.stations) one.believed = believed_joints(robot, one);
+  EXPECT_TRUE(detail::tilt_mistakes({robot, read, {}}).empty());
+  const Robot level = robot_named("delta");
+  EXPECT_TRUE(detail::tilt_mistakes({level, {.stations = candidate_stations(level, 5, 4)}, {}}).empty());
+}
+
+/// A frame of the commands that is turned about z turns the tilts, too.
+TEST(TiltMistakes, AFrameOfTheCommandsTurnsThemToo) {
+  const Robot robot = robot_named("hexapod");
+  const Measurements meant{.stations = candidate_stations(robot, 12, 4)};
+  detail::Input input{robot, meant, {}};
+  const std::vector<detail::Mistake> all = detail::usual_mistakes(input);
+  const std::string text = "the frame of the commands is turned by 90 deg about z against the robot's";
+  std::ranges::find(all, text, &detail::Mistake::text)->undo(input);
+  for (std::size_t k = 0; k < meant.stations.size(); ++k) {
+    const Pose &was = meant.stations[k].commanded, &is = input.measurements.stations[k].commanded;
+    const auto plate = [](const Eigen::Vector3d& t) {
+      return Eigen::Matrix3d(turn(0, t.x()) * turn(1, t.y()) * turn(2, t.z()));
+    };
+    const Eigen::Matrix3d quarter = turn(2, std::numbers::pi / 2.0);
+    EXPECT_LT((is.position - quarter * was.position).norm(), 1e-9);
+    EXPECT_LT((plate(is.tilt) - quarter * plate(was.tilt) * quarter.transpose()).norm(), 1e-12);
+  }
+}
+
+/// Named in 95 % of machines and more; none is accepted.
+TEST(TiltMistakes, AreNamed) {
+  const Robot robot = robot_named("hexapod");
+  const int count = machines(10);
+  for (const Case& one : cases()) {
+    int named = 0;
+    std::string other;
+    for (int number = 0; number < count; ++number) {
+      Measurements read = body_poses(robot, candidate_stations(robot, 24, 3), number);
+      spoil(read, one);
+      const auto diagnosis = diagnose(robot, read);
+      const bool right = diagnosis && testing::Value(diagnosis->causes, Contains(one.cause));
+      named += right ? 1 : 0;
+      if (!right) other = diagnosis ? diagnosis->text : "nothing";
+    }
+    EXPECT_GE(named, 0.95 * count) << one.cause << ", last: " << other;
+    Measurements read = body_poses(robot, candidate_stations(robot, 24, 3), 1);
+    spoil(read, one);
+    EXPECT_FALSE(calibrate(robot, read).accepted()) << one.cause;
+  }
+}
+
+}  // namespace
+}  // namespace paracal::test
