@@ -14,6 +14,7 @@
 #include "paracal/units.hpp"
 #include "reading_mistakes.hpp"
 #include "tilt_mistakes.hpp"
+#include "unit_mistakes.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -31,7 +32,6 @@ class MistakeList {
 
   void append(std::vector<Mistake> more) { std::ranges::move(more, std::back_inserter(mistakes_)); }
 
-  void add_units();
   void add_angles();
   void add_signs_of_rotation();
   void add_rows();
@@ -51,30 +51,6 @@ class MistakeList {
   const Input& given_;
   std::vector<Mistake> mistakes_;
 };
-
-void MistakeList::add_units() {
-  struct LengthUnit {
-    const char* name;
-    double mm;
-  };
-  constexpr std::array<LengthUnit, 3> kUnits{{{"metres", 1000.0}, {"inches", 25.4}, {"centimetres", 10.0}}};
-  const bool lengths = joint_unit(given_.robot.actuator()) == Unit::mm && states_joints(measurements());
-  for (const auto& [name, mm] : kUnits) {
-    const double factor = mm;
-    add("unit", fmt::format("the readings are in {}", name), [=](Measurements& m) { scale_readings(m, factor); });
-    const auto scale_commanded = [=](Measurements& m) {
-      scale_commands(m, factor);
-      if (lengths) scale_joints(m, factor);
-    };
-    if (!lengths && !commands_count(measurements())) continue;
-    const char* commanded = lengths ? "joints and commanded poses" : "the commanded poses";
-    add("unit", fmt::format("{} are in {}", commanded, name), scale_commanded);
-    add("unit", fmt::format("the readings and {} are in {}", commanded, name), [=](Measurements& m) {
-      scale_readings(m, factor);
-      scale_commanded(m);
-    });
-  }
-}
 
 void MistakeList::add_angles() {
   const bool commanded = commands_count(measurements()) && commands_turn(measurements());
@@ -257,7 +233,7 @@ void state_joints(const Robot& robot, Measurements& measurements) {
 
 std::vector<Mistake> usual_mistakes(const Input& given) {
   MistakeList list(given);
-  list.add_units();
+  list.append(unit_mistakes(given));
   list.add_angles();
   list.add_signs_of_rotation();
   list.append(tilt_mistakes(given));

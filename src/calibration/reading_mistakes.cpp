@@ -8,12 +8,10 @@ namespace paracal::detail {
 namespace {
 
 template <typename Change>
-void change_points(Measurements& measurements, Change&& change) {
-  for (PointSeries& series : measurements.series) {
-    for (PointReading& reading : series.readings) {
-      reading.point = change(reading.point);
-      if (reading.second) reading.second = change(*reading.second);
-    }
+void change_points(PointSeries& series, Change&& change) {
+  for (PointReading& reading : series.readings) {
+    reading.point = change(reading.point);
+    if (reading.second) reading.second = change(*reading.second);
   }
 }
 
@@ -65,12 +63,22 @@ bool has_repeats(const Measurements& measurements) {
          std::ranges::any_of(measurements.lengths, [](const auto& one) { return repeats_in(one.readings); });
 }
 
-void scale_readings(Measurements& measurements, double factor) {
-  change_points(measurements, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(factor * point); });
-  for (LengthSeries& series : measurements.lengths) {
-    for (LengthReading& reading : series.readings) reading.length *= factor;
-  }
+void scale_points(PointSeries& series, double factor) {
+  change_points(series, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(factor * point); });
+}
+
+void scale_lengths(LengthSeries& series, double factor) {
+  for (LengthReading& reading : series.readings) reading.length *= factor;
+}
+
+void scale_distances(Measurements& measurements, double factor) {
   for (DistanceReading& reading : measurements.distances) reading.distance *= factor;
+}
+
+void scale_readings(Measurements& measurements, double factor) {
+  for (PointSeries& series : measurements.series) scale_points(series, factor);
+  for (LengthSeries& series : measurements.lengths) scale_lengths(series, factor);
+  scale_distances(measurements, factor);
 }
 
 void scale_rotations(Measurements& measurements, double factor) {
@@ -100,7 +108,9 @@ void negate_lengths(Measurements& measurements, LengthKind kind) {
 }
 
 void turn_readings(Measurements& measurements, const Eigen::Matrix3d& turn) {
-  change_points(measurements, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(turn * point); });
+  for (PointSeries& series : measurements.series) {
+    change_points(series, [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(turn * point); });
+  }
 }
 
 std::vector<Eigen::Matrix3d> exchanges_of_axes() {

@@ -20,6 +20,9 @@ bool has_repeats(const Measurements& measurements);
 /// Points, distances and lengths times a factor. Stated sigmas stay: nobody knows what unit they are in, and a fit
 /// that seeks the scale of the noise does not ask.
 void scale_readings(Measurements& measurements, double factor);
+void scale_points(PointSeries& series, double factor);
+void scale_lengths(LengthSeries& series, double factor);
+void scale_distances(Measurements& measurements, double factor);
 /// Readings of phi times a factor.
 void scale_rotations(Measurements& measurements, double factor);
 void change_orientations(Measurements& measurements, const std::function<Quaternion(const Quaternion&)>& change);
