@@ -1,0 +1,90 @@
+#include "dimensions.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "paracal/mechanism/base_motion.hpp"
+
+namespace paracal::detail {
+namespace {
+
+/// Component of an error that all limbs have alike.
+template <typename Value>
+SourceErrors alike(const Robot& robot, Value&& value) {
+  SourceErrors errors;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) value(limb, errors);
+  return as_felt(robot, errors);
+}
+
+SourceErrors radial(const Robot& robot, double sign) {
+  return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
+    shift_limb(robot, limb, sign * robot.nominal().limbs[limb].radial, errors);
+  });
+}
+
+SourceErrors each(const Robot& robot, Source source) {
+  return alike(robot, [&](std::size_t limb, SourceErrors& errors) { errors(limb, source) = 1.0; });
+}
+
+SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
+  SourceErrors one;
+  for (const Source source : all_sources()) one(limb, source) = all(limb, source);
+  return one;
+}
+
+/// What is off by `source` where a number of a limb with one rod is wrong.
+Dimension length_of_limb(const Robot& robot, std::string_view key, double SingleRod::*number, Source source,
+                         std::size_t limb) {
+  return {fmt::format("{} of limb {}", key, limb + 1), false,
+          [limb, number](RobotDescription& r) -> double& { return r.geometry.single_rods[limb].*number; },
+          only_limb(each(robot, source), limb)};
+}
+
+/// A rod or an arm of another length.
+std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
+  const bool is_strut = robot.actuator() == Actuator::strut, swings = robot.actuator() == Actuator::crank;
+  std::vector<Dimension> all;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    all.push_back(length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &SingleRod::length,
+                                 is_strut ? Source::theta_offset : Source::rod_length, limb));
+    if (swings) all.push_back(length_of_limb(robot, "arm_mm", &SingleRod::arm, Source::arm_length, limb));
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Dimension> dimensions(const Robot& robot) {
+  if (robot.has_six_freedoms()) return lengths_of_single_rods(robot);
+  std::vector<Dimension> all{
+      {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
+      {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},
+      {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
+       radial(robot, 1.0)},
+      {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
+       radial(robot, -1.0)}};
+  const SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    all.push_back({fmt::format("limb_azimuth_deg of limb {}", limb + 1), true,
+                   [limb](RobotDescription& r) -> double& { return r.geometry.limb_azimuth[limb]; },
+                   only_limb(turned, limb)});
+  }
+  return all;
+}
+
+Robot with(const Robot& robot, const Dimension& dimension, double value) {
+  RobotDescription description = robot.description();
+  description.tolerances = tolerances_of(robot);
+  description.workspace.top_z = robot.workspace().centre().z();
+  description.workspace.radius = description.workspace.height = 1.0;
+  dimension.of(description) = value;
+  return Robot(std::move(description));
+}
+
+double now(const Robot& robot, const Dimension& dimension) {
+  RobotDescription description = robot.description();
+  return dimension.of(description);
+}
+
+}  // namespace paracal::detail

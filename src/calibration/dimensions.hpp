@@ -1,0 +1,30 @@
+#pragma once
+
+// Private to calibration: numbers of a robot file, and what errors have in common where one of them is wrong.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "paracal/mechanism/robot.hpp"
+
+namespace paracal::detail {
+
+/// A number of the robot file, in mm or rad.
+struct Dimension {
+  std::string key;
+  bool angle = false;
+  std::function<double&(RobotDescription&)> of;
+  SourceErrors direction = {};  ///< what all limbs have in common per mm or rad that it is larger
+};
+
+/// The numbers of the file that errors show: base_radius_mm, plate_radius_mm, arm_mm, rod_mm and limb_azimuth_deg of
+/// each limb; of limbs with one rod their lengths.
+std::vector<Dimension> dimensions(const Robot& robot);
+
+/// The robot with another number. A trial needs no workspace: one that does not reach all of the file's is as good.
+Robot with(const Robot& robot, const Dimension& dimension, double value);
+/// What the file says.
+double now(const Robot& robot, const Dimension& dimension);
+
+}  // namespace paracal::detail
