@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "mistakes.hpp"
@@ -192,6 +193,39 @@ double objective_without_mistake(const Input& given, const std::optional<TrialFi
   return least;
 }
 
+/// What came of mistakes that were tried.
+struct Findings {
+  std::vector<Explanation> best;    ///< none: nothing explains the readings
+  std::optional<TrialFit> nearest;  ///< the most probable, whether it explains them or not
+
+  bool name_a_cause(double enough) const { return !best.empty() && objective_of(best.front()) <= enough; }
+  bool cast_doubt(double enough) const { return nearest && nearest->objective <= enough; }
+};
+
+Findings findings_of(const Input& given, const std::vector<const Mistake*>& mistakes,
+                     const std::optional<TrialFit>& as_given) {
+  std::vector<Explanation> all = fits_of(given, mistakes);
+  if (all.empty()) return {};
+  Findings findings{.best = {}, .nearest = std::ranges::min_element(all, {}, objective_of)->fit};
+  std::erase_if(all, [&](const Explanation& one) { return !explains(*one.mistake, one.fit, as_given); });
+  findings.best = best_of(std::move(all));
+  return findings;
+}
+
+std::vector<const Mistake*> pointers_to(const std::vector<Mistake>& mistakes) {
+  std::vector<const Mistake*> all;
+  all.reserve(mistakes.size());
+  for (const Mistake& mistake : mistakes) all.push_back(&mistake);
+  return all;
+}
+
+/// What concerns several numbers at once.
+std::vector<Mistake> wrong_together(const Input& given, const TrialFit& as_given) {
+  std::vector<Mistake> all = detail::wrong_pairs(given, as_given);
+  if (auto scale = detail::wrong_scale(given, as_given)) all.insert(all.begin(), std::move(*scale));
+  return all;
+}
+
 }  // namespace
 
 std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measurements,
@@ -202,16 +236,16 @@ std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measur
   const std::vector<Mistake> usual = detail::usual_mistakes(given);
   const std::vector<Mistake> nominals = as_given ? detail::wrong_nominals(given, *as_given) : std::vector<Mistake>{};
   std::vector<const Mistake*> tried = promising(given, usual);
-  for (const Mistake& mistake : nominals) tried.push_back(&mistake);
-  std::vector<Explanation> all = fits_of(given, tried);
-  if (all.empty()) return std::nullopt;
-  const TrialFit nearest = std::ranges::min_element(all, {}, objective_of)->fit;
-  std::erase_if(all, [&](const Explanation& one) { return !explains(*one.mistake, one.fit, as_given); });
+  std::ranges::copy(pointers_to(nominals), std::back_inserter(tried));
+  const Findings found = findings_of(given, tried, as_given);
   const double enough = objective_without_mistake(given, as_given) - kFarMoreProbable;
-  const std::vector<Explanation> best = best_of(std::move(all));
-  if (!best.empty() && best.front().fit.objective <= enough) return diagnosis_of(best, as_given);
-  if (as_given && nearest.objective <= enough) return without_cause(nearest, *as_given);
-  return std::nullopt;
+  if (found.name_a_cause(enough)) return diagnosis_of(found.best, as_given);
+  if (!as_given) return std::nullopt;
+  const std::vector<Mistake> several = wrong_together(given, *as_given);
+  const Findings together = findings_of(given, pointers_to(several), as_given);
+  if (together.name_a_cause(enough)) return diagnosis_of(together.best, as_given);
+  if (!found.cast_doubt(enough)) return std::nullopt;
+  return without_cause(*found.nearest, *as_given);
 }
 
 }  // namespace paracal

@@ -55,15 +55,20 @@ std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
 
 }  // namespace
 
-std::vector<Dimension> dimensions(const Robot& robot) {
-  if (robot.has_six_freedoms()) return lengths_of_single_rods(robot);
-  std::vector<Dimension> all{
+std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
+  if (robot.has_six_freedoms()) return {};
+  return {
       {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
       {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},
       {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
        radial(robot, 1.0)},
       {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
        radial(robot, -1.0)}};
+}
+
+std::vector<Dimension> dimensions(const Robot& robot) {
+  if (robot.has_six_freedoms()) return lengths_of_single_rods(robot);
+  std::vector<Dimension> all = dimensions_of_all_limbs(robot);
   const SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     all.push_back({fmt::format("limb_azimuth_deg of limb {}", limb + 1), true,
@@ -71,6 +76,16 @@ std::vector<Dimension> dimensions(const Robot& robot) {
                    only_limb(turned, limb)});
   }
   return all;
+}
+
+SourceErrors larger_robot(const Robot& robot) {
+  SourceErrors larger;
+  for (const Dimension& one : dimensions_of_all_limbs(robot)) {
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (const Source source : all_sources()) larger(limb, source) += now(robot, one) * one.direction(limb, source);
+    }
+  }
+  return larger;
 }
 
 Robot with(const Robot& robot, const Dimension& dimension, double value) {

@@ -18,9 +18,14 @@ struct Dimension {
   SourceErrors direction = {};  ///< what all limbs have in common per mm or rad that it is larger
 };
 
+/// base_radius_mm, plate_radius_mm, arm_mm, rod_mm; none of limbs with one rod.
+std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot);
 /// The numbers of the file that errors show: base_radius_mm, plate_radius_mm, arm_mm, rod_mm and limb_azimuth_deg of
 /// each limb; of limbs with one rod their lengths.
 std::vector<Dimension> dimensions(const Robot& robot);
+
+/// What errors have in common where all these are larger by their own size, per unit.
+SourceErrors larger_robot(const Robot& robot);
 
 /// The robot with another number. A trial needs no workspace: one that does not reach all of the file's is as good.
 Robot with(const Robot& robot, const Dimension& dimension, double value);

@@ -1,6 +1,7 @@
 #include "wrong_nominal.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,36 +11,74 @@
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/units.hpp"
+#include "reading_mistakes.hpp"
 
 namespace paracal::detail {
 namespace {
 
-Mistake mistake_of(const Robot& given, const Dimension& dimension, double value) {
-  const auto shown = [&](double x) { return dimension.angle ? to_degrees(x) : x; };
-  const std::string text =
-      fmt::format("the readings fit a robot whose {} is {:.{}f}, the file says {:g}", dimension.key, shown(value),
-                  dimension.angle ? 2 : 1, shown(now(given, dimension)));
-  return {MistakeKind::nominal, dimension.key, text, [dimension, value](Input& input) {
+/// Numbers of the robot file that are wrong together, and what they should be.
+struct Misprint {
+  std::vector<Dimension> of;
+  Eigen::VectorXd values;
+
+  std::size_t count() const { return of.size(); }
+  double value(std::size_t k) const { return values(static_cast<Eigen::Index>(k)); }
+};
+
+/// "rod_mm and arm_mm"
+std::string key_of(const Misprint& misprint) {
+  std::vector<std::string> keys;
+  for (const Dimension& one : misprint.of) keys.push_back(one.key);
+  return fmt::format("{}", fmt::join(keys, " and "));
+}
+
+Mistake mistake_of(const Robot& given, const Misprint& misprint) {
+  std::vector<std::string> should, says;
+  for (std::size_t k = 0; k < misprint.count(); ++k) {
+    const Dimension& one = misprint.of[k];
+    const auto shown = [&](double x) { return one.angle ? to_degrees(x) : x; };
+    should.push_back(fmt::format("{} is {:.{}f}", one.key, shown(misprint.value(k)), one.angle ? 2 : 1));
+    says.push_back(fmt::format("{:g}", shown(now(given, one))));
+  }
+  const std::string text = fmt::format("the readings fit a robot whose {}, the file says {}",
+                                       fmt::join(should, " and "), fmt::join(says, " and "));
+  return {MistakeKind::nominal, key_of(misprint), text, [misprint](Input& input) {
             state_joints(input.robot, input.measurements);
-            input.robot = with(input.robot, dimension, value);
+            for (std::size_t k = 0; k < misprint.count(); ++k) {
+              input.robot = with(input.robot, misprint.of[k], misprint.value(k));
+            }
           }};
 }
 
-/// Newton's method on the value, each step from a fit to the robot with the last one.
-std::optional<double> best_value(const Input& given, const Dimension& dimension, double value) {
+std::vector<SourceErrors> directions_of(const std::vector<Dimension>& dimensions) {
+  std::vector<SourceErrors> directions;
+  directions.reserve(dimensions.size());
+  for (const Dimension& one : dimensions) directions.push_back(one.direction);
+  return directions;
+}
+
+Eigen::VectorXd now(const Robot& robot, const std::vector<Dimension>& dimensions) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(dimensions.size()));
+  for (std::size_t k = 0; k < dimensions.size(); ++k) values(static_cast<Eigen::Index>(k)) = now(robot, dimensions[k]);
+  return values;
+}
+
+/// Newton's method on the values, each step from a fit to the robot with the last ones.
+std::optional<Misprint> best_values(const Input& given, Misprint misprint) {
   constexpr int kSteps = 4;
   constexpr double kSettled = 0.01;  // of the whole correction
-  const double start = now(given.robot, dimension);
+  const std::vector<SourceErrors> directions = directions_of(misprint.of);
+  const Eigen::VectorXd start = now(given.robot, misprint.of);
   for (int step = 0; step < kSteps; ++step) {
     Input trial = given;
-    mistake_of(given.robot, dimension, value).undo(trial);
+    mistake_of(given.robot, misprint).undo(trial);
     const auto fit = fit_robustly(trial);
     if (!fit) return std::nullopt;
-    const double more = common_part(*fit, dimension.direction).amount;
-    value += more;
-    if (std::abs(more) < kSettled * std::abs(value - start)) break;
+    const Eigen::VectorXd more = common_part(*fit, directions).amounts;
+    misprint.values += more;
+    if ((more.array().abs() < kSettled * (misprint.values - start).array().abs()).all()) break;
   }
-  return value;
+  return misprint;
 }
 
 /// Sums over pairs of rotations, predicted and read, each from their mean.
@@ -101,12 +140,12 @@ std::optional<Mistake> wrong_pinion(const Input& given) {
   double radius = given.robot.slide()->pinion_radius / *ratio;
   for (int step = 0; step < kSteps; ++step) {
     Input trial = given;
-    mistake_of(given.robot, pinion, radius).undo(trial);
+    mistake_of(given.robot, {{pinion}, Eigen::VectorXd::Constant(1, radius)}).undo(trial);
     const auto fit = fit_robustly(trial);
     if (!fit) return std::nullopt;
     radius /= *rotation_ratio(trial, errors_of(*fit));
   }
-  return mistake_of(given.robot, pinion, radius);
+  return mistake_of(given.robot, {{pinion}, Eigen::VectorXd::Constant(1, radius)});
 }
 
 constexpr double kWorthwhile = 20.0;  // of twice the objective: less than any mistake that is named
@@ -125,21 +164,21 @@ double precision(const SoughtSource& one) { return one.prior_std ? 1.0 / (*one.p
 
 }  // namespace
 
-CommonPart common_part(const TrialFit& fit, const SourceErrors& direction) {
+CommonPart common_part(const TrialFit& fit, const std::vector<SourceErrors>& directions) {
   constexpr double kUnseen = 1e-9;  // of the prior's own curvature
-  const auto count = static_cast<Eigen::Index>(fit.sought.size());
-  Eigen::VectorXd weighted(count);  // L d
-  double prior = 0.0;               // d^T L d
+  const auto count = static_cast<Eigen::Index>(fit.sought.size()), m = static_cast<Eigen::Index>(directions.size());
+  Eigen::MatrixXd along(count, m), weighted(count, m);  // D and L D
   for (Eigen::Index k = 0; k < count; ++k) {
     const SoughtSource& one = fit.sought[static_cast<std::size_t>(k)];
-    const double along = direction(one.limb, one.source);
-    weighted(k) = precision(one) * along;
-    prior += weighted(k) * along;
+    for (Eigen::Index d = 0; d < m; ++d) along(k, d) = directions[static_cast<std::size_t>(d)](one.limb, one.source);
+    weighted.row(k) = precision(one) * along.row(k);
   }
-  const double curvature = prior - weighted.dot(fit.covariance * weighted);
-  if (!(curvature > kUnseen * prior)) return {};
-  const double pull = weighted.dot(fit.errors);
-  return {pull / curvature, pull * pull / curvature};
+  const Eigen::MatrixXd prior = along.transpose() * weighted;
+  const Eigen::MatrixXd curvature = prior - weighted.transpose() * fit.covariance * weighted;
+  if (!(curvature.determinant() > kUnseen * prior.diagonal().prod())) return {Eigen::VectorXd::Zero(m)};
+  const Eigen::VectorXd pull = weighted.transpose() * fit.errors;
+  const Eigen::VectorXd amounts = curvature.ldlt().solve(pull);
+  return {amounts, pull.dot(amounts)};
 }
 
 std::vector<Mistake> wrong_parts(const TrialFit& fit) {
@@ -147,7 +186,7 @@ std::vector<Mistake> wrong_parts(const TrialFit& fit) {
   for (const SoughtSource& one : fit.sought) {
     SourceErrors alone;
     alone(one.limb, one.source) = 1.0;
-    const double gain = common_part(fit, alone).gain;
+    const double gain = common_part(fit, {alone}).gain;
     if (gain > kWorthwhile) parts.emplace_back(gain, SourceSelector{one.source, one.limb});
   }
   std::vector<Mistake> mistakes;
@@ -158,24 +197,64 @@ std::vector<Mistake> wrong_parts(const TrialFit& fit) {
   return mistakes;
 }
 
-std::vector<Mistake> wrong_nominals(const Input& given, const TrialFit& fit) {
-  std::vector<std::pair<double, Dimension>> promising;
-  for (Dimension& dimension : dimensions(given.robot)) {
-    const double gain = common_part(fit, dimension.direction).gain;
-    if (gain > kWorthwhile) promising.emplace_back(gain, std::move(dimension));
+namespace {
+
+/// Those of the sets that promise most, with the values that fit best.
+std::vector<Mistake> best_misprints(const Input& given, const TrialFit& fit, std::vector<std::vector<Dimension>> sets) {
+  std::vector<std::pair<double, Misprint>> promising;
+  for (std::vector<Dimension>& set : sets) {
+    const CommonPart part = common_part(fit, directions_of(set));
+    if (part.gain <= kWorthwhile) continue;
+    const Eigen::VectorXd values = now(given.robot, set) + part.amounts;
+    promising.emplace_back(part.gain, Misprint{std::move(set), values});
   }
   std::vector<Mistake> mistakes;
-  for (const auto& [gain, dimension] : most(std::move(promising))) {
-    const double start = now(given.robot, dimension) + common_part(fit, dimension.direction).amount;
+  for (auto& [gain, start] : most(std::move(promising))) {
     try {
-      if (const auto value = best_value(given, dimension, start)) {
-        mistakes.push_back(mistake_of(given.robot, dimension, *value));
-      }
+      if (const auto best = best_values(given, std::move(start))) mistakes.push_back(mistake_of(given.robot, *best));
     } catch (const Error&) {  // no such robot
     }
   }
+  return mistakes;
+}
+
+}  // namespace
+
+std::vector<Mistake> wrong_nominals(const Input& given, const TrialFit& fit) {
+  std::vector<std::vector<Dimension>> sets;
+  for (Dimension& one : dimensions(given.robot)) sets.push_back({std::move(one)});
+  std::vector<Mistake> mistakes = best_misprints(given, fit, std::move(sets));
   if (auto pinion = wrong_pinion(given)) mistakes.push_back(std::move(*pinion));
   return mistakes;
+}
+
+std::optional<Mistake> wrong_scale(const Input& given, const TrialFit& fit) {
+  constexpr int kSteps = 4;
+  const SourceErrors larger = larger_robot(given.robot);
+  const CommonPart part = common_part(fit, {larger});
+  if (part.gain <= kWorthwhile) return std::nullopt;
+  const auto read_in = [](double scale) {
+    return [scale](Input& input) { scale_readings(input.measurements, 1.0 / scale); };
+  };
+  double scale = 1.0 + part.amounts(0);
+  for (int step = 0; step < kSteps; ++step) {
+    Input trial = given;
+    read_in(scale)(trial);
+    const auto with_scale = fit_robustly(trial);
+    if (!with_scale) return std::nullopt;
+    scale *= 1.0 + common_part(*with_scale, {larger}).amounts(0);
+  }
+  const std::string text = fmt::format("the readings are {:.4f} times as long as they should be", scale);
+  return Mistake{MistakeKind::nominal, "scale", text, read_in(scale)};
+}
+
+std::vector<Mistake> wrong_pairs(const Input& given, const TrialFit& fit) {
+  const std::vector<Dimension> all = dimensions_of_all_limbs(given.robot);
+  std::vector<std::vector<Dimension>> pairs;
+  for (std::size_t one = 0; one < all.size(); ++one) {
+    for (std::size_t other = one + 1; other < all.size(); ++other) pairs.push_back({all[one], all[other]});
+  }
+  return best_misprints(given, fit, std::move(pairs));
 }
 
 }  // namespace paracal::detail

@@ -2,21 +2,25 @@
 
 // Private to calibration: one number of the robot file is wrong.
 
+#include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "mistakes.hpp"
 
 namespace paracal::detail {
 
-/// By how much twice the objective of a fit shrinks, to first order, where errors may have `direction` in common at no
-/// cost, and how much of it they then have. With L = diag(1 / sigma_j^2) and C the covariance after the fit,
+/// By how much twice the objective of a fit shrinks, to first order, where errors may have directions D in common at no
+/// cost, and how much of each they then have. With L = diag(1 / sigma_j^2) and C the covariance after the fit,
 ///
-///   amount = d^T L p / (d^T (L - L C L) d),     gain = amount d^T L p
+///   amounts = (D^T (L - L C L) D)^-1 D^T L p,     gain = p^T L D amounts
+///
+/// Nothing where readings do not tell the directions from each other, or one from none.
 struct CommonPart {
-  double amount = 0.0;
+  Eigen::VectorXd amounts;
   double gain = 0.0;
 };
-CommonPart common_part(const TrialFit& fit, const SourceErrors& direction);
+CommonPart common_part(const TrialFit& fit, const std::vector<SourceErrors>& directions);
 
 /// Single errors that would explain a fit, sought without their priors; best first.
 std::vector<Mistake> wrong_parts(const TrialFit& fit);
@@ -26,5 +30,13 @@ std::vector<Mistake> wrong_parts(const TrialFit& fit);
 /// The numbers of the file: base_radius_mm, plate_radius_mm, arm_mm, rod_mm, limb_azimuth_deg of one limb,
 /// pinion_radius_mm.
 std::vector<Mistake> wrong_nominals(const Input& given, const TrialFit& fit);
+
+/// The scale of the instrument, which no reading tells from a robot that is as much larger.
+/// @returns empty where errors do not speak of one.
+std::optional<Mistake> wrong_scale(const Input& given, const TrialFit& fit);
+
+/// Two of the numbers that all limbs have in common: "the readings fit a robot whose rod_mm is 800.0 and arm_mm is
+/// 330.0, the file says 780 and 320".
+std::vector<Mistake> wrong_pairs(const Input& given, const TrialFit& fit);
 
 }  // namespace paracal::detail

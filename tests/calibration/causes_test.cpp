@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <cstdio>
 
 #include "paracal/calibration/diagnosis.hpp"
 #include "paracal/calibration/identification.hpp"
@@ -48,6 +49,50 @@ TEST(Causes, ReadingsThatAreShortOneWayAreNoUsualMistake) {
   EXPECT_EQ(calibration.verdict, Verdict::rejected);
   EXPECT_THAT(calibration.reasons, ElementsAre(diagnosis->text));
   EXPECT_FALSE(calibration.use);
+}
+
+/// Two numbers of the robot file: no single one explains the readings, both do, within what tolerances leave open.
+TEST(Causes, TwoWrongNumbersOfTheFileAreNamedTogether) {
+  const Robot robot = robot_named("delta");
+  for (const int number : {1, 2, 3}) {
+    SourceErrors errors = measured_machine(robot, stations_of(robot), number, {}).errors;
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      errors(limb, Source::rod_mean) += 20.0;
+      errors(limb, Source::arm_length) -= 10.0;
+    }
+    const Measurements read = measure(robot, errors, stations_of(robot), number, {.noise = kNoise, .repeats = 2});
+    const auto diagnosis = diagnose(robot, read);
+    ASSERT_TRUE(diagnosis);
+    ASSERT_FALSE(diagnosis->causes.empty()) << diagnosis->text;
+    const std::string text = diagnosis->causes.front();
+    double rod = 0.0, arm = 0.0;
+    ASSERT_EQ(std::sscanf(text.c_str(), "the readings fit a robot whose rod_mm is %lf and arm_mm is %lf", &rod, &arm),
+              2)
+        << text;
+    EXPECT_NEAR(rod, 800.0, 1.5);
+    EXPECT_NEAR(arm, 310.0, 1.5);
+    EXPECT_THAT(text, testing::EndsWith(", the file says 780 and 320"));
+    EXPECT_LT(diagnosis->rms_explained, 1.5 * kNoise);
+    EXPECT_EQ(calibrate(robot, read).verdict, Verdict::rejected);
+  }
+}
+
+/// A scale that is off looks like a robot that is as much larger: either may be.
+TEST(Causes, AWrongScaleIsNamedBesideALargerRobot) {
+  const Robot robot = robot_named("delta");
+  for (const double scale : {1.005, 0.99}) {
+    Measurements read = points_of(robot, 1);
+    scale_points(read, scale);
+    const auto diagnosis = diagnose(robot, read);
+    ASSERT_TRUE(diagnosis);
+    ASSERT_FALSE(diagnosis->causes.empty()) << diagnosis->text;
+    double told = 0.0;
+    ASSERT_EQ(std::sscanf(diagnosis->causes.front().c_str(), "the readings are %lf times as long as", &told), 1)
+        << diagnosis->text;
+    EXPECT_NEAR(told, scale, 1e-3);
+    const bool within = scale == 1.005;  // radii that are 1 % off are beyond their tolerances
+    EXPECT_EQ(testing::Value(diagnosis->causes, Contains(HasSubstr("a robot whose rod_mm is "))), within);
+  }
 }
 
 /// Tilts of which half is written are no usual mistake: what fits worse than the input as given is not named.

@@ -314,10 +314,27 @@ TEST(CommonPart, OfOneErrorByHand) {
   fit.covariance = Eigen::MatrixXd::Constant(1, 1, 1.0);
   SourceErrors direction;
   direction(0, Source::rod_mean) = 1.0;
-  EXPECT_NEAR(detail::common_part(fit, direction).amount, 4.0, 1e-12);
-  EXPECT_NEAR(detail::common_part(fit, direction).gain, 3.0, 1e-12);
+  EXPECT_NEAR(detail::common_part(fit, {direction}).amounts(0), 4.0, 1e-12);
+  EXPECT_NEAR(detail::common_part(fit, {direction}).gain, 3.0, 1e-12);
   fit.covariance(0, 0) = 4.0;  // the readings say nothing
-  EXPECT_EQ(detail::common_part(fit, direction).gain, 0.0);
+  EXPECT_EQ(detail::common_part(fit, {direction}).gain, 0.0);
+  EXPECT_EQ(detail::common_part(fit, {direction}).amounts(0), 0.0);
+}
+
+/// Two errors that readings tell apart want what each wants by itself; the same direction twice is nothing.
+TEST(CommonPart, OfTwoErrorsByHand) {
+  detail::TrialFit fit;
+  fit.sought = {{0, Source::rod_mean, 2.0}, {1, Source::rod_mean, 1.0}};
+  fit.errors = Eigen::Vector2d(3.0, -1.0);
+  fit.covariance = Eigen::Vector2d(1.0, 0.5).asDiagonal();
+  SourceErrors one, other;
+  one(0, Source::rod_mean) = 1.0;
+  other(1, Source::rod_mean) = 1.0;
+  const detail::CommonPart part = detail::common_part(fit, {one, other});
+  EXPECT_NEAR(part.amounts(0), 4.0, 1e-12);
+  EXPECT_NEAR(part.amounts(1), -2.0, 1e-12);
+  EXPECT_NEAR(part.gain, 5.0, 1e-12);
+  EXPECT_EQ(detail::common_part(fit, {one, one}).gain, 0.0);
 }
 
 }  // namespace
