@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "mistakes.hpp"
+#include "moved_set_up.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "wrong_nominal.hpp"
@@ -219,10 +220,11 @@ std::vector<const Mistake*> pointers_to(const std::vector<Mistake>& mistakes) {
   return all;
 }
 
-/// What concerns several numbers at once.
-std::vector<Mistake> wrong_together(const Input& given, const TrialFit& as_given) {
-  std::vector<Mistake> all = detail::wrong_pairs(given, as_given);
-  if (auto scale = detail::wrong_scale(given, as_given)) all.insert(all.begin(), std::move(*scale));
+/// What is sought only where nothing else explains the readings.
+std::vector<Mistake> last_resorts(const Input& given, const TrialFit& as_given) {
+  std::vector<Mistake> all = detail::moved_set_ups(given);
+  if (auto scale = detail::wrong_scale(given, as_given)) all.push_back(std::move(*scale));
+  std::ranges::move(detail::wrong_pairs(given, as_given), std::back_inserter(all));
   return all;
 }
 
@@ -241,9 +243,9 @@ std::optional<Diagnosis> diagnose(const Robot& robot, const Measurements& measur
   const double enough = objective_without_mistake(given, as_given) - kFarMoreProbable;
   if (found.name_a_cause(enough)) return diagnosis_of(found.best, as_given);
   if (!as_given) return std::nullopt;
-  const std::vector<Mistake> several = wrong_together(given, *as_given);
-  const Findings together = findings_of(given, pointers_to(several), as_given);
-  if (together.name_a_cause(enough)) return diagnosis_of(together.best, as_given);
+  const std::vector<Mistake> others = last_resorts(given, *as_given);
+  const Findings last = findings_of(given, pointers_to(others), as_given);
+  if (last.name_a_cause(enough)) return diagnosis_of(last.best, as_given);
   if (!found.cast_doubt(enough)) return std::nullopt;
   return without_cause(*found.nearest, *as_given);
 }

@@ -101,14 +101,14 @@ TEST(TiltMistakes, AFrameOfTheCommandsTurnsThemToo) {
   }
 }
 
-/// Named in 95 % of machines and more; none is accepted.
+/// Named, whichever the machine; the calibration is rejected.
 TEST(TiltMistakes, AreNamed) {
   const Robot robot = robot_named("hexapod");
-  const int count = machines(10);
+  constexpr int kCount = 3;
   for (const Case& one : cases()) {
     int named = 0;
     std::string other;
-    for (int number = 0; number < count; ++number) {
+    for (int number = 0; number < kCount; ++number) {
       Measurements read = body_poses(robot, candidate_stations(robot, 24, 3), number);
       spoil(read, one);
       const auto diagnosis = diagnose(robot, read);
@@ -116,7 +116,7 @@ TEST(TiltMistakes, AreNamed) {
       named += right ? 1 : 0;
       if (!right) other = diagnosis ? diagnosis->text : "nothing";
     }
-    EXPECT_GE(named, 0.95 * count) << one.cause << ", last: " << other;
+    EXPECT_EQ(named, kCount) << one.cause << ", last: " << other;
     Measurements read = body_poses(robot, candidate_stations(robot, 24, 3), 1);
     spoil(read, one);
     EXPECT_FALSE(calibrate(robot, read).accepted()) << one.cause;

@@ -22,7 +22,8 @@ struct Diagnosis {
 };
 
 /// Tries the usual mistakes (units, mirrored or swapped axes, order of limbs, another robot, rows that slipped, signs
-/// of phi and of tilts, mounts, one or two wrong nominal dimensions) and names the one that explains the readings.
+/// of phi and of tilts, mounts, one or two wrong nominal dimensions, set-ups that moved) and names the one that
+/// explains the readings.
 ///
 /// Each is undone and the readings fitted anew: maximum a posteriori for Student's t instead of normal noise, whose
 /// scale is found as well, so that gross errors neither decide nor escape. Compared are the logarithms of the evidence,
