@@ -46,6 +46,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"distance_bias_sigma_mm", options.noise.distance_bias},
             {"dial_angle_sigma_deg", optional_degrees(options.noise.dial_angle)},
             {"plane_slope_sigma_rad", optional(options.plane_slope)},
+            {"plane_curvature_sigma_per_mm", optional(options.plane_curvature)},
             {"common", common_json(options.common)},
             {"noise_is_known", options.noise_is_known},
             {"fixed", selectors_json(options.fixed, actuator)},

@@ -44,6 +44,7 @@ Json candidate_json(const PrinterCandidate& one) {
   return {{"geometry", geometry_json(one.geometry)},
           {"gain", {{"value", one.gain.value}, {"low", one.gain.low}, {"high", one.gain.high}}},
           {"chance_better", one.chance_better},
+          {"chance_above_bed", one.chance_above_bed},
           {"expected_shape_mm", one.expected_shape}};
 }
 
@@ -53,6 +54,11 @@ Json size_json(const PrintSize& size) {
           {"bias_mm", size.bias},
           {"bias_std_mm", size.bias_std},
           {"open_share", size.open}};
+}
+
+Json bed_json(const BedFlatness& bed) {
+  return {{"is_bowed", bed.is_bowed},    {"is_told", bed.is_told},  {"edge_mm", bed.edge},
+          {"edge_std_mm", bed.edge_std}, {"radius_mm", bed.radius}, {"or_bias_mm", bed.or_bias}};
 }
 
 }  // namespace
@@ -74,6 +80,7 @@ Json to_json(const PrinterCalibration& found) {
           {"judged_firmware", candidate_json(found.by_firmware)},
           {"expected_shape_saved_mm", found.expected_shape},
           {"size", size_json(found.size)},
+          {"bed", bed_json(found.bed)},
           {"uncheckable", found.uncheckable}};
 }
 

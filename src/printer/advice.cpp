@@ -24,12 +24,14 @@ bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibrati
 }
 
 /// Better than the saved values by more than chance: by what the calibration knows and by the readings that were held
-/// out; either may be certain alone if the other does not contradict.
+/// out; either may be certain alone if the other does not contradict. Heights that were held out say nothing of the
+/// size of prints, and those of a bowed bed the wrong thing: what is known has to be certain of that by itself.
 bool better(const PrinterCandidate& values, const PrinterCalibration& found) {
   constexpr double kLikely = 0.8;
   if (!found.tested() || values.some_kind_worse || !is_enough_of_heights(values, found)) return false;
-  return (values.chance_better >= kCertain && values.gain.value > 0.0) ||
-         (values.chance_better >= kLikely && values.gain.low > 0.0);
+  const double likely = found.measurements.distances.empty() || found.bed.is_bowed ? kCertain : kLikely;
+  return (values.least_chance() >= kCertain && values.gain.value > 0.0) ||
+         (values.least_chance() >= likely && values.gain.low > 0.0);
 }
 
 /// On no kind of readings more than a twentieth worse.
@@ -42,7 +44,7 @@ bool as_good_as_firmware(const PrinterCalibration& found) {
 /// Seven heights cannot test a fit of six numbers: there the whole calibration, which its priors hold, must predict
 /// what it has not seen better than the saved values do.
 bool better_of_few(const PrinterCalibration& found) {
-  return found.tested() && found.by_firmware.chance_better >= kCertain && found.written.gain.low > 0.0;
+  return found.tested() && found.by_firmware.least_chance() >= kCertain && found.written.gain.low > 0.0;
 }
 
 PrinterAdvice advice_of(bool few, const PrinterCalibration& found) {
@@ -64,9 +66,10 @@ std::string gain_in_words(const char* values, const PrinterCandidate& one) {
   return fmt::format(
       "{}: the mean square of these errors against that of the saved values: {:+.0f} % (90 % interval {:+.0f} to "
       "{:+.0f} "
-      "%); by all that the calibration knows, better over the place of the readings with a chance of {:.1f} %",
+      "%); by all that is known, better over the place of the readings, above a plane and above the bed, with a chance "
+      "of {:.1f} %",
       values, -1e2 * one.gain.value, -1e2 * one.gain.high, -1e2 * one.gain.low,
-      1e2 * std::min(one.chance_better, 0.999));
+      1e2 * std::min(one.least_chance(), 0.999));
 }
 
 class Findings {
@@ -97,8 +100,20 @@ class Findings {
               "turned about z"
             : "heights alone show how flat the nozzle goes where they were taken, and hardly the size of prints: for "
               "that measure printed distances; nor do they show the centre or the turn about z");
+    if (found_.bed.is_bowed) bowed();
     if (has_distances()) size();
     if (!found_.uncheckable.empty()) unnoticed();
+  }
+
+  void bowed() {
+    const BedFlatness& bed = found_.bed;
+    const std::string edge = fmt::format("the bed's edge lies {:+.2f} mm (U = {:.2f} mm, k = 2) above its centre",
+                                         bed.edge, 2.0 * bed.edge_std);
+    say(bed.is_told
+            ? fmt::format("the bed is no plane: {}; that is taken off the heights", edge)
+            : fmt::format("heights and distances contradict each other: {}, or the bed is flat and all distances were "
+                          "read {:+.2f} mm too long; these readings cannot tell which",
+                          edge, bed.or_bias));
   }
 
   void size() {
@@ -111,7 +126,10 @@ class Findings {
       return;
     }
     say(fmt::format("{}; for that the size of prints may be off by {:.2f} %{}",
-                    size.bias_can_be_told
+                    found_.bed.is_bowed && !found_.bed.is_told
+                        ? fmt::format("what walls or calliper add to all distances is not known (U = {:.3f} mm, k = 2)",
+                                      2.0 * size.bias_std)
+                    : size.bias_can_be_told
                         ? fmt::format("the distances show no common error of walls or calliper (U = {:.3f} mm, k = 2)",
                                       2.0 * size.bias_std)
                         : "all distances are about alike: whether walls or calliper make them 0.2 mm too long or the "
@@ -171,6 +189,7 @@ class Findings {
                          std::max<std::size_t>(detail::kFewestHeights - readings_.heights.size(), 6));
     }
     if (!has_distances()) return "print the object and measure distances of two lengths";
+    if (found_.bed.is_bowed) return "lay a straight edge across the bed: it shows whether its edge is as high as said";
     if (!found_.size.bias_can_be_told) return "print the object at two sizes and measure its distances";
     return "repeat the distances, or measure more heights";
   }

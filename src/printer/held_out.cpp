@@ -113,7 +113,7 @@ bool HeldOut::some_kind_worse(double HeldOutReading::*by) const {
 }
 
 std::optional<HeldOut> hold_out(const DeltaGeometry& start, const DeltaReadings& readings, bool seeks_bias,
-                                bool saved_is_fit) {
+                                double bow_radius, bool saved_is_fit) {
   HeldOut result;
   const std::vector<Group> groups = groups_of(start, readings);
   result.groups = groups.size();
@@ -122,7 +122,7 @@ std::optional<HeldOut> hold_out(const DeltaGeometry& start, const DeltaReadings&
   for (const Group& group : groups) {
     const DeltaReadings rest = without(readings, group);
     if (rest.heights.empty() || std::ssize(rest.heights) + std::ssize(rest.distances) < parameters) return std::nullopt;
-    const auto fit = detail::fit_printer(start, rest, {.seeks_bias = seeks_bias});
+    const auto fit = detail::fit_printer(start, rest, {.seeks_bias = seeks_bias, .bow_radius = bow_radius});
     if (!fit) return std::nullopt;
     const DeltaProjection written = fit->written();
     const double bias = fit->calibration.distance_bias.value_or(0.0);

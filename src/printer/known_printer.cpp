@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/base_motion.hpp"
@@ -25,6 +26,23 @@ SourceErrors moved_along(const Robot& robot, const MotionOnBed& motion) {
   SourceErrors errors = turned_base(robot, {0.0, 0.0, motion.turn});
   for (std::size_t i = 0; i < 3; ++i) shift_limb(robot, i, {motion.x, motion.y, 0.0}, errors);
   return errors;
+}
+
+/// (height, slope_x, slope_y, edge) by (z, slope_x, slope_y, curvature).
+Eigen::Matrix4d by_curvature(double bow_radius) {
+  const double square = bow_radius * bow_radius;
+  Eigen::Matrix4d by = Eigen::Matrix4d::Identity();
+  by(0, 3) = 0.5 * square;
+  by(3, 3) = square;
+  return by;
+}
+
+/// Plane and bow of a calibration.
+Eigen::Vector4d bed_of(const Calibration& calibration, double bow_radius) {
+  Eigen::Vector4d bed = Eigen::Vector4d::Zero();
+  const Eigen::VectorXd& unknowns = calibration.set_ups.front().unknowns;
+  bed.head(unknowns.size()) = unknowns;
+  return by_curvature(bow_radius) * bed;
 }
 
 /// d errors / d (height and slopes of the bed, errors).
@@ -48,19 +66,39 @@ Eigen::MatrixXd by_plane_and_errors(const KnownPrinter& known) {
 
 }  // namespace
 
-FoundPlane found_bed(const Calibration& calibration) {
-  const Eigen::VectorXd& plane = calibration.set_ups.front().unknowns;
-  return {plane(0), plane(1), plane(2)};
+double BedBow::share_at(const Eigen::Vector3d& p) const {
+  return is_sought() ? p.head<2>().squaredNorm() / (radius * radius) - 0.5 : 0.0;
 }
 
-KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration) {
-  KnownPrinter known{printer, calibration.errors(), found_bed(calibration)};
+FoundPlane found_bed(const Calibration& calibration, double bow_radius) {
+  const Eigen::Vector4d bed = bed_of(calibration, bow_radius);
+  return {bed(0), bed(1), bed(2)};
+}
+
+KnownPrinter known_printer(const PrinterMachine& printer, const Calibration& calibration, double bow_radius) {
+  KnownPrinter known{printer, calibration.errors(), found_bed(calibration, bow_radius)};
+  known.bow = {bed_of(calibration, bow_radius)(3), bow_radius};
   for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
   const Eigen::Index n = std::ssize(known.parameters);
   const Eigen::MatrixXd& bed = calibration.set_ups.front().covariance;
   if (bed.size() == 0) return known;
-  known.covariance.resize(3 + n, 3 + n);
+  const Eigen::Index b = known.of_bed();
+  known.covariance.resize(b + n, b + n);
   known.covariance << bed, bed.rightCols(n).transpose(), known_errors(calibration).expanded_covariance();
+  if (!known.bow.is_sought()) return known;
+  const Eigen::Matrix4d by = by_curvature(bow_radius);
+  known.covariance.topRows<4>() = (by * known.covariance.topRows<4>()).eval();
+  known.covariance.leftCols<4>() = (known.covariance.leftCols<4>() * by.transpose()).eval();
+  return known;
+}
+
+KnownPrinter above_plane(KnownPrinter known) {
+  if (known.bow.is_sought() && known.covariance.size() > 0) {
+    std::vector<Eigen::Index> kept{0, 1, 2};
+    for (Eigen::Index k = 4; k < known.covariance.rows(); ++k) kept.push_back(k);
+    known.covariance = Eigen::MatrixXd(known.covariance(kept, kept));
+  }
+  known.bow = {};
   return known;
 }
 

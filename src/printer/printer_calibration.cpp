@@ -46,11 +46,11 @@ double open_size(const DeltaReadings& readings, double bias_std) {
   return sum > 0.0 ? 2.0 * bias_std * static_cast<double>(readings.distances.size()) / sum : 0.0;
 }
 
-PrintSize size_of(const detail::BiasTrial& trial, const DeltaReadings& readings) {
-  const double std = trial.can_be_told ? trial.std : kDistanceBias;
-  return {.bias_can_be_told = trial.can_be_told,
-          .bias_is_there = trial.is_there,
-          .bias = trial.is_there ? trial.value : 0.0,
+PrintSize size_of(const detail::ReadingTrial& trial, const DeltaReadings& readings) {
+  const double std = trial.bias_can_be_told ? trial.bias_std : kDistanceBias;
+  return {.bias_can_be_told = trial.bias_can_be_told,
+          .bias_is_there = trial.bias_is_there,
+          .bias = trial.bias_is_there ? trial.bias : 0.0,
           .bias_std = std,
           .open = open_size(readings, std)};
 }
@@ -62,6 +62,7 @@ PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& s
                        .gain = {},
                        .some_kind_worse = false,
                        .chance_better = chance_better(known, geometry, saved),
+                       .chance_above_bed = chance_better(known, geometry, saved, CountedFrom::bed),
                        .expected_shape = expected_shape(known, geometry)};
   if (!held_out) return one;
   one.held_out = held_out->errors(by);
@@ -71,13 +72,14 @@ PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& s
 }
 
 /// Readings that nobody would notice to be wrong: put off by so much, either way, they are not left out as gross.
-std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings, bool seeks_bias) {
+std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                   const detail::PrinterFitOptions& options) {
   constexpr double kHeight = 1.0, kDistance = 0.5;  // mm
   constexpr std::size_t kMost = 100;                // of more readings each is checked by many
   std::vector<std::string> names;
   if (readings.heights.size() + readings.distances.size() > kMost) return names;
   const auto is_noticed = [&](const DeltaReadings& wrong, const auto& is_excluded) {
-    const auto fit = detail::fit_printer(saved, wrong, {.seeks_bias = seeks_bias});
+    const auto fit = detail::fit_printer(saved, wrong, options);
     return fit && is_excluded(fit->calibration);
   };
   const auto try_both = [&](const auto& off_by, const auto& is_excluded, std::string name) {
@@ -135,17 +137,23 @@ const DeltaGeometry& PrinterCalibration::advised() const {
 PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
                                      const PrinterCalibrationOptions& options) {
   const double radius = options.print_radius > 0.0 ? options.print_radius : covered_radius(saved, readings);
-  const detail::BiasTrial trial = detail::try_bias(saved, readings);
-  auto fit =
-      detail::fit_printer(saved, readings, {.seeks_bias = trial.is_there, .print_radius = radius, .states_use = true});
+  const detail::ReadingTrial trial = detail::try_readings(saved, readings, radius);
+  const detail::PrinterFitOptions sought{.seeks_bias = trial.bias_is_there, .bow_radius = trial.bow_radius()};
+  detail::PrinterFitOptions stated = sought;
+  stated.print_radius = radius;
+  stated.states_use = true;
+  auto fit = detail::fit_printer(saved, readings, stated);
   if (!fit) refuse(saved, readings);
   const DeltaReadings good = without_gross(readings, fit->calibration);
   const DeltaFit checked = fit_as_firmware(saved, good);
   const PrintSize size = size_of(trial, good);
-  const KnownPrinter known = detail::known_printer(*fit, readings, size.bias_std);
+  KnownPrinter known = above_plane(known_printer(fit->printer, fit->calibration, fit->bow_radius));
+  const KnownPrinter judge = trial.known.value_or(known);
+  // What is not known of bow and bias counts in U, whichever of them the fit sought.
+  if (judge.parameters.size() == known.parameters.size()) known.covariance = above_plane(judge).covariance;
   const DeltaFit judged = judge_as_firmware(saved, good);
   const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
-  const auto held_out = hold_out(saved, good, trial.is_there, saved_is_fit);
+  const auto held_out = hold_out(saved, good, sought.seeks_bias, sought.bow_radius, saved_is_fit);
   const DeltaProjection projection = fit->written();
   PrinterCalibration result{
       .saved = judge_as_firmware(saved, readings),
@@ -154,15 +162,16 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .calibration = above_bed(std::move(fit->calibration), known, unseen_motion(known, saved)),
       .known = known,
       .projection = projection,
-      .written = candidate(projection.geometry, saved, known, held_out, &HeldOutReading::written),
-      .by_firmware = candidate(checked.geometry, saved, known, held_out, &HeldOutReading::firmware),
+      .written = candidate(projection.geometry, saved, judge, held_out, &HeldOutReading::written),
+      .by_firmware = candidate(checked.geometry, saved, judge, held_out, &HeldOutReading::firmware),
       .held_out = held_out ? held_out->errors(&HeldOutReading::saved) : PredictionErrors{},
       .groups = held_out ? held_out->groups : 0,
-      .expected_shape = expected_shape(known, saved),
+      .expected_shape = expected_shape(judge, saved),
       .saved_is_fit = saved_is_fit,
       .accuracy_before = accuracy_of(known, saved),
       .size = size,
-      .uncheckable = options.tries_gross ? unnoticed(saved, readings, trial.is_there) : std::vector<std::string>{},
+      .bed = trial.bed,
+      .uncheckable = options.tries_gross ? unnoticed(saved, readings, sought) : std::vector<std::string>{},
       .findings = {}};
   const std::vector<std::string> wrong = all_implausible(saved, good, checked);
   detail::advise(readings, wrong, result);

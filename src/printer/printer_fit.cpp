@@ -8,7 +8,7 @@
 namespace paracal::detail {
 
 DeltaProjection PrinterFit::written() const {
-  const KnownPrinter known{printer, calibration.errors(), found_bed(calibration)};
+  const KnownPrinter known{printer, calibration.errors(), found_bed(calibration, bow_radius)};
   const bool told_rods = !measurements.distances.empty();
   return project(known, nominal, told_rods ? ControllerRods::each : ControllerRods::kept);
 }
@@ -23,44 +23,58 @@ std::optional<PrinterFit> fit_printer(const DeltaGeometry& start, const DeltaRea
   Measurements measurements = printer_measurements(printer, nominal, readings);
   CalibrationOptions how = printer_options(printer, readings, options.seeks_bias);
   how.states_use = options.states_use;
+  if (options.bow_radius > 0.0) how.plane_curvature = kBedBow / (options.bow_radius * options.bow_radius);
   Calibration calibration = calibrate(printer.robot, measurements, how);
   if (calibration.set_ups.empty()) return std::nullopt;
-  return PrinterFit{firmware, nominal, std::move(printer), std::move(measurements), std::move(calibration)};
+  return PrinterFit{firmware,          nominal, std::move(printer), std::move(measurements), std::move(calibration),
+                    options.bow_radius};
 }
 
-BiasTrial try_bias(const DeltaGeometry& start, const DeltaReadings& readings) {
-  constexpr double kCertain = 2.5;
-  if (readings.distances.empty()) return {};
-  const auto fit = fit_printer(start, readings, {.seeks_bias = true});
-  if (!fit || !fit->calibration.distance_bias || !fit->calibration.distance_bias_std) return {};
-  BiasTrial trial{.value = *fit->calibration.distance_bias, .std = *fit->calibration.distance_bias_std};
-  trial.can_be_told = trial.std < 0.5 * kDistanceBias;
-  trial.is_there = trial.can_be_told && std::abs(trial.value) > kCertain * trial.std;
-  return trial;
+namespace {
+
+constexpr double kCertain = 2.5;  // standard deviations
+
+/// Of a number that a fit sought: as far from zero as chance takes it once in 80 times.
+bool is_there(double value, double std) { return std > 0.0 && std::abs(value) > kCertain * std; }
+
+double edge_std(const KnownPrinter& known) {
+  return known.covariance.size() > 0 ? std::sqrt(known.covariance(3, 3)) : kBedBow;
 }
 
-KnownPrinter known_printer(const PrinterFit& fit, const DeltaReadings& readings, double bias_std) {
-  KnownPrinter known = known_printer(fit.printer, fit.calibration);
-  const bool sought = fit.calibration.options.noise.distance_bias > 0.0;
-  if (readings.distances.empty() || sought || known.covariance.size() == 0) return known;
-  // What one standard deviation of the bias does to the answer: the same fit of shorter distances.
-  DeltaReadings shorter = readings;
-  for (PrintedDistance& one : shorter.distances) one.distance -= bias_std;
-  CalibrationOptions options = fit.calibration.options;
-  options.states_use = false;
-  const Calibration moved =
-      calibrate(fit.printer.robot, printer_measurements(fit.printer, fit.nominal, shorter), options);
-  if (moved.set_ups.empty()) return known;
-  const KnownPrinter other = known_printer(fit.printer, moved);
-  Eigen::VectorXd change(known.covariance.rows());
-  change.head<3>() << other.bed.height - known.bed.height, other.bed.slope_x - known.bed.slope_x,
-      other.bed.slope_y - known.bed.slope_y;
-  for (std::size_t k = 0; k < known.parameters.size(); ++k) {
-    const SoughtSource& one = known.parameters[k];
-    change(3 + static_cast<Eigen::Index>(k)) = other.errors(one.limb, one.source) - known.errors(one.limb, one.source);
+/// The bed by a fit that seeks its bow, and no bias but one that is there. What a flat bed would have the distances
+/// read wrong by, where the bow is not told from that.
+BedFlatness bed_of(const DeltaGeometry& start, const DeltaReadings& readings, const ReadingTrial& trial) {
+  BedFlatness bed = trial.bed;
+  const auto fit = fit_printer(start, readings, {.seeks_bias = trial.bias_is_there, .bow_radius = bed.radius});
+  if (!fit) return bed;
+  const KnownPrinter known = known_printer(fit->printer, fit->calibration, bed.radius);
+  bed.edge = known.bow.edge;
+  bed.edge_std = edge_std(known);
+  bed.is_bowed = is_there(bed.edge, bed.edge_std);
+  if (!bed.is_bowed || bed.is_told || readings.distances.empty()) return bed;
+  const auto flat = fit_printer(start, readings, {.seeks_bias = true});
+  if (flat) bed.or_bias = flat->calibration.distance_bias.value_or(0.0);
+  return bed;
+}
+
+}  // namespace
+
+ReadingTrial try_readings(const DeltaGeometry& start, const DeltaReadings& readings, double radius) {
+  ReadingTrial trial{.bed = {.radius = radius}};
+  const auto both = fit_printer(
+      start, readings, {.seeks_bias = !readings.distances.empty(), .bow_radius = radius, .print_radius = radius});
+  if (!both) return trial;
+  trial.known = known_printer(both->printer, both->calibration, radius);
+  const Calibration& found = both->calibration;
+  if (found.distance_bias && found.distance_bias_std) {
+    trial.bias = *found.distance_bias;
+    trial.bias_std = *found.distance_bias_std;
+    trial.bias_can_be_told = trial.bias_std < 0.5 * kDistanceBias;
+    trial.bias_is_there = trial.bias_can_be_told && is_there(trial.bias, trial.bias_std);
   }
-  known.covariance += change * change.transpose();
-  return known;
+  trial.bed.is_told = is_there(trial.known->bow.edge, edge_std(*trial.known));
+  trial.bed = bed_of(start, readings, trial);
+  return trial;
 }
 
 }  // namespace paracal::detail

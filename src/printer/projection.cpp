@@ -70,7 +70,7 @@ std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geo
 /// Places with both beliefs, stacked x, y, z.
 struct Grid {
   Eigen::VectorXd machine, geometry, than;
-  Eigen::MatrixXd by_errors;  ///< d machine / d (height and slopes of the bed, parameters)
+  Eigen::MatrixXd by_errors;  ///< d machine / d (bed, parameters), as in KnownPrinter::covariance
   Eigen::MatrixXd motions;    ///< shifts along x and y, turn about z
 
   /// Without what such a motion explains.
@@ -79,19 +79,22 @@ struct Grid {
   }
 };
 
-/// d above() / d (bed, parameters).
-Eigen::MatrixXd by_errors(const FoundPlane& bed, const Eigen::Vector3d& p, const Eigen::MatrixXd& by_parameters) {
+/// d above() / d (height and slopes, its bow where that is sought, parameters): of the plane, which no bow moves.
+Eigen::MatrixXd by_errors(const KnownPrinter& known, const Eigen::Vector3d& p, const Eigen::MatrixXd& by_parameters) {
+  const FoundPlane& bed = known.bed;
   const double height = p.z() - bed.height - bed.slope_x * p.x() - bed.slope_y * p.y();
-  Eigen::MatrixXd by(3, 3 + by_parameters.cols());
-  by.row(2) << -1.0, -p.x(), -p.y(), Eigen::RowVector3d(-bed.slope_x, -bed.slope_y, 1.0) * by_parameters.topRows(3);
-  by.row(0) << 0.0, height, 0.0, by_parameters.row(0);
-  by.row(1) << 0.0, 0.0, height, by_parameters.row(1);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(3, known.of_bed() + by_parameters.cols());
+  by.rightCols(by_parameters.cols()) = by_parameters.topRows(3);
+  by.row(2).rightCols(by_parameters.cols()) -= Eigen::RowVector2d(bed.slope_x, bed.slope_y) * by_parameters.topRows(2);
+  by.row(2).head<3>() << -1.0, -p.x(), -p.y();
+  by(0, 1) = by(1, 2) = height;
   by.row(0) += bed.slope_x * by.row(2);
   by.row(1) += bed.slope_y * by.row(2);
   return by;
 }
 
-Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than) {
+Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than,
+             CountedFrom from = CountedFrom::plane) {
   const Machine machine = build(known.printer.robot, known.errors);
   const Eigen::Index n = std::ssize(known.parameters);
   const std::vector<Place> places = places_of(known, than);
@@ -100,7 +103,7 @@ Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const Del
   grid.machine.resize(rows);
   grid.geometry.resize(rows);
   grid.than.resize(rows);
-  grid.by_errors.resize(rows, 3 + n);
+  grid.by_errors.resize(rows, known.of_bed() + n);
   grid.motions.resize(rows, 3);
   Eigen::Index at = 0;
   for (const Place& place : places) {
@@ -112,7 +115,12 @@ Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const Del
     grid.machine(here) = place.above_bed;
     grid.geometry(here) = *one;
     grid.than(here) = *other;
-    grid.by_errors.middleRows<3>(at) = by_errors(known.bed, forward(machine, joints).plate.position, jacobian);
+    const Eigen::Vector3d p = forward(machine, joints).plate.position;
+    grid.by_errors.middleRows<3>(at) = by_errors(known, p, jacobian);
+    if (from == CountedFrom::bed && known.bow.is_sought()) {
+      grid.machine(at + 2) -= known.bow.edge * known.bow.share_at(p);
+      grid.by_errors(at + 2, 3) = -known.bow.share_at(p);
+    }
     grid.motions.middleRows<3>(at) << 1.0, 0.0, -other->y(), 0.0, 1.0, other->x(), 0.0, 0.0, 0.0;
     at += 3;
   }
@@ -169,8 +177,9 @@ MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geomet
   return {motion.x(), motion.y(), motion.z()};
 }
 
-double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than) {
-  const Grid grid = grid_of(known, geometry, than);
+double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than,
+                     CountedFrom above) {
+  const Grid grid = grid_of(known, geometry, than, above);
   const Eigen::VectorXd change = grid.without_motion(grid.geometry - grid.than);
   constexpr double kNothing = 1e-4;  // mm, root mean square: no fit settles closer
   if (change.norm() < kNothing * std::sqrt(static_cast<double>(std::max<Eigen::Index>(change.size(), 3)) / 3.0))

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "calibration/observation.hpp"
 #include "calibration/sought.hpp"
@@ -35,7 +36,8 @@ class HeightsLaw : public test::EveryRobot {
     measurements.lengths.push_back({"bed"});
     for (std::size_t k = 0; k < places.size(); ++k) {
       const Eigen::Vector3d& p = places[k];
-      const double plane = robot.workspace().top_z + kPlane + kSlopeX * p.x() + kSlopeY * p.y();
+      const double plane =
+          robot.workspace().top_z + kPlane + kSlopeX * p.x() + kSlopeY * p.y() + curvature * p.head<2>().squaredNorm();
       measurements.lengths[0].readings.push_back({.station = k, .length = p.z() - plane + random.normal(noise)});
     }
     for (std::size_t from = 0; from < places.size(); ++from) {
@@ -47,13 +49,15 @@ class HeightsLaw : public test::EveryRobot {
     return measurements;
   }
 
+  double curvature = 0.0;  ///< of what the heights are read above, 1/mm
   test::Random random;
 };
 PARACAL_ON_EVERY_ROBOT(HeightsLaw);
 
-/// Rows of every reading against differences, nuisance included.
+/// Rows of every reading against differences, nuisance included: the curvature's over 1e4 mm^2, as large as the others.
 TEST_P(HeightsLaw, RowsAreDerivatives) {
   CalibrationOptions options;
+  options.plane_curvature = 1e-5;
   options.noise.distance_bias = 0.1;
   const SourceErrors errors = random.realistic_errors(robot);
   const Measurements measurements = measured(errors, 0.01);
@@ -61,7 +65,8 @@ TEST_P(HeightsLaw, RowsAreDerivatives) {
   const auto start = observation.start(errors);
   ASSERT_TRUE(start);
   Eigen::VectorXd at = *start;
-  at.head(observation.nuisance_count()) += Eigen::Vector4d(0.3, 1e-3, -2e-3, 0.05);
+  constexpr Eigen::Index kCurvature = 3;
+  at.head(observation.nuisance_count()) += Eigen::Vector<double, 5>(0.3, 1e-3, -2e-3, 2e-5, 0.05);
   const auto residuals = [&](const Eigen::VectorXd& unknowns) {
     const auto stations = observation.stations(unknowns);
     Eigen::VectorXd all(static_cast<Eigen::Index>(observation.groups().size()));
@@ -79,7 +84,9 @@ TEST_P(HeightsLaw, RowsAreDerivatives) {
     ours.row(static_cast<Eigen::Index>(g)) = block.row(0).head(observation.unknown_count());
   }
   const Eigen::VectorXd step = Eigen::VectorXd::Constant(observation.unknown_count(), 1e-4);
-  const Eigen::MatrixXd differences = test::central_differences(residuals, at, step);
+  Eigen::MatrixXd differences = test::central_differences(residuals, at, step);
+  ours.col(kCurvature) *= 1e-4;
+  differences.col(kCurvature) *= 1e-4;
   EXPECT_LT((ours - differences).norm() / ours.norm(), robot.limb_count() == 3 ? 1e-6 : 1e-3);
 }
 
@@ -98,6 +105,22 @@ TEST_P(HeightsLaw, FindPlaneBiasAndMachine) {
   EXPECT_LT(
       test::held_out_errors(robot, errors, calibration.errors(), validation_stations(robot)).max_volumetric_aligned,
       0.1);
+}
+
+/// As far as the machine's own errors leave it.
+TEST_P(HeightsLaw, FindCurvature) {
+  curvature = 1e-4;
+  CalibrationOptions options;
+  options.stage = Stage::fine;
+  options.noise = {.distance = 0.01, .height = 0.01, .distance_bias = 1.0};
+  options.noise_is_known = true;
+  options.plane_curvature = 1e-4;
+  const Calibration calibration = calibrate(robot, measured(random.realistic_errors(robot), 1e-4), options);
+  ASSERT_NE(calibration.verdict, Verdict::not_converged) << calibration.brief();
+  const FoundSetUp& bed = calibration.set_ups.front();
+  ASSERT_EQ(bed.unknowns.size(), 4);
+  EXPECT_LT(std::sqrt(bed.covariance(3, 3)), 0.5e-4);
+  EXPECT_NEAR(bed.unknowns(3), curvature, 4.0 * std::sqrt(bed.covariance(3, 3)));
 }
 
 /// Rods of one wrong length: the shared prior lets them all move, the tight tolerance of each keeps them alike.

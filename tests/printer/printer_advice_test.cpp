@@ -10,6 +10,7 @@
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
 #include "printer/virtual_printer.hpp"
+#include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
 namespace paracal {
@@ -107,14 +108,44 @@ TEST(PrinterAdvice, TakesABiasOffWhereTwoLengthsTellIt) {
   EXPECT_THAT(found.findings, Contains(HasSubstr("measure distances of two lengths")));
 }
 
+/// Beds that are hollow or domed look like another delta radius, and the distances that contradict it like a bias. What
+/// is advised is better above the plane and above the bed, and no bias is claimed.
+TEST(PrinterAdvice, TakesABowedBedForNoBias) {
+  PrinterWorld world{.heights = 13, .distances = 24, .two_lengths = true};
+  int bowed = 0;
+  for (const double bow : {0.3, -0.2}) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      world.bow = bow;
+      world.saved_is_fit = seed % 2 == 0;
+      world.calibrated_before = !world.saved_is_fit;
+      const VirtualPrinter printer = virtual_printer(world, seed);
+      const PrinterCalibration found = judged(printer);
+      EXPECT_FALSE(found.size.bias_is_there) << bow << " mm, printer " << seed;
+      if (is_advised(found)) {
+        EXPECT_TRUE(printer.is_better(found.advised(), printer.saved, CountedFrom::plane)) << bow << ' ' << seed;
+        EXPECT_TRUE(printer.is_better(found.advised(), printer.saved, CountedFrom::bed)) << bow << ' ' << seed;
+      }
+      bowed += found.bed.is_bowed;
+      if (!found.bed.is_bowed) continue;
+      EXPECT_NEAR(found.bed.edge, bow, 4.0 * found.bed.edge_std);
+      EXPECT_THAT(found.findings, Contains(HasSubstr(found.bed.is_told ? "the bed is no plane: the bed's edge lies"
+                                                                       : "or the bed is flat and all distances")));
+    }
+  }
+  EXPECT_GE(bowed, 4);
+}
+
 /// By Phi(D / std D) printers are better as often as they are said to be: of 50 with a chance between, the sum of
 /// chances is within 3 standard deviations of what came.
 TEST(PrinterAdvice, ChanceOfBeingBetterIsOne) {
   double sum = 0.0, variance = 0.0, square = 0.0;
   int better = 0;
+  test::Random bows(7);  // of beds as the prior has them
   const int printers = test::machines(50);
   for (unsigned seed = 1; seed <= static_cast<unsigned>(printers); ++seed) {
-    const VirtualPrinter printer = virtual_printer({.heights = 7, .distances = 12, .two_lengths = true}, seed);
+    const double bow = bows.normal(kBedBow);
+    const VirtualPrinter printer =
+        virtual_printer({.heights = 7, .distances = 12, .two_lengths = true, .bow = bow}, seed);
     const PrinterCalibration found = judged(printer);
     // Against values that are about as good: nudged by what the size of prints is not known to.
     DeltaGeometry other = found.written.geometry;

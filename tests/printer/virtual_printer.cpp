@@ -52,7 +52,8 @@ class Owner {
 
   BedReading height(int k, int of) {
     const Eigen::Vector3d p = place(k, of);
-    const double z = printer_.bed.height + printer_.bed.slope_x * p.x() + printer_.bed.slope_y * p.y();
+    const double z = printer_.bed.height + printer_.bed.slope_x * p.x() + printer_.bed.slope_y * p.y() +
+                     printer_.bow.edge * printer_.bow.share_at(p);
     const InverseResult joints = inverse(machine_, {{p.x(), p.y(), z + random_.normal(kProbe)}, 0.0});
     JointDrops drops{};
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -113,8 +114,12 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
     actual.endstop[i] += random.normal(0.4);
   }
   const double radius = 85.0 * scale;
-  VirtualPrinter printer{
-      .saved = saved, .machine = printer_machine(actual, radius), .errors = {}, .bed = {}, .readings = {}};
+  VirtualPrinter printer{.saved = saved,
+                         .machine = printer_machine(actual, radius),
+                         .errors = {},
+                         .bed = {},
+                         .bow = {world.bow, radius},
+                         .readings = {}};
   printer.radius = radius;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {
@@ -135,6 +140,7 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
     printer.saved = fit_as_firmware(saved, owner.read(before)).geometry;
   }
   printer.readings = owner.read(world);
+  if (world.saved_is_fit) printer.saved = fit_as_firmware(saved, printer.readings).geometry;
   return printer;
 }
 

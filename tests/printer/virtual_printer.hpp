@@ -15,6 +15,8 @@ struct PrinterWorld {
   /// The saved values are the firmware's fit of seven heights and twelve distances read before; else as they were
   /// drawn.
   bool calibrated_before = false;
+  bool saved_is_fit = false;  ///< the saved values are the firmware's fit of the very readings
+  double bow = 0.0;           ///< of the bed's edge above its centre, mm
 };
 
 /// A linear delta nobody has built.
@@ -23,12 +25,17 @@ struct VirtualPrinter {
   PrinterMachine machine;
   SourceErrors errors;
   FoundPlane bed;
+  BedBow bow;
   DeltaReadings readings;  ///< of the machine, with noise, in whole micro-steps
   double radius = 0.0;     ///< of the bed, mm
 
-  KnownPrinter truth() const { return {machine, errors, bed}; }
+  KnownPrinter truth() const { return {machine, errors, bed, {}, {}, bow}; }
   /// Error of shape over the bed with values in the firmware, root mean square, mm.
   double shape_error(const DeltaGeometry& values) const { return accuracy_of(truth(), values).shape_rms; }
+  /// Whether values are better in shape than others above what z is counted from.
+  bool is_better(const DeltaGeometry& values, const DeltaGeometry& than, CountedFrom above) const {
+    return chance_better(truth(), values, than, above) > 0.5;
+  }
   /// Mean share by which prints are too large with values in the firmware.
   double size_error(const DeltaGeometry& values) const;
 };

@@ -311,6 +311,7 @@ export interface CalibrationOptions {
   distance_bias_sigma_mm: number;
   dial_angle_sigma_deg: number | null;
   plane_slope_sigma_rad: number | null;
+  plane_curvature_sigma_per_mm: number | null;
   common: CommonError[];
   noise_is_known: boolean;
   fixed: string[];
@@ -355,6 +356,7 @@ export interface Printer {
   judged_firmware: PrinterCandidate;
   expected_shape_saved_mm: number;
   size: PrintSize;
+  bed: BedFlatness;
   uncheckable: string[];
   lines: string;
 }
@@ -393,6 +395,7 @@ export interface PrinterCandidate {
   geometry: DeltaGeometry;
   gain: Gain;
   chance_better: number;
+  chance_above_bed: number;
   expected_shape_mm: number;
 }
 export interface Gain {
@@ -406,6 +409,14 @@ export interface PrintSize {
   bias_mm: number;
   bias_std_mm: number;
   open_share: number;
+}
+export interface BedFlatness {
+  is_bowed: boolean;
+  is_told: boolean;
+  edge_mm: number;
+  edge_std_mm: number;
+  radius_mm: number;
+  or_bias_mm: number;
 }
 export interface Validation {
   accepted: boolean;

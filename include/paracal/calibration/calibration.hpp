@@ -107,6 +107,8 @@ struct CalibrationOptions {
   /// Standard deviation of the slopes of planes that heights are read above, against the robot's own level, rad; empty:
   /// any.
   std::optional<double> plane_slope = {};
+  /// Standard deviation of the curvature of what heights are read above, a paraboloid then, 1/mm; empty: a plane.
+  std::optional<double> plane_curvature = {};
   /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 15 ppm: 1.3 K of steel, 0.65 K
   /// of aluminium.
   double scale_std = 1.5e-5;
@@ -234,11 +236,11 @@ struct Suspect {
 };
 
 /// What was found of the set-up of a series of lengths, in the robot's frame: of heights the plane below them,
-/// z = height + slope_x x + slope_y y.
+/// z = height + slope_x x + slope_y y, and + curvature (x^2 + y^2) where that was sought.
 struct FoundSetUp {
   std::string name;
   LengthKind kind = LengthKind::height;
-  Eigen::VectorXd unknowns = {};  ///< mm and rad: height, slope_x, slope_y
+  Eigen::VectorXd unknowns = {};  ///< mm and rad: height, slope_x, slope_y; 1/mm: curvature
   /// Of these: with themselves, then with the parameters that were sought; U = 2 std, as by
   /// KnownErrors::expanded_covariance(). Empty where none could be stated.
   Eigen::MatrixXd covariance = {};

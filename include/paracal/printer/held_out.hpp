@@ -44,10 +44,11 @@ struct HeldOut {
 /// machine, too, is that which the firmware's fit finds in the rest. One at a time; heights alone by sixths of the bed,
 /// for neighbours share what the bed is uneven by.
 /// @param start  a geometry near the optimum.
+/// @param bow_radius  see PrinterFitOptions: predictions are the firmware's, above a plane.
 /// @param saved_is_fit  the saved values are the firmware's fit of these readings.
 /// @returns nothing where some fit fails, and where the rest are fewer than the firmware's parameters: such a fit stays
 /// where it starts, and may know the reading from there.
 std::optional<HeldOut> hold_out(const DeltaGeometry& start, const DeltaReadings& readings, bool seeks_bias,
-                                bool saved_is_fit);
+                                double bow_radius, bool saved_is_fit);
 
 }  // namespace paracal

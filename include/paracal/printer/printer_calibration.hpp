@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,11 +24,24 @@ std::string_view name(PrinterAdvice advice);
 /// Values that could be written, against the saved ones.
 struct PrinterCandidate {
   DeltaGeometry geometry;
-  PredictionErrors held_out;     ///< of readings that the values have not seen; 0 where none could be held out
-  PairedGain gain;               ///< of them
-  bool some_kind_worse = false;  ///< of them, by more than chance
-  double chance_better = 0.5;    ///< see chance_better(): by all that the calibration knows
-  double expected_shape = 0.0;   ///< see expected_shape(), mm
+  PredictionErrors held_out;      ///< of readings that the values have not seen; 0 where none could be held out
+  PairedGain gain;                ///< of them
+  bool some_kind_worse = false;   ///< of them, by more than chance
+  double chance_better = 0.5;     ///< see chance_better(): by all that is known, above a plane
+  double chance_above_bed = 0.5;  ///< the same above the bed as it is known, which may be bowed
+  double expected_shape = 0.0;    ///< see expected_shape(), mm
+
+  double least_chance() const { return std::min(chance_better, chance_above_bed); }
+};
+
+/// Whether the bed is a plane, as far as heights and distances show it together.
+struct BedFlatness {
+  double radius = 0.0;        ///< of its edge, mm
+  bool is_bowed = false;      ///< a plane contradicts the readings; then the bow was sought with everything else
+  bool is_told = false;       ///< and no bias of all distances explains that
+  double edge = 0.0;          ///< above the centre, mm, if there is no bias but one that was told
+  double edge_std = kBedBow;  ///< mm
+  double or_bias = 0.0;       ///< of all distances, mm, if the bed is a plane; where the bow is not told from it
 };
 
 /// Whether distances show how large prints become.
@@ -45,7 +59,7 @@ struct PrinterCalibration {
   DeltaFit firmware;          ///< the optimum of that cost
   Measurements measurements;  ///< the readings, as the calibration took them
   Calibration calibration;
-  KnownPrinter known;             ///< what the calibration says
+  KnownPrinter known;             ///< what the calibration says; bow and bias count in its covariance
   DeltaProjection projection;     ///< what the controller should be told
   PrinterCandidate written;       ///< the same as values to be written
   PrinterCandidate by_firmware;   ///< the firmware's fit, gross readings left out
@@ -55,6 +69,7 @@ struct PrinterCalibration {
   bool saved_is_fit = false;      ///< the saved values are the firmware's fit of the readings
   DeltaAccuracy accuracy_before;  ///< of the saved geometry, if the calibration is right
   PrintSize size;
+  BedFlatness bed;
   std::vector<std::string> uncheckable;  ///< readings that could be wrong by 1 mm (a distance 0.5) unnoticed
   std::vector<std::string> findings;     ///< in plain words: what could be told, what could not, what to do
   PrinterAdvice advice = PrinterAdvice::keep_saved;
@@ -72,7 +87,8 @@ struct PrinterCalibrationOptions {
 
 /// Calibrates with all errors of the machine, projects the answer onto what the controller holds, and judges the values
 /// that would be written: readings that they have not seen, by the firmware's own formula, against the saved values and
-/// the firmware's fit of the same readings; and over the place of the readings by what the calibration knows.
+/// the firmware's fit of the same readings; and over the place of the readings by what is known, bow of the bed and
+/// bias of the distances sought beside each other: above a plane and above the bed.
 ///
 /// Values are advised where they are better than the saved ones by more than chance, and on no kind of readings worse:
 /// see better() in advice.hpp. Gross readings leave every fit. Heights alone of fewer than 13 places never make new

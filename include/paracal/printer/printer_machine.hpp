@@ -55,6 +55,10 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
 /// standard deviation.
 inline constexpr double kDistanceBias = 0.2;
 
+/// By how much the edge of a bed lies above its centre (glass that bends, a plate that heats unevenly), mm, standard
+/// deviation.
+inline constexpr double kBedBow = 0.12;
+
 /// How printers are measured: probes repeat to 0.02 mm, callipers on printed pillars to 0.05 mm; beds are square to the
 /// rails within 0.5 mrad. These, the tolerances and the common errors are alike for all printers.
 /// @param seeks_bias  a bias of all distances is one of the unknowns.

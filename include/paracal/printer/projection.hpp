@@ -33,6 +33,9 @@ struct DeltaProjection {
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
 
+/// What of a bed that may be bowed z is counted from.
+enum class CountedFrom : std::uint8_t { plane, bed };
+
 /// How far the nozzle is from where a firmware with this geometry believes it, above the bed, mm. Empty where either
 /// machine does not close.
 std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
@@ -53,7 +56,9 @@ MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geomet
 ///       var(D) = 4 v^T cov(t) v,    v = Q(b - a) \f]
 ///
 /// linear in t, so that what is known of t is all it takes. 1/2 where both believe the same.
-double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than);
+/// @param above  what z is counted from.
+double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than,
+                     CountedFrom above = CountedFrom::plane);
 
 /// Error of shape to be expected over the workspace, root mean square, mm: that of the machine as it was found, and
 /// what is not known of it,

@@ -1,8 +1,8 @@
-// Heights above a plane:
+// Heights above a plane, or above a paraboloid about the robot's axis:
 //
-//   height     z - (z_0 + s_x x + s_y y)
+//   height     z - (z_0 + s_x x + s_y y + c (x^2 + y^2))
 //
-// with z_0 and the slopes sought.
+// with z_0 and the slopes sought, and c where its standard deviation is stated.
 
 #include "length_model.hpp"
 
@@ -27,25 +27,34 @@ class Heights final : public LengthModel {
   bool shows_scale() const override { return false; }
 
   /// A plane tells the robot's own height and level apart from its errors less than a frame's many points do.
-  SetUp units(const CalibrationOptions& /*options*/) const override { return Eigen::Vector3d(100.0, 0.1, 0.1); }
-
-  LengthShown shown(const Eigen::Vector3d& place, const SetUp& plane, const LengthSeries& /*series*/) const override {
-    const Eigen::RowVector3d above(1.0, place.x(), place.y());
-    return {place.z() - above.dot(plane), Eigen::RowVector3d(-plane(1), -plane(2), 1.0), -above};
+  SetUp units(const CalibrationOptions& options) const override {
+    if (!options.plane_curvature) return Eigen::Vector3d(100.0, 0.1, 0.1);
+    return Eigen::Vector4d(100.0, 0.1, 0.1, 1e-3);
   }
 
-  /// As level as the robot.
+  LengthShown shown(const Eigen::Vector3d& place, const SetUp& plane, const LengthSeries& /*series*/) const override {
+    const Eigen::RowVector4d above(1.0, place.x(), place.y(), place.head<2>().squaredNorm());
+    const double curvature = plane.size() > 3 ? plane(3) : 0.0;
+    const Eigen::Vector2d slope = plane.segment<2>(1) + 2.0 * curvature * place.head<2>();
+    return {place.z() - above.head(plane.size()).dot(plane), Eigen::RowVector3d(-slope.x(), -slope.y(), 1.0),
+            -above.head(plane.size())};
+  }
+
+  /// As level as the robot, and flat.
   StartedSetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
-                     const CalibrationOptions& /*options*/) const override {
+                     const CalibrationOptions& options) const override {
     std::vector<double> levels;
     for (std::size_t k = 0; k < read.places.size(); ++k) {
       levels.push_back(read.places[k].z() - read.lengths[k]);
     }
-    return {Eigen::Vector3d(levels.empty() ? 0.0 : median(levels), 0.0, 0.0)};
+    SetUp level = SetUp::Zero(units(options).size());
+    if (!levels.empty()) level(0) = median(levels);
+    return {level};
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,
                   InformationRoot& root) const override {
+    if (options.plane_curvature) root.add_prior(first + 3, unknowns(first + 3), 0.0, *options.plane_curvature);
     if (!options.plane_slope) return;
     root.add_prior(first + 1, unknowns(first + 1), 0.0, *options.plane_slope);
     root.add_prior(first + 2, unknowns(first + 2), 0.0, *options.plane_slope);
