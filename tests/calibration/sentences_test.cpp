@@ -52,6 +52,26 @@ TEST_F(Sentences, AssumedScaleIsThatOfTheOptions) {
   EXPECT_THAT(assumed(0.0), Not(Contains(HasSubstr("scale"))));
 }
 
+/// A bowl of the bed, or the zero of a bar, would be taken for errors of the machine.
+TEST_F(Sentences, WhatLengthsAreReadFromIsAssumed) {
+  const auto assumed = [&](LengthKind kind, const CalibrationOptions& options) {
+    const Measurements at = points(kNoise);
+    Measurements plan{.stations = at.stations};
+    plan.lengths = {{"read", kind, {}}};
+    for (std::size_t k = 0; k < plan.stations.size(); ++k) plan.lengths[0].readings.push_back({.station = k});
+    RandomStream random(1);
+    return calibrate(robot, simulate(robot, {}, plan, {.noise = kNoise}, random), options).assumed;
+  };
+  const CalibrationOptions usual{.states_use = false, .diagnose = false};
+  CalibrationOptions curved = usual, biased = usual;
+  curved.plane_curvature = 1e-6;
+  biased.noise.distance_bias = 0.2;
+  EXPECT_THAT(assumed(LengthKind::height, usual), Contains(HasSubstr("heights of read were read above is a plane")));
+  EXPECT_THAT(assumed(LengthKind::height, curved), Not(Contains(HasSubstr("plane"))));
+  EXPECT_THAT(assumed(LengthKind::ball_bar, usual), Contains(HasSubstr("lengths of read have no common error")));
+  EXPECT_THAT(assumed(LengthKind::ball_bar, biased), Not(Contains(HasSubstr("common error"))));
+}
+
 TEST_F(Sentences, WhatIsKnownExactlyIsListed) {
   const Calibration fixed =
       calibrate(robot, points(0.0), {.states_use = false, .fixed = {{Source::e_x, 1}, {Source::alpha0, {}}}});

@@ -128,30 +128,13 @@ class BallBar final : public LengthModel {
     return shown;
   }
 
-  /// From where the point is said to be; else from both sides of the places.
   StartedSetUp start(const LengthsRead& read, const LengthSeries& series,
                      const CalibrationOptions& options) const override {
-    SetUp unknowns = SetUp::Zero(units(options).size());
-    if (series.at || read.places.empty()) {
-      unknowns.head<3>() = closest(read, series.at.value_or(Eigen::Vector3d::Zero()));
-      return {unknowns, {}};
-    }
-    constexpr double kTold = 2.0;  // as many times closer is no chance
-    const Eigen::Vector3d middle = mean_of(read.places);
-    const Eigen::Vector3d normal = flattest(read, middle);
-    const Eigen::Vector3d below = closest(read, trilaterated(read, middle, normal));
-    const Eigen::Vector3d above = closest(read, below - 2.0 * normal.dot(below - middle) * normal);
-    const Eigen::Vector3d &lower = below.z() <= above.z() ? below : above, &upper = &lower == &below ? above : below;
-    const double misses = sum_of_misses(read, lower), others = sum_of_misses(read, upper);
-    const bool told = std::max(misses, others) > kTold * std::min(misses, others);
-    const bool one = (upper - lower).norm() < 1.0;  // mm
-    unknowns.head<3>() = told && others < misses ? upper : lower;
-    if (told || one) return {unknowns, {}};
-    return {unknowns,
-            fmt::format("the fixed point of {} is the lower of two that explain its lengths alike, at z = {:.0f} "
-                        "mm, not {:.0f} mm; columns {}, {}, {} say where it is about",
-                        series.name, lower.z(), upper.z(), words().at_columns[0], words().at_columns[1],
-                        words().at_columns[2])};
+    StartedSetUp started = located(read, series, options);
+    if (options.noise.distance_bias > 0.0) return started;
+    started.assumed += fmt::format("{}the lengths of {} have no common error (--distance-bias-mm seeks one)",
+                                   started.assumed.empty() ? "" : "; ", series.name);
+    return started;
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,
@@ -181,6 +164,32 @@ class BallBar final : public LengthModel {
     SetUp set_up = typical(robot, series);
     for (Eigen::Index k = 0; k < kZero; ++k) set_up(k) += kPlaced * random.normal();
     return set_up;
+  }
+
+ private:
+  /// From where the point is said to be; else from both sides of the places.
+  StartedSetUp located(const LengthsRead& read, const LengthSeries& series, const CalibrationOptions& options) const {
+    SetUp unknowns = SetUp::Zero(units(options).size());
+    if (series.at || read.places.empty()) {
+      unknowns.head<3>() = closest(read, series.at.value_or(Eigen::Vector3d::Zero()));
+      return {unknowns, {}};
+    }
+    constexpr double kTold = 2.0;  // as many times closer is no chance
+    const Eigen::Vector3d middle = mean_of(read.places);
+    const Eigen::Vector3d normal = flattest(read, middle);
+    const Eigen::Vector3d below = closest(read, trilaterated(read, middle, normal));
+    const Eigen::Vector3d above = closest(read, below - 2.0 * normal.dot(below - middle) * normal);
+    const Eigen::Vector3d &lower = below.z() <= above.z() ? below : above, &upper = &lower == &below ? above : below;
+    const double misses = sum_of_misses(read, lower), others = sum_of_misses(read, upper);
+    const bool told = std::max(misses, others) > kTold * std::min(misses, others);
+    const bool one = (upper - lower).norm() < 1.0;  // mm
+    unknowns.head<3>() = told && others < misses ? upper : lower;
+    if (told || one) return {unknowns, {}};
+    return {unknowns,
+            fmt::format("the fixed point of {} is the lower of two that explain its lengths alike, at z = {:.0f} "
+                        "mm, not {:.0f} mm; columns {}, {}, {} say where it is about",
+                        series.name, lower.z(), upper.z(), words().at_columns[0], words().at_columns[1],
+                        words().at_columns[2])};
   }
 };
 

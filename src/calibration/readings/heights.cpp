@@ -4,8 +4,9 @@
 //
 // with z_0 and the slopes sought, and c where its standard deviation is stated.
 
-#include "length_model.hpp"
+#include <fmt/format.h>
 
+#include "length_model.hpp"
 #include "median.hpp"
 
 namespace paracal::detail {
@@ -41,7 +42,7 @@ class Heights final : public LengthModel {
   }
 
   /// As level as the robot, and flat.
-  StartedSetUp start(const LengthsRead& read, const LengthSeries& /*series*/,
+  StartedSetUp start(const LengthsRead& read, const LengthSeries& series,
                      const CalibrationOptions& options) const override {
     std::vector<double> levels;
     for (std::size_t k = 0; k < read.places.size(); ++k) {
@@ -49,7 +50,11 @@ class Heights final : public LengthModel {
     }
     SetUp level = SetUp::Zero(units(options).size());
     if (!levels.empty()) level(0) = median(levels);
-    return {level};
+    if (options.plane_curvature) return {level};
+    return {level,
+            fmt::format("what the heights of {} were read above is a plane: nothing here tells a bowl from errors "
+                        "of the machine",
+                        series.name)};
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,

@@ -23,7 +23,7 @@ function judged(found: Printer): string[][] {
   const candidates = [found.judged_firmware, found.judged_new];
   const rows = [
     [names.shape, fixed(found.expected_shape_saved_mm, 3), ...candidates.map((one) => fixed(one.expected_shape_mm, 3))],
-    [names.chance, "", ...candidates.map((one) => fixed(100 * Math.min(one.chance_better, one.chance_above_bed, 0.999), 1))],
+    [names.chance, "", ...candidates.map((one) => fixed(100 * Math.min(one.chance_better, one.chance_above_bed ?? 1, 0.999), 1))],
   ];
   const heldOut = [found.left_out_saved, found.left_out_firmware, found.left_out];
   if (heldOut.some((errors) => errors === null)) return rows;
