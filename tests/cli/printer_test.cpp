@@ -137,7 +137,7 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
       "advice findings lines saved firmware new accuracy_saved accuracy_new left_out left_out_firmware left_out_saved "
       "groups judged_new judged_firmware expected_shape_saved_mm size uncheckable"));
   EXPECT_EQ(printer["advice"], "accept_new");
-  EXPECT_GT(printer["judged_new"]["chance_better"], 0.95);
+  EXPECT_GT(printer["judged_new"]["chance_better"], 0.8);  // of a bed that may be bowed
   EXPECT_GT(printer["judged_new"]["gain"]["value"], 0.5);
   EXPECT_LT(printer["judged_new"]["expected_shape_mm"], printer["expected_shape_saved_mm"]);
   EXPECT_LE(printer["judged_new"]["gain"]["high"], 1.0);  // no mean square falls by more than all of it
