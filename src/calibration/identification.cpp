@@ -22,7 +22,6 @@
 namespace paracal {
 namespace {
 
-using detail::Group;
 
 /// The paper measures points and calibrates from the distances of all pairs, all weighing alike, and nothing else.
 Measurements as_distances(const Measurements& measurements) {

@@ -49,6 +49,7 @@ std::vector<Pose> judged_poses(const Robot& robot, const Tolerances& tolerances,
   constexpr double kCounts = 0.8;
   const LinearModel model(robot);
   std::vector<Pose> poses;
+  poses.reserve(analyses.size());
   for (const RequirementAnalysis& one : analyses) poses.push_back(one.three_sigma.pose);
   for (const Pose& pose : surface_poses(robot)) {
     const bool counts = std::ranges::any_of(analyses, [&](const RequirementAnalysis& one) {
