@@ -17,7 +17,7 @@ void PassedTally::pass(std::string_view reason, std::int64_t line) {
 
 void PassedTally::correct() {
   if (!std::exchange(corrected_, true)) {  // what came before was on the way to it
-    std::ranges::fill(since_, Since{});
+    since_.assign(since_.size(), Since{});
     passes_since_ = false;
   }
   break_off();
