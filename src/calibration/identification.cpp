@@ -22,7 +22,6 @@
 namespace paracal {
 namespace {
 
-
 /// The paper measures points and calibrates from the distances of all pairs, all weighing alike, and nothing else.
 Measurements as_distances(const Measurements& measurements) {
   Measurements pairs{.stations = measurements.stations,
