@@ -10,7 +10,6 @@
 
 #include "mistakes.hpp"
 #include "moved_set_up.hpp"
-#include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "wrong_nominal.hpp"
 
@@ -35,17 +34,6 @@ struct Explanation {
   TrialFit fit;
 };
 
-/// The input as it would have been; empty where there is none (a pose out of the other robot's reach).
-std::optional<Input> undone(const Input& given, const Mistake& mistake) {
-  Input input = given;
-  try {
-    mistake.undo(input);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-  return input;
-}
-
 /// Mistakes whose nominal robot lies about as near to the readings as the best one's. Among those alike (what only the
 /// errors of the machine can tell apart) the most frugal come first.
 std::vector<const Mistake*> promising(const Input& given, const std::vector<Mistake>& mistakes) {
@@ -54,7 +42,7 @@ std::vector<const Mistake*> promising(const Input& given, const std::vector<Mist
   std::vector<std::pair<double, const Mistake*>> misfits;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Mistake& mistake : mistakes) {
-    const auto input = undone(given, mistake);
+    const auto input = detail::undone(given, mistake);
     const double misfit = input ? detail::nominal_misfit(*input) : std::numeric_limits<double>::infinity();
     misfits.emplace_back(misfit, &mistake);
     nearest = std::min(nearest, misfit);
@@ -66,11 +54,6 @@ std::vector<const Mistake*> promising(const Input& given, const std::vector<Mist
   for (std::size_t k = 0; k < std::min(misfits.size(), kMost); ++k) near.push_back(misfits[k].second);
   std::ranges::sort(near);
   return near;
-}
-
-std::optional<TrialFit> fit_without(const Input& given, const Mistake& mistake) {
-  const auto input = undone(given, mistake);
-  return input ? detail::fit_robustly(*input) : std::nullopt;
 }
 
 /// Scale of the noise above which a fit leaves something to explain: readings scatter more than their repeats do, than
@@ -113,7 +96,7 @@ bool explains(const Mistake& mistake, const TrialFit& fit, const std::optional<T
 std::vector<Explanation> fits_of(const Input& given, const std::vector<const Mistake*>& mistakes) {
   std::vector<Explanation> all;
   for (const Mistake* mistake : mistakes) {
-    if (auto fit = fit_without(given, *mistake)) all.push_back({mistake, std::move(*fit)});
+    if (auto fit = detail::fit_without(given, *mistake)) all.push_back({mistake, std::move(*fit)});
   }
   return all;
 }
@@ -189,7 +172,7 @@ double objective_without_mistake(const Input& given, const std::optional<TrialFi
   if (!as_given) return std::numeric_limits<double>::infinity();
   double least = as_given->objective;
   for (const Mistake& part : detail::wrong_parts(*as_given)) {
-    if (const auto fit = fit_without(given, part)) least = std::min(least, fit->objective);
+    if (const auto fit = detail::fit_without(given, part)) least = std::min(least, fit->objective);
   }
   return least;
 }

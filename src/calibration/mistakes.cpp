@@ -222,15 +222,6 @@ void MistakeList::add_robots() {
 
 }  // namespace
 
-Mistake mistake_of_measurements(std::string family, std::string text, std::function<void(Measurements&)> undo) {
-  return {MistakeKind::usual, std::move(family), std::move(text),
-          [undo = std::move(undo)](Input& input) { undo(input.measurements); }};
-}
-
-void state_joints(const Robot& robot, Measurements& measurements) {
-  for (Station& station : measurements.stations) station.believed = believed_joints(robot, station);
-}
-
 std::vector<Mistake> usual_mistakes(const Input& given) {
   MistakeList list(given);
   list.append(unit_mistakes(given));

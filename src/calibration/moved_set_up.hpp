@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mistakes.hpp"
+#include "mistake.hpp"
 
 namespace paracal::detail {
 

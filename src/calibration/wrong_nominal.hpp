@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "mistakes.hpp"
+#include "mistake.hpp"
 
 namespace paracal::detail {
 

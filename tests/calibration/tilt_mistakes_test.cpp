@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "calibration/mistakes.hpp"
 #include "paracal/calibration/diagnosis.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/pose_selection.hpp"
