@@ -28,10 +28,12 @@ std::string numbers(const Eigen::Vector3d& vector) {
 
 std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
 
+using Hold = Eigen::Matrix<double, kLimbs, 6>;
+
 /// Rows (n, R a x n / radius of the plate) of all rods: how they hold it.
-Eigen::Matrix<double, kLimbs, 6> hold(const Machine& machine, const Pose& pose, double radius) {
+Hold hold(const Machine& machine, const Pose& pose, double radius) {
   const Eigen::Matrix3d rotation = detail::rotation_of(pose.tilt);
-  Eigen::Matrix<double, kLimbs, 6> rows;
+  Hold rows;
   for (std::size_t i = 0; i < kLimbs; ++i) {
     const Limb& limb = machine.limbs[i];
     const Eigen::Vector3d lever = rotation * limb.plate, at_plate = pose.position + lever;
@@ -41,6 +43,36 @@ Eigen::Matrix<double, kLimbs, 6> hold(const Machine& machine, const Pose& pose, 
     rows.row(static_cast<Eigen::Index>(i)) << n.transpose(), lever.cross(n).transpose() / radius;
   }
   return rows;
+}
+
+/// Refuses a plate that could move, or nearly, with all rods as they are.
+void require_hold(const Hold& rows, const Pose& pose) {
+  if (std::abs(rows.determinant()) > kHeld) return;  // the least singular value is larger, by the other five's product
+  const Eigen::Matrix<double, 6, 1> values = rows.jacobiSvd().singularValues();
+  if (values(5) > kHeld * values(0)) return;
+  throw InvalidArgument(
+      fmt::format("workspace: the rods do not hold the plate at {} tilted by {} deg: it could move with all of them as "
+                  "they are (singular; {:.1g} of how the stiffest motion is held)",
+                  place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)), values(5) / values(0)));
+}
+
+/// Where it is seen whether rods hold a plate: the axis and two circles on top, in the middle and at the bottom of the
+/// workspace, at all extremes of tilt.
+std::vector<Pose> poses_to_hold(const Workspace& workspace) {
+  std::vector<Pose> poses;
+  for (const double down : {0.5, 0.0, 1.0}) {
+    const double z = workspace.top_z - down * workspace.height;
+    for (const Eigen::Vector3d& tilt : workspace.tilts()) {
+      poses.push_back({Eigen::Vector3d(0.0, 0.0, z), 0.0, tilt});
+      for (int k = 0; k < 2 * kRimPoints; ++k) {
+        const double azimuth = std::numbers::pi * k / kRimPoints;
+        for (const double share : {0.5, 1.0}) {
+          poses.push_back({Workspace::on_circle(share * workspace.radius, azimuth, z), 0.0, tilt});
+        }
+      }
+    }
+  }
+  return poses;
 }
 
 /// Root of the mean square.
@@ -151,17 +183,18 @@ void check_side(const Workspace& workspace) {
 }
 
 void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace) {
-  std::vector<Pose> poses = workspace.rim(kRimPoints);
-  poses.insert(poses.begin(), Pose{workspace.centre()});
+  const Pose centre{workspace.centre()};
+  const double side = hold(machine, centre, geometry.plate_radius).determinant();
+  std::vector<Pose> poses = poses_to_hold(workspace);
+  poses.insert(poses.begin(), centre);
   for (const Pose& pose : poses) {
-    const auto rows = hold(machine, pose, geometry.plate_radius);
-    const Eigen::Matrix<double, 6, 1> values = rows.jacobiSvd().singularValues();
-    if (values(5) > kHeld * values(0)) continue;
-    throw InvalidArgument(
-        fmt::format("workspace: the rods do not hold the plate at {} tilted by {} deg: it could move with all of "
-                    "them as they are "
-                    "(singular; {:.1g} of how the stiffest motion is held)",
-                    place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)), values(5) / values(0)));
+    const Hold rows = hold(machine, pose, geometry.plate_radius);
+    require_hold(rows, pose);
+    if (rows.determinant() * side > 0.0) continue;
+    throw InvalidArgument(fmt::format(
+        "workspace: the rods do not hold the plate somewhere between its centre and {} tilted by {} deg (singular: "
+        "there it would go through a pose in which it could move with all of them as they are)",
+        place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees))));
   }
 }
 

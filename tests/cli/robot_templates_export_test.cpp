@@ -82,6 +82,9 @@ int main(void) {
   int k;
   if (paracal_self_test() != 0) return 10;
   for (k = 0; k < 6; ++k) pose[k] = found[k] = paracal_tests[0].pose[k];
+  joints[1] = never / never;  /* a limb that does not reach, before others that do */
+  if (paracal_apart(joints, found) == paracal_apart(joints, found)) return 17;
+  joints[1] = 7.0;
   pose[3] = never / never;
   if (paracal_compensate(pose, joints) != PARACAL_NOT_FINITE || joints[0] != 7.0) return 11;
   if (paracal_forward(joints, pose) != PARACAL_NOT_FINITE) return 12;

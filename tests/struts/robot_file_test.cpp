@@ -180,6 +180,20 @@ TEST(ArmFile, RodsThatDoNotHoldThePlateAreRefused) {
               ThrowsMessage<InvalidArgument>(HasSubstr("do not hold the plate at (0, 0, 335)")));
 }
 
+/// Where the plate is tilted so far that the way there goes through a singular pose, though no pose that is tried is
+/// one.
+TEST(StrutFile, WorkspacesWithASingularSurfaceInsideAreRefused) {
+  for (const auto& [name, degrees] : {std::pair{"hexapod", 35.0}, {"6-pss", 25.0}}) {
+    RobotDescription tilted = read_robot(robot_template(name)).description();
+    tilted.workspace.max_tilt = to_radians(degrees);
+    EXPECT_THAT([&] { Robot{tilted}; },
+                ThrowsMessage<InvalidArgument>(HasSubstr("do not hold the plate somewhere between its centre and (")))
+        << name;
+    tilted.workspace.max_tilt = to_radians(degrees - 10.0);
+    EXPECT_NO_THROW(Robot{tilted}) << name;
+  }
+}
+
 TEST(StrutFile, RobotsOfArmsDoNotTilt) {
   const std::string arms = robot_toml(catalogue::rotary_delta());
   std::string tilted = arms;

@@ -81,7 +81,8 @@ static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b
   double largest = 0.0;
   int i;
   for (i = 0; i < PARACAL_LIMBS; ++i) {
-    if (!(paracal_abs(a[i] - b[i]) <= largest)) { largest = paracal_abs(a[i] - b[i]); }
+    const double apart = paracal_abs(a[i] - b[i]);
+    if ((!(apart <= largest)) && paracal_is_finite(largest)) { largest = apart; } /* what is not finite stays */
   }
   return largest;
 }
@@ -111,7 +112,8 @@ struct paracal_test {
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* The centre of the workspace, from where paracal_forward finds every pose of it: a start where nothing else is known. */
+/* The centre of the workspace: a start where nothing else is known. From there paracal_forward finds what the self-test
+ * tries, and as a rule every pose of the workspace; what it does not find it says. */
 static inline void paracal_home(double pose[6]) {
   int k;
   for (k = 0; k < 6; ++k) { pose[k] = paracal_tests[0].pose[k]; }
