@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "optimizer.hpp"
@@ -9,7 +10,7 @@
 namespace paracal::detail {
 namespace {
 
-constexpr std::size_t kStarts = 3;
+constexpr std::size_t kStarts = 6;
 constexpr int kAttempts = 10;
 constexpr double kGain = 1e-6;  // relative, below which the best is not begun anew
 constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
@@ -67,17 +68,35 @@ ValueAtPose refined(const Cylindrical& coordinates, const ValueAtPose& start,
   return -end.value > start.value ? ValueAtPose{coordinates.pose(end.x), -end.value} : start;
 }
 
+/// Places and attitudes of which one would be refined into the other.
+bool are_near(const Pose& one, const Pose& other, const Workspace& workspace) {
+  constexpr double kNear = 0.6;  // of the radius: two or three of the grid's azimuths on the rim
+  const Eigen::Vector3d way = one.position - other.position;
+  return way.head<2>().norm() < kNear * workspace.radius && std::abs(way.z()) < kNear * workspace.height &&
+         one.rotation == other.rotation && one.tilt == other.tilt;
+}
+
+/// The largest values of a grid, no two near each other.
+/// @param grid  largest first.
+std::vector<ValueAtPose> tops_of(const std::vector<ValueAtPose>& grid, const Workspace& workspace) {
+  std::vector<ValueAtPose> tops;
+  for (const ValueAtPose& one : grid) {
+    const auto is_near = [&](const ValueAtPose& top) { return are_near(one.pose, top.pose, workspace); };
+    if (std::ranges::none_of(tops, is_near)) tops.push_back(one);
+    if (tops.size() == kStarts) break;
+  }
+  return tops;
+}
+
 }  // namespace
 
 ValueAtPose largest_in_workspace(const Robot& robot, const std::function<double(const Pose&)>& value) {
-  std::vector<ValueAtPose> candidates;
+  std::vector<ValueAtPose> grid;
   for (const Pose& pose : polar_grid(robot, {.radii = 5, .azimuths = 24, .layers = 3}, true)) {
-    candidates.push_back({pose, value(pose)});
+    grid.push_back({pose, value(pose)});
   }
-  const auto largest_first = [](const ValueAtPose& one, const ValueAtPose& other) { return one.value > other.value; };
-  const std::size_t starts = std::min(kStarts, candidates.size());
-  std::ranges::partial_sort(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(starts), largest_first);
-  candidates.resize(starts);
+  std::ranges::stable_sort(grid, std::greater(), &ValueAtPose::value);
+  const std::vector<ValueAtPose> candidates = tops_of(grid, robot.workspace());
   const Cylindrical coordinates{robot.workspace()};
   ValueAtPose best = candidates.front();
   for (const ValueAtPose& start : candidates) {

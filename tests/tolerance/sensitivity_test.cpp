@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,17 @@ TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
       }
     }
   }
+}
+
+/// Of several tops the highest need not have the best point of the grid: generous tolerances, distances of huang2016.
+TEST(Sensitivity, TheWorstIsTheHighestTop) {
+  const Robot robot = catalogue::huang2016();
+  const Tolerances tolerances = tolerances_of(robot);
+  const Characteristic distance{Quantity::distance};
+  const Pose far{{-396.68, 304.38, -1013.0}, -std::numbers::pi};
+  const double there = spread_at(LinearModel(robot).rows(far, distance), tolerances, Spread::statistical);
+  EXPECT_GT(there, 9.1);
+  EXPECT_GE(worst_spread(robot, distance, tolerances, Spread::statistical).value, there * (1.0 - 1e-6));
 }
 
 /// The worst pose is refined from the grid that finds it: no step away from it, within the workspace, is worse.
