@@ -21,21 +21,30 @@ std::string share_text(const WeighedShare& share) {
 
 /// How the yield is known.
 std::string source_text(const FailureShare& failures, const MonteCarlo& drawn) {
+  const bool is_exact = drawn.model == Model::exact;
   switch (failures.status) {
     case FailureStatus::impossible:
       return fmt::format(
           "  counted: {} machines, none of which fails; by the linear model no machine within its drawings does\n",
           drawn.machines);
     case FailureStatus::unsettled:
-      return fmt::format("  counted among the {} machines drawn; rarer failures cannot be told: {}\n", drawn.machines,
-                         failures.reason);
+      return fmt::format("  counted among the {} machines drawn{}; rarer failures cannot be told: {}\n", drawn.machines,
+                         is_exact ? "" : " by the linear model (--model exact draws others)", failures.reason);
     case FailureStatus::settled:
       break;
   }
   const std::string linear = fmt::format("{} machines drawn where limits break; drawn another way {:.3g}",
                                          failures.linear.machines, failures.check.value);
-  if (!failures.exact)
-    return fmt::format("  by the linear model ({}); by the exact one not known: {}\n", linear, failures.reason);
+  if (!failures.exact && is_exact) {
+    return fmt::format(
+        "  counted: {} machines of the exact model; the linear one has a share of {} fail\n  ({}), but {}\n",
+        drawn.machines, share_text(failures.linear), linear, failures.reason);
+  }
+  if (!failures.exact) {
+    return fmt::format(
+        "  by the linear model ({}); by the exact one not known: {}\n  (--model exact counts its machines)\n", linear,
+        failures.reason);
+  }
   return fmt::format("  by the exact model, {} machines tried; the linear one has a share of {} fail\n  ({})\n",
                      failures.exact->machines, share_text(failures.linear), linear);
 }
@@ -44,7 +53,8 @@ std::string source_text(const FailureShare& failures, const MonteCarlo& drawn) {
 
 std::string yield_text(const FailureShare& failures, const MonteCarlo& drawn, double confidence) {
   const Proportion share = yield(failures, drawn, confidence), defects = defects_per_million(share);
-  const double missing = failures.status == FailureStatus::settled ? failures.best().value : 1.0 - share.value;
+  const bool is_counted = failures.status != FailureStatus::settled || (!failures.exact && drawn.model == Model::exact);
+  const double missing = is_counted ? 1.0 - share.value : failures.best().value;
   const int digits = decimals(missing);
   return fmt::format("yield {:.{}f} % [{:.{}f}, {:.{}f}], {:.3g} defects per million [{:.3g}, {:.3g}]\n",
                      100.0 * share.value, digits, 100.0 * share.interval.low, digits, 100.0 * share.interval.high,
@@ -61,7 +71,8 @@ std::string failure_line(const FailureShare& failures) {
     case FailureStatus::settled:
       break;
   }
-  return fmt::format("  breaks a limit:       {} of the machines\n", share_text(failures.best()));
+  return fmt::format("  breaks a limit:       {} of the machines{}\n", share_text(failures.best()),
+                     failures.exact ? "" : " by the linear model");
 }
 
 }  // namespace paracal::app

@@ -141,9 +141,14 @@ std::string_view name(FailureStatus status) {
 }
 
 Proportion yield(const FailureShare& failures, const MonteCarlo& drawn, double confidence) {
-  if (failures.status != FailureStatus::settled) return drawn.yield(confidence);
+  const bool is_linear = !failures.exact && drawn.model == Model::exact;
+  if (failures.status != FailureStatus::settled || is_linear) return drawn.yield(confidence);
   const WeighedShare& share = failures.best();
   return {1.0 - share.value, {1.0 - share.interval.high, 1.0 - share.interval.low}};
+}
+
+bool is_proven(const FailureShare& failures, const MonteCarlo& drawn) {
+  return failures.exact || drawn.model == Model::exact || failures.status == FailureStatus::impossible;
 }
 
 FailureShare failure_share(const Robot& robot, const Tolerances& tolerances,

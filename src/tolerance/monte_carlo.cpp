@@ -100,7 +100,8 @@ class Sampler {
   }
 
   MonteCarlo result() const {
-    MonteCarlo result{.machines = machines_,
+    MonteCarlo result{.model = options_.model,
+                      .machines = machines_,
                       .converged = expected() <= machines_,
                       .not_closed = counts_.not_closed,
                       .passed = counts_.passed_all};

@@ -310,6 +310,24 @@ TEST(FailureShare, DecidesTheYieldWhereItIsSettled) {
   }
 }
 
+/// The linear model says nothing of machines where the exact one contradicts it, or was not asked.
+TEST(FailureShare, ProvesAYieldByTheExactModelAlone) {
+  MonteCarlo drawn{.machines = 1000, .passed = 999};
+  FailureShare failures{.status = FailureStatus::settled, .linear = {.value = 1e-6, .interval = {9e-7, 2e-6}}};
+  EXPECT_FALSE(is_proven(failures, drawn));
+  drawn.model = Model::exact;
+  EXPECT_TRUE(is_proven(failures, drawn));
+  EXPECT_EQ(yield(failures, drawn, 0.95).value, 0.999) << "the machines that were counted";
+  failures.exact = {.value = 3e-6, .interval = {2e-6, 4e-6}};
+  EXPECT_EQ(yield(failures, drawn, 0.95).value, 1.0 - 3e-6);
+  drawn.model = Model::linear;
+  EXPECT_TRUE(is_proven(failures, drawn));
+  failures = {.status = FailureStatus::unsettled};
+  EXPECT_FALSE(is_proven(failures, drawn));
+  failures.status = FailureStatus::impossible;
+  EXPECT_TRUE(is_proven(failures, drawn));
+}
+
 TEST(FailureShare, AsksForWhatMakesSense) {
   const Robot robot = catalogue::huang2016();
   const std::vector<Requirement> tilt{{{Quantity::tilt}, 1e-3}};

@@ -63,7 +63,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
   }
   if (allocation.failures) text += failure_line(*allocation.failures);
   if (allocation.failure_price > 0.0)
-    text += fmt::format("  twice as many failures would save {:.3g}\n", allocation.failure_price);
+    text += fmt::format("  twice as many failures would save {:.3g} to first order\n", allocation.failure_price);
   text += assumed_lines(allocation.tolerances.assumed) + "\n" + io::tolerances_toml(allocation.tolerances, robot);
   return text;
 }

@@ -242,7 +242,8 @@ void run(const Options& options, Session& session) {
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
   const bool enough =
-      !options.min_yield || found.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield;
+      !options.min_yield || (is_proven(found.failures, found.batch) &&
+                             found.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield);
   if (!enough || !found.batch.converged) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, found);
   session.json() ? session.print_json(json_of(options, robot, found)) : session.print(text_of(options, robot, found));
@@ -286,7 +287,9 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
       ->check(whole_number(8, 10'000'000));
   command->add_flag("--linearity", options->linearity,
                     "how far the linear model is off, up to 30 times the tolerances");
-  command->add_option("--min-yield", options->min_yield, "exit with 1 unless the yield is proven to reach this")
+  command
+      ->add_option("--min-yield", options->min_yield,
+                   "exit with 1 unless the exact model proves that the yield reaches this")
       ->check(between(0.0, 1.0));
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });

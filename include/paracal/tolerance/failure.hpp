@@ -70,8 +70,13 @@ FailureShare failure_share(const Robot& robot, const Tolerances& tolerances,
                            const std::vector<Requirement>& requirements, const std::vector<Pose>& poses,
                            const FailureOptions& options = {}, const Progress& progress = {});
 
-/// Share of the machines that keep all limits: by the failures where these are settled, else counted.
+/// Share of the machines that keep all limits: by the failures where these are settled, else counted; also where
+/// machines of the exact model were counted, and the failures are those of the linear one alone.
 Proportion yield(const FailureShare& failures, const MonteCarlo& drawn, double confidence);
+
+/// The exact model tells the yield, or no machine within its drawings fails: else it is the linear model's, which
+/// proves nothing of machines.
+bool is_proven(const FailureShare& failures, const MonteCarlo& drawn);
 
 /// "settled", "impossible", "unsettled".
 std::string_view name(FailureStatus status);

@@ -44,6 +44,7 @@ struct RequirementStatistics {
 };
 
 struct [[nodiscard]] MonteCarlo {
+  Model model = Model::linear;
   std::uint64_t machines = 0;
   bool converged = false;        ///< every sigma is known as well as asked
   std::uint64_t not_closed = 0;  ///< machines that do not close somewhere (exact model); they fail everything
