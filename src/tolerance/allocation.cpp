@@ -142,7 +142,7 @@ class Allocator {
     allocation_.tolerances = with(problem_, half_widths);
     allocation_.cost = total_cost(problem_, half_widths, robot_.limb_count());
     if (allocation_.status == AllocationStatus::feasible) {
-      allocation_.reason = "too many combinations of grades to prove that none is cheaper";
+      allocation_.reason = "too many combinations of grades, or one that did not settle, to prove that none is cheaper";
     }
     const Eigen::VectorXd lambda = multipliers(problem_, cuts_, half_widths);
     for (std::size_t j = 0; j < cuts_.size(); ++j) {

@@ -45,8 +45,9 @@ class GradeSearch {
     half_widths_ = tightest();
     best_cost_ = std::numeric_limits<double>::infinity();
     descend(0, 0.0);
-    if (best_.size() == 0) return {AllocationStatus::infeasible, {}};
-    return {nodes_ > kLargestNodes ? AllocationStatus::feasible : AllocationStatus::optimal, best_};
+    if (nodes_ > kLargestNodes) all_tried_ = false;
+    if (best_.size() == 0) return {all_tried_ ? AllocationStatus::infeasible : AllocationStatus::not_converged, {}};
+    return {all_tried_ ? AllocationStatus::optimal : AllocationStatus::feasible, best_};
   }
 
  private:
@@ -166,8 +167,11 @@ class GradeSearch {
         fixed.cost = {.law = CostLaw::reciprocal, .A = fixed.cost.cost(half_widths_(v)), .B = 0.0};
       }
       const MasterSolution solution = solve_continuous(rest, cuts_);
+      if (solution.status == AllocationStatus::not_converged) all_tried_ = false;
       if (solution.status != AllocationStatus::optimal) return;
       answer = solution.half_widths;
+      // To the bit: a grade costs what it costs only where its tolerance is as wide.
+      for (const Eigen::Index v : graded_) answer(v) = half_widths_(v);
     }
     const double cost = total_cost(problem_, answer, 1);
     if (cost >= best_cost_) return;
@@ -182,6 +186,7 @@ class GradeSearch {
   Eigen::VectorXd half_widths_, best_;
   double best_cost_ = 0.0;
   long nodes_ = 0;
+  bool all_tried_ = true;  ///< or found dearer than the best without
 };
 
 }  // namespace

@@ -128,6 +128,25 @@ double cost_of(const AllocationProblem& problem, const Tolerances& tolerances, s
   return sum * static_cast<double>(limbs);
 }
 
+/// A grade beside a law: as if its tolerance were fixed, at its price more; whatever digits the tolerance has.
+TEST(Allocation, AGradeIsWhatItsToleranceIs) {
+  const Robot robot = catalogue::rotary_delta();
+  for (int k = 0; k < 20; ++k) {
+    const double tolerance = 1e-4 * (1.0 + 0.137 * k), price = 1.0 + 0.1 * k;
+    AllocationProblem problem{.variables = {{{Source::alpha2}, curve(CostLaw::reciprocal, 1e-3, 1), 3e-5, 2e-3}},
+                              .rest = *robot.tolerances(),
+                              .requirements = {{{Quantity::tilt}, 4e-3}}};
+    problem.rest[Source::alpha03] = tolerance;
+    const Allocation fixed = allocate(robot, problem);
+    problem.variables.push_back({{Source::alpha03}, {.law = CostLaw::grades, .grades = {{"one", tolerance, price}}}});
+    const Allocation graded = allocate(robot, problem);
+    ASSERT_EQ(graded.status, fixed.status) << tolerance << ": " << graded.reason;
+    ASSERT_TRUE(fixed.ok());
+    EXPECT_NEAR(graded.cost, fixed.cost + 3.0 * price, 1e-6 * fixed.cost) << tolerance;
+    EXPECT_EQ(graded.tolerances[Source::alpha03], tolerance);
+  }
+}
+
 class AllocationLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(AllocationLaw);
 PARACAL_ON_ROBOT_TEMPLATES(AllocationLaw);
