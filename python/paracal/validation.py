@@ -52,7 +52,7 @@ class Validation:
 
     @property
     def checks(self) -> list[dict[str, Any]]:
-        """Each limit: quantity, error, U, limit, conformity  [iso14253-1]."""
+        """Each limit: quantity, error, U, at_least, limit, conformity  [iso14253-1]."""
         return list(self._found["checks"])
 
     @property
@@ -97,7 +97,7 @@ class Validation:
         verdict = "accepted" if self.accepted else "not accepted"
         rows = [[key, value, self.after.get(key)] for key, value in self.before.items()]
         checks = [
-            [one["quantity"], one["error"], one["U"], one["limit"], one["conformity"]]
+            [one[key] for key in ("quantity", "error", "U", "at_least", "limit", "conformity")]
             for one in self.checks
         ]
         return "".join(
@@ -106,7 +106,7 @@ class Validation:
                 _html.items("because", self.reasons),
                 _html.items("note", self.notes),
                 _html.table(["largest error", "before", "after"], rows),
-                _html.table(["quantity", "error", "U (k = 2)", "limit", ""], checks)
+                _html.table(["quantity", "error", "U", "at least", "limit", ""], checks)
                 if checks
                 else "",
             ]

@@ -17,4 +17,8 @@ double fisher_tail(double ratio, double numerator, double denominator) {
   return cdf(complement(boost::math::fisher_f_distribution<>(numerator, denominator), ratio));
 }
 
+double fisher_quantile(double tail, double numerator, double denominator) {
+  return quantile(complement(boost::math::fisher_f_distribution<>(numerator, denominator), tail));
+}
+
 }  // namespace paracal::detail

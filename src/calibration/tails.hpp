@@ -11,5 +11,7 @@ double chi_square_quantile(double tail, double freedom);
 /// Probability that Fisher's F, a mean square of `numerator` degrees of freedom over one of `denominator`, is above
 /// `ratio`.
 double fisher_tail(double ratio, double numerator, double denominator);
+/// What it exceeds with probability `tail`.
+double fisher_quantile(double tail, double numerator, double denominator);
 
 }  // namespace paracal::detail

@@ -11,11 +11,11 @@
 
 #include "agreement.hpp"
 #include "iso9283.hpp"
+#include "limit_checks.hpp"
 #include "located.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "placement.hpp"
-#include "visits.hpp"
 
 namespace paracal {
 namespace {
@@ -32,116 +32,11 @@ void widen(PoseErrorSummary& all, const PoseErrorSummary& one) {
   }
 }
 
-/// Of the least certain reading, mm.
-detail::Uncertainty uncertainty_of_readings(const Validation& validation, std::optional<LengthKind> of) {
-  detail::Uncertainty largest;
-  for (const CheckedReading& one : validation.readings) {
-    if (one.length == of) largest.standard = std::max(largest.standard, one.sigma);
-  }
-  return largest;
-}
-
-/// Largest |residual| of distances or lengths of a kind, before and after.
-std::pair<double, double> largest_of_readings(const Validation& validation, std::optional<LengthKind> of) {
-  double before = 0.0, after = 0.0;
-  for (const CheckedReading& one : validation.readings) {
-    if (one.length != of) continue;
-    before = std::max(before, std::abs(one.before));
-    after = std::max(after, std::abs(one.after));
-  }
-  return {before, after};
-}
-
-/// Without limits a calibration must have made the machine better by more than can be measured: by points where there
-/// are any, else by distances, else by lengths. Where nothing tells the noise, what is left says how large it may be:
-/// of lengths read in metres half a metre is.
-void require_gain(double two_points, Validation& validation) {
-  const auto require = [&](std::string_view what, double before, double after, double uncertainty, double left) {
-    if (!validation.agreement) uncertainty = std::max(uncertainty, kCoverageFactor * left);
-    if (before - after > uncertainty) return;
-    validation.reasons.push_back(
-        fmt::format("the largest {} went from {:.3f} to {:.3f} mm, which is not more than the uncertainty of measuring "
-                    "it, {:.3f} mm",
-                    what, before, after, uncertainty));
-  };
-  if (!validation.poses.empty()) {
-    return require("aligned error", validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned,
-                   two_points, validation.after.rms_distance);
-  }
-  if (validation.after.reads_distances) {
-    const auto [before, after] = largest_of_readings(validation, std::nullopt);
-    return require("error of a distance", before, after, uncertainty_of_readings(validation, std::nullopt).expanded(),
-                   validation.after.rms_distance);
-  }
-  const auto& [kind, rms] = *validation.after.rms_lengths.begin();
-  const auto [before, after] = largest_of_readings(validation, kind);
-  require(fmt::format("error of a {}", words(kind).noun), before, after,
-          uncertainty_of_readings(validation, kind).expanded(), rms);
-}
-
 /// Adds the errors of distances and lengths to those of points.
 void add_readings(const PoseErrorSummary& readings, bool has_points, PoseErrorSummary& all) {
   widen(all, readings);
   all.reads_distances = has_points || readings.reads_distances;
   all.rms_lengths = readings.rms_lengths;
-}
-
-/// Of a rotation that was read with a distance, rad; 0 where none was.
-detail::Uncertainty uncertainty_of_rotations(const Measurements& measurements, const ValidationOptions& options) {
-  const bool any =
-      std::ranges::any_of(measurements.distances, [](const auto& one) { return one.rotation.has_value(); });
-  return {any ? options.noise.rotation : 0.0};
-}
-
-/// The differences of two points vary sqrt(2) times as much as one coordinate; |dr| of an aligned point by its three.
-void check_limits(const Measurements& measurements, const ValidationOptions& options, Validation& validation) {
-  detail::MeansOfVisits means = detail::means_of_visits(measurements, options);
-  std::ranges::move(means.notes, std::back_inserter(validation.notes));
-  const detail::Uncertainty two_points = means.point.times(std::sqrt(2.0));
-  const auto check = [&](const char* quantity, const std::optional<double>& limit, double error,
-                         const detail::Uncertainty& of_error) {
-    if (!limit) return;
-    const double uncertainty = of_error.expanded();
-    const Conformity conformity = error + uncertainty <= *limit  ? Conformity::conforming
-                                  : error - uncertainty > *limit ? Conformity::not_conforming
-                                                                 : Conformity::undecided;
-    validation.checks.push_back({quantity, error, uncertainty, of_error.coverage, *limit, conformity});
-    if (conformity == Conformity::conforming) return;
-    validation.reasons.push_back(fmt::format("{}: {:.4g} +- {:.2g} against a limit of {:.4g} is {}", quantity, error,
-                                             uncertainty, *limit, name(conformity)));
-  };
-  if (options.limits.distance && !validation.after.reads_distances) {
-    validation.reasons.push_back(fmt::format("a limit on distances was set, and {} alone were read",
-                                             words(validation.after.rms_lengths.begin()->first).plural));
-  } else {
-    check("distance error, mm", options.limits.distance, validation.after.max_abs_distance,
-          larger(two_points, uncertainty_of_readings(validation, std::nullopt)));
-  }
-  if (options.limits.volumetric && validation.poses.empty()) {
-    validation.reasons.emplace_back("a limit on aligned positions was set, and no points were read");
-  } else {
-    check("aligned position error, mm", options.limits.volumetric, validation.after.max_volumetric_aligned,
-          means.point);
-  }
-  if (validation.after.max_abs_rotation) {
-    check("rotation error, rad", options.limits.rotation, *validation.after.max_abs_rotation,
-          larger(means.rotation.times(std::sqrt(2.0)), uncertainty_of_rotations(measurements, options)));
-  } else if (validation.after.max_orientation) {
-    check("orientation error, rad", options.limits.rotation, *validation.after.max_orientation, means.rotation);
-  } else if (options.limits.rotation) {
-    validation.reasons.emplace_back("a limit on rotation was set, and no rotation was read");
-  }
-  if (!options.limits.any()) require_gain(two_points.expanded(), validation);
-  if (validation.agreement && validation.agreement->contradicts()) {
-    const Agreement& agreement = *validation.agreement;
-    std::string text = fmt::format(
-        "these readings contradict the uncertainty that the calibration states: they lie {:.1f} times as far from its "
-        "predictions as that and their noise explain; has the machine changed since (a knock, a repair, another load), "
-        "or do they scatter more than is stated?",
-        std::sqrt(agreement.chi_square / agreement.freedom));
-    (options.limits.any() ? validation.notes : validation.reasons).push_back(std::move(text));
-  }
-  validation.accepted = validation.reasons.empty();
 }
 
 void validate_points(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
@@ -186,22 +81,6 @@ void validate_points(const Robot& robot, const KnownErrors& known, const Measure
   }
 }
 
-}  // namespace
-
-std::string_view name(Conformity conformity) {
-  switch (conformity) {
-    case Conformity::conforming:
-      return "conforming";
-    case Conformity::not_conforming:
-      return "not conforming";
-    case Conformity::undecided:
-      return "undecided";
-  }
-  return "";
-}
-
-namespace {
-
 Validation judged(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                   const ValidationOptions& options) {
   Validation validation;
@@ -213,7 +92,7 @@ Validation judged(const Robot& robot, const KnownErrors& known, const Measuremen
     add_readings(before, !validation.poses.empty(), validation.before);
     add_readings(after, !validation.poses.empty(), validation.after);
   }
-  check_limits(measurements, options, validation);
+  detail::check_limits(measurements, options, validation);
   return validation;
 }
 

@@ -58,7 +58,7 @@ bool widen(const Stations& visits, bool stated, Uncertainty& largest) {
   if (visits.empty()) return false;
   const auto noise = noise_of_visits(scatter_of(visits), stated);
   const NoiseOfVisits taken = noise.value_or(NoiseOfVisits{});
-  largest = larger(largest, {taken.factor * largest_of_means(visits), coverage_factor(taken.dof)});
+  largest = larger(largest, {taken.factor * largest_of_means(visits), taken.dof});
   return !noise;
 }
 
@@ -95,6 +95,20 @@ Stations rotations_of(const PointSeries& series, const ValidationOptions& option
 }
 
 }  // namespace
+
+double Uncertainty::expanded_of_all(std::size_t count, double coordinates) const {
+  constexpr double kBeyondTwo = 0.0455;  // of a standard normal variable, both tails
+  if (count == 0) return 0.0;
+  const double tail = -std::expm1(std::log1p(-kBeyondTwo) / static_cast<double>(count));
+  const double square = std::isfinite(dof) ? coordinates * fisher_quantile(tail, coordinates, dof)
+                                           : chi_square_quantile(tail, coordinates);
+  return standard * std::sqrt(square);
+}
+
+Uncertainty Uncertainty::with(double other) const {
+  const double all = std::hypot(standard, other);
+  return {all, standard > 0.0 ? dof * std::pow(all / standard, 4) : std::numeric_limits<double>::infinity()};
+}
 
 std::optional<NoiseOfVisits> noise_of_visits(const Scatter& visits, bool stated) {
   constexpr double kFewest = 3.0, kContradiction = 1e-3;

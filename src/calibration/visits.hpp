@@ -23,14 +23,20 @@ struct NoiseOfVisits {
 /// @returns empty where nothing tells it: neither stated nor seen in three degrees of freedom.
 std::optional<NoiseOfVisits> noise_of_visits(const Scatter& visits, bool stated);
 
-/// Standard uncertainty, with the factor of the expanded one  [gum].
+/// Standard uncertainty of a coordinate, and by how many degrees of freedom it is known  [gum].
 struct Uncertainty {
   double standard = 0.0;
-  double coverage = kCoverageFactor;
+  double dof = std::numeric_limits<double>::infinity();
 
-  double expanded() const { return coverage * standard; }
+  double coverage() const { return coverage_factor(dof); }
+  double expanded() const { return coverage() * standard; }
+  /// What all of `count` errors of so many coordinates keep at once, as probably as one of a coordinate keeps 2 of its
+  /// standard uncertainty, whatever they have in common  [royen2014].
+  double expanded_of_all(std::size_t count, double coordinates) const;
   /// Of what varies so many times as much.
-  Uncertainty times(double factor) const { return {factor * standard, coverage}; }
+  Uncertainty times(double factor) const { return {factor * standard, dof}; }
+  /// With another part, known as it is stated  [gum, G.4].
+  Uncertainty with(double other) const;
 };
 
 /// The one whose expanded uncertainty is larger.

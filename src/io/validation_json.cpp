@@ -86,6 +86,7 @@ Json to_json(const Validation& validation) {
     json["checks"].push_back({{"quantity", check.quantity},
                               {"error", check.error},
                               {"U", check.uncertainty},
+                              {"at_least", check.at_least},
                               {"k", check.coverage},
                               {"limit", check.limit},
                               {"conformity", name(check.conformity)}});

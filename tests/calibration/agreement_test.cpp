@@ -230,7 +230,7 @@ TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
   EXPECT_THAT(validate(robot, known, heights, limits).reasons,
               ElementsAre(HasSubstr("heights alone were read"), HasSubstr("no points were read")));
   EXPECT_THAT(validate(robot, known, distances, limits).reasons, ElementsAre(HasSubstr("no points were read")));
-  const Validation kept = validate(robot, known, distances, {.limits = {.distance = 0.5}});
+  const Validation kept = validate(robot, known, distances, {.scale_std = 0.0, .limits = {.distance = 0.5}});
   EXPECT_TRUE(kept.accepted);
   EXPECT_EQ(kept.checks[0].uncertainty, 2.0 * NoiseModel{}.distance);
   const ValidationOptions tight{.limits = {.distance = 0.15}};

@@ -1,5 +1,7 @@
 // How well a validation knows what was measured: what is stated, what repeated visits show, or neither.
 
+#include "calibration/visits.hpp"
+
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -40,7 +42,8 @@ class Visits : public testing::Test {
     }
   }
 
-  ValidationOptions options{.frame = Frame::robot,
+  ValidationOptions options{.scale_std = 0.0,
+                            .frame = Frame::robot,
                             .rotation_zero = RotationZero::known,
                             .limits = {.distance = 10.0, .volumetric = 10.0, .rotation = 1.0}};
   Validation checked() const { return validate(robot, {}, measurements, options); }
@@ -50,6 +53,21 @@ class Visits : public testing::Test {
   Eigen::Vector3d home = robot.workspace().centre();
   Measurements measurements{.series = {{"hand", {}}}};
 };
+
+/// Numbers of the tables of Student, chi-square and Fisher; Welch and Satterthwaite by hand.
+TEST(Uncertainty, OfAllAndOfSeveralParts) {
+  const detail::Uncertainty known{0.5}, told{0.5, 12.0};
+  EXPECT_NEAR(known.expanded_of_all(1, 1.0), 0.5 * 2.0, 1e-3);
+  EXPECT_NEAR(told.expanded_of_all(1, 1.0), 0.5 * kAt12, 0.005);
+  EXPECT_NEAR(known.expanded_of_all(1, 3.0), 0.5 * std::sqrt(8.02), 2e-3);
+  EXPECT_NEAR(known.expanded_of_all(20, 1.0), 0.5 * 3.0451, 1e-3);
+  EXPECT_NEAR(told.expanded_of_all(20, 1.0), 0.5 * 3.846, 2e-3);
+  EXPECT_EQ(known.expanded_of_all(0, 3.0), 0.0);
+  EXPECT_NEAR(told.with(0.5).standard, 0.5 * std::sqrt(2.0), 1e-15);
+  EXPECT_NEAR(told.with(0.5).dof, 4.0 * 12.0, 1e-9);
+  EXPECT_NEAR(told.with(0.0).dof, 12.0, 1e-12);
+  EXPECT_TRUE(std::isinf(detail::Uncertainty{0.0, 12.0}.with(0.5).dof));
+}
 
 /// s^2 = sum of squares / (n - 1) = 2 off^2; of the mean of two s / sqrt(2) = off.
 TEST_F(Visits, TellTheNoiseThatNobodyStates) {
@@ -179,7 +197,8 @@ TEST_P(VisitsLaw, ShowSmallErrorsOfABody) {
 TEST_P(VisitsLaw, OfABodyAreMissed) {
   const Measurements read =
       test::measure(robot, {}, fine_stations(robot, 9), 5, {.noise = 1e-3, .reads_orientation = true});
-  ValidationOptions options{.body = BodyPlace::plate, .limits = {.volumetric = 10.0, .rotation = 1.0}};
+  ValidationOptions options{
+      .scale_std = 0.0, .body = BodyPlace::plate, .limits = {.volumetric = 10.0, .rotation = 1.0}};
   const auto U = [&](std::size_t check) { return validate(robot, {}, read, options).checks.at(check).uncertainty; };
   EXPECT_NEAR(U(0), 2.0 * NoiseModel{}.body, 1e-12);
   EXPECT_NEAR(U(1), 2.0 * NoiseModel{}.rotation, 1e-12);

@@ -451,6 +451,7 @@ export interface LimitCheck {
   quantity: string;
   error: number;
   U: number;
+  at_least: number;
   k: number;
   limit: number;
   conformity: "conforming" | "not conforming" | "undecided";

@@ -61,8 +61,8 @@ std::string text_of(const Validation& validation) {
                    iso.max_AP, iso.max_RP, iso.max_AD, iso.max_RD);
   }
   for (const LimitCheck& check : validation.checks) {
-    fmt::format_to(out, "  {}: {:.4g}, U {:.2g} (k = {:.3g}), limit {:.4g}: {}\n", check.quantity, check.error,
-                   check.uncertainty, check.coverage, check.limit, name(check.conformity));
+    fmt::format_to(out, "  {}: {:.4g}, U {:.2g} (k = {:.3g}), at least {:.2g}, limit {:.4g}: {}\n", check.quantity,
+                   check.error, check.uncertainty, check.coverage, check.at_least, check.limit, name(check.conformity));
   }
   return text;
 }

@@ -30,15 +30,23 @@ struct Iso9283 {
 
 enum class Conformity : std::uint8_t {
   conforming,      ///< error + U <= limit: proven within  [iso14253-1]
-  not_conforming,  ///< error - U > limit: proven beyond
+  not_conforming,  ///< at least so large that the limit is broken: proven beyond
   undecided,       ///< the measurement is too uncertain to prove either
 };
 
 /// One largest error against its limit, with the expanded uncertainty U of its measurement: about 95 %. Its coverage
 /// factor is 2 where the noise is stated, Student's where repeated visits tell it  [gum, G.4].
+///
+/// The largest of n errors t_i that are read as x_i is, with 95 % either,
+///
+///   max |t_i| <= max |x_i| + U,    max |t_i| >= max |x_i| - V,    P(|x_i - t_i| <= V for all i) >= 95 %
+///
+/// since the noise lifts some of many errors; V by the Gaussian correlation inequality  [royen2014] from the
+/// distribution of one: normal, or of three coordinates chi-square, or Student's and Fisher's.
 struct LimitCheck {
   std::string quantity;
   double error = 0.0, uncertainty = 0.0;  ///< mm or rad
+  double at_least = 0.0;                  ///< max |x_i| - V, or 0
   double coverage = 2.0;                  ///< the factor in `uncertainty`
   double limit = 0.0;                     ///< mm or rad
   Conformity conformity = Conformity::undecided;
