@@ -204,6 +204,11 @@ std::string GcodeParameters::name_of(std::string_view text) const {
   return ExpressionReader(written, *this).name();
 }
 
+bool GcodeParameters::is_of_controller(std::string_view text) const {
+  const std::string name = name_of(text);
+  return name.starts_with("<_") || (!name.empty() && name.front() != '<' && std::stoi(name) >= kFirstOfController);
+}
+
 bool GcodeParameters::is_local(const std::string& name) {
   if (name.starts_with('<')) return !name.starts_with("<_");
   return std::stoi(name) <= kLastLocal;

@@ -24,6 +24,10 @@ class GcodeParameters {
   /// @returns whether the controller's own parameters are assigned: where program coordinates lie may change.
   bool apply(GcodeBlock& block);
 
+  /// #5000 and on, #<_...>: what the program does not assign the controller does.
+  /// @param text  #1 or #<name>.
+  bool is_of_controller(std::string_view text) const;
+
   void forget() { known_.clear(); }
 
   /// A subprogram begins: #1, #2, ... hold its arguments, named parameters without underscore are unknown.

@@ -13,14 +13,9 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kUnknownValue = "subprograms, jumps and loops: a value here is not known";
 constexpr std::string_view kUnknownCondition = "subprograms, jumps and loops: a condition here is not known";
-constexpr std::string_view kControllers =
-    "subprograms, jumps and loops: a parameter of the controller is assigned here";
 constexpr std::string_view kNoSub = "subprograms, jumps and loops: no such subprogram in this file";
 constexpr std::string_view kNoEnd = "subprograms, jumps and loops: this one has no end";
-constexpr std::string_view kRestored = "subprograms, jumps and loops: modes that a subprogram's end restores (M73)";
-constexpr std::string_view kNotUnderstood = "subprograms, jumps and loops: a line that is not understood";
 constexpr std::string_view kTooLong = "subprograms, jumps and loops: more than a million lines are carried out";
 constexpr std::string_view kTooDeep = "subprograms, jumps and loops: more than 50 within each other";
 
@@ -39,23 +34,7 @@ std::string_view brackets_at(std::string_view text) {
   return {};
 }
 
-/// With words it is RepRap's, and says how far a print is.
-bool restores_modes(const GcodeBlock& block) {
-  const auto is_bare = [&](const GcodeWord& word) {
-    return word.letter == 'M' && word.is_number() && word.value == 73.0 && !block.has_letter("PRCD");
-  };
-  return std::ranges::any_of(block.words, is_bare);
-}
-
 bool is_end_of_words(std::string_view text) { return text.empty() || text.starts_with('(') || text.starts_with(';'); }
-
-/// A number as G-code takes it: no exponent.
-std::string written(double value) {
-  std::string text = fmt::format("{:.8f}", value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.ends_with('.')) text.pop_back();
-  return text == "-0" ? "0" : text;
-}
 
 }  // namespace
 
@@ -173,39 +152,6 @@ std::size_t GcodeFlow::find(std::size_t from, const std::string& label, std::ini
 std::optional<double> GcodeFlow::condition(std::string_view text) const {
   const std::string_view brackets = brackets_at(text);
   return brackets.empty() ? std::nullopt : parameters_.value(brackets);
-}
-
-/// A line that stands for itself: with values for its parameters, and without what it assigns to them.
-GcodeFlow::End GcodeFlow::take_line(std::size_t at) {
-  const std::string_view line = lines_[at], content = without_end(line);
-  GcodeBlock block;
-  block.parse(content);
-  if (block.kind == GcodeBlock::Kind::malformed || (block.is_optional && !block.words.empty())) {
-    return fail(at, kNotUnderstood);
-  }
-  if (restores_modes(block)) return fail(at, kRestored);
-  const std::vector<GcodeWord> as_written = block.words;
-  const auto assignments = block.assignments;
-  if (parameters_.apply(block)) return fail(at, kControllers);
-  std::string text;
-  std::size_t copied = 0;
-  for (std::size_t k = 0; k < as_written.size(); ++k) {
-    if (as_written[k].kind != GcodeWord::Kind::expression) continue;
-    if (!block.words[k].is_number()) return fail(at, kUnknownValue);
-    text.append(content, copied, as_written[k].begin - copied).append(written(block.words[k].value));
-    copied = as_written[k].end;
-  }
-  text.append(content, copied, content.size() - copied);
-  // What is assigned counts here alone, and stands between words only in programs that nobody can read.
-  if (!assignments.empty()) {
-    if (!as_written.empty()) return fail(at, kNotUnderstood);
-    text.clear();
-  }
-  into_->push_back({first_ + static_cast<std::int64_t>(at), text + std::string(line.substr(content.size()))});
-  const auto ends = [](const GcodeWord& word) {
-    return word.letter == 'M' && word.is_number() && (word.value == 2.0 || word.value == 30.0);
-  };
-  return std::ranges::any_of(block.words, ends) ? End::program : End::normal;
 }
 
 GcodeFlow::End GcodeFlow::take_if(std::size_t& at, int depth) {

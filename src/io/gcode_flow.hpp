@@ -65,12 +65,18 @@ class GcodeFlow {
     std::string_view rest = {};
   };
 
+  static constexpr std::string_view kUnknownValue = "subprograms, jumps and loops: a value here is not known";
+  static constexpr std::string_view kNotUnderstood = "subprograms, jumps and loops: a line that is not understood";
   static const std::array<std::pair<std::string_view, Word>, 15> kWords;
 
   static Flow flow_of(std::string_view line);
   End run(std::size_t from, std::size_t to, int depth);
   End take(std::size_t& at, std::size_t to, int depth);
   End take_line(std::size_t at);
+  End state_shown(std::size_t at);
+  /// Behind what is carried out, with the end of the line that it comes from.
+  /// @param otherwise  its end where that line, the file's last, has none.
+  void put(std::size_t at, std::string text, std::string_view otherwise = "");
   End take_if(std::size_t& at, int depth);
   End take_while(std::size_t& at, bool asks_first, int depth);
   End take_repeat(std::size_t& at, int depth);

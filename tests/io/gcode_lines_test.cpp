@@ -337,6 +337,7 @@ TEST_F(GcodeLines, FlowThatHangsOnWhatIsNotKnownIsLeft) {
                           {"o1 do\n#3 = #99\no1 while [#3]\n", 4, "a condition here"},
                           {"o1 call [#9]\no1 sub\no1 endsub\n", 2, "a value here"},
                           {"o1 repeat [2]\nG1 X#9\no1 endrepeat\n", 3, "a value here"},
+                          {"o1 repeat [1]\n(debug, #9)\no1 endrepeat\n", 3, "a value here"},
                           {"o<other_file> call\n", 2, "no such subprogram"},
                           {"o1 while [1]\nG1 X5\n", 2, "no end"},
                           {"o1 sub\nG1 X5\n", 2, "no end"},
@@ -381,6 +382,28 @@ TEST_F(GcodeLines, FlowIsCarriedOut) {
   EXPECT_EQ(known.text, "#3 = 4\nG0 X0 Y0 Z-900\n(before)\n\nG1 X5 F500 (step)\n\nG1 X6 F600 (step)\nM2\n");
   EXPECT_EQ(known.summary.lines, 9);
   EXPECT_THAT(known.summary.assumed, ElementsAre(HasSubstr("O words")));
+}
+
+/// Comments stay where what they stand beside does not; those that show values show the same.
+TEST_F(GcodeLines, FlowKeepsCommentsAndWhatTheyShow) {
+  const std::string start = "G21 G90 G17\nG0 X0 Y0 Z-900\n";
+  const auto carried_out = [&](const std::string& body) {
+    const Filtered result = filtered_gcode(start + "o1 repeat [1]\n" + body + "\no1 endrepeat\nM2\n", none);
+    EXPECT_TRUE(result.summary.complete()) << body;
+    return result.text.substr(start.size(), result.text.rfind("\nM2") - start.size());
+  };
+  EXPECT_EQ(carried_out("#3=4 (MSG, a) ; b"), "(MSG, a) ; b");
+  EXPECT_EQ(carried_out("#3=4\n(PRINT, #3 of #3)"), "\n#3=4\n(PRINT, #3 of #3)");
+  EXPECT_EQ(carried_out("#<_x>=0.5\n( Log, #<_x>)"), "\n#<_x>=0.5\n( Log, #<_x>)");
+  EXPECT_EQ(carried_out("#3=4 (debug, #3)"), "#3=4\n(debug, #3)");
+  EXPECT_EQ(carried_out("(debug, #5420 and #<_task>)"), "(debug, #5420 and #<_task>)");  // the controller's
+  // Nobody shows these.
+  for (const char* comment :
+       {"(#3)", "(debug #3)", "(debug , #3)", "(debug, #3) (last)", "; debug, #3", "(debug, # 3)"}) {
+    EXPECT_EQ(carried_out(std::string("#3=4\n") + comment), std::string("\n") + comment);
+  }
+  const Filtered ends = filtered_gcode(start + "o1 repeat [1]\n#3=4\no1 endrepeat\n(debug, #3)", none);
+  EXPECT_EQ(ends.text, start + "\n#3=4\n(debug, #3)");
 }
 
 /// LinuxCNC's words for values, each beside what it is.
