@@ -7,81 +7,155 @@
 #include <set>
 #include <utility>
 
+#include "json_node.hpp"
 #include "names.hpp"
-#include "paracal/error.hpp"
-#include "paracal/io/json.hpp"
+#include "paracal/units.hpp"
 #include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {
 
-/// One entry of a calibration's "parameters"; calls refuse(complaint) for anything else.
-ParameterEstimate read_parameter(const Json& parameter, const Robot& robot, const auto& refuse) {
-  const auto source = source_named(parameter.at("name").get<std::string>(), robot.actuator());
-  const Json &limb = parameter.at("limb"), &value = parameter.at("value"), &unit = parameter.at("unit");
+/// An error that the calibration holds, and whether it was sought.
+struct ReadParameter {
+  ParameterEstimate estimate;  ///< limb, source, value, std
+  bool is_sought = true;
+};
+
+/// What a status says of how a value came about; a file that somebody wrote by hand need not say.
+bool is_sought(const JsonNode& parameter) {
+  const auto status = parameter.find("status");
+  if (!status) return true;
+  const std::string text = status->text();
+  if (text != "identified" && text != "prior" && text != "fixed") {
+    status->refuse_as("\"identified\", \"prior\" or \"fixed\"");
+  }
+  return text != "fixed";
+}
+
+/// One entry of a calibration's "parameters".
+ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
+  const Actuator actuator = robot.actuator();
+  const auto source = source_named(parameter.at("name").text(), actuator);
+  const Json& limb = parameter.at("limb").json();
   const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
   if (!source || !known_limb) {
-    refuse(fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.dump()));
+    parameter.refuse(
+        fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.json().dump()));
   }
-  const std::string_view expected_unit = file_unit(*source, robot.actuator());
-  if (unit != expected_unit || !value.is_number() || !std::isfinite(value.get<double>())) {
-    refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source, robot.actuator()),
-                       value.dump(), unit.dump()));
+  const JsonNode value = parameter.at("value"), unit = parameter.at("unit");
+  const std::string_view expected_unit = file_unit(*source, actuator);
+  if (unit.json() != expected_unit || !value.json().is_number()) {
+    value.refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source, actuator),
+                             value.json().dump(), unit.json().dump()));
   }
-  return {.limb = limb.get<std::size_t>() - 1,
-          .source = *source,
-          .value = from_file_unit(paracal::unit(*source, robot.actuator()), value.get<double>())};
+  const Unit inside = paracal::unit(*source, actuator);
+  ParameterEstimate estimate{
+      .limb = limb.get<std::size_t>() - 1, .source = *source, .value = from_file_unit(inside, value.number())};
+  if (const auto std = parameter.find("std")) estimate.std = from_file_unit(inside, std->number_not_negative());
+  return {estimate, is_sought(parameter)};
 }
 
-Eigen::MatrixXd read_covariance(const Json& rows, const std::vector<ParameterEstimate>& parameters, Actuator actuator,
-                                const auto& refuse) {
-  if (rows.is_null()) return {};
-  const auto n = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd covariance(n, n);
-  if (rows.size() != parameters.size()) refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].size() != rows.size()) refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          rows[i][k].get<double>() / file_factor(parameters[i].source, actuator) /
-          file_factor(parameters[k].source, actuator);
+/// Every source error once, within what a part can be off.
+void read_parameters(const JsonNode& entries, const Robot& robot, CalibratedMachine& machine) {
+  std::set<std::pair<std::size_t, Source>> seen;
+  for (const JsonNode& entry : entries.entries()) {
+    const auto [estimate, is_sought] = read_parameter(entry, robot);
+    if (!seen.insert({estimate.limb, estimate.source}).second) {
+      entry.refuse(fmt::format("expected every source error once, got {} of limb {} again",
+                               name(estimate.source, robot.actuator()), estimate.limb + 1));
     }
+    machine.errors(estimate.limb, estimate.source) = estimate.value;
+    if (is_sought) machine.parameters.push_back(estimate);
   }
-  return covariance;
-}
-
-/// A file that somebody wrote by hand need not say what it is.
-void require_format(const Json& json, const auto& refuse) {
-  const Json format = json.value("format", Json(kCalibrationFormat));
-  if (format == kCalibrationFormat) return;
-  refuse(fmt::format("expected the format \"{}\", got {}", kCalibrationFormat, format.dump()));
+  if (const auto complaint = implausible(robot, machine.errors)) entries.refuse(*complaint);
 }
 
 /// Of sought errors none is known exactly, and no combination of them better than that.
-void require_covariance(const Eigen::MatrixXd& covariance, const char* key, const auto& refuse) {
+void require_covariance(const Eigen::MatrixXd& covariance, const JsonNode& node, const char* key) {
   constexpr double kRounding = 1e-6;  // of correlations
-  if (covariance.size() == 0) return;
   const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd inverse = (std.array() > 0.0).select(std.cwiseInverse(), 0.0);
   const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance * inverse.asDiagonal();
-  const bool is_finite = covariance.allFinite();
-  if (!is_finite || covariance.diagonal().minCoeff() < 0.0 || covariance.diagonal().maxCoeff() <= 0.0) {
-    refuse(fmt::format("expected variances above 0 in {}, got others", key));
+  if (covariance.diagonal().minCoeff() < 0.0 || covariance.diagonal().maxCoeff() <= 0.0) {
+    node.refuse(fmt::format("expected variances above 0 in {}, got others", key));
   }
   if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kRounding) {
-    refuse(fmt::format("expected a symmetric {}, got one that is not", key));
+    node.refuse(fmt::format("expected a symmetric {}, got one that is not", key));
   }
   const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues().minCoeff();
   const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
   if (least < -kRounding || hidden > 0.0) {
-    refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));
+    node.refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));
+  }
+}
+
+/// mm and rad; nothing where none was stated.
+Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
+                                const std::vector<ParameterEstimate>& parameters, Actuator actuator) {
+  const auto node = calibration.find(key);
+  if (!node) return {};
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  Eigen::MatrixXd covariance(n, n);
+  const std::vector<JsonNode> rows = node->entries();
+  if (rows.size() != parameters.size()) {
+    node->refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::vector<JsonNode> row = rows[i].entries();
+    if (row.size() != rows.size()) {
+      rows[i].refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
+    }
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          row[k].number() / file_factor(parameters[i].source, actuator) / file_factor(parameters[k].source, actuator);
+    }
+  }
+  if (n > 0) require_covariance(covariance, *node, key);
+  return covariance;
+}
+
+/// Who changes one of two numbers that say the same has changed neither.
+void require_stated_stds(const CalibratedMachine& machine, Actuator actuator, const JsonNode& node) {
+  constexpr double kRounding = 0.01;  // of what somebody wrote by hand
+  if (machine.covariance.size() == 0) return;
+  for (std::size_t k = 0; k < machine.parameters.size(); ++k) {
+    const ParameterEstimate& one = machine.parameters[k];
+    const auto at = static_cast<Eigen::Index>(k);
+    const double expected = std::sqrt(machine.covariance(at, at));
+    if (!one.std || std::abs(*one.std - expected) <= kRounding * expected) continue;
+    const Unit unit = paracal::unit(one.source, actuator);
+    node.refuse(fmt::format("expected {:.4g} {} as std of {} of limb {}, which the covariance has, got {:.4g}",
+                            to_file_unit(unit, expected), file_unit(unit), name(one.source, actuator), one.limb + 1,
+                            to_file_unit(unit, *one.std)));
+  }
+}
+
+/// A file that somebody wrote by hand need not say what it is.
+void require_format(const JsonNode& calibration) {
+  const auto format = calibration.find("format");
+  if (!format || format->json() == kCalibrationFormat) return;
+  format->refuse(fmt::format("expected the format \"{}\", got {}", kCalibrationFormat, format->json().dump()));
+}
+
+/// `accepted` and `verdict` say the same; the latter may be left out by hand.
+void require_accepted(const JsonNode& calibration) {
+  const JsonNode accepted = calibration.at("accepted");
+  const auto verdict = calibration.find("verdict");
+  const std::string yes(name(Verdict::accepted)), text = verdict ? verdict->text() : yes;
+  if (!accepted.flag()) {
+    accepted.refuse(verdict ? fmt::format("expected an accepted calibration, got one whose verdict is: {}", text)
+                            : "expected an accepted calibration, got one that is not");
+  }
+  if (text != yes) {
+    verdict->refuse(
+        fmt::format("expected the verdict \"{}\" of a calibration that is accepted, got \"{}\"", yes, text));
   }
 }
 
 /// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
-void require_same_robot(const Json& calibrated, const Robot& robot, const auto& refuse) {
-  const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated);
-  if (found) refuse(fmt::format("expected a calibration of the robot with {}", *found));
+void require_same_robot(const JsonNode& calibrated, const Robot& robot) {
+  const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated.json());
+  if (found) calibrated.refuse(fmt::format("expected a calibration of the robot with {}", *found));
 }
 
 }  // namespace
@@ -95,46 +169,29 @@ KnownErrors CalibratedMachine::known() const {
 }
 
 CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
-  const auto refuse = [&](const std::string& complaint) { throw InputFileError(file.name, 0, complaint); };
+  const Json json = parse_json(file);
+  const JsonNode calibration(file, json, "a calibration");
+  const Actuator actuator = robot.actuator();
   CalibratedMachine machine;
-  try {
-    const Json json = parse_json(file);
-    require_format(json, refuse);
-    require_same_robot(json.at("robot"), robot, [&](const std::string& complaint) {
-      throw InputFileError(file.name, line_of_key(file.text, "robot"), complaint);
-    });
-    if (!json.at("accepted").get<bool>()) {
-      refuse(fmt::format("expected an accepted calibration, got one whose verdict is: {}",
-                         json.at("verdict").get<std::string>()));
+  require_format(calibration);
+  require_same_robot(calibration.object_at("robot"), robot);
+  require_accepted(calibration);
+  if (const auto inputs = calibration.find("inputs")) {
+    for (const JsonNode& input : inputs->entries()) {
+      machine.inputs.push_back({input.at("file").text(), input.at("sha256").text()});
     }
-    for (const Json& input : json.value("inputs", Json::array())) {
-      machine.inputs.push_back({input.at("file"), input.at("sha256")});
-    }
-    std::set<std::pair<std::size_t, Source>> seen;
-    for (const Json& entry : json.at("parameters")) {
-      const ParameterEstimate parameter = read_parameter(entry, robot, refuse);
-      if (!seen.insert({parameter.limb, parameter.source}).second) {
-        refuse(fmt::format("expected every source error once, got {} of limb {} again",
-                           name(parameter.source, robot.actuator()), parameter.limb + 1));
-      }
-      machine.errors(parameter.limb, parameter.source) = parameter.value;
-      if (entry.value("status", "") != "fixed") machine.parameters.push_back(parameter);
-    }
-    if (const auto complaint = implausible(robot, machine.errors)) refuse(*complaint);
-    const auto covariance_named = [&](const char* key) {
-      Eigen::MatrixXd covariance =
-          read_covariance(json.value(key, Json()), machine.parameters, robot.actuator(), refuse);
-      require_covariance(covariance, key, refuse);
-      return covariance;
-    };
-    machine.covariance = covariance_named("covariance");
-    machine.noise_covariance = covariance_named("covariance_of_noise");
-    if (const Json dof = json.value("noise_dof", Json()); dof.is_number()) machine.noise_dof = dof.get<double>();
-    const char* joint = joint_unit(robot.actuator()) == Unit::mm ? "joint_std_mm" : "joint_std_deg";
-    machine.joint_std = from_file_unit(joint_unit(robot.actuator()), json.value(joint, 0.0));
-  } catch (const Json::exception&) {
-    refuse("expected a calibration with its robot, verdict and parameters, got JSON without one of them");
   }
+  read_parameters(calibration.at("parameters"), robot, machine);
+  machine.covariance = read_covariance(calibration, "covariance", machine.parameters, actuator);
+  machine.noise_covariance = read_covariance(calibration, "covariance_of_noise", machine.parameters, actuator);
+  require_stated_stds(machine, actuator, calibration.at("parameters"));
+  if (const auto dof = calibration.find("noise_dof")) {
+    machine.noise_dof = dof->number();
+    if (machine.noise_dof <= 0.0) dof->refuse_as("a number above 0");
+  }
+  const Unit unit = joint_unit(actuator);
+  const auto joint = calibration.find(unit == Unit::mm ? "joint_std_mm" : "joint_std_deg");
+  if (joint) machine.joint_std = from_file_unit(unit, joint->number_not_negative());
   return machine;
 }
 

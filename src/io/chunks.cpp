@@ -144,7 +144,7 @@ class ChunkFolder {
   static Json or_null(std::string_view text) {
     try {
       return parse_shallow(text);
-    } catch (const Json::parse_error&) {
+    } catch (const Json::exception&) {
       return {};
     }
   }

@@ -79,6 +79,12 @@ Json parse_json(const TextFile& file) {
     throw InputFileError(file.name, error.id == kTooDeep ? 0 : line_at(file.text, error.byte),
                          error.id == kTooDeep ? fmt::format("expected at most {} levels of nesting, got more", kDeepest)
                                               : "expected JSON, got something else");
+  } catch (const Json::out_of_range& error) {  // of numbers; it says which in quotation marks, and not where
+    const std::string_view message = error.what();
+    const std::size_t from = message.find('\'') + 1;
+    const std::string_view number = message.substr(from, message.rfind('\'') - from);
+    throw InputFileError(file.name, line_at(file.text, file.text.find(number)),
+                         fmt::format("expected numbers below 1e309, got {}", number));
   }
 }
 

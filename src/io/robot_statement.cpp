@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "columns.hpp"
+#include "json_node.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
@@ -140,24 +141,17 @@ std::optional<RobotStatement> robot_of_table(const TextFile& file) {
 }
 
 RobotStatement robot_of_calibration(const TextFile& file) {
-  const int line = line_of_key(file.text, "robot");
+  const Json json = parse_json(file);
+  const JsonNode robot = JsonNode(file, json, "a calibration").object_at("robot");
   try {
-    const Json json = parse_json(file);
-    return {.robot = robot_of(file.name, toml_of_object(json.at("robot"), 0)), .by = file.name, .line = line};
-  } catch (const Json::exception&) {
-    throw InputFileError(file.name, line, "expected a calibration (JSON) with its robot, got none");
+    return {.robot = robot_of(file.name, toml_of_object(robot.json(), 0)), .by = file.name, .line = robot.line()};
   } catch (const InvalidArgument& complaint) {
-    throw InputFileError(file.name, line, complaint.what());
+    robot.refuse(complaint.what());
   }
 }
 
 int line_at(std::string_view text, std::size_t byte) {
   return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
-}
-
-int line_of_key(std::string_view text, std::string_view key) {
-  const std::size_t at = text.find(fmt::format("\"{}\":", key));
-  return at == std::string_view::npos ? 0 : line_at(text, at);
 }
 
 std::optional<std::string> robot_difference(const Json& expected, const Json& got) {

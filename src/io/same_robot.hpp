@@ -16,7 +16,4 @@ std::optional<std::string> robot_difference(const Json& expected, const Json& go
 /// Line of a byte of a text, from 1.
 int line_at(std::string_view text, std::size_t byte);
 
-/// Line of the first such key in a JSON text, from 1; 0 where there is none.
-int line_of_key(std::string_view text, std::string_view key);
-
 }  // namespace paracal::io

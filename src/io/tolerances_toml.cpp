@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "names.hpp"
@@ -33,15 +34,19 @@ class ToleranceTable {
  private:
   std::string key(Source source) const { return file_key(source, actuator_); }
 
+  /// Of what a part can be off, in the unit of the file.
+  double limit(Source source) const { return to_file_unit(unit(source, actuator_), largest_error(geometry_, source)); }
+
   double half_width(Source source) {
     const toml::node* node = section_.find(key(source));
-    if (node != nullptr && node->is_string()) return drawn(source, *node);
-    const double value = section_.number_or(key(source), 0.0);
-    if (value < 0.0) {
-      section_.fail(*section_.find(key(source)), fmt::format("expected a half-width of at least 0 for {}, got {}",
-                                                             section_.key_path(key(source)), value));
+    if (node == nullptr) return 0.0;
+    const Unit inside = unit(source, actuator_);
+    const double value = node->is_string() ? to_file_unit(inside, drawn(source, *node)) : section_.number(key(source));
+    if (value < 0.0 || value >= limit(source)) {
+      section_.fail(*node, fmt::format("expected a half-width of at least 0 and below {:.4g} for {}, got {:g}",
+                                       limit(source), section_.key_path(key(source)), value));
     }
-    return from_file_unit(unit(source, actuator_), value);
+    return from_file_unit(inside, value);
   }
 
   /// What a drawing says.
@@ -71,6 +76,11 @@ class ToleranceTable {
     for (const Source source : sources_of(actuator_)) {
       if (measured->find(key(source)) == nullptr) continue;
       for (const double value : measured->numbers(key(source))) {
+        if (std::abs(value) >= limit(source)) {
+          section_.fail(*measured->find(key(source)),
+                        fmt::format("expected {} within {:.4g}, got {:g}", measured->key_path(key(source)),
+                                    limit(source), value));
+        }
         tolerances_.measured[index(source)].push_back(from_file_unit(unit(source, actuator_), value));
       }
     }

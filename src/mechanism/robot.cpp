@@ -132,13 +132,12 @@ void check_reach(const Machine& machine, const Workspace& workspace) {
   }
 }
 
-void check_tolerances(const Tolerances& tolerances, Actuator actuator) {
-  for (const Source source : sources_of(actuator)) {
-    const double half_width = tolerances[source];
-    if (!(half_width >= 0.0) || !std::isfinite(half_width)) {
-      throw InvalidArgument(fmt::format("tolerances.{}: expected a half-width of at least 0, got {}",
-                                        name(source, actuator), half_width));
-    }
+void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
+  for (const Source source : sources_of(geometry.actuator)) {
+    const double half_width = tolerances[source], limit = largest_error(geometry, source);
+    if (half_width >= 0.0 && half_width < limit) continue;
+    throw InvalidArgument(fmt::format("tolerances.{}: expected a half-width of at least 0 and below {:.4g}, got {}",
+                                      name(source, geometry.actuator), limit, half_width));
   }
 }
 
@@ -196,7 +195,7 @@ Machine checked_nominal(RobotDescription& description) {
   const bool six_freedoms = has_six_freedoms(description.geometry.actuator);
   check_parts(description);
   check_workspace(description.workspace, description.slide.has_value(), six_freedoms);
-  if (description.tolerances) check_tolerances(*description.tolerances, description.geometry.actuator);
+  if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
   check_intended(description);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   Machine nominal = build(description, SourceErrors{});
@@ -206,12 +205,10 @@ Machine checked_nominal(RobotDescription& description) {
 }
 
 std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& errors, std::size_t limb) {
-  const Geometry& geometry = robot.geometry();
-  const double size = geometry.base_radius + geometry.arm + geometry.rod;
   for (const Source source : sources_of(robot.actuator())) {
     const double value = errors(limb, source);
     const Unit inside = unit(source, robot.actuator());
-    const double limit = inside == Unit::rad ? std::numbers::pi : size;
+    const double limit = largest_error(robot.geometry(), source);
     if (std::abs(value) < limit) continue;
     return fmt::format("expected {} of limb {} within {:g} {}, got {:g}", name(source, robot.actuator()), limb + 1,
                        to_file_unit(inside, limit), file_unit(inside), to_file_unit(inside, value));
@@ -223,6 +220,12 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
 
 Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
+
+double largest_error(const Geometry& geometry, Source source) {
+  if (unit(source, geometry.actuator) == Unit::rad) return std::numbers::pi;
+  return std::abs(geometry.base_radius) + std::abs(geometry.arm) +
+         std::abs(geometry.rod);  // before they are checked, too
+}
 
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {

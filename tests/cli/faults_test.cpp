@@ -369,7 +369,7 @@ TEST_F(Faults, CalibrationsThatCannotBeAreRefused) {
             "variances above 0"}}) {
     const ProgramResult result = spoilt(one.change);
     EXPECT_EQ(result.exit_code, kBadInputFile) << one.message;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("spoilt.json: "), HasSubstr(one.message)));
+    EXPECT_THAT(result.err, AllOf(HasSubstr("spoilt.json:1: "), HasSubstr(one.message)));
   }
   folder.write("short.toml", "[[limb]]\narm_length_mm = -400\n[[limb]]\n[[limb]]\n[[limb]]\n");
   const ProgramResult toml = folder.run("inverse --poses plan.csv --errors short.toml");

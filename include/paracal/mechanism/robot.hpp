@@ -101,6 +101,10 @@ class Robot {
   Machine nominal_;
 };
 
+/// No part can be off by as much: half a turn, or the size of the robot (base radius, arm and rod end to end), rad or
+/// mm.
+double largest_error(const Geometry& geometry, Source source);
+
 /// Why there can be no such machine: a length that is not above zero, an angle off by half a turn, a place off by more
 /// than the robot is large. Empty where there can.
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors);

@@ -1,0 +1,139 @@
+#include "json_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "paracal/error.hpp"
+#include "same_robot.hpp"
+
+namespace paracal::io {
+namespace {
+
+/// Reads a text until it has passed a place. Of keys that stand twice the last counts, as it does for who parses.
+class PlaceFinder final : public nlohmann::json_sax<Json> {
+ public:
+  PlaceFinder(const std::string& text, const std::vector<std::string>& path) : text_(text), path_(path) {
+    Json::sax_parse(text_, this);
+  }
+  /// Of the first character of the value, or near it in its line.
+  std::size_t byte() const { return byte_; }
+
+  bool null() override { return value(); }
+  bool boolean(bool /*value*/) override { return value(); }
+  bool number_integer(number_integer_t /*value*/) override { return value(); }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return value(); }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return value(); }
+  bool string(string_t& /*value*/) override { return value(); }
+  bool binary(binary_t& /*value*/) override { return value(); }
+  bool start_object(std::size_t /*count*/) override { return open(false); }
+  bool start_array(std::size_t /*count*/) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& key) override {
+    levels_.back().place = key;
+    return true;
+  }
+  bool parse_error(std::size_t /*byte*/, const std::string& /*token*/, const Json::exception& /*error*/) override {
+    return false;
+  }
+
+ private:
+  struct Level {
+    bool is_array = false;
+    std::size_t next = 0;
+    std::string place = {};
+  };
+
+  bool value() {
+    if (!levels_.empty() && levels_.back().is_array) levels_.back().place = std::to_string(levels_.back().next++);
+    const bool is_it = std::ranges::equal(levels_, path_, {}, &Level::place);
+    // The character before last belongs to the value or stands before it: behind a number one more was read.
+    if (is_it) byte_ = static_cast<std::size_t>(text_.rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in)) - 1;
+    return true;
+  }
+  bool open(bool is_array) {
+    value();
+    levels_.push_back({.is_array = is_array});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+
+  std::istringstream text_;
+  const std::vector<std::string>& path_;
+  std::vector<Level> levels_;
+  std::size_t byte_ = 0;
+};
+
+}  // namespace
+
+JsonNode::JsonNode(const TextFile& file, const Json& value, std::string what)
+    : file_(&file), value_(&value), what_(std::move(what)) {}
+
+JsonNode JsonNode::child(std::string key, const Json& value, std::string what) const {
+  JsonNode child(*file_, value, std::move(what));
+  child.path_ = path_;
+  child.path_.push_back(std::move(key));
+  return child;
+}
+
+int JsonNode::line() const { return line_at(file_->text, PlaceFinder(file_->text, path_).byte()); }
+
+JsonNode JsonNode::at(const char* key) const {
+  if (!value_->is_object()) refuse_as(fmt::format("an object with \"{}\"", key));
+  if (!value_->contains(key)) refuse(fmt::format("expected {} with \"{}\", got none", what_, key));
+  return child(key, value_->at(key), key);
+}
+
+JsonNode JsonNode::object_at(const char* key) const {
+  JsonNode object = at(key);
+  if (!object.json().is_object()) object.refuse_as("an object");
+  return object;
+}
+
+std::optional<JsonNode> JsonNode::find(const char* key) const {
+  if (!value_->is_object() || !value_->contains(key) || value_->at(key).is_null()) return std::nullopt;
+  return at(key);
+}
+
+std::vector<JsonNode> JsonNode::entries() const {
+  if (!value_->is_array()) refuse_as("an array");
+  std::vector<JsonNode> all;
+  for (std::size_t k = 0; k < value_->size(); ++k) {
+    all.push_back(child(std::to_string(k), value_->at(k), fmt::format("entry {} of {}", k + 1, what_)));
+  }
+  return all;
+}
+
+double JsonNode::number() const {
+  if (!value_->is_number() || !std::isfinite(value_->get<double>())) refuse_as("a number");
+  return value_->get<double>();
+}
+
+double JsonNode::number_not_negative() const {
+  if (number() < 0.0) refuse_as("a number that is not negative");
+  return number();
+}
+
+std::string JsonNode::text() const {
+  if (!value_->is_string()) refuse_as("a text");
+  return value_->get<std::string>();
+}
+
+bool JsonNode::flag() const {
+  if (!value_->is_boolean()) refuse_as("true or false");
+  return value_->get<bool>();
+}
+
+void JsonNode::refuse(const std::string& complaint) const { throw InputFileError(file_->name, line(), complaint); }
+
+void JsonNode::refuse_as(std::string_view expected) const {
+  refuse(fmt::format("{}: expected {}, got {}", what_, expected, value_->dump()));
+}
+
+}  // namespace paracal::io
