@@ -38,6 +38,29 @@ class Hexapod : public testing::Test {
   TemporaryFolder folder;
 };
 
+/// Where a plate is tilted far, the nominal robot takes no pose with the joints of a machine that is off by 6 mm:
+/// joints are what was asked.
+TEST(SixFreedoms, JointsAreCorrectedWhereNoTargetHasThem) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& command) { return folder.run(words(command)); };
+  ASSERT_EQ(run("robot --template hexapod --out r.toml").exit_code, kDone);
+  std::string robot = folder.read("r.toml");
+  robot.replace(robot.find("\nradius_mm = "), std::string("\nradius_mm = 80").size(), "\nradius_mm = 120");
+  robot.replace(robot.find("\ntilt_deg = "), std::string("\ntilt_deg = 15").size(), "\ntilt_deg = 30");
+  folder.write("r.toml", robot);
+  folder.write("e.toml", "[[limb]]\nzero_mm = -6\n[[limb]]\n[[limb]]\n[[limb]]\n[[limb]]\n[[limb]]\n");
+  folder.write("p.csv", "pose,x_mm,y_mm,z_mm,tilt_x_deg,tilt_y_deg,tilt_z_deg\na,-99.71,-66.7677,450,-30,30,-30\n");
+  const std::string how = " --robot r.toml --errors e.toml --poses p.csv";
+  const ProgramResult corrected = run("compensate" + how), exact = run("inverse" + how);
+  ASSERT_EQ(corrected.exit_code, kDone) << corrected.err;
+  EXPECT_THAT(corrected.out, HasSubstr(exact.out.substr(exact.out.find("\na,"))));
+  const ProgramResult targets = run("compensate --targets" + how);
+  EXPECT_EQ(targets.exit_code, kMathematicsSaysNo);
+  EXPECT_THAT(targets.err, HasSubstr("no target of the nominal robot"));
+  const json found = json::parse(run("compensate --json" + how).out);
+  EXPECT_TRUE(found.at("targets")[0].is_null());
+}
+
 TEST_F(Hexapod, CorrectedJointsBringTheMachineToThePose) {
   ASSERT_EQ(run("compensate --robot h.toml --errors t.toml --poses p.csv --out j.csv").exit_code, kDone);
   const json wanted = json_from("inverse --robot h.toml --poses p.csv --errors t.toml");

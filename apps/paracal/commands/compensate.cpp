@@ -60,7 +60,7 @@ io::Json uncertainty_json(const std::optional<StatedU>& stated) {
 io::Json json_of(const Compensated& row, const Robot& robot) {
   const auto& [status, joints, target, tilt, uncertainty] = row.corrected;
   io::Json json = joints_json({row.name, joints}, robot.actuator());
-  json["target"] = io::to_json(*target, robot.has_six_freedoms());
+  json["target"] = target ? io::to_json(*target, robot.has_six_freedoms()) : io::Json(nullptr);
   json["remaining_tilt"] = {{"tilt_x_rad", tilt.eps_x}, {"tilt_y_rad", tilt.eps_y}};
   json["uncertainty"] = uncertainty_json(uncertainty);
   return json;
@@ -110,11 +110,12 @@ PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& mach
   return pose_corrector(robot, machine.known(), kWays.at(way));
 }
 
-Compensated compensated(const PoseCorrector& corrector, const Station& station) {
+/// A target may be missing where nobody prints it by itself: some joints of a machine that is off are no nominal one's.
+Compensated compensated(const PoseCorrector& corrector, const Station& station, bool needs_target) {
   CorrectedPose found = corrector(station.commanded);
   if (found.status == CompensationStatus::unreachable) refuse(station, "out of reach of the machine");
   if (found.status != CompensationStatus::ok) refuse(station, "the machine is singular there");
-  if (!found.target) refuse(station, "no target of the nominal robot has the corrected joints");
+  if (needs_target && !found.target) refuse(station, "no target of the nominal robot has the corrected joints");
   return {station.name, std::move(found)};
 }
 
@@ -139,7 +140,7 @@ void run(const Options& options, Session& session) {
   LargestUncertainty largest;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
     if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
-    const Compensated row = compensated(corrector, station);
+    const Compensated row = compensated(corrector, station, options.targets);
     largest.add(row.corrected.uncertainty);
     rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });
   });
