@@ -233,6 +233,11 @@ TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
   const Validation kept = validate(robot, known, distances, {.scale_std = 0.0, .limits = {.distance = 0.5}});
   EXPECT_TRUE(kept.accepted);
   EXPECT_EQ(kept.checks[0].uncertainty, 2.0 * NoiseModel{}.distance);
+  // The instrument may count the longest longer or shorter, and all of them by as much.
+  const double longest = std::ranges::max(distances.distances, {}, &DistanceReading::distance).distance;
+  const ValidationOptions doubtful{.noise = {.distance_bias = 0.3}, .scale_std = 2e-4, .limits = {.distance = 2.0}};
+  EXPECT_NEAR(validate(robot, known, distances, doubtful).checks[0].uncertainty,
+              2.0 * std::hypot(NoiseModel{}.distance, 2e-4 * longest, 0.3), 1e-12);
   const ValidationOptions tight{.limits = {.distance = 0.15}};
   EXPECT_EQ(validate(robot, known, distances, tight).checks[0].conformity, Conformity::conforming);
   EXPECT_EQ(validate(robot, known, distances, {.limits = {.distance = 0.09}}).checks[0].conformity,
