@@ -118,6 +118,10 @@ TEST_P(AgreementLaw, AChangedMachineIsTold) {
       validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}), {.limits = {.distance = 50.0}});
   EXPECT_TRUE(limited.accepted);
   EXPECT_THAT(limited.notes, ElementsAre(HasSubstr("contradict the uncertainty that the calibration states")));
+  if (!robot.slide()) return;
+  const Validation turned = validate(robot, known, points(3, {.noise = kNoise, .repeats = 3, .reads_rotation = true}),
+                                     {.limits = {.rotation = 1.0}});
+  EXPECT_FALSE(turned.accepted) << "a limit on rotations says nothing of positions";
 }
 
 /// Joints that stand elsewhere at each pose contradict a calibration that knows of none, not one that states them.

@@ -135,7 +135,7 @@ TEST(Allocation, AGradeIsWhatItsToleranceIs) {
     const double tolerance = 1e-4 * (1.0 + 0.137 * k), price = 1.0 + 0.1 * k;
     AllocationProblem problem{.variables = {{{Source::alpha2}, curve(CostLaw::reciprocal, 1e-3, 1), 3e-5, 2e-3}},
                               .rest = *robot.tolerances(),
-                              .requirements = {{{Quantity::tilt}, 4e-3}}};
+                              .requirements = {{{Quantity::tilt}, 1.2e-3}}};
     problem.rest[Source::alpha03] = tolerance;
     const Allocation fixed = allocate(robot, problem);
     problem.variables.push_back({{Source::alpha03}, {.law = CostLaw::grades, .grades = {{"one", tolerance, price}}}});

@@ -12,6 +12,7 @@
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/tolerance/response.hpp"
 #include "support/robots.hpp"
+#include "tolerance/workspace_search.hpp"
 
 namespace paracal {
 namespace {
@@ -95,6 +96,19 @@ TEST(Sensitivity, TheWorstIsTheHighestTop) {
   const double there = spread_at(LinearModel(robot).rows(far, distance), tolerances, Spread::statistical);
   EXPECT_GT(there, 9.1);
   EXPECT_GE(worst_spread(robot, distance, tolerances, Spread::statistical).value, there * (1.0 - 1e-6));
+}
+
+/// A broad top that holds the grid's best points, and a higher one that is narrow and lies between its points.
+TEST(Sensitivity, StartsOfTheSearchAreApart) {
+  const Robot robot = catalogue::huang2016();
+  const Eigen::Vector3d broad(300.0, 0.0, -888.0), narrow(-396.7, 304.4, -1013.0);
+  const auto value = [&](const Pose& pose) {
+    return std::max(1.0 - std::pow((pose.position - broad).norm() / 300.0, 2),
+                    1.2 - std::pow((pose.position - narrow).norm() / 60.0, 2));
+  };
+  const ValueAtPose found = detail::largest_in_workspace(robot, value);
+  EXPECT_NEAR(found.value, 1.2, 1e-4);
+  EXPECT_LT((found.pose.position - narrow).norm(), 1.0);
 }
 
 /// The worst pose is refined from the grid that finds it: no step away from it, within the workspace, is worse.
