@@ -50,7 +50,7 @@ export const strings = {
     predicted: (u: string, unit: string) => `The calibrated model predicts it with U of up to ${u} ${unit} (95 %).`,
     rms: (before: string, after: string) => `Root mean square ${before} mm before, ${after} mm after.`,
     checked: (quantity: string) => `Against its limit: ${quantity}`,
-    check: (limit: string, unit: string, conformity: string) => `limit ${limit} ${unit}: ${conformity}`,
+    check: (least: string, most: string, limit: string, unit: string, conformity: string) => `${least} to ${most} ${unit} (95 %), limit ${limit}: ${conformity}`,
     largest: (quantity: string, criterion: string) => `Largest ${quantity} in the workspace, ${criterion}`,
     allocated: (limit: string) => `limit ${limit}`,
     iso: "ISO 9283 pose accuracy, uncompensated",

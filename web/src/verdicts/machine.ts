@@ -1,7 +1,7 @@
 // Is the machine good? A calibration and a validation.
 import type { Calibration, ErrorMap, ErrorMapPoint, ErrorSummary, Use, UseQuantity, Validation } from "../data";
 import { lengthsOf } from "../report";
-import { decimalsFor, digits, fixed, withUncertainty } from "../numbers";
+import { decimalsFor, digits, fixed } from "../numbers";
 import { strings } from "../strings";
 import { assumptions, card, from, unitOf, type Verdict } from "./card";
 
@@ -80,8 +80,9 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined, 
   const inUnit = (quantity: string, value: number) => (quantity.endsWith("rad") ? (value * 180) / Math.PI : value);
   const checks = validation.checks.map((check) => {
     const unit = check.quantity.endsWith("rad") ? "deg" : "mm";
-    const [error, u, limit] = [check.error, check.U, check.limit].map((value) => inUnit(check.quantity, value)) as [number, number, number];
-    return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [withUncertainty(error, u), unitOf(unit)], [text.check(digits(limit), unit, check.conformity)]);
+    const decimals = decimalsFor(inUnit(check.quantity, check.U));
+    const [error, least, most] = [check.error, check.at_least, check.error + check.U].map((value) => fixed(inUnit(check.quantity, value), decimals)) as [string, string, string];
+    return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [error, unitOf(unit)], [text.check(least, most, digits(inUnit(check.quantity, check.limit)), unit, check.conformity)]);
   });
   return {
     yes: validation.accepted,
