@@ -35,7 +35,7 @@ std::string source_text(const FailureShare& failures, const MonteCarlo& drawn) {
   }
   const std::string linear = fmt::format("{} machines drawn where limits break; drawn another way {:.3g}",
                                          failures.linear.machines, failures.check.value);
-  if (!failures.exact && is_exact) {
+  if (is_counted(failures, drawn)) {
     return fmt::format(
         "  counted: {} machines of the exact model; the linear one has a share of {} fail\n  ({}), but {}\n",
         drawn.machines, share_text(failures.linear), linear, failures.reason);
@@ -53,8 +53,7 @@ std::string source_text(const FailureShare& failures, const MonteCarlo& drawn) {
 
 std::string yield_text(const FailureShare& failures, const MonteCarlo& drawn, double confidence) {
   const Proportion share = yield(failures, drawn, confidence), defects = defects_per_million(share);
-  const bool is_counted = failures.status != FailureStatus::settled || (!failures.exact && drawn.model == Model::exact);
-  const double missing = is_counted ? 1.0 - share.value : failures.best().value;
+  const double missing = is_counted(failures, drawn) ? 1.0 - share.value : failures.best().value;
   const int digits = decimals(missing);
   return fmt::format("yield {:.{}f} % [{:.{}f}, {:.{}f}], {:.3g} defects per million [{:.3g}, {:.3g}]\n",
                      100.0 * share.value, digits, 100.0 * share.interval.low, digits, 100.0 * share.interval.high,

@@ -11,8 +11,7 @@
 
 #include "visits.hpp"
 
-namespace paracal {
-namespace detail {
+namespace paracal::detail {
 namespace {
 
 /// Of the least certain reading, mm.
@@ -219,18 +218,4 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
   validation.accepted = validation.reasons.empty();
 }
 
-}  // namespace detail
-
-std::string_view name(Conformity conformity) {
-  switch (conformity) {
-    case Conformity::conforming:
-      return "conforming";
-    case Conformity::not_conforming:
-      return "not conforming";
-    case Conformity::undecided:
-      return "undecided";
-  }
-  return "";
-}
-
-}  // namespace paracal
+}  // namespace paracal::detail

@@ -114,6 +114,18 @@ std::optional<ReflectorMount> likelier_mount(const Robot& robot, const KnownErro
 
 }  // namespace
 
+std::string_view name(Conformity conformity) {
+  switch (conformity) {
+    case Conformity::conforming:
+      return "conforming";
+    case Conformity::not_conforming:
+      return "not conforming";
+    case Conformity::undecided:
+      return "undecided";
+  }
+  return "";
+}
+
 Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                     const ValidationOptions& options) {
   check(measurements, robot.limb_count());

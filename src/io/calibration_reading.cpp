@@ -101,13 +101,13 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
     node->refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::vector<JsonNode> row = rows[i].entries();
+    const std::vector<double> row = rows[i].numbers();
     if (row.size() != rows.size()) {
       rows[i].refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
     }
     for (std::size_t k = 0; k < row.size(); ++k) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          row[k].number() / file_factor(parameters[i].source, actuator) / file_factor(parameters[k].source, actuator);
+          row[k] / file_factor(parameters[i].source, actuator) / file_factor(parameters[k].source, actuator);
     }
   }
   if (n > 0) require_covariance(covariance, *node, key);

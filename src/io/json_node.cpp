@@ -12,7 +12,7 @@
 namespace paracal::io {
 namespace {
 
-/// Reads a text until it has passed a place. Of keys that stand twice the last counts, as it does for who parses.
+/// Reads a text until it comes to a place, the first under its name.
 class PlaceFinder final : public nlohmann::json_sax<Json> {
  public:
   PlaceFinder(const std::string& text, const std::vector<std::string>& path) : text_(text), path_(path) {
@@ -52,12 +52,12 @@ class PlaceFinder final : public nlohmann::json_sax<Json> {
     const bool is_it = std::ranges::equal(levels_, path_, {}, &Level::place);
     // The character before last belongs to the value or stands before it: behind a number one more was read.
     if (is_it) byte_ = static_cast<std::size_t>(text_.rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in)) - 1;
-    return true;
+    return !is_it;
   }
   bool open(bool is_array) {
-    value();
+    const bool goes_on = value();
     levels_.push_back({.is_array = is_array});
-    return true;
+    return goes_on;
   }
   bool close() {
     levels_.pop_back();
@@ -70,6 +70,8 @@ class PlaceFinder final : public nlohmann::json_sax<Json> {
   std::size_t byte_ = 0;
 };
 
+bool is_finite(const Json& value) { return value.is_number() && std::isfinite(value.get<double>()); }
+
 }  // namespace
 
 JsonNode::JsonNode(const TextFile& file, const Json& value, std::string what)
@@ -80,6 +82,10 @@ JsonNode JsonNode::child(std::string key, const Json& value, std::string what) c
   child.path_ = path_;
   child.path_.push_back(std::move(key));
   return child;
+}
+
+JsonNode JsonNode::entry(std::size_t k) const {
+  return child(std::to_string(k), value_->at(k), fmt::format("entry {} of {}", k + 1, what_));
 }
 
 int JsonNode::line() const { return line_at(file_->text, PlaceFinder(file_->text, path_).byte()); }
@@ -104,14 +110,24 @@ std::optional<JsonNode> JsonNode::find(const char* key) const {
 std::vector<JsonNode> JsonNode::entries() const {
   if (!value_->is_array()) refuse_as("an array");
   std::vector<JsonNode> all;
+  for (std::size_t k = 0; k < value_->size(); ++k) all.push_back(entry(k));
+  return all;
+}
+
+/// Thousands of numbers in a covariance: none is a node of its own but one that is refused.
+std::vector<double> JsonNode::numbers() const {
+  if (!value_->is_array()) refuse_as("an array");
+  std::vector<double> all;
+  all.reserve(value_->size());
   for (std::size_t k = 0; k < value_->size(); ++k) {
-    all.push_back(child(std::to_string(k), value_->at(k), fmt::format("entry {} of {}", k + 1, what_)));
+    const Json& one = value_->at(k);
+    all.push_back(is_finite(one) ? one.get<double>() : entry(k).number());
   }
   return all;
 }
 
 double JsonNode::number() const {
-  if (!value_->is_number() || !std::isfinite(value_->get<double>())) refuse_as("a number");
+  if (!is_finite(*value_)) refuse_as("a number");
   return value_->get<double>();
 }
 

@@ -29,6 +29,8 @@ class JsonNode {
   std::optional<JsonNode> find(const char* key) const;
   /// Of an array.
   std::vector<JsonNode> entries() const;
+  /// Of an array of finite numbers.
+  std::vector<double> numbers() const;
 
   /// A finite number.
   double number() const;
@@ -43,6 +45,7 @@ class JsonNode {
 
  private:
   JsonNode child(std::string key, const Json& value, std::string what) const;
+  JsonNode entry(std::size_t k) const;
 
   const TextFile* file_;
   const Json* value_;

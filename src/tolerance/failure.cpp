@@ -140,9 +140,12 @@ std::string_view name(FailureStatus status) {
   return "";
 }
 
+bool is_counted(const FailureShare& failures, const MonteCarlo& drawn) {
+  return failures.status != FailureStatus::settled || (!failures.exact && drawn.model == Model::exact);
+}
+
 Proportion yield(const FailureShare& failures, const MonteCarlo& drawn, double confidence) {
-  const bool is_linear = !failures.exact && drawn.model == Model::exact;
-  if (failures.status != FailureStatus::settled || is_linear) return drawn.yield(confidence);
+  if (is_counted(failures, drawn)) return drawn.yield(confidence);
   const WeighedShare& share = failures.best();
   return {1.0 - share.value, {1.0 - share.interval.high, 1.0 - share.interval.low}};
 }

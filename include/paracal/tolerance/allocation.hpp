@@ -34,8 +34,8 @@ struct [[nodiscard]] Allocation {
   std::vector<RequirementOutcome> requirements = {};
   int rounds = 0;                             ///< of adding worst poses, or of drawing machines
   std::optional<FailureShare> failures = {};  ///< of the limits with criterion `yield`
-  double failure_price =
-      0.0;  ///< cost saved where twice as many machines might fail, to first order; 0 when that does not bind
+  /// Cost saved where twice as many machines might fail, to first order; 0 when that does not bind.
+  double failure_price = 0.0;
 
   bool ok() const { return status == AllocationStatus::optimal || status == AllocationStatus::feasible; }
 };

@@ -74,6 +74,9 @@ FailureShare failure_share(const Robot& robot, const Tolerances& tolerances,
 /// machines of the exact model were counted, and the failures are those of the linear one alone.
 Proportion yield(const FailureShare& failures, const MonteCarlo& drawn, double confidence);
 
+/// Whether yield() counts the machines that were drawn.
+bool is_counted(const FailureShare& failures, const MonteCarlo& drawn);
+
 /// The exact model tells the yield, or no machine within its drawings fails: else it is the linear model's, which
 /// proves nothing of machines.
 bool is_proven(const FailureShare& failures, const MonteCarlo& drawn);
