@@ -108,17 +108,17 @@ void require_level(const Robot& robot, std::string_view task) {
 }
 
 std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
-  if (!robot.has_six_freedoms() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
+  if (!robot.on_single_rods() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
   if (robot.slide() || pose.rotation == 0.0) return {};
-  return robot.has_six_freedoms() ? "such a plate turns by tilt_z: expected phi = 0 deg"
-                                  : "a rigid plate does not turn: expected phi = 0 deg";
+  return robot.on_single_rods() ? "such a plate turns by tilt_z: expected phi = 0 deg"
+                                : "a rigid plate does not turn: expected phi = 0 deg";
 }
 
 Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) throw WrongUsage(fmt::format("{}: expected finite numbers, got {}", option, number));
   }
-  const bool tilts = robot.has_six_freedoms();
+  const bool tilts = robot.on_single_rods();
   if (numbers.size() != 3 && numbers.size() != (tilts ? 6 : 4)) {
     throw WrongUsage(fmt::format("{}: expected x,y,z{} for {}, got {} numbers", option,
                                  tilts ? " or x,y,z,tilt_x,tilt_y,tilt_z" : " or x,y,z,phi", robot.name(),

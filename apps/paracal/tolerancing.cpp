@@ -62,7 +62,7 @@ std::string json_key(Characteristic characteristic) {
 std::string pose_text(const Robot& robot, const Pose& pose) {
   const Eigen::Vector3d& r = pose.position;
   const std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
-  if (!robot.has_six_freedoms()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
+  if (!robot.on_single_rods()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
   const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });
   return fmt::format("{}, tilted by ({:.0f}, {:.0f}, {:.0f}) deg", place, tilt.x(), tilt.y(), tilt.z());
 }
@@ -125,7 +125,7 @@ namespace {
 /// By source: of tilt in the paper's units under the contract's six keys, of anything else, and with six freedoms, per
 /// mm, mm/m or rad.
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
-  if (quantity == Quantity::tilt && !robot.has_six_freedoms()) return tilt_group_json(values * paper_units(robot));
+  if (quantity == Quantity::tilt && !robot.on_single_rods()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
   for (const Source source : sources_of(robot.actuator())) {
     json[std::string(name(source, robot.actuator()))] = shown(quantity, values(place(source))).value;
@@ -144,7 +144,7 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
                 {"global_error", of(found.global.error)},
                 {"largest", of(found.global.largest)}};
   if (found.local) json["local"] = of(*found.local);
-  json["worst"] = io::to_json(found.worst.pose, robot.has_six_freedoms());
+  json["worst"] = io::to_json(found.worst.pose, robot.on_single_rods());
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors, robot.actuator());
   add_half_widths(json, robot, found.tolerances);

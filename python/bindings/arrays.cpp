@@ -18,7 +18,7 @@ Rows::Rows(const Array& array, std::string_view what, std::size_t columns)
   count_ = static_cast<std::size_t>(array.shape(0));
 }
 
-std::size_t pose_width(const Robot& robot) { return robot.has_six_freedoms() ? kTiltedPose : kLevelPose; }
+std::size_t pose_width(const Robot& robot) { return robot.on_single_rods() ? kTiltedPose : kLevelPose; }
 
 Pose pose_of(const double* row, std::size_t width) {
   Pose pose{{row[0], row[1], row[2]}};

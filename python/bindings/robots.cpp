@@ -33,7 +33,7 @@ py::dict geometry_of(const Robot& robot) {
 py::dict workspace_of(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
   py::dict found("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z);
-  if (robot.has_six_freedoms()) {
+  if (robot.on_single_rods()) {
     found["tilt_rad"] = workspace.max_tilt;
   } else {
     found["rotation_rad"] = py::make_tuple(workspace.min_rotation, workspace.max_rotation);
@@ -84,7 +84,7 @@ void add_robots(py::module_& module) {
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
       .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
-      .def_property_readonly("has_six_freedoms", &Robot::has_six_freedoms)
+      .def_property_readonly("has_six_freedoms", &Robot::on_single_rods)
       .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })
       .def_property_readonly("geometry", &geometry_of)
       .def_property_readonly("workspace", &workspace_of)

@@ -82,7 +82,7 @@ class Validator {
     accuracy[ErrorKind::volumetric] = largest.max_volumetric;
     accuracy[ErrorKind::volumetric_aligned] = largest.max_volumetric_aligned;
     accuracy[ErrorKind::rotation] =
-        robot_.has_six_freedoms() ? largest_turn_since_home(pairs) : largest.max_abs_rotation.value_or(0.0);
+        robot_.on_single_rods() ? largest_turn_since_home(pairs) : largest.max_abs_rotation.value_or(0.0);
     return accuracy;
   }
 
@@ -129,7 +129,7 @@ std::string_view name(Fate fate) {
   return kNames[static_cast<std::size_t>(fate)];
 }
 
-bool turns(const Robot& robot) { return robot.slide().has_value() || robot.has_six_freedoms(); }
+bool turns(const Robot& robot) { return robot.slide().has_value() || robot.on_single_rods(); }
 
 double used_up(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits) {
   double most = 0.0;
@@ -145,7 +145,7 @@ bool has_limits(const ProductionPlan& plan) {
 
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
   ProductionPlan plan{.tolerances = tolerances, .instrument = {.noise = kUsualNoise}};
-  if (robot.has_six_freedoms()) {
+  if (robot.on_single_rods()) {
     const SelectionOptions full{
         .poses = kSelectedPoses, .readings = {.measurand = Measurand::poses}, .tolerances = tolerances};
     plan.instrument.reads_orientation = true;

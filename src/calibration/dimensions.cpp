@@ -56,7 +56,7 @@ std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
 }  // namespace
 
 std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
-  if (robot.has_six_freedoms()) return {};
+  if (robot.on_single_rods()) return {};
   return {
       {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
       {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},
@@ -67,7 +67,7 @@ std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
 }
 
 std::vector<Dimension> dimensions(const Robot& robot) {
-  if (robot.has_six_freedoms()) return lengths_of_single_rods(robot);
+  if (robot.on_single_rods()) return lengths_of_single_rods(robot);
   std::vector<Dimension> all = dimensions_of_all_limbs(robot);
   const SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {

@@ -98,7 +98,7 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
     motions.push_back({fmt::format("rotation of the base about {}", axes[static_cast<std::size_t>(k)]),
                        turned_base(robot, Eigen::Vector3d::Unit(k))});
   }
-  for (int k = 0; robot.has_six_freedoms() && k < 3; ++k) {
+  for (int k = 0; robot.on_single_rods() && k < 3; ++k) {
     const std::string& axis = axes[static_cast<std::size_t>(k)];
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(k), none = Eigen::Vector3d::Zero();
     motions.push_back({fmt::format("translation of the plate's joints along {0}: plate_{0} of all limbs alike", axis),

@@ -22,7 +22,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) {
     joints_.push_back(believed_joints(robot, station));
-    if (robot.has_six_freedoms()) starts_.push_back(started(robot, station));
+    if (robot.on_single_rods()) starts_.push_back(started(robot, station));
   }
   for (auto& series : all_series(measurements, options)) {
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);

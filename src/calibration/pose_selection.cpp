@@ -82,8 +82,8 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
     auto columns = problem.weighted.middleCols(problem.rows * static_cast<Eigen::Index>(group.station), problem.rows);
     columns = unit.asDiagonal() * block.leftCols(n).transpose();
   }
-  const bool all = options.readings.second || options.readings.measurand == Measurand::poses ||
-                   observation.robot().has_six_freedoms();
+  const bool all =
+      options.readings.second || options.readings.measurand == Measurand::poses || observation.robot().on_single_rods();
   problem.visible = visible_directions(problem, observation.sought(), all);
   return problem;
 }

@@ -59,7 +59,7 @@ class PriorCandidates {
   /// A bracket that is mounted elsewhere is off in more than one coordinate.
   void add_joint_centres() {
     const std::size_t limbs = fit_.observation().robot().limb_count();
-    const bool has_plate_joints = has_six_freedoms(actuator_);
+    const bool has_plate_joints = on_single_rods(actuator_);
     const double price = 2.0 * std::log(static_cast<double>(has_plate_joints ? 2 * limbs : limbs));
     for (std::size_t limb = 0; limb < limbs; ++limb) {
       add_joint_centre(limb, {Source::e_x, Source::e_y, Source::e_z}, price);

@@ -159,7 +159,7 @@ std::string single_rod_header(const Robot& robot, const SourceErrors& errors, co
 }  // namespace
 
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  if (robot.has_six_freedoms()) return single_rod_header(robot, errors, origin);
+  if (robot.on_single_rods()) return single_rod_header(robot, errors, origin);
   const ExportedMachine machine(robot, errors);
   const C99 language;
   Values values = head(robot, origin);
@@ -178,7 +178,7 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const bool six_freedoms = robot.has_six_freedoms();
+  const bool six_freedoms = robot.on_single_rods();
   Values values = six_freedoms ? of_single_rods(robot, origin) : head(robot, origin);
   values.emplace_back("C99", c99_header(robot, errors, origin));
   return filled_template(six_freedoms ? "single_rods_kins.comp" : "paracal_kins.comp", values);

@@ -55,7 +55,7 @@ PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known) {
 }  // namespace
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {
-  if (!robot.has_six_freedoms()) return of_level_plate(robot, known, way);
+  if (!robot.on_single_rods()) return of_level_plate(robot, known, way);
   if (way == CompensationWay::exact) return of_six_freedoms(robot, known);
   throw InvalidArgument(
       "way: expected exact of a plate with six freedoms: the linear ways are of one that stays level");

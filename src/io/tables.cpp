@@ -88,7 +88,7 @@ class PoseRows {
  private:
   static const PoseColumns& columns_of(const CsvTable& table, const JointSpace& joints) {
     if (table.has("x_cmd_mm")) return kCommandedPose;
-    const bool printed = has_six_freedoms(joints.actuator) && table.has("tilt_x_rad");
+    const bool printed = on_single_rods(joints.actuator) && table.has("tilt_x_rad");
     return printed ? kPlatePose : kPlainPose;
   }
 

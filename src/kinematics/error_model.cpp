@@ -96,7 +96,7 @@ void solve(ErrorModel& model) {
 
 ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   ErrorModel model;
-  if (robot.has_six_freedoms()) return model;
+  if (robot.on_single_rods()) return model;
   const InverseResult nominal = inverse(robot.nominal(), pose);
   if (!nominal.ok()) return model;
   model.joints = nominal.joints;
@@ -108,7 +108,7 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
 }
 
 double paper_scale(const Robot& robot, Source source) {
-  if (robot.has_six_freedoms() && unit(source, robot.actuator()) != Unit::rad) return 1.0;
+  if (robot.on_single_rods() && unit(source, robot.actuator()) != Unit::rad) return 1.0;
   switch (source) {
     case Source::theta_offset:
       return joint_ratio(robot.nominal().limbs[0]);

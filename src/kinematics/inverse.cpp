@@ -119,9 +119,9 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
 }  // namespace
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
-  InverseResult result = machine.has_six_freedoms() ? closed_inverse(machine, pose) : level_inverse(machine, pose);
+  InverseResult result = machine.on_single_rods() ? closed_inverse(machine, pose) : level_inverse(machine, pose);
   const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
-  if ((!machine.has_slide() && turns) || (!machine.has_six_freedoms() && leans)) {
+  if ((!machine.has_slide() && turns) || (!machine.on_single_rods() && leans)) {
     result.status = InverseStatus::unreachable;
   }
   if (result.ok() && machine.tilts_plate) {

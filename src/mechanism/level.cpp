@@ -7,7 +7,7 @@
 namespace paracal {
 
 void check_level(const Robot& robot, std::string_view task) {
-  if (!robot.has_six_freedoms()) return;
+  if (!robot.on_single_rods()) return;
   throw InvalidArgument(
       fmt::format("{}: expected a robot whose plate stays level, got {}, whose plate has six freedoms: this is not "
                   "done for these (docs/hexapods.md)",

@@ -111,7 +111,7 @@ std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
 std::string shown(const Machine& machine, const Pose& pose) {
   const Eigen::Vector3d &at = pose.position, tilt = pose.tilt.unaryExpr(&to_degrees).array() + 0.0;
   const std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
-  if (!machine.has_six_freedoms()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
+  if (!machine.on_single_rods()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
   return fmt::format("{} tilted by ({:g}, {:g}, {:g}) deg", place, tilt.x(), tilt.y(), tilt.z());
 }
 
@@ -142,7 +142,7 @@ void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
 }
 
 std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  if (has_six_freedoms(geometry.actuator)) return detail::absurd_single_rod(geometry, errors, limb);
+  if (on_single_rods(geometry.actuator)) return detail::absurd_single_rod(geometry, errors, limb);
   struct Length {
     const char* of;
     double nominal, error;
@@ -179,7 +179,7 @@ void check_intended(const RobotDescription& robot) {
 
 void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
-  if (has_six_freedoms(description.geometry.actuator)) {
+  if (on_single_rods(description.geometry.actuator)) {
     detail::check_single_rods(description.geometry);
     if (has_slide) throw InvalidArgument("plate: expected no slide on a plate with six freedoms");
     return;
@@ -192,7 +192,7 @@ void check_parts(RobotDescription& description) {
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
-  const bool six_freedoms = has_six_freedoms(description.geometry.actuator);
+  const bool six_freedoms = on_single_rods(description.geometry.actuator);
   check_parts(description);
   check_workspace(description.workspace, description.slide.has_value(), six_freedoms);
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);

@@ -47,7 +47,7 @@ constexpr SourceEntry kNormal{"normal", Unit::mm}, kAcross{"across", Unit::mm};
 /// A place that the kind of limb does not have reads as elsewhere.
 const SourceEntry& entry_of(Source source, Actuator actuator) {
   const SourceEntry &of_parallelogram = kSources[index(source)], &of_one_rod = kSingleRodSources[index(source)];
-  if (!has_six_freedoms(actuator) || of_one_rod.name.empty()) return of_parallelogram;
+  if (!on_single_rods(actuator) || of_one_rod.name.empty()) return of_parallelogram;
   if (actuator == Actuator::crank && source == Source::arm_length) return of_parallelogram;
   if (actuator == Actuator::carriage && source == Source::normal) return kNormal;
   if (actuator == Actuator::carriage && source == Source::across) return kAcross;

@@ -112,7 +112,7 @@ Tolerances generous_single_rods(Actuator actuator) {
 }  // namespace
 
 Tolerances generous_tolerances(const Geometry& geometry) {
-  if (has_six_freedoms(geometry.actuator)) return generous_single_rods(geometry.actuator);
+  if (on_single_rods(geometry.actuator)) return generous_single_rods(geometry.actuator);
   const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
   tolerances[Source::theta_offset] = geometry.actuator == Actuator::linear ? 3.0 : to_radians(1.5);

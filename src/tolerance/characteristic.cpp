@@ -83,7 +83,7 @@ int component_count(Quantity quantity) {
 
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
-  if (characteristic.compensated && robot.has_six_freedoms()) {
+  if (characteristic.compensated && robot.on_single_rods()) {
     return "expected a robot whose plate stays level: one with six freedoms follows all errors";
   }
   return {};
@@ -98,7 +98,7 @@ LinearModel::AtPose LinearModel::at(const Pose& pose) const {
     const Eigen::Vector3d& r = pose.position;
     throw Unreachable(fmt::format("pose ({:g}, {:g}, {:g}) mm: the robot is {} there", r.x(), r.y(), r.z(), what));
   };
-  if (!robot_.has_six_freedoms()) {
+  if (!robot_.on_single_rods()) {
     ErrorModel model = error_model(robot_, pose);
     if (!model.ok()) refuse(model.status == ErrorModelStatus::singular ? "singular" : "out of reach");
     return model;

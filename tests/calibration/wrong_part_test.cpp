@@ -43,11 +43,11 @@ std::vector<Fault> faults_of(const Robot& robot) {
     return {off(Source::theta_offset, -15.0, actuator), off(Source::theta_offset, 40.0, actuator),
             off(Source::plate_x, -15.0, actuator)};
   }
-  const Source rod = robot.has_six_freedoms() ? Source::rod_length : Source::rod_mean;
+  const Source rod = robot.on_single_rods() ? Source::rod_length : Source::rod_mean;
   std::vector<Fault> faults{off(rod, -15.0, actuator), off(rod, actuator == Actuator::carriage ? 15.0 : 40.0, actuator),
                             off(Source::beta0, to_radians(-3.0), actuator)};
   if (swings_arm(actuator)) faults.push_back(off(Source::arm_length, 40.0, actuator));
-  if (!robot.has_six_freedoms()) {
+  if (!robot.on_single_rods()) {
     faults.push_back({"e_", [](const Robot& of, std::size_t limb, SourceErrors& errors) {
                         shift_limb(of, limb, -40.0 * of.nominal().limbs[limb].radial, errors);
                       }});
@@ -61,7 +61,7 @@ const std::vector<Station>& plan(const Robot& robot) {
   std::vector<Station>& stations = plans[robot.name()];
   if (stations.empty()) {
     stations = select_stations(robot, candidate_stations(robot, 200, 1),
-                               {.poses = robot.has_six_freedoms() ? 30 : 20, .largest_sweeps = 1})
+                               {.poses = robot.on_single_rods() ? 30 : 20, .largest_sweeps = 1})
                    .stations;
   }
   return stations;

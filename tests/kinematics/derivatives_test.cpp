@@ -26,8 +26,8 @@ std::string plate_column(Eigen::Index column) { return "unknown " + std::to_stri
 
 class DerivativeLaw : public test::EveryRobot {
  protected:
-  int unknowns() const { return robot.has_six_freedoms() ? 6 : static_cast<int>(robot.limb_count()) + 3; }
-  int rods() const { return static_cast<int>(robot.limb_count()) * (robot.has_six_freedoms() ? 1 : 2); }
+  int unknowns() const { return robot.on_single_rods() ? 6 : static_cast<int>(robot.limb_count()) + 3; }
+  int rods() const { return static_cast<int>(robot.limb_count()) * (robot.on_single_rods() ? 1 : 2); }
   int sources() const { return static_cast<int>(robot.limb_count() * kSourceCount); }
 };
 

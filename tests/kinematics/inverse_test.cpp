@@ -27,7 +27,7 @@ TEST_P(ReachLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
     ASSERT_TRUE(reached.ok());
     EXPECT_LT((reached.plate.position - pose.position).norm(), 1e-9);
     EXPECT_NEAR(reached.plate.slide, machine.slide_of(pose.rotation), 1e-9);
-    EXPECT_LT(robot.has_six_freedoms() ? (reached.plate.tilt - pose.tilt).norm() : 0.0, 1e-11);
+    EXPECT_LT(robot.on_single_rods() ? (reached.plate.tilt - pose.tilt).norm() : 0.0, 1e-11);
   }
 }
 
@@ -64,7 +64,7 @@ TEST_P(ReachLaw, NanIsUnreachable) {
 TEST_P(ReachLaw, WhatAPlateCannotDoIsUnreachable) {
   Pose pose{robot.workspace().centre()};
   pose.tilt.y() = 1e-3;
-  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), robot.has_six_freedoms());
+  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), robot.on_single_rods());
   pose = {robot.workspace().centre(), 1e-3};
   const InverseResult turned = inverse(robot.nominal(), pose);
   EXPECT_EQ(turned.ok(), robot.slide().has_value());

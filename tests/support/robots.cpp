@@ -42,7 +42,7 @@ RobotDescription inclined_rails() {
 
 std::vector<std::string> templates_of(bool six_freedoms) {
   std::vector<std::string> kinds = io::robot_templates();
-  std::erase_if(kinds, [&](const std::string& kind) { return robot_named(kind).has_six_freedoms() != six_freedoms; });
+  std::erase_if(kinds, [&](const std::string& kind) { return robot_named(kind).on_single_rods() != six_freedoms; });
   return kinds;
 }
 

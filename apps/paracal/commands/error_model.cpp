@@ -13,7 +13,7 @@ namespace {
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
 std::string column_name(const Robot& robot, Source source) {
   std::string plain(name(source, robot.actuator()));
-  if (robot.has_six_freedoms()) return plain;
+  if (robot.on_single_rods()) return plain;
   const bool on_rail = robot.actuator() == Actuator::linear;
   switch (source) {
     case Source::theta_offset:
@@ -41,7 +41,7 @@ void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
 io::Json parameters_json(const Robot& robot) {
   io::Json groups;
   const auto unit_of = [&](Source source) {
-    if (robot.has_six_freedoms()) return file_unit(unit(source, robot.actuator()));
+    if (robot.on_single_rods()) return file_unit(unit(source, robot.actuator()));
     return tilts_plate(source) ? std::string_view("rad") : std::string_view("mm");
   };
   for (const bool tilt_group : {false, true}) {
@@ -95,7 +95,7 @@ Eigen::MatrixXd of_own_sources(const Robot& robot, const SourceRows& rows) {
 
 io::Json head(const Robot& robot, const Pose& pose) {
   return {{"robot", robot.name()},
-          {"pose", io::to_json(pose, robot.has_six_freedoms())},
+          {"pose", io::to_json(pose, robot.on_single_rods())},
           {"parameters", parameters_json(robot)}};
 }
 
@@ -121,7 +121,7 @@ void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& sessio
 void run(const std::vector<double>& numbers, Session& session) {
   const Robot robot = session.robot();
   const Pose pose = pose_of_option(robot, "--pose", numbers);
-  if (robot.has_six_freedoms()) return run_with_six_freedoms(robot, pose, session);
+  if (robot.on_single_rods()) return run_with_six_freedoms(robot, pose, session);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {
     throw MathematicsSaysNo(fmt::format("pose: {} does not reach ({:g}, {:g}, {:g}) mm at {:g} deg", robot.name(),

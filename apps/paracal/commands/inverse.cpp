@@ -36,7 +36,7 @@ void run(const Options& options, Session& session) {
   const Actuator actuator = robot.actuator();
   RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
   rows.head(io::joint_table_header(robot.joint_space()));
-  const JointSpace asked = robot.has_six_freedoms() ? robot.joint_space() : JointSpace{};  // whose tilts count
+  const JointSpace asked = robot.on_single_rods() ? robot.joint_space() : JointSpace{};  // whose tilts count
   io::read_poses(poses.rows, asked, [&](const Station& station) {
     const io::NamedJoints row{station.name, joints_at(robot, machine, station)};
     rows.add([&] { return io::joint_table_row(row, actuator); }, [&] { return joints_json(row, actuator); });

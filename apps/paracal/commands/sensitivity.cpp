@@ -28,7 +28,7 @@ struct Options {
 
 /// A map's rows: a layer is a z and a rotation or a tilt.
 std::string map_csv(const Robot& robot, const Characteristic& what, const std::vector<ValueAtPose>& map) {
-  const bool tilts = robot.has_six_freedoms();
+  const bool tilts = robot.on_single_rods();
   std::string text = fmt::format("x_mm,y_mm,z_mm,{},radius_mm,three_sigma_{}\n",
                                  tilts ? "tilt_x_deg,tilt_y_deg,tilt_z_deg" : "phi_deg", json_key(what));
   const auto out = std::back_inserter(text);
@@ -57,7 +57,7 @@ Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
   if (unit(quantity) == Unit::mm || quantity == Quantity::rotation) {
     return {factor, fmt::format("{} per {}", shown(quantity, 0.0).unit, per)};
   }
-  if (robot.has_six_freedoms()) return {1e3 * factor, fmt::format("mrad per {}", per)};
+  if (robot.on_single_rods()) return {1e3 * factor, fmt::format("mrad per {}", per)};
   const double size = paper_units(robot)(place(source));
   return {factor * size, "rad per rad", size != 1.0};
 }

@@ -70,7 +70,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
 
 io::Json json_of(const Options& options, const Robot& robot, const Allocation& allocation) {
   io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
-  if (!robot.has_six_freedoms()) {
+  if (!robot.on_single_rods()) {
     json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
   }
   if (!is_general(options)) {
@@ -85,7 +85,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     io::Json entry{{"quantity", name(what)}, {"criterion", name(one.requirement.criterion)}};
     entry["limit_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.requirement.limit;
     entry["worst_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.worst.value;
-    entry["worst_pose"] = io::to_json(one.worst.pose, robot.has_six_freedoms());
+    entry["worst_pose"] = io::to_json(one.worst.pose, robot.on_single_rods());
     entry["price"] = one.price / factor;
     json["requirements"].push_back(std::move(entry));
   }

@@ -26,7 +26,7 @@ using PlateState = BasicPlateState<double>;
 /// What of it a controller commands.
 inline Pose pose_of(const Machine& machine, const PlateState& plate) {
   Pose pose{plate.position, machine.rotation_of(plate.slide)};
-  if (machine.has_six_freedoms()) pose.tilt = plate.tilt;
+  if (machine.on_single_rods()) pose.tilt = plate.tilt;
   return pose;
 }
 

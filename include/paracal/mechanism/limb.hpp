@@ -60,7 +60,7 @@ struct BasicLimb {
   /// Length of the rod that would replace the pair along the centre line C_i A_i.
   Scalar mean_rod() const { return Scalar(0.5) * (rod[0] + rod[1]); }
   bool is_strut() const { return actuator == Actuator::strut; }
-  bool has_one_rod() const { return has_six_freedoms(actuator); }
+  bool has_one_rod() const { return on_single_rods(actuator); }
 };
 using Limb = BasicLimb<double>;
 

@@ -24,7 +24,7 @@ struct BasicMachine {
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
   /// The tilt of the plate is commanded.
-  bool has_six_freedoms() const { return paracal::has_six_freedoms(actuator()); }
+  bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.

@@ -101,7 +101,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
   }
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
-    if (has_six_freedoms(nominal.actuator)) {
+    if (on_single_rods(nominal.actuator)) {
       machine.limbs[i] = detail::single_rod<Scalar>(nominal, i, error);
       continue;
     }

@@ -91,7 +91,7 @@ class Robot {
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const { return {limb_count(), actuator()}; }
   /// The tilt of the plate is commanded.
-  bool has_six_freedoms() const { return paracal::has_six_freedoms(actuator()); }
+  bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
 
   /// The machine without source errors: what the controller believes.
   const Machine& nominal() const { return nominal_; }

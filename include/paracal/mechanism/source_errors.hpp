@@ -64,7 +64,7 @@ enum class Actuator : std::uint8_t {
 };
 
 /// A plate on limbs with one rod each: its tilt is commanded, and it follows all their errors.
-constexpr bool has_six_freedoms(Actuator actuator) { return actuator >= Actuator::strut; }
+constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
 
 /// The joint coordinate is the angle of an arm.
 constexpr bool swings_arm(Actuator actuator) { return actuator == Actuator::revolute || actuator == Actuator::crank; }
@@ -115,7 +115,7 @@ constexpr std::span<const Source> sources_of(Actuator actuator) {
 
 /// True for the group that tilts a plate which is to stay level.
 constexpr bool tilts_plate(Source source, Actuator actuator = Actuator::revolute) {
-  return !has_six_freedoms(actuator) && index(source) >= kPositionSourceCount;
+  return !on_single_rods(actuator) && index(source) >= kPositionSourceCount;
 }
 
 /// The joint coordinates of a robot: how many, and of which kind. The default, none, stands for those of any robot.
@@ -133,7 +133,7 @@ Unit unit(Source source, Actuator actuator);
 /// (arm_length shifts the elbow as e does) nor where along itself it begins (e_z shifts it as theta_offset does): a
 /// calibration holds these two at zero. A revolute limb feels all.
 constexpr bool is_felt(Source source, Actuator actuator) {
-  if (has_six_freedoms(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
+  if (on_single_rods(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
   return actuator == Actuator::revolute || (source != Source::arm_length && source != Source::e_z);
 }
 
