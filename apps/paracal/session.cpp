@@ -11,6 +11,7 @@
 #include "paracal/io/file.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/mechanism/level.hpp"
 #include "paracal/units.hpp"
@@ -76,6 +77,13 @@ std::vector<io::RobotStatement> statements(const std::string& option, const Robo
   return all;
 }
 
+/// Empty where guides let the plate go there.
+std::string_view why_held(const Machine& machine, const Pose& pose) {
+  if (inverse(machine, pose).unreachable_limb >= 0 || inverse(machine, pose).ok()) return {};
+  return machine.freedoms.holds_z() ? "its guides hold the plate in its plane: expected z, and tilts, as they hold them"
+                                    : "its guides hold the plate: expected tilts as they hold them";
+}
+
 }  // namespace
 
 Robot Session::robot(const RobotSources& inputs) {
@@ -108,17 +116,17 @@ void require_level(const Robot& robot, std::string_view task) {
 }
 
 std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
-  if (!robot.on_single_rods() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
-  if (robot.slide() || pose.rotation == 0.0) return {};
-  return robot.on_single_rods() ? "such a plate turns by tilt_z: expected phi = 0 deg"
-                                : "a rigid plate does not turn: expected phi = 0 deg";
+  if (!robot.commands_tilt() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
+  if (robot.slide() || pose.rotation == 0.0) return why_held(robot.nominal(), pose);
+  return robot.commands_tilt() ? "such a plate turns by tilt_z: expected phi = 0 deg"
+                               : "a rigid plate does not turn: expected phi = 0 deg";
 }
 
 Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) throw WrongUsage(fmt::format("{}: expected finite numbers, got {}", option, number));
   }
-  const bool tilts = robot.on_single_rods();
+  const bool tilts = robot.commands_tilt();
   if (numbers.size() != 3 && numbers.size() != (tilts ? 6 : 4)) {
     throw WrongUsage(fmt::format("{}: expected x,y,z{} for {}, got {} numbers", option,
                                  tilts ? " or x,y,z,tilt_x,tilt_y,tilt_z" : " or x,y,z,phi", robot.name(),

@@ -63,6 +63,7 @@ std::string pose_text(const Robot& robot, const Pose& pose) {
   const Eigen::Vector3d& r = pose.position;
   const std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
   if (!robot.on_single_rods()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
+  if (!robot.commands_tilt()) return place;
   const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });
   return fmt::format("{}, tilted by ({:.0f}, {:.0f}, {:.0f}) deg", place, tilt.x(), tilt.y(), tilt.z());
 }
@@ -144,7 +145,7 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
                 {"global_error", of(found.global.error)},
                 {"largest", of(found.global.largest)}};
   if (found.local) json["local"] = of(*found.local);
-  json["worst"] = io::to_json(found.worst.pose, robot.on_single_rods());
+  json["worst"] = io::to_json(found.worst.pose, robot.commands_tilt());
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
   json["contributors"] = contributors_json(found.contributors, robot.actuator());
   add_half_widths(json, robot, found.tolerances);

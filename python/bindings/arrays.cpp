@@ -18,7 +18,7 @@ Rows::Rows(const Array& array, std::string_view what, std::size_t columns)
   count_ = static_cast<std::size_t>(array.shape(0));
 }
 
-std::size_t pose_width(const Robot& robot) { return robot.on_single_rods() ? kTiltedPose : kLevelPose; }
+std::size_t pose_width(const Robot& robot) { return robot.commands_tilt() ? kTiltedPose : kLevelPose; }
 
 Pose pose_of(const double* row, std::size_t width) {
   Pose pose{{row[0], row[1], row[2]}};
@@ -59,8 +59,7 @@ void check_row(const Station& station, std::size_t width) {
     throw InvalidArgument(fmt::format("pose {}: expected no tilt of a plate that stays level", station.name));
   }
   if (width == kTiltedPose && station.commanded.rotation != 0.0) {
-    throw InvalidArgument(
-        fmt::format("pose {}: expected phi = 0 of a plate with six freedoms, which turns by tilt_z", station.name));
+    throw InvalidArgument(fmt::format("pose {}: expected phi = 0 of a plate that turns by tilt_z", station.name));
   }
 }
 

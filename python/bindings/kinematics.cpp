@@ -109,7 +109,7 @@ std::vector<SoughtSource> every_source(const Robot& robot) {
 class Derivatives {
  public:
   explicit Derivatives(const BuiltMachine& built) : machine_(built.machine), sources_(every_source(built.robot)) {
-    if (built.robot.on_single_rods()) std::erase(rows_, 3);
+    if (built.robot.commands_tilt()) std::erase(rows_, 3);
   }
 
   std::size_t rows() const { return rows_.size(); }

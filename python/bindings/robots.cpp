@@ -33,12 +33,26 @@ py::dict geometry_of(const Robot& robot) {
 py::dict workspace_of(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
   py::dict found("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z);
-  if (robot.on_single_rods()) {
+  if (robot.commands_tilt()) {
     found["tilt_rad"] = workspace.max_tilt;
   } else {
     found["rotation_rad"] = py::make_tuple(workspace.min_rotation, workspace.max_rotation);
   }
   return found;
+}
+
+/// What a controller commands, by its names.
+py::tuple freedoms_of(const Robot& robot) {
+  py::list names;
+  if (robot.on_single_rods()) {
+    for (std::size_t k = 0; k < kPlateCoordinates.size(); ++k) {
+      if (robot.geometry().freedoms.free.at(k)) names.append(std::string(kPlateCoordinates.at(k)));
+    }
+    return names;
+  }
+  for (const char* name : {"x", "y", "z"}) names.append(name);
+  if (robot.slide()) names.append("phi");
+  return names;
 }
 
 /// (name, "position" or "tilt", unit), in column order.
@@ -84,7 +98,8 @@ void add_robots(py::module_& module) {
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
       .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
-      .def_property_readonly("has_six_freedoms", &Robot::on_single_rods)
+      .def_property_readonly("commands_tilt", &Robot::commands_tilt)
+      .def_property_readonly("freedoms", &freedoms_of)
       .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })
       .def_property_readonly("geometry", &geometry_of)
       .def_property_readonly("workspace", &workspace_of)

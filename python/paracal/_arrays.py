@@ -37,13 +37,13 @@ def as_rows(what: str, numbers: npt.ArrayLike, columns: int) -> tuple[FloatArray
 
 def pose_axes(robot: _paracal.Robot) -> tuple[str, ...]:
     """What the numbers of a pose are: places in mm, then angles in rad."""
-    angles = ("tilt_x", "tilt_y", "tilt_z") if robot.has_six_freedoms else ("phi",)
+    angles = ("tilt_x", "tilt_y", "tilt_z") if robot.commands_tilt else ("phi",)
     return ("x", "y", "z", *angles)
 
 
 def as_poses(poses: npt.ArrayLike, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
     """(n, 4) of x, y, z in mm, phi in rad, or (n, 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in
-    rad where the plate has six freedoms; angles are 0 where the last axis has three entries."""
+    rad where the tilt of the plate is commanded; angles are 0 where the last axis has three entries."""
     array = as_doubles("poses", poses)
     angles = pose_axes(robot)[3:]
     if array.ndim > 0 and array.shape[-1] == 3:

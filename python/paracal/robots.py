@@ -57,7 +57,7 @@ class Robot:
 
     @property
     def limb_count(self) -> int:
-        """4 with an articulated plate, 3 with a rigid one, 6 with six freedoms."""
+        """As many as `freedoms`: 4 with an articulated plate, 3 with a rigid one, 6 of a hexapod."""
         return self._native.limb_count
 
     @property
@@ -66,14 +66,25 @@ class Robot:
         return self._native.joint_unit
 
     @property
+    def freedoms(self) -> tuple[str, ...]:
+        """What a controller commands: x, y and z, phi of an end-effector; on limbs with one rod
+        what guides leave free of x, y, z, tilt_x, tilt_y, tilt_z."""
+        return self._native.freedoms
+
+    @property
     def has_six_freedoms(self) -> bool:
-        """Whether the tilt of the plate is commanded, as on struts; else the plate stays level."""
-        return self._native.has_six_freedoms
+        """Whether the plate moves and tilts every way, as on six struts."""
+        return len(self.freedoms) == 6
+
+    @property
+    def commands_tilt(self) -> bool:
+        """Whether some tilt of the plate is commanded; else the plate stays level."""
+        return self._native.commands_tilt
 
     @property
     def pose_axes(self) -> tuple[str, ...]:
         """What a pose in an array is made of: x, y, z in mm, then angles in rad: phi, or of a plate
-        with six freedoms tilt_x, tilt_y, tilt_z with R = Rot(x) Rot(y) Rot(z)."""
+        whose tilt is commanded tilt_x, tilt_y, tilt_z with R = Rot(x) Rot(y) Rot(z)."""
         return pose_axes(self._native)
 
     @property
@@ -83,17 +94,16 @@ class Robot:
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """Dimensions that all limbs share; of a plate with six freedoms `limb`, a dict a limb as in
-        robot files. The keys say the unit."""
-        if not self.has_six_freedoms:
-            return self._native.geometry
-        return {"limb": json.loads(self._native.json())["limb"]}
+        """Dimensions that all limbs share; of limbs with one rod `limb`, a dict a limb as in robot
+        files. The keys say the unit."""
+        described = json.loads(self._native.json())
+        return self._native.geometry if "geometry" in described else {"limb": described["limb"]}
 
     @property
     def workspace(self) -> dict[str, Any]:
         """The cylinder in which it works; mm and rad, as the keys say. z runs from top_z_mm
-        down; rotation_rad is the smallest and the largest phi, tilt_rad of a plate with six
-        freedoms how far each tilt goes either way."""
+        down; rotation_rad is the smallest and the largest phi, tilt_rad of a plate
+        whose tilt is commanded how far each tilt goes either way."""
         return self._native.workspace
 
     @property

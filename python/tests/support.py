@@ -18,6 +18,7 @@ PUBLISHED = SOURCE / "data" / "huang2016"
 DISTANCES, POSES = PUBLISHED / "distances.csv", PUBLISHED / "poses.csv"
 #: A plate with six freedoms: pc.robot() and the program take the file.
 HEXAPOD = SOURCE / "data" / "robots" / "hexapod.toml"
+FIVE_BAR = SOURCE / "data" / "robots" / "five-bar.toml"
 
 
 def program(*arguments):

@@ -4,11 +4,11 @@ their edges."""
 import unittest
 
 import numpy as np
-from support import HEXAPOD, TestCase, as_printed, in_deg, pose_rows, pose_table, program
+from support import FIVE_BAR, HEXAPOD, TestCase, as_printed, in_deg, pose_rows, pose_table, program
 
 import paracal as pc
 
-ROBOTS = ("huang2016", "rotary_delta", "linear_delta", HEXAPOD)
+ROBOTS = ("huang2016", "rotary_delta", "linear_delta", HEXAPOD, FIVE_BAR)
 
 
 def some_poses(robot, count=40):
@@ -19,7 +19,7 @@ def some_poses(robot, count=40):
         random.random(count) * 2 * np.pi,
     )
     tilt = space.get("tilt_rad", 0.0)
-    turns = [(-tilt, tilt)] * 3 if robot.has_six_freedoms else [space["rotation_rad"]]
+    turns = [(-tilt, tilt)] * 3 if robot.commands_tilt else [space["rotation_rad"]]
     return np.stack(
         [
             radius * np.cos(azimuth),
@@ -63,7 +63,7 @@ class AgainstTheProgram(TestCase):
                 "poses"
             ]
             self.same(as_printed(found.poses)[:, :3], pose_rows(plates)[:, :3])
-            if robot.has_six_freedoms:
+            if robot.commands_tilt:
                 self.same(found.poses[:, 3:], found.tilt)
             else:
                 self.same(as_printed(found.poses), pose_rows(plates))
@@ -250,7 +250,7 @@ class Derivatives(TestCase):
 
             def plate(of, q):
                 forward = pc.forward(of, q)
-                tilt = [] if robot.has_six_freedoms else [forward.tilt]
+                tilt = [] if robot.commands_tilt else [forward.tilt]
                 return np.concatenate([forward.poses, *tilt], axis=-1)
 
             for limb in range(robot.limb_count):
@@ -270,7 +270,7 @@ class Derivatives(TestCase):
                         slope,
                         2e-3 * max(1.0, np.abs(slope).max()),
                     )
-            if not robot.has_six_freedoms:
+            if not robot.commands_tilt:
                 self.assertEqual(np.abs(found.errors[:, 3]).max() > 0.0, robot.rotates)
 
     def test_a_drive_that_moves_too_far_moves_the_plate_farther(self):

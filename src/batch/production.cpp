@@ -129,7 +129,7 @@ std::string_view name(Fate fate) {
   return kNames[static_cast<std::size_t>(fate)];
 }
 
-bool turns(const Robot& robot) { return robot.slide().has_value() || robot.on_single_rods(); }
+bool turns(const Robot& robot) { return robot.slide().has_value() || robot.commands_tilt(); }
 
 double used_up(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits) {
   double most = 0.0;
@@ -146,9 +146,11 @@ bool has_limits(const ProductionPlan& plan) {
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
   ProductionPlan plan{.tolerances = tolerances, .instrument = {.noise = kUsualNoise}};
   if (robot.on_single_rods()) {
-    const SelectionOptions full{
-        .poses = kSelectedPoses, .readings = {.measurand = Measurand::poses}, .tolerances = tolerances};
-    plan.instrument.reads_orientation = true;
+    const bool turns = robot.commands_tilt();
+    const SelectionOptions full{.poses = kSelectedPoses,
+                                .readings = {.measurand = turns ? Measurand::poses : Measurand::coordinates},
+                                .tolerances = tolerances};
+    plan.instrument.reads_orientation = turns;
     plan.stations = select_stations(robot, candidate_stations(robot, kCandidates, 1), full).stations;
     plan.validation = workspace_stations(robot);
   } else {

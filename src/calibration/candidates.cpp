@@ -17,9 +17,10 @@
 namespace paracal {
 namespace {
 
-/// To whole mm without leaving the cylinder: poses that someone may type.
-Eigen::Vector3d towards_axis(const Eigen::Vector3d& position) {
-  return {std::trunc(position.x()), std::trunc(position.y()), std::round(position.z())};
+/// To whole mm without leaving the cylinder, or the plane: poses that someone may type.
+Eigen::Vector3d towards_axis(const Eigen::Vector3d& position, bool is_flat) {
+  const double z = position.z();
+  return {std::trunc(position.x()), std::trunc(position.y()), is_flat ? z : std::round(z)};
 }
 
 /// Anywhere in the cylinder; on its mantle, its top or its bottom, and at the ends of the rotation, half of the time.
@@ -34,9 +35,10 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
   const double z = between_or_end(workspace.top_z - workspace.height, workspace.top_z);
   const double rotation = between_or_end(workspace.min_rotation, workspace.max_rotation);
   const auto whole_degrees = [](double angle) { return to_radians(std::trunc(to_degrees(angle))); };
-  Pose pose{towards_axis(Workspace::on_circle(radius, azimuth, z)), whole_degrees(rotation)};
-  for (int axis = 0; workspace.max_tilt > 0.0 && axis < 3; ++axis) {
-    pose.tilt(axis) = whole_degrees(between_or_end(-workspace.max_tilt, workspace.max_tilt));
+  Pose pose{towards_axis(Workspace::on_circle(radius, azimuth, z), workspace.is_flat()), whole_degrees(rotation)};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double largest = workspace.tilt_about(axis);
+    if (largest > 0.0) pose.tilt(axis) = whole_degrees(between_or_end(-largest, largest));
   }
   return pose;
 }

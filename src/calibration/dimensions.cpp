@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "paracal/mechanism/base_motion.hpp"
@@ -92,7 +93,8 @@ Robot with(const Robot& robot, const Dimension& dimension, double value) {
   RobotDescription description = robot.description();
   description.tolerances = tolerances_of(robot);
   description.workspace.top_z = robot.workspace().centre().z();
-  description.workspace.radius = description.workspace.height = 1.0;
+  description.workspace.radius = 1.0;
+  description.workspace.height = std::min(robot.workspace().height, 1.0);
   dimension.of(description) = value;
   return Robot(std::move(description));
 }

@@ -44,8 +44,9 @@ Measurements as_distances(const Measurements& measurements) {
 }
 
 /// Do the readings leave nothing open but motions of the whole robot, and are there a quarter more of them than that
-/// takes? Distances between N points are worth 3 N - 6 numbers at most; frames and the like cost as many as they have
-/// unknowns.
+/// takes? (On limbs with one rod the encoder offsets alone are no stage of anybody's, and guides leave more open that
+/// moves nothing.) Distances between N points are worth 3 N - 6 numbers at most; frames and the like cost as many as
+/// they have unknowns.
 bool enough_for_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   constexpr double kSpare = 1.25;
   const Identifiability seen = identifiability(robot, measurements, options, detail::position_group(robot, options));
@@ -55,8 +56,8 @@ bool enough_for_fine(const Robot& robot, const Measurements& measurements, const
   const auto pairs = static_cast<Eigen::Index>(measurements.distances.size());
   const auto worth = std::min(pairs, std::max<Eigen::Index>(3 * joined - 6, 1));
   const Eigen::Index numbers = seen.rows - (pairs - worth) - seen.nuisance;
-  return std::ranges::all_of(seen.null_space, &NullDirection::gauge) &&
-         static_cast<double>(numbers) >= kSpare * seen.rank;
+  const bool open = !std::ranges::all_of(seen.null_space, &NullDirection::gauge);
+  return (!open || robot.on_single_rods()) && static_cast<double>(numbers) >= kSpare * seen.rank;
 }
 
 bool goes_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {

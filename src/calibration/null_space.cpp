@@ -133,6 +133,18 @@ std::string as_mixture(const Robot& robot, const Eigen::VectorXd& direction,
   return text;
 }
 
+/// Parameters that are in the null space by themselves.
+/// @param space  orthonormal columns.
+std::vector<Eigen::Index> alone_in(const Eigen::MatrixXd& space) {
+  constexpr double kOutside = 1e-6;
+  std::vector<Eigen::Index> alone;
+  for (Eigen::Index k = 0; k < space.rows(); ++k) {
+    const Eigen::VectorXd inside = space * space.row(k).transpose();
+    if ((inside - Eigen::VectorXd::Unit(space.rows(), k)).norm() < kOutside) alone.push_back(k);
+  }
+  return alone;
+}
+
 }  // namespace
 
 namespace detail {
@@ -152,7 +164,8 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
   };
   const Eigen::MatrixXd all = orthonormal(scale.asDiagonal() * null_space, null_space.cols());
   const std::vector<SoughtSource> group = position_group(robot, {});
-  Eigen::MatrixXd explained(all.rows(), 0);
+  const std::vector<Eigen::Index> alone = alone_in(all);
+  Eigen::MatrixXd explained = Eigen::MatrixXd::Identity(all.rows(), all.rows())(Eigen::all, alone);
   for (GaugeMotion& motion : gauge_motions(robot)) {
     const Eigen::VectorXd part = scale.cwiseProduct(components(motion.direction, parameters));
     const Eigen::VectorXd whole = paper_scales(robot, group).cwiseProduct(components(motion.direction, group));
@@ -163,6 +176,12 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     explained.conservativeResize(Eigen::NoChange, explained.cols() + 1);
     explained.rightCols<1>() = fresh.normalized();
     add(std::move(motion.text), scaled);
+  }
+  for (const Eigen::Index k : alone) {
+    const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
+    directions.push_back(
+        {fmt::format("{} limb {}, which changes none of these readings", name(source, robot.actuator()), limb + 1),
+         Eigen::VectorXd::Unit(all.rows(), k), false});
   }
   const Eigen::MatrixXd rest =
       orthonormal(all - explained * (explained.transpose() * all), all.cols() - explained.cols());

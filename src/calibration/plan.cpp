@@ -76,8 +76,9 @@ std::vector<Station> validation_stations(const Robot& robot) {
   constexpr int kLayers = 3, kCircles = 5, kPoints = 8;
   const Workspace& workspace = robot.workspace();
   std::vector<Station> stations{home(robot)};
-  for (int layer = 0; layer < kLayers; ++layer) {
-    const double z = workspace.top_z - workspace.height * layer / (kLayers - 1);
+  const int layers = workspace.layers(kLayers);
+  for (int layer = 0; layer < layers; ++layer) {
+    const double z = workspace.layer_z(layer, layers);
     for (int circle = 1; circle <= kCircles; ++circle) {
       add_circle(stations, workspace.radius * circle / kCircles, z, 0.0, kPoints, 0.0);
     }

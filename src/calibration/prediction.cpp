@@ -49,10 +49,10 @@ Eigen::VectorXd variances(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& co
 }
 
 /// Rows of a pose's rotation: phi, or of a plate with six freedoms its turn about x, y and z of {O}.
-Eigen::Index rows_of_a_turn(const Robot& robot) { return robot.on_single_rods() ? 3 : 1; }
+Eigen::Index rows_of_a_turn(const Robot& robot) { return robot.commands_tilt() ? 3 : 1; }
 
 Eigen::MatrixXd turns_of(const Machine& machine, const PlateState& plate, const PlateMotions& motions) {
-  if (!machine.on_single_rods()) return motions.row(3);
+  if (!machine.commands_tilt()) return motions.row(3);
   return plate_rotation(plate.tilt).axes * motions.bottomRows<3>();
 }
 
@@ -128,7 +128,7 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   if (!pose.usable()) return {};
   const PlateMotions motions = plate_jacobian(machine, pose.plate, joints, parameters);
   if (motions.cols() == 0 && !parameters.empty()) return {};
-  if (!machine.on_single_rods()) return motions.topRows<4>();
+  if (!machine.commands_tilt()) return motions.topRows<4>();
   Eigen::MatrixXd commanded(6, motions.cols());
   commanded << motions.topRows<3>(), motions.bottomRows<3>();
   return commanded;
@@ -240,7 +240,7 @@ Use PoseSpread::worst(const KnownErrors& known) const {
 
 Use use_over_workspace(const Robot& robot, const KnownErrors& known) {
   Use use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
-  if (!robot.slide() && !robot.on_single_rods()) use.rotation.reset();
+  if (!robot.slide() && !robot.commands_tilt()) use.rotation.reset();
   return use;
 }
 

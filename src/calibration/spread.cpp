@@ -27,10 +27,18 @@ Eigen::MatrixXd prior_root(const StageFit& fit) {
   return priors.root();
 }
 
-/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C.
+/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C: nothing, and no rounding, of what only a
+/// prior says.
 Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covariance) {
+  constexpr double kRounding = 1e-12;  // of a variance
   const Eigen::MatrixXd known = prior_root(fit) * covariance;
-  return covariance - known.transpose() * known;
+  Eigen::MatrixXd noise = covariance - known.transpose() * known;
+  for (Eigen::Index k = 0; k < noise.rows(); ++k) {
+    if (noise(k, k) > kRounding * covariance(k, k)) continue;
+    noise.row(k).setZero();
+    noise.col(k).setZero();
+  }
+  return noise;
 }
 
 /// What estimates the noise: the joints' effects where these are sought, for they are fewer than the readings; else the

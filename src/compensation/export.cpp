@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
 #include "export_text.hpp"
@@ -117,7 +118,7 @@ std::string settle_functions(const RecordedMachine& recorded, Values values) {
   return filled_template("settle_c99.h", values);
 }
 
-/// "a machine on struts", and what closes a limb of it.
+/// "struts", and what closes a limb of them.
 std::pair<std::string_view, std::string_view> limbs_in_words(Actuator actuator) {
   switch (actuator) {
     case Actuator::crank:
@@ -129,15 +130,47 @@ std::pair<std::string_view, std::string_view> limbs_in_words(Actuator actuator) 
   }
 }
 
+/// "a plate on six struts", "a plate free in x, y on 2 rods on arms".
+std::string plate_in_words(const Robot& robot) {
+  const std::string_view limbs = limbs_in_words(robot.actuator()).first;
+  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  if (freedoms.are_all()) return fmt::format("a plate on six {}", limbs);
+  return fmt::format("a plate free in {} on {} {}", in_words(freedoms), robot.limb_count(), limbs);
+}
+
 Values of_single_rods(const Robot& robot, const ExportOrigin& origin) {
-  const auto [limbs, equation] = limbs_in_words(robot.actuator());
   const bool in_mm = joint_unit(robot.actuator()) == Unit::mm;
   Values values = head(robot, origin);
-  values.emplace_back("LIMBS_IN_WORDS", limbs);
-  values.emplace_back("EQUATION", equation);
+  values.emplace_back("PLATE", plate_in_words(robot));
+  values.emplace_back("EQUATION", limbs_in_words(robot.actuator()).second);
   values.emplace_back("SHOWN_JOINT", in_mm ? "1.0" : "PARACAL_DEGREES");
   values.emplace_back("ARCTANGENT", in_mm ? "" : "double atan2(double y, double x);\n");
   return values;
+}
+
+/// What of a pose is free, and what is made sure of the rest.
+void add_guides(const Machine& machine, Values& values) {
+  const auto& free = machine.freedoms.free;
+  std::vector<std::string> places, held, where;
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    if (free[k]) places.push_back(std::to_string(k));
+    held.emplace_back(free[k] ? "0" : "1");
+    where.push_back(decimal(k == 2 && !free[k] ? machine.guided_z : 0.0));
+  }
+  const bool guided = machine.has_guides();
+  const std::string constants = fmt::format(
+      "/* What guides hold of a pose, and where, mm and rad: poses that are not there are unreachable. */\n"
+      "static const int paracal_is_held[6] = {{{}}};\nstatic const double paracal_held[6] = {{{}}};\n\n",
+      fmt::join(held, ", "), fmt::join(where, ", "));
+  const std::string check =
+      "    if ((paracal_is_held[i] != 0) && (paracal_abs(pose[i] - paracal_held[i]) > 1.0E-6)) { return "
+      "PARACAL_UNREACHABLE; }\n";
+  const std::string start = "    if (paracal_is_held[k] != 0) { at[k] = paracal_held[k]; }\n";
+  values.emplace_back("FREE", fmt::format("{}", fmt::join(places, ", ")));
+  values.emplace_back("ROW_COUNT", std::to_string(places.size() * places.size()));
+  values.emplace_back("GUIDE_CONSTANTS", guided ? constants : "");
+  values.emplace_back("GUIDE_CHECK", guided ? check : "");
+  values.emplace_back("GUIDE_START", guided ? start : "");
 }
 
 std::string single_rod_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
@@ -146,6 +179,7 @@ std::string single_rod_header(const Robot& robot, const SourceErrors& errors, co
   const std::vector<SelfTestCase> cases = single_rod_self_test(robot, machine);
   const C99 language;
   Values values = of_single_rods(robot, origin);
+  add_guides(machine, values);
   values.emplace_back("OPERATIONS", operations(recorded.joints, robot.actuator()));
   values.emplace_back("LIMB_MEMBERS", members(machine.limbs[0]));
   values.emplace_back("LIMB_CONSTANTS", initializers(machine));
@@ -154,6 +188,59 @@ std::string single_rod_header(const Robot& robot, const SourceErrors& errors, co
   values.emplace_back("TESTS", std::to_string(cases.size()));
   values.emplace_back("TEST_VECTOR", test_vector(cases, true));
   return filled_template("single_rods_c99.h", values);
+}
+
+/// An axis of LinuxCNC as a coordinate of the plate, or of nothing that the robot moves.
+struct Axis {
+  std::string_view letter, place, what;
+};
+constexpr std::array<Axis, 9> kAxes{{{"x", "tran.x", "wanted position of the plate's origin, mm"},
+                                     {"y", "tran.y", "and y"},
+                                     {"z", "tran.z", "and z"},
+                                     {"a", "a", "wanted tilt_x of the plate, deg"},
+                                     {"b", "b", "wanted tilt_y, deg"},
+                                     {"c", "c", "wanted tilt_z, deg"},
+                                     {"u", "u", ""},
+                                     {"v", "v", ""},
+                                     {"w", "w", ""}}};
+
+/// "A, B and C turn the plate: R = Rot(x, A) Rot(y, B) Rot(z, C)", as far as they do.
+std::string turns_in_words(const PlateFreedoms& freedoms) {
+  std::string text;
+  for (std::size_t k = 3; k < 6; ++k) {
+    if (freedoms.free[k]) text += fmt::format("{}Rot({}, {})", text.empty() ? "" : " ", "xyz"[k - 3], "ABC"[k - 3]);
+  }
+  return text.empty() ? "no axis turns the plate" : "the plate is turned by R = " + text;
+}
+
+/// How the component takes poses from axes, and leaves to joints of their own what the robot does not move.
+void add_axes(const Robot& robot, Values& values) {
+  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  std::string pins, of_pins, of_world, to_world, others_of_world, world_of_others;
+  std::vector<std::string> others;
+  for (std::size_t k = 0; k < kAxes.size(); ++k) {
+    const auto& [letter, place, what] = kAxes[k];
+    if (k >= 6 || !freedoms.free[k]) {
+      const std::size_t joint = robot.limb_count() + others.size();
+      others_of_world += fmt::format("  joints[{}] = world->{};\n", joint, place);
+      world_of_others += fmt::format("  world->{} = joints[{}];\n", place, joint);
+      others.emplace_back(1, static_cast<char>(std::toupper(letter[0])));
+      continue;
+    }
+    const bool turns = k >= 3;
+    pins += fmt::format("pin in float command.{} \"{}\";\n", letter, what);
+    of_pins += fmt::format("  pose[{}] = command_{}{};\n", k, letter, turns ? " / PARACAL_DEGREES" : "");
+    of_world += fmt::format("  pose[{}] = world->{}{};\n", k, place, turns ? " / PARACAL_DEGREES" : "");
+    to_world += fmt::format("  world->{} = pose[{}]{};\n", place, k, turns ? " * PARACAL_DEGREES" : "");
+  }
+  values.emplace_back("TURNS", turns_in_words(freedoms));
+  values.emplace_back("OTHER_AXES", fmt::format("{}", fmt::join(others, ", ")));
+  values.emplace_back("PINS", pins);
+  values.emplace_back("POSE_OF_PINS", of_pins);
+  values.emplace_back("POSE_OF_WORLD", of_world);
+  values.emplace_back("WORLD_OF_POSE", to_world);
+  values.emplace_back("OTHERS_OF_WORLD", others_of_world);
+  values.emplace_back("WORLD_OF_OTHERS", world_of_others);
 }
 
 }  // namespace
@@ -178,10 +265,10 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const bool six_freedoms = robot.on_single_rods();
-  Values values = six_freedoms ? of_single_rods(robot, origin) : head(robot, origin);
+  Values values = robot.on_single_rods() ? of_single_rods(robot, origin) : head(robot, origin);
+  if (robot.on_single_rods()) add_axes(robot, values);
   values.emplace_back("C99", c99_header(robot, errors, origin));
-  return filled_template(six_freedoms ? "single_rods_kins.comp" : "paracal_kins.comp", values);
+  return filled_template(robot.on_single_rods() ? "single_rods_kins.comp" : "paracal_kins.comp", values);
 }
 
 }  // namespace paracal

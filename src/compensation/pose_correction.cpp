@@ -58,7 +58,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   if (!robot.on_single_rods()) return of_level_plate(robot, known, way);
   if (way == CompensationWay::exact) return of_six_freedoms(robot, known);
   throw InvalidArgument(
-      "way: expected exact of a plate with six freedoms: the linear ways are of one that stays level");
+      "way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
 }
 
 }  // namespace paracal

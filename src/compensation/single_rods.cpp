@@ -84,7 +84,7 @@ Closed closed(const Limb& limb, const Constants& constants, const Vector<Express
 
 struct JointMotion {
   Expression joint;
-  Values by_pose;  ///< its derivative, x, y, z, tilt_x, tilt_y, tilt_z
+  Values by_pose;  ///< its derivative by what is free of x, y, z, tilt_x, tilt_y, tilt_z
 };
 
 /// dR p = axis x R p d(tilt), about the axes that the angles turn; as plate_rotation() has it.
@@ -93,26 +93,40 @@ std::array<Vector<Expression>, 3> tilt_axes(const ArmDirection<Expression>& a, c
   return {Vector<Expression>{Expression(1.0), zero, zero}, {zero, a.cosine, a.sine}, plate.z};
 }
 
+/// A coordinate of the pose; a number where guides hold it.
+Expression coordinate(const Machine& machine, std::size_t k) {
+  if (machine.freedoms.free.at(k)) return input("pose", k);
+  return Expression(k == 2 ? machine.guided_z : 0.0);
+}
+
+/// Cosine and sine of one of the plate's angles.
+ArmDirection<Expression> turn_about(const Machine& machine, std::size_t axis) {
+  if (!machine.freedoms.free.at(3 + axis)) return {Expression(1.0), Expression(0.0)};
+  const Expression angle = input("pose", 3 + axis);
+  return {cos(angle), sin(angle)};
+}
+
 std::vector<JointMotion> motions(const Machine& machine) {
-  const auto turn = [](std::size_t axis) {
-    const Expression angle = input("pose", 3 + axis);
-    return ArmDirection<Expression>{cos(angle), sin(angle)};
-  };
+  const auto turn = [&](std::size_t axis) { return turn_about(machine, axis); };
   const ArmDirection<Expression> about_x = turn(0);
   const PlateFrame<Expression> plate{plate_columns(about_x, turn(1), turn(2))};
-  const Vector<Expression> position{input("pose", 0), input("pose", 1), input("pose", 2)};
+  const Vector<Expression> position{coordinate(machine, 0), coordinate(machine, 1), coordinate(machine, 2)};
   const std::array<Vector<Expression>, 3> axes = tilt_axes(about_x, plate);
   std::vector<JointMotion> all;
-  for (std::size_t i = 0; i < kSingleRods; ++i) {
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Constants constants(machine.limbs[i], i);
     const Vector<Expression> lever = plate.turned(constants.vector("plate"));
     const Vector<Expression> d = sum(sum(position, lever), constants.vector("base"), Expression(-1.0));
     const Closed limb = closed(machine.limbs[i], constants, d);
     JointMotion motion{limb.joint, {}};
     const Vector<Expression> along = scaled(limb.rod, Expression(1.0) / limb.by_joint);
-    motion.by_pose.assign(along.begin(), along.end());
     const Vector<Expression> moment = cross(lever, along);
-    for (const Vector<Expression>& axis : axes) motion.by_pose.push_back(dot(axis, moment));
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (machine.freedoms.free.at(k)) motion.by_pose.push_back(along[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (machine.freedoms.free.at(3 + k)) motion.by_pose.push_back(dot(axes[k], moment));
+    }
     all.push_back(std::move(motion));
   }
   return all;
@@ -156,10 +170,12 @@ std::vector<SelfTestCase> single_rod_self_test(const Robot& robot, const Machine
   const Workspace& workspace = robot.workspace();
   const std::vector<Eigen::Vector3d> tilts = workspace.tilts();
   std::vector<Pose> poses{{workspace.centre()}};
-  for (std::size_t k = 0; k < tilts.size(); ++k) {
-    const double azimuth = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(tilts.size());
+  constexpr std::size_t kFewest = 7;  // on the rims
+  const std::size_t count = std::max(kFewest, tilts.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const double azimuth = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(count);
     const double z = workspace.top_z - (k % 2 == 0 ? 0.0 : workspace.height);
-    poses.push_back({Workspace::on_circle(workspace.radius, azimuth, z), 0.0, tilts[k]});
+    poses.push_back({Workspace::on_circle(workspace.radius, azimuth, z), 0.0, tilts[k % tilts.size()]});
   }
   std::vector<SelfTestCase> cases;
   for (const Pose& pose : poses) {

@@ -13,8 +13,6 @@
 
 namespace paracal::compensation_detail {
 
-inline constexpr std::size_t kSingleRods = 6;
-
 /// A constant of a limb, errors included, under the name that an export gives it.
 struct LimbConstant {
   std::string_view name;  ///< of static storage
@@ -31,9 +29,9 @@ std::vector<LimbConstant> constants_of(const Limb& limb);
 
 /// Formulas of any machine of that kind. Their symbols:
 ///
-///   pose[6]    O' in {O}, mm; tilt, rad
-///   joints[6]  to command, mm or rad
-///   rows[36]   d joints / d pose, a row a limb
+///   pose[6]    O' in {O}, mm; tilt, rad; what guides hold does not stand in the formulas
+///   joints[N]  to command, mm or rad
+///   rows[N N]  d joints / d pose, a row a limb, a column each that is free
 struct RecordedRods {
   Procedure joints;  ///< pose -> joints
   Procedure rows;    ///< pose -> joints, rows

@@ -38,11 +38,15 @@ JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
     return static_cast<std::size_t>(
         std::ranges::count_if(joint_names(actuator), [&](std::string_view column) { return table.has(column); }));
   };
+  constexpr std::size_t kFewest = 3;  // of a robot that nobody names; one of two joints is named
   const std::size_t angles = present(Actuator::revolute), lengths = present(Actuator::linear);
-  if (angles + lengths == 0) return {};
+  JointSpace found;
+  found.guided_z = joints.guided_z;
+  if (angles + lengths == 0) return found;
   const bool as_asked = joint_unit(joints.actuator) == (angles > 0 ? Unit::rad : Unit::mm);
-  const Actuator shown = angles > 0 ? Actuator::revolute : Actuator::linear;
-  return {std::max({angles, lengths, joints.count, std::size_t{3}}), as_asked ? joints.actuator : shown};
+  found.actuator = as_asked ? joints.actuator : angles > 0 ? Actuator::revolute : Actuator::linear;
+  found.count = std::max({angles, lengths, joints.count > 0 ? joints.count : kFewest});
+  return found;
 }
 
 Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
@@ -54,8 +58,10 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
   return coordinates;
 }
 
-Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns) {
-  Pose pose{{table.number(row, columns.x), table.number(row, columns.y), table.number(row, columns.z)}};
+Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns, const JointSpace& joints) {
+  const bool states_z = !joints.guided_z || table.has(columns.z);
+  const double z = states_z ? table.number(row, columns.z) : *joints.guided_z;
+  Pose pose{{table.number(row, columns.x), table.number(row, columns.y), z}};
   if (table.has(columns.phi)) pose.rotation = to_radians(table.number(row, columns.phi));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!table.has(columns.tilt[axis])) continue;

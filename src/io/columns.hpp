@@ -38,8 +38,8 @@ inline constexpr PoseColumns kPlatePose{"x_mm", "y_mm", "z_mm", "phi_deg", {"til
 inline constexpr PoseColumns kCommandedPose{
     "x_cmd_mm", "y_cmd_mm", "z_cmd_mm", "phi_cmd_deg", {"tilt_x_cmd_deg", "tilt_y_cmd_deg", "tilt_z_cmd_deg"}};
 
-/// Missing columns of phi and tilt are 0.
-Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns);
+/// Missing columns of phi and tilt are 0, that of z is where guides hold it.
+Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns, const JointSpace& joints);
 
 /// The name in column pose.
 std::string pose_name(const CsvTable& table, std::size_t row);

@@ -50,6 +50,7 @@ Json to_json(const Robot& robot) {
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   Json json{{"name", robot.name()}};
   if (!geometry.single_rods.empty()) {
+    if (!geometry.freedoms.are_all()) json["plate"] = {{"freedoms", freedoms_json(geometry.freedoms)}};
     json["limb"] = limbs_json(geometry);
   } else {
     json["geometry"] = {{"base_radius_mm", geometry.base_radius},

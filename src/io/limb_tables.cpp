@@ -93,6 +93,21 @@ bool define_limbs(const toml::table& document) {
   return !document.contains("geometry") && limbs != nullptr && !limbs->empty() && limbs->front().is_table();
 }
 
+PlateFreedoms freedoms_of(Section plate) {
+  PlateFreedoms freedoms{.free = {}};
+  for (const std::string& name : plate.texts("freedoms")) {
+    const auto* coordinate = std::ranges::find(kPlateCoordinates, name);
+    if (coordinate == kPlateCoordinates.end()) {
+      fail(plate, "freedoms", fmt::format("names of {}", fmt::join(kPlateCoordinates, ", ")), name);
+    }
+    bool& free = freedoms.free.at(static_cast<std::size_t>(coordinate - kPlateCoordinates.begin()));
+    if (free) fail(plate, "freedoms", "each name once", name);
+    free = true;
+  }
+  plate.refuse_others();
+  return freedoms;
+}
+
 Geometry limbs_geometry(Section& root) {
   std::optional<Actuator> kind;
   std::vector<SingleRod> limbs;
@@ -100,11 +115,22 @@ Geometry limbs_geometry(Section& root) {
     kind = kind_of(limb, kind);
     limbs.push_back(limb_of(limb, *kind));
   }
-  return single_rod_geometry(kind.value(), std::move(limbs));
+  const std::optional<Section> plate = root.optional_table("plate");
+  return single_rod_geometry(kind.value(), std::move(limbs), plate ? freedoms_of(*plate) : PlateFreedoms{});
+}
+
+Json freedoms_json(const PlateFreedoms& freedoms) {
+  Json names = Json::array();
+  for (std::size_t k = 0; k < freedoms.free.size(); ++k) {
+    if (freedoms.free[k]) names.push_back(kPlateCoordinates[k]);
+  }
+  return names;
 }
 
 std::string limbs_toml(const Geometry& geometry) {
   std::string text;
+  if (!geometry.freedoms.are_all())
+    text = fmt::format("\n[plate]\nfreedoms = {}\n", freedoms_json(geometry.freedoms).dump());
   for (const Json& limb : limbs_json(geometry)) {
     text += "\n[[limb]]\n";
     for (const auto& [key, value] : limb.items()) text += fmt::format("{} = {}\n", key, toml_value(value));

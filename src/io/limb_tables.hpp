@@ -20,5 +20,7 @@ Geometry limbs_geometry(Section& root);
 
 std::string limbs_toml(const Geometry& geometry);
 Json limbs_json(const Geometry& geometry);
+/// ["x", "y"]
+Json freedoms_json(const PlateFreedoms& freedoms);
 
 }  // namespace paracal::io

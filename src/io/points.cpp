@@ -86,7 +86,7 @@ const Pose kNotStated{Eigen::Vector3d::Constant(std::numeric_limits<double>::qui
 Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
   const bool joints_alone =
       joints.count > 0 && !has_any(table, std::array{kCommandedPose.x, kCommandedPose.y, kCommandedPose.z});
-  Station station{pose_name(table, row), joints_alone ? kNotStated : pose_of(table, row, kCommandedPose)};
+  Station station{pose_name(table, row), joints_alone ? kNotStated : pose_of(table, row, kCommandedPose, joints)};
   if (joints.count > 0) station.believed = joints_of(table, row, joints);
   return station;
 }

@@ -44,6 +44,7 @@ class PoseRows {
   /// @param names  how many rows' names are kept, to be known again.
   PoseRows(const CsvTable& table, const JointSpace& joints, std::size_t names)
       : columns_(columns_of(table, joints)),
+        joints_(joints),
         present_(joint_columns(table, joints)),
         names_(table.has("pose") ? names : 0) {
     table.allow_only(with_joint_columns({"pose",
@@ -79,7 +80,7 @@ class PoseRows {
   }
 
   Station read(const CsvTable& table, std::size_t row) {
-    Station station{row_name(table, row), pose_of(table, row, columns_)};
+    Station station{row_name(table, row), pose_of(table, row, columns_, joints_)};
     require_new(table, row, station.name);
     if (present_.count > 0) station.believed = joints_of(table, row, present_);
     return station;
@@ -104,7 +105,7 @@ class PoseRows {
   }
 
   const PoseColumns& columns_;
-  JointSpace present_;
+  JointSpace joints_, present_;
   std::size_t names_;  ///< 0: none
   std::unordered_map<std::string, int> lines_;
 };

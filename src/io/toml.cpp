@@ -46,11 +46,12 @@ Slide slide_of(Section section) {
   return slide;
 }
 
-Workspace workspace_of(Section section) {
+/// @param is_flat  guides hold the plate in a plane: z = 0, where nobody says where.
+Workspace workspace_of(Section section, bool is_flat) {
   Workspace workspace;
   workspace.radius = section.number("radius_mm");
-  workspace.height = section.number("height_mm");
-  workspace.top_z = section.number("top_z_mm");
+  workspace.height = is_flat ? section.number_or("height_mm", 0.0) : section.number("height_mm");
+  workspace.top_z = is_flat ? section.number_or("top_z_mm", 0.0) : section.number("top_z_mm");
   if (const toml::node* rotation = section.find("rotation_deg")) {
     const std::vector<double> limits = section.numbers_of(*rotation, "rotation_deg");
     if (limits.size() != 2) {
@@ -96,8 +97,9 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   robot.name = root.text("name");
   const bool of_limbs = define_limbs(document);
   robot.geometry = of_limbs ? limbs_geometry(root) : geometry_of(root.table("geometry"));
-  if (const auto plate = root.optional_table("plate")) robot.slide = slide_of(*plate);
-  robot.workspace = workspace_of(root.table("workspace"));
+  const auto plate = of_limbs ? std::nullopt : root.optional_table("plate");
+  if (plate) robot.slide = slide_of(*plate);
+  robot.workspace = workspace_of(root.table("workspace"), robot.geometry.freedoms.holds_z());
   const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
   if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
     robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});

@@ -90,8 +90,9 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>> residual_to_plate =
       -normal.solve(linear.jacobian.transpose());
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
-  jacobian.plate.setZero(detail::kUnknowns<N>, N * kPerLimb);
-  for (int i = 0; i < N; ++i) {
+  const int limbs = detail::limbs_of<N>(machine);
+  jacobian.plate.setZero(detail::kUnknowns<N>, limbs * kPerLimb);
+  for (int i = 0; i < limbs; ++i) {
     auto of_limb = jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb);
     if constexpr (detail::kOnSingleRods<N>) {
       of_limb =
@@ -110,7 +111,7 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
 }  // namespace
 
 ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept {
-  return detail::with_limb_count(machine.limb_count, [&]<int N>() { return differentiate<N>(machine, plate, joints); });
+  return detail::with_limb_count(machine, [&]<int N>() { return differentiate<N>(machine, plate, joints); });
 }
 
 }  // namespace paracal

@@ -19,19 +19,25 @@ using detail::linearize;
 using detail::Unknowns;
 
 /// First guess on single rods: the plate level, as high above the mean of their upper ends, or below, as rods of that
-/// mean square would hold it.
-PlateState rods_start(const Machine& machine, const detail::Elbows<6>& elbows) {
+/// mean square would hold it; in the middle of its workspace where guides hold z.
+template <int N>
+PlateState rods_start(const Machine& machine, const detail::Elbows<N>& elbows) {
+  const int limbs = detail::limbs_of<N>(machine);
+  PlateState start;
+  if (N == detail::kGuided && machine.freedoms.holds_z()) {
+    start.position.z() = machine.guided_z;
+    return start;
+  }
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double square = 0.0;
-  for (std::size_t i = 0; i < 6; ++i) {
-    centre += (elbows[i].joint[0] - machine.limbs[i].plate) / 6.0;
-    square += elbows[i].rod[0] * elbows[i].rod[0] / 6.0;
+  for (int i = 0; i < limbs; ++i) {
+    centre += (elbows[i].joint[0] - machine.limbs[i].plate) / limbs;
+    square += elbows[i].rod[0] * elbows[i].rod[0] / limbs;
   }
   double spread = 0.0;
-  for (std::size_t i = 0; i < 6; ++i) {
-    spread += (elbows[i].joint[0] - machine.limbs[i].plate - centre).squaredNorm() / 6.0;
+  for (int i = 0; i < limbs; ++i) {
+    spread += (elbows[i].joint[0] - machine.limbs[i].plate - centre).squaredNorm() / limbs;
   }
-  PlateState start;
   start.position = centre;
   start.position.z() += machine.side * std::sqrt(std::max(square - spread, 0.25 * square));
   return start;
@@ -140,7 +146,7 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
   if constexpr (detail::kOnSingleRods<N>) {
-    result.plate = options.start ? *options.start : rods_start(machine, elbows);
+    result.plate = options.start ? *options.start : rods_start<N>(machine, elbows);
   } else {
     result.plate = options.start ? *options.start : elbows_start<N>(machine, elbows);
     // From a good guess, that of a machine which tilts its plate is as far away as the level one.
@@ -191,7 +197,7 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
 }  // namespace
 
 ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options) noexcept {
-  return detail::with_limb_count(machine.limb_count, [&]<int N>() { return solve<N>(machine, joints, options); });
+  return detail::with_limb_count(machine, [&]<int N>() { return solve<N>(machine, joints, options); });
 }
 
 }  // namespace paracal

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "guides.hpp"
 #include "linear_closure.hpp"
 
 namespace paracal {
@@ -50,7 +51,8 @@ InverseResult rod_inverse(const Machine& machine, const Pose& pose) {
 }
 
 InverseResult closed_inverse(const Machine& machine, const Pose& pose) {
-  return machine.actuator() == Actuator::strut ? strut_inverse(machine, pose) : rod_inverse(machine, pose);
+  const bool six_struts = machine.actuator() == Actuator::strut && !machine.has_guides();
+  return six_struts ? strut_inverse(machine, pose) : rod_inverse(machine, pose);
 }
 
 /// Closed form on the centre lines of the limbs, plate level.
@@ -121,7 +123,8 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
   InverseResult result = machine.on_single_rods() ? closed_inverse(machine, pose) : level_inverse(machine, pose);
   const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
-  if ((!machine.has_slide() && turns) || (!machine.on_single_rods() && leans)) {
+  const bool held = machine.has_guides() && !detail::is_free(machine, pose);
+  if ((!machine.has_slide() && turns) || (!machine.on_single_rods() && leans) || held) {
     result.status = InverseStatus::unreachable;
   }
   if (result.ok() && machine.tilts_plate) {

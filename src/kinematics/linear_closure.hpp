@@ -11,16 +11,26 @@
 
 namespace paracal::detail {
 
+/// N of a plate on fewer than six limbs with one rod.
+inline constexpr int kGuided = 0;
+
 /// A machine of N limbs has N compensable freedoms delta = (position, slide; no slide when N = 3), three tilts, and 2 N
-/// rods. One of six limbs has one rod a limb, and its freedoms are position and tilt.
+/// rods. One of six limbs has one rod a limb, and its freedoms are position and tilt. On fewer limbs with one rod what
+/// guides hold stands for rods that are missing: a coordinate that is off is their residual.
 template <int N>
-inline constexpr bool kOnSingleRods = N == 6;
+inline constexpr bool kOnSingleRods = N == 6 || N == kGuided;
 template <int N>
 inline constexpr int kUnknowns = kOnSingleRods<N> ? 6 : N + 3;
 template <int N>
 inline constexpr int kRodsALimb = kOnSingleRods<N> ? 1 : 2;
 template <int N>
-inline constexpr int kRods = kRodsALimb<N>* N;
+inline constexpr int kRods = kOnSingleRods<N> ? 6 : 2 * N;
+
+/// Known when compiling but where guides hold the plate.
+template <int N>
+int limbs_of(const Machine& machine) {
+  return N == kGuided ? static_cast<int>(machine.limb_count) : N;
+}
 
 template <int N>
 using Unknowns = Eigen::Matrix<double, kUnknowns<N>, 1>;
@@ -61,12 +71,12 @@ inline RodEnd rod_end(const Limb& limb, double joint) {
 
 /// The elbows of all limbs: fixed while the plate is sought.
 template <int N>
-using Elbows = std::array<std::conditional_t<kOnSingleRods<N>, RodEnd, Elbow<double>>, N>;
+using Elbows = std::array<std::conditional_t<kOnSingleRods<N>, RodEnd, Elbow<double>>, N == kGuided ? 6 : N>;
 
 template <int N>
 Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
   Elbows<N> elbows;
-  for (int i = 0; i < N; ++i) {
+  for (int i = 0; i < limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
     if constexpr (kOnSingleRods<N>) {
       elbows[i] = rod_end(limb, joints(i));
@@ -85,12 +95,15 @@ void advance(PlateState& plate, const Unknowns<N>& step) {
   plate.tilt += step.template tail<3>();
 }
 
+/// Rows below those of the rods: what guides hold, mm and rad.
+void add_guides(const Machine& machine, const PlateState& plate, LinearClosure<kGuided>& linear);
+
 template <int N>
 LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, const Elbows<N>& elbows) {
   LinearClosure<N> linear;
   const PlateRotation<double> rotation = plate_rotation(plate.tilt);
   const Eigen::Vector3d slide_direction = rotation.matrix * machine.slide_axis;
-  for (int i = 0; i < N; ++i) {
+  for (int i = 0; i < limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
     const std::array<Eigen::Vector3d, 2> hinges = plate_joints(machine, limb, plate.slide);
     for (int j = 0; j < kRodsALimb<N>; ++j) {
@@ -107,6 +120,7 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
       linear.lever[row] = lever;
     }
   }
+  if constexpr (N == kGuided) add_guides(machine, plate, linear);
   return linear;
 }
 
@@ -116,10 +130,12 @@ auto with_pair_count(std::size_t limbs, Task&& task) {
   return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
 }
 
-/// The same for the limbs of any Robot: 6 of them have one rod each.
+/// The same for the limbs of any machine: 6 of them have one rod each, and fewer have guides beside them.
 template <typename Task>
-auto with_limb_count(std::size_t limbs, Task&& task) {
-  return limbs == 6 ? task.template operator()<6>() : with_pair_count(limbs, std::forward<Task>(task));
+auto with_limb_count(const Machine& machine, Task&& task) {
+  if (machine.has_guides()) return task.template operator()<kGuided>();
+  return machine.limb_count == 6 ? task.template operator()<6>()
+                                 : with_pair_count(machine.limb_count, std::forward<Task>(task));
 }
 
 }  // namespace paracal::detail

@@ -9,8 +9,8 @@ namespace paracal {
 void check_level(const Robot& robot, std::string_view task) {
   if (!robot.on_single_rods()) return;
   throw InvalidArgument(
-      fmt::format("{}: expected a robot whose plate stays level, got {}, whose plate has six freedoms: this is not "
-                  "done for these (docs/hexapods.md)",
+      fmt::format("{}: expected a robot whose plate stays level on parallelograms, got {}, whose limbs have one rod "
+                  "each: this is not done for these (docs/hexapods.md)",
                   task, robot.name()));
 }
 

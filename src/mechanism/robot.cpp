@@ -74,10 +74,10 @@ void check_slide(Slide& slide, std::size_t limbs) {
   }
 }
 
-void check_workspace(const Workspace& workspace, bool has_slide, bool six_freedoms) {
+void check_workspace(const Workspace& workspace, bool has_slide, const Geometry& geometry) {
   require_positive_mm("workspace.radius_mm", workspace.radius);
+  if (on_single_rods(geometry.actuator)) return detail::check_side(workspace, geometry.freedoms);
   require_positive_mm("workspace.height_mm", workspace.height);
-  if (six_freedoms) return detail::check_side(workspace);
   if (workspace.max_tilt != 0.0) {
     throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
   }
@@ -111,6 +111,7 @@ std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
 std::string shown(const Machine& machine, const Pose& pose) {
   const Eigen::Vector3d &at = pose.position, tilt = pose.tilt.unaryExpr(&to_degrees).array() + 0.0;
   const std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
+  if (machine.on_single_rods() && !machine.commands_tilt()) return place;
   if (!machine.on_single_rods()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
   return fmt::format("{} tilted by ({:g}, {:g}, {:g}) deg", place, tilt.x(), tilt.y(), tilt.z());
 }
@@ -181,7 +182,7 @@ void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
   if (on_single_rods(description.geometry.actuator)) {
     detail::check_single_rods(description.geometry);
-    if (has_slide) throw InvalidArgument("plate: expected no slide on a plate with six freedoms");
+    if (has_slide) throw InvalidArgument("plate: expected no slide on a plate on limbs with one rod");
     return;
   }
   check_lengths(description.geometry);
@@ -192,15 +193,16 @@ void check_parts(RobotDescription& description) {
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
-  const bool six_freedoms = on_single_rods(description.geometry.actuator);
+  const PlateFreedoms& freedoms = description.geometry.freedoms;
+  description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
   check_parts(description);
-  check_workspace(description.workspace, description.slide.has_value(), six_freedoms);
+  check_workspace(description.workspace, description.slide.has_value(), description.geometry);
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
   check_intended(description);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   Machine nominal = build(description, SourceErrors{});
   check_reach(nominal, description.workspace);
-  if (six_freedoms) detail::check_hold(nominal, description.geometry, description.workspace);
+  if (nominal.on_single_rods()) detail::check_hold(nominal, description.geometry, description.workspace);
   return nominal;
 }
 
@@ -220,6 +222,12 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
 
 Robot::Robot(RobotDescription description)
     : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
+
+JointSpace Robot::joint_space() const {
+  JointSpace joints(limb_count(), actuator());
+  if (nominal_.has_guides() && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;
+  return joints;
+}
 
 double largest_error(const Geometry& geometry, Source source) {
   if (unit(source, geometry.actuator) == Unit::rad) return std::numbers::pi;

@@ -16,7 +16,6 @@ namespace paracal {
 namespace {
 
 constexpr int kRimPoints = 12;
-constexpr std::size_t kLimbs = 6;
 /// Singular values of how rods hold a plate, turns counted at its radius: below this share of the largest they do not.
 constexpr double kHeld = 1e-3;
 
@@ -28,40 +27,53 @@ std::string numbers(const Eigen::Vector3d& vector) {
 
 std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
 
-using Hold = Eigen::Matrix<double, kLimbs, 6>;
+/// "(1, 2, 3) mm tilted by (0, 4, 0) deg"; without the tilt where the plate cannot.
+std::string standing(const Machine& machine, const Pose& pose) {
+  if (!machine.commands_tilt()) return place(pose.position);
+  return fmt::format("{} tilted by {} deg", place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)));
+}
 
-/// Rows (n, R a x n / radius of the plate) of all rods: how they hold it.
+/// A row a limb, a column a coordinate of the plate that is free.
+using Hold = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs, kMaxLimbs>;
+
+/// Rows (n, R a x n / radius of the plate) of all rods, in what guides leave free: how they hold it.
 Hold hold(const Machine& machine, const Pose& pose, double radius) {
   const Eigen::Matrix3d rotation = detail::rotation_of(pose.tilt);
-  Hold rows;
-  for (std::size_t i = 0; i < kLimbs; ++i) {
+  const auto size = static_cast<Eigen::Index>(machine.limb_count);
+  Hold rows(size, size);
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
     const Eigen::Vector3d lever = rotation * limb.plate, at_plate = pose.position + lever;
     const double joint = solve_joint(limb, at_plate).joint;
     const Eigen::Vector3d upper_end = limb.base + elbow_lever(limb, joint, arm_directions(limb, joint));
     const Eigen::Vector3d n = (at_plate - upper_end).normalized();
-    rows.row(static_cast<Eigen::Index>(i)) << n.transpose(), lever.cross(n).transpose() / radius;
+    Eigen::Matrix<double, 6, 1> whole;
+    whole << n, lever.cross(n) / radius;
+    Eigen::Index column = 0;
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      if (machine.freedoms.free[static_cast<std::size_t>(k)]) rows(static_cast<Eigen::Index>(i), column++) = whole(k);
+    }
   }
   return rows;
 }
 
 /// Refuses a plate that could move, or nearly, with all rods as they are.
-void require_hold(const Hold& rows, const Pose& pose) {
-  if (std::abs(rows.determinant()) > kHeld) return;  // the least singular value is larger, by the other five's product
-  const Eigen::Matrix<double, 6, 1> values = rows.jacobiSvd().singularValues();
-  if (values(5) > kHeld * values(0)) return;
+void require_hold(const Machine& machine, const Hold& rows, const Pose& pose) {
+  if (std::abs(rows.determinant()) > kHeld) return;  // the least singular value is larger, by the others' product
+  const Eigen::VectorXd values = rows.jacobiSvd().singularValues();
+  if (values(values.size() - 1) > kHeld * values(0)) return;
   throw InvalidArgument(
-      fmt::format("workspace: the rods do not hold the plate at {} tilted by {} deg: it could move with all of them as "
-                  "they are (singular; {:.1g} of how the stiffest motion is held)",
-                  place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)), values(5) / values(0)));
+      fmt::format("workspace: the rods do not hold the plate at {}: it could move with all of them as they are "
+                  "(singular; {:.1g} of how the stiffest motion is held)",
+                  standing(machine, pose), values(values.size() - 1) / values(0)));
 }
 
 /// Where it is seen whether rods hold a plate: the axis and two circles on top, in the middle and at the bottom of the
 /// workspace, at all extremes of tilt.
 std::vector<Pose> poses_to_hold(const Workspace& workspace) {
   std::vector<Pose> poses;
-  for (const double down : {0.5, 0.0, 1.0}) {
-    const double z = workspace.top_z - down * workspace.height;
+  for (int layer = 0; layer < workspace.layers(3); ++layer) {
+    const double z = workspace.layer_z(layer, workspace.layers(3));
     for (const Eigen::Vector3d& tilt : workspace.tilts()) {
       poses.push_back({Eigen::Vector3d(0.0, 0.0, z), 0.0, tilt});
       for (int k = 0; k < 2 * kRimPoints; ++k) {
@@ -134,6 +146,16 @@ Eigen::Matrix3d strut_frame(const SingleRod& strut) {
   return detail::nominal_frame(std::atan2(strut.base.y(), strut.base.x()));
 }
 
+void check_freedoms(const PlateFreedoms& freedoms, std::size_t limbs) {
+  if (!freedoms.free[0] || !freedoms.free[1]) {
+    throw InvalidArgument(fmt::format("plate.freedoms: expected x and y among them, got {}", in_words(freedoms)));
+  }
+  if (limbs == freedoms.count()) return;
+  const std::string of = freedoms.count() == kMaxLimbs ? "six freedoms" : "freedoms " + in_words(freedoms);
+  throw InvalidArgument(
+      fmt::format("limb: expected {} limbs with one rod for a plate with {}, got {}", freedoms.count(), of, limbs));
+}
+
 }  // namespace
 
 namespace detail {
@@ -151,10 +173,7 @@ void require_positive_mm(std::string_view quantity, double value) {
 
 void check_single_rods(const Geometry& geometry) {
   const std::vector<SingleRod>& limbs = geometry.single_rods;
-  if (limbs.size() != kLimbs) {
-    throw InvalidArgument(fmt::format("limb: expected {} limbs with one rod for a plate with six freedoms, got {}",
-                                      kLimbs, limbs.size()));
-  }
+  check_freedoms(geometry.freedoms, limbs.size());
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const SingleRod& limb = limbs[i];
     if (!limb.base.allFinite() || !limb.plate.allFinite()) {
@@ -169,9 +188,18 @@ void check_single_rods(const Geometry& geometry) {
   }
 }
 
-void check_side(const Workspace& workspace) {
+void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   const double bottom = workspace.top_z - workspace.height;
-  if (!std::isfinite(workspace.top_z) || !(workspace.top_z < 0.0 || bottom > 0.0)) {
+  if (freedoms.holds_z() ? workspace.height != 0.0 : !(workspace.height > 0.0)) {
+    throw InvalidArgument(
+        fmt::format("workspace.height_mm: expected {}, got {:g} mm",
+                    freedoms.holds_z() ? "nothing, or 0, of a plate that stays in its plane" : "a length above 0 mm",
+                    workspace.height));
+  }
+  if (!std::isfinite(workspace.top_z) || !std::isfinite(bottom)) {
+    throw InvalidArgument(fmt::format("workspace.top_z_mm: expected a number, got {} mm", workspace.top_z));
+  }
+  if (!freedoms.holds_z() && !(workspace.top_z < 0.0 || bottom > 0.0)) {
     throw InvalidArgument(
         fmt::format("workspace.top_z_mm: expected a workspace above the base, or one below, got z from {} to {} mm",
                     bottom, workspace.top_z));
@@ -180,21 +208,25 @@ void check_side(const Workspace& workspace) {
     throw InvalidArgument(fmt::format("workspace.tilt_deg: expected at least 0 and less than 90 deg, got {:g}",
                                       to_degrees(workspace.max_tilt)));
   }
+  if (workspace.max_tilt > 0.0 && !freedoms.tilt()) {
+    throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate whose freedoms are " + in_words(freedoms));
+  }
 }
 
 void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace) {
   const Pose centre{workspace.centre()};
-  const double side = hold(machine, centre, geometry.plate_radius).determinant();
+  const double radius = 0.5 * geometry.parallelogram_width;
+  const double side = hold(machine, centre, radius).determinant();
   std::vector<Pose> poses = poses_to_hold(workspace);
   poses.insert(poses.begin(), centre);
   for (const Pose& pose : poses) {
-    const Hold rows = hold(machine, pose, geometry.plate_radius);
-    require_hold(rows, pose);
+    const Hold rows = hold(machine, pose, radius);
+    require_hold(machine, rows, pose);
     if (rows.determinant() * side > 0.0) continue;
     throw InvalidArgument(fmt::format(
-        "workspace: the rods do not hold the plate somewhere between its centre and {} tilted by {} deg (singular: "
-        "there it would go through a pose in which it could move with all of them as they are)",
-        place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees))));
+        "workspace: the rods do not hold the plate somewhere between its centre and {} (singular: there it would go "
+        "through a pose in which it could move with all of them as they are)",
+        standing(machine, pose)));
   }
 }
 
@@ -215,6 +247,14 @@ std::optional<std::string> absurd_single_rod(const Geometry& geometry, const Sou
 
 }  // namespace detail
 
+std::string in_words(const PlateFreedoms& freedoms) {
+  std::string text;
+  for (std::size_t k = 0; k < freedoms.free.size(); ++k) {
+    if (freedoms.free[k]) text.append(text.empty() ? "" : ", ").append(kPlateCoordinates[k]);
+  }
+  return text;
+}
+
 Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb) {
   if (kind == Actuator::strut) return strut_frame(limb);
   if (kind == Actuator::carriage) return rail_frame(limb);
@@ -222,18 +262,20 @@ Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb) {
   return columns(at_zero, axis.cross(at_zero));
 }
 
-Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs) {
+Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs, const PlateFreedoms& freedoms) {
+  constexpr double kPoint = 0.1;  // of a rod: the width of a plate that is a point
   Geometry geometry;
   geometry.actuator = kind;
+  geometry.freedoms = freedoms;
   if (limbs.empty()) return geometry;
   geometry.base_radius = mean_radius(limbs, &SingleRod::base);
   geometry.plate_radius = mean_radius(limbs, &SingleRod::plate);
-  geometry.parallelogram_width = 2.0 * geometry.plate_radius;
   for (const SingleRod& limb : limbs) {
     geometry.rod += limb.length / static_cast<double>(limbs.size());
     geometry.arm += limb.arm / static_cast<double>(limbs.size());
     geometry.limb_azimuth.push_back(std::atan2(limb.base.y(), limb.base.x()));
   }
+  geometry.parallelogram_width = geometry.plate_radius > 0.0 ? 2.0 * geometry.plate_radius : kPoint * geometry.rod;
   geometry.single_rods = std::move(limbs);
   return geometry;
 }

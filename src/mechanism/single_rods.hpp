@@ -17,11 +17,12 @@ void require_positive_mm(std::string_view quantity, double value);
 /// Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& tilt);
 
-/// Six of them, each with places, lengths and directions, no two alike.
+/// As many as the plate has freedoms, each with places, lengths and directions, no two alike.
 void check_single_rods(const Geometry& geometry);
 
-/// The whole workspace is on one side of the base, and its tilt less than a right angle.
-void check_side(const Workspace& workspace);
+/// The whole workspace is on one side of the base, or in the plane in which guides hold the plate, and its tilt less
+/// than a right angle.
+void check_side(const Workspace& workspace, const PlateFreedoms& freedoms);
 
 /// Rods may reach everywhere and not hold the plate everywhere: at the centre of the workspace and its rims they do.
 void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace);

@@ -8,9 +8,8 @@ io::Json map_axes(const Workspace& workspace) {
   io::Json json;
   for (int k = 1; k <= kMapGrid.radii; ++k) json["radii_mm"].push_back(rounded(workspace.radius * k / kMapGrid.radii));
   for (int k = 0; k < kMapGrid.azimuths; ++k) json["azimuths_deg"].push_back(rounded(360.0 * k / kMapGrid.azimuths));
-  for (int k = 0; k < kMapGrid.layers; ++k) {
-    json["layers_mm"].push_back(rounded(workspace.top_z - workspace.height * k / (kMapGrid.layers - 1)));
-  }
+  const int layers = workspace.layers(kMapGrid.layers);
+  for (int k = 0; k < layers; ++k) json["layers_mm"].push_back(rounded(workspace.layer_z(k, layers)));
   return json;
 }
 

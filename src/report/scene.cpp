@@ -56,7 +56,7 @@ io::Json pose_json(const Machine& machine, const ErrorArrow& arrow, const std::o
     const Eigen::Vector3d turned = turned_away(machine, arrow.commanded, *plate);
     json["tilt_rad"] = {rounded(turned.x()), rounded(turned.y())};
   }
-  if (machine.on_single_rods()) {
+  if (machine.commands_tilt()) {
     json["tilt_deg"] = rounded(Eigen::Vector3d(arrow.commanded.tilt.unaryExpr(&to_degrees)));
     json["normal"] = rounded(Eigen::Vector3d(plate_rotation(arrow.commanded.tilt).matrix.col(2)));
   }

@@ -84,7 +84,14 @@ int component_count(Quantity quantity) {
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
   if (characteristic.compensated && robot.on_single_rods()) {
-    return "expected a robot whose plate stays level: one with six freedoms follows all errors";
+    return "expected a robot whose plate stays level: one on limbs with one rod follows all errors";
+  }
+  const auto& free = robot.geometry().freedoms.free;
+  if (characteristic.quantity == Quantity::tilt && !free[3] && !free[4]) {
+    return "expected a plate that can tilt, guides keep this one from it: ask for position or distance";
+  }
+  if (characteristic.quantity == Quantity::twist && !free[5]) {
+    return "expected a plate that can turn, guides keep this one from it: ask for position or distance";
   }
   return {};
 }
@@ -124,6 +131,8 @@ LinearModel::Columns LinearModel::turn(const AtPose& at) const {
   const auto& model = std::get<ErrorModel>(at);
   return all_columns<Columns, decltype(model.G_dd)>(nullptr, model.G_ee, scale_);
 }
+
+SourceRows LinearModel::turns(const Pose& pose) const { return turn(at(pose)); }
 
 SourceRows LinearModel::rows(const Pose& pose, Characteristic characteristic) const {
   if (const std::string_view why = why_not_asked(robot_, characteristic); !why.empty()) {

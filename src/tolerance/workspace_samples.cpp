@@ -1,5 +1,6 @@
 #include "paracal/tolerance/workspace_samples.hpp"
 
+#include <array>
 #include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <numbers>
@@ -31,20 +32,25 @@ std::vector<Node> rotation_rule(const Workspace& workspace, int n) {
 }
 
 /// One of the three angles.
-std::vector<Node> tilt_rule(const Workspace& workspace, int n) {
-  if (workspace.max_tilt == 0.0) return {{0.0, 1.0}};
-  return gauss_rule(n, -workspace.max_tilt, workspace.max_tilt);
+std::vector<Node> tilt_rule(const Workspace& workspace, int axis, int n) {
+  const double largest = workspace.tilt_about(axis);
+  return largest == 0.0 ? std::vector<Node>{{0.0, 1.0}} : gauss_rule(n, -largest, largest);
+}
+
+std::vector<Node> height_rule(const Workspace& workspace, int n) {
+  if (workspace.is_flat()) return {{workspace.top_z, 1.0}};
+  return gauss_rule(n, workspace.top_z - workspace.height, workspace.top_z);
 }
 
 /// Poses at the origin, each with its share.
 std::vector<WeightedPose> orientation_rule(const Workspace& workspace, int n, bool all_rotations) {
   if (!all_rotations) return {{.pose = {Eigen::Vector3d::Zero()}, .weight = 1.0}};
   std::vector<WeightedPose> turned;
-  const std::vector<Node> tilts = tilt_rule(workspace, n);
+  const std::array tilts{tilt_rule(workspace, 0, n), tilt_rule(workspace, 1, n), tilt_rule(workspace, 2, n)};
   for (const Node& rotation : rotation_rule(workspace, n)) {
-    for (const Node& x : tilts) {
-      for (const Node& y : tilts) {
-        for (const Node& z : tilts) {
+    for (const Node& x : tilts[0]) {
+      for (const Node& y : tilts[1]) {
+        for (const Node& z : tilts[2]) {
           turned.push_back({{Eigen::Vector3d::Zero(), rotation.place, {x.place, y.place, z.place}},
                             rotation.weight * x.weight * y.weight * z.weight});
         }
@@ -73,10 +79,6 @@ Pose moved(Pose pose, const Eigen::Vector3d& place) {
   return pose;
 }
 
-double layer(const Workspace& workspace, int k, int layers) {
-  return workspace.top_z - workspace.height * (layers > 1 ? static_cast<double>(k) / (layers - 1) : 0.5);
-}
-
 }  // namespace
 
 std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across, int layers) {
@@ -84,11 +86,12 @@ std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across, int lay
   const auto coordinate = [&](int k) { return workspace.radius * (2.0 * k / (across - 1) - 1.0); };
   const double reach = workspace.radius * (1.0 + 1e-12);
   std::vector<WeightedPose> points;
+  layers = workspace.layers(layers);
   for (int k = 0; k < layers; ++k) {
     for (int i = 0; i < across; ++i) {
       for (int j = 0; j < across; ++j) {
         const double x = coordinate(i), y = coordinate(j);
-        if (std::hypot(x, y) <= reach) points.push_back({{{x, y, layer(workspace, k, layers)}, 0.0}, 0.0});
+        if (std::hypot(x, y) <= reach) points.push_back({{{x, y, workspace.layer_z(k, layers)}, 0.0}, 0.0});
       }
     }
   }
@@ -100,7 +103,7 @@ std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_
   const Workspace& workspace = robot.workspace();
   const int n = 1 << level, azimuths = 12 * n;
   const std::vector<Node> radii = gauss_rule(4 * n, 0.0, workspace.radius);
-  const std::vector<Node> heights = gauss_rule(2 * n, workspace.top_z - workspace.height, workspace.top_z);
+  const std::vector<Node> heights = height_rule(workspace, 2 * n);
   const std::vector<WeightedPose> turned = orientation_rule(workspace, 2 * n, all_rotations);
   std::vector<WeightedPose> points;
   points.reserve(radii.size() * heights.size() * turned.size() * static_cast<std::size_t>(azimuths));
@@ -122,8 +125,9 @@ std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_
 std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all_rotations) {
   const Workspace& workspace = robot.workspace();
   std::vector<Pose> poses;
-  for (int k = 0; k < grid.layers; ++k) {
-    const double z = layer(workspace, k, grid.layers);
+  const int layers = workspace.layers(grid.layers);
+  for (int k = 0; k < layers; ++k) {
+    const double z = workspace.layer_z(k, layers);
     for (const Pose& turned : extreme_orientations(workspace, all_rotations)) {
       poses.push_back(moved(turned, {0.0, 0.0, z}));
       for (int i = 1; i <= grid.radii; ++i) {

@@ -27,7 +27,9 @@ struct Cylindrical {
     const double z = workspace.top_z - workspace.height * x[2];
     Pose pose{Workspace::on_circle(workspace.radius * x[0], 2.0 * std::numbers::pi * x[1], z),
               workspace.min_rotation + turn() * x[3]};
-    if (tilts()) pose.tilt = workspace.max_tilt * Eigen::Vector3d(x[4], x[5], x[6]);
+    for (int axis = 0; tilts() && axis < 3; ++axis) {
+      pose.tilt(axis) = workspace.tilt_about(axis) * x[4 + static_cast<std::size_t>(axis)];
+    }
     return pose;
   }
 
@@ -35,8 +37,8 @@ struct Cylindrical {
     const double azimuth = std::atan2(pose.position.y(), pose.position.x());
     std::vector<double> x{std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
                           0.5 * azimuth / std::numbers::pi,
-                          std::clamp((workspace.top_z - pose.position.z()) / workspace.height, 0.0, 1.0),
-                          turn() > 0.0 ? std::clamp((pose.rotation - workspace.min_rotation) / turn(), 0.0, 1.0) : 0.0};
+                          workspace.is_flat() ? 0.0 : share((workspace.top_z - pose.position.z()) / workspace.height),
+                          turn() > 0.0 ? share((pose.rotation - workspace.min_rotation) / turn()) : 0.0};
     for (int axis = 0; tilts() && axis < 3; ++axis) {
       x.push_back(std::clamp(pose.tilt(axis) / workspace.max_tilt, -1.0, 1.0));
     }
@@ -48,6 +50,8 @@ struct Cylindrical {
   std::vector<double> first_step() const { return filled({0.1, 0.02, 0.1, 0.1}, 0.1); }
 
  private:
+  static double share(double value) { return std::clamp(value, 0.0, 1.0); }
+
   std::vector<double> filled(std::vector<double> x, double of_tilts) const {
     if (tilts()) x.insert(x.end(), 3, of_tilts);
     return x;
@@ -72,7 +76,7 @@ ValueAtPose refined(const Cylindrical& coordinates, const ValueAtPose& start,
 bool are_near(const Pose& one, const Pose& other, const Workspace& workspace) {
   constexpr double kNear = 0.6;  // of the radius: two or three of the grid's azimuths on the rim
   const Eigen::Vector3d way = one.position - other.position;
-  return way.head<2>().norm() < kNear * workspace.radius && std::abs(way.z()) < kNear * workspace.height &&
+  return way.head<2>().norm() < kNear * workspace.radius && std::abs(way.z()) <= kNear * workspace.height &&
          one.rotation == other.rotation && one.tilt == other.tilt;
 }
 

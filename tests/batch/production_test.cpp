@@ -161,6 +161,7 @@ TEST_P(Making, EveryLimitCounts) {
   const MachineOutcome outcome = make(plan, 3);
   for (const ErrorKind kind : kErrorKinds) {
     if (kind == ErrorKind::rotation && !turns(robot)) continue;
+    if (kind == ErrorKind::tilt && outcome.after[kind] == 0.0) continue;  // guides keep it from that
     plan.limits = {};
     plan.limits[kind] = outcome.after[kind];
     EXPECT_TRUE(make(plan, 3).passes) << name(kind);

@@ -57,6 +57,10 @@ TEST_P(SurrogateLaw, IsTheLimitOfSmallErrors) {
     ASSERT_EQ(made.fate, Fate::accepted);
     for (const ErrorKind kind : kErrorKinds) {
       if (kind == ErrorKind::rotation && !turns(robot)) continue;
+      if (kind == ErrorKind::tilt && made.before[kind] == 0.0) {  // guides keep it from that
+        EXPECT_EQ(values[m].before[kind] + values[m].after[kind], 0.0);
+        continue;
+      }
       EXPECT_NEAR(values[m].before[kind] / made.before[kind], 1.0, 3e-3) << name(kind) << " before";
       EXPECT_NEAR(values[m].after[kind] / made.after[kind], 1.0, 0.02) << name(kind) << " after";
     }

@@ -210,7 +210,7 @@ TEST_P(VisitsLaw, OfABodyAreMissed) {
 }
 
 PARACAL_ON_EVERY_ROBOT(VisitsLaw);
-PARACAL_ON_ROBOT_TEMPLATES(VisitsLaw);
+PARACAL_ON_HEXAPODS(VisitsLaw);
 
 }  // namespace
 }  // namespace paracal

@@ -91,7 +91,7 @@ TEST_P(WrongPartLaw, IsNamedAndNoOther) {
 }
 
 PARACAL_ON_EVERY_ROBOT(WrongPartLaw);
-PARACAL_ON_ROBOT_TEMPLATES(WrongPartLaw);
+PARACAL_ON_HEXAPODS(WrongPartLaw);
 
 /// Four brackets hold the base of this robot, and one that stands off by 5 mm is hardly told from its neighbour: then
 /// both are named, and what to do.

@@ -130,7 +130,7 @@ TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
     const ProgramResult result = run(std::string(command) + " --robot h.toml");
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
     EXPECT_THAT(result.err, testing::AnyOf(HasSubstr("stay level"), HasSubstr("stays level"), HasSubstr("tilt_x"),
-                                           HasSubstr("with six freedoms")))
+                                           HasSubstr("orientation is read"), HasSubstr("on limbs with one rod")))
         << command;
   }
 }
@@ -185,7 +185,7 @@ TEST_F(Hexapod, TolerancesAreDesigned) {
   EXPECT_GT(drawn[1].get<double>(), 1.9);
   const ProgramResult compensated = run("sensitivity --robot h.toml --quantity position-compensated");
   EXPECT_EQ(compensated.exit_code, kBadInputFile);
-  EXPECT_THAT(compensated.err, HasSubstr("one with six freedoms follows all errors"));
+  EXPECT_THAT(compensated.err, HasSubstr("one on limbs with one rod follows all errors"));
   folder.write("left.toml", "[[requirement]]\nquantity = \"position-compensated\"\nlimit_mm = 2\n");
   const ProgramResult refused = run("tolerance analyze --robot h.toml --problem left.toml");
   EXPECT_EQ(refused.exit_code, kBadInputFile);

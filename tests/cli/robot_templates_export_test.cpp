@@ -48,7 +48,7 @@ void calibrate_template(const TemporaryFolder& folder, const Robot& robot) {
   std::size_t limb = 0;
   for (const Source source : sources_of(robot.actuator())) {
     calibration["parameters"].push_back({{"name", name(source, robot.actuator())},
-                                         {"limb", limb++ % 6 + 1},
+                                         {"limb", limb++ % robot.limb_count() + 1},
                                          {"value", limb % 2 == 0 ? 0.3 : -0.4},
                                          {"unit", file_unit(unit(source, robot.actuator()))}});
   }
@@ -77,9 +77,10 @@ json joints_of(const TemporaryFolder& folder, const Robot& robot, const std::vec
 const std::string kProgram = R"(#include <stdio.h>
 #include "compensator.h"
 int main(void) {
-  double pose[6], joints[6] = {7.0, 7.0, 7.0, 7.0, 7.0, 7.0}, found[6];
+  double pose[6], joints[PARACAL_LIMBS], found[6];
   const double never = 0.0;
   int k;
+  for (k = 0; k < PARACAL_LIMBS; ++k) joints[k] = 7.0;
   if (paracal_self_test() != 0) return 10;
   for (k = 0; k < 6; ++k) pose[k] = found[k] = paracal_tests[0].pose[k];
   joints[1] = never / never;  /* a limb that does not reach, before others that do */
@@ -93,7 +94,7 @@ int main(void) {
   if (paracal_compensate(pose, joints) == PARACAL_UNREACHABLE) {
     if (joints[0] != 7.0) return 16;
   } else {  /* struts, which reach anything; but not so unlike each other */
-    for (k = 0; k < 6; ++k) joints[k] = k == 0 ? 5000.0 : -400.0;
+    for (k = 0; k < PARACAL_LIMBS; ++k) joints[k] = k == 0 ? 5000.0 : -400.0;
     if (paracal_forward(joints, found) == PARACAL_OK || found[0] != paracal_tests[0].pose[0]) return 13;
   }
   while (scanf("%lf %lf %lf %lf %lf %lf", &pose[0], &pose[1], &pose[2], &pose[3], &pose[4], &pose[5]) == 6) {
@@ -102,7 +103,7 @@ int main(void) {
     for (k = 0; k < 6; ++k) found[k] = paracal_tests[0].pose[k];
     if (paracal_forward(joints, found) != PARACAL_OK) return 15;
     for (k = 0; k < 6; ++k) away = paracal_abs(found[k] - pose[k]) > away ? paracal_abs(found[k] - pose[k]) : away;
-    for (k = 0; k < 6; ++k) printf("%.17g ", joints[k]);
+    for (k = 0; k < PARACAL_LIMBS; ++k) printf("%.17g ", joints[k]);
     printf("%.17g\n", away);
   }
   return 0;
@@ -222,8 +223,9 @@ FUNCTION(call) {
 )";
 
 /// Streams poses and the joints of the library, and samples 1e9 times what they differ by from pins named by
-/// `joint_pin`, and how far the way back is off. `lines` stand behind the kinematics and their caller.
-std::string hal_of(const std::string& kinematics, const std::string& lines, const std::string& joint_pin) {
+/// `joint_pin`, so many, and how far the way back is off. `lines` stand behind the kinematics and their caller.
+std::string hal_of(const std::string& kinematics, const std::string& lines, const std::string& joint_pin,
+                   std::size_t joints = 6) {
   std::string hal = "loadrt " + kinematics + R"(
 loadrt threads name1=servo-thread period1=200000
 loadrt streamer depth=2001 cfg=ffffffffffff
@@ -236,6 +238,7 @@ addf paracal-probe.call servo-thread
 )" + lines;
   for (std::size_t k = 0; k < 6; ++k) {
     hal += fmt::format("net {1} streamer.0.pin.{0} paracal-probe.world.{1}\n", k, "xyzabc"[k]);
+    if (k >= joints) continue;
     hal += fmt::format("net expected{0} streamer.0.pin.{1} sum2.{0}.in1\n", k, 6 + k);
     hal += fmt::format("net found{0} {1} sum2.{0}.in0\n", k, fmt::format(fmt::runtime(joint_pin), k));
     hal += fmt::format("addf sum2.{0} servo-thread\nsetp sum2.{0}.gain0 1e9\nsetp sum2.{0}.gain1 -1e9\n", k);
@@ -285,8 +288,15 @@ class SixFreedomsHal : public LinuxcncExport {
     std::ostringstream stream;
     stream.precision(17);
     for (std::size_t k = 0; k < poses.size(); ++k) {
-      stream << line(angles_of(poses[k]), " ");
-      for (const json& one : joints[k]) stream << ' ' << one.get<double>();
+      TiltedPose pose = poses[k];
+      std::vector<double> expected = joints[k];
+      for (std::size_t axis = 0; axis < pose.size(); ++axis) {
+        if (robot.geometry().freedoms.free[axis]) continue;
+        pose[axis] = static_cast<double>(k % 100) + 0.25 * static_cast<double>(axis);  // as a pen goes up and down
+        expected.push_back(pose[axis]);
+      }
+      stream << line(angles_of(pose), " ");
+      for (const double one : expected) stream << ' ' << one;
       stream << '\n';
     }
     folder.write("stream.txt", stream.str());
@@ -324,8 +334,11 @@ TEST_P(TemplateHal, OurComponentGivesTheLibrarysJoints) {
   run_hal(hal_of("paracal_trial", "", "paracal-probe.joint.{}"), same, 1.0, 100.0);
   // And on its own pins, without the controller.
   std::string commands;
-  for (const char axis : std::string("xyzabc")) commands += fmt::format("net {0} paracal-trial.command.{0}\n", axis);
-  run_hal(replaced(hal_of("paracal_trial", "addf paracal-trial.compensate servo-thread\n", "paracal-trial.joint.{}"),
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (robot.geometry().freedoms.free[k]) commands += fmt::format("net {0} paracal-trial.command.{0}\n", "xyzabc"[k]);
+  }
+  run_hal(replaced(hal_of("paracal_trial", "addf paracal-trial.compensate servo-thread\n", "paracal-trial.joint.{}",
+                          robot.limb_count()),
                    "addf sampler.0", commands + "addf sampler.0"),
           same, 1.0, 100.0);
 }

@@ -37,7 +37,7 @@ class TemplateWalk : public EveryRobot {
 
   TemporaryFolder folder;
 };
-PARACAL_ON_ROBOT_TEMPLATES(TemplateWalk);
+PARACAL_ON_HEXAPODS(TemplateWalk);
 
 TEST_P(TemplateWalk, CorrectedJointsBringTheMachineToThePose) {
   const std::string_view unit = file_unit(joint_unit(robot.actuator()));

@@ -60,15 +60,20 @@ TEST_P(ReachLaw, NanIsUnreachable) {
   EXPECT_EQ(inverse(robot.nominal(), pose).status, InverseStatus::unreachable);
 }
 
-/// A plate that stays level is not asked to tilt, nor one with six freedoms to turn what it does not have.
+/// A plate that stays level is not asked to tilt, nor one with six freedoms to turn what it does not have, nor one with
+/// guides to do what these hold.
 TEST_P(ReachLaw, WhatAPlateCannotDoIsUnreachable) {
   Pose pose{robot.workspace().centre()};
   pose.tilt.y() = 1e-3;
-  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), robot.on_single_rods());
+  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), robot.on_single_rods() && robot.geometry().freedoms.free[4]);
   pose = {robot.workspace().centre(), 1e-3};
   const InverseResult turned = inverse(robot.nominal(), pose);
   EXPECT_EQ(turned.ok(), robot.slide().has_value());
   EXPECT_EQ(turned.unreachable_limb, -1);
+  pose = {robot.workspace().centre() + Eigen::Vector3d(0.0, 0.0, 1e-3)};
+  const InverseResult lifted = inverse(robot.nominal(), pose);
+  EXPECT_EQ(lifted.ok(), !robot.nominal().has_guides() || robot.geometry().freedoms.free[2]);
+  EXPECT_EQ(lifted.unreachable_limb, -1);
 }
 
 PARACAL_ON_EVERY_ROBOT(ReachLaw);

@@ -44,7 +44,7 @@ TEST(ReportPage, RefusesATemplateWithoutAPlace) { EXPECT_THROW((void)page("<p></
 
 class ReportFigures : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(ReportFigures);
-PARACAL_ON_ROBOT_TEMPLATES(ReportFigures);
+PARACAL_ON_HEXAPODS(ReportFigures);
 
 Eigen::Vector3d vector_of(const Json& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};

@@ -33,12 +33,24 @@ struct Mechanism {
         return SimTK::MobilizedBody::Weld(ground, at, body, SimTK::Transform());
     }
   }
+
+  void guide(const AssembledGuides& guides) {
+    SimTK::MobilizedBody& ground = matter.updGround();
+    const SimTK::UnitVec3 x(SimTK::XAxis), y(SimTK::YAxis), z(SimTK::ZAxis);
+    if (!guides.free[2]) SimTK::Constraint::PointInPlane(ground, z, guides.z, plate, SimTK::Vec3(0));
+    if (guides.free[3]) return;
+    SimTK::Constraint::ConstantAngle(ground, x, plate, z);  // square to each other
+    SimTK::Constraint::ConstantAngle(ground, y, plate, z);
+    if (!guides.free[5]) SimTK::Constraint::ConstantAngle(ground, x, plate, y);
+  }
 };
 
 }  // namespace
 
-AssembledPlate assemble(const std::array<AssembledLimb, 6>& limbs, const AssembledPlate& near) {
+AssembledPlate assemble(const std::vector<AssembledLimb>& limbs, const AssembledGuides& guides,
+                        const AssembledPlate& near) {
   Mechanism mechanism;
+  mechanism.guide(guides);
   std::vector<SimTK::MobilizedBody> driven;
   for (const AssembledLimb& limb : limbs) {
     driven.push_back(mechanism.driven(limb));

@@ -3,6 +3,7 @@
 // What the test asks of Simbody, whose headers are of an older C++ than ours.
 
 #include <array>
+#include <vector>
 
 namespace paracal::test {
 
@@ -25,7 +26,16 @@ struct AssembledLimb {
   double length;
 };
 
-/// A free plate on six limbs, closed by Simbody's assembler from where it is, with the motors locked.
-AssembledPlate assemble(const std::array<AssembledLimb, 6>& limbs, const AssembledPlate& near);
+/// What of x, y, z and the three tilts guides leave free, and where they hold z; metres.
+struct AssembledGuides {
+  std::array<bool, 6> free;
+  double z;
+};
+
+/// A plate on its limbs and between its guides, closed by Simbody's assembler from where it is, with the motors locked.
+/// Guides are constraints of a free plate: a point in a plane, directions square to others. All tilts are held, or
+/// none, or all but tilt_z.
+AssembledPlate assemble(const std::vector<AssembledLimb>& limbs, const AssembledGuides& guides,
+                        const AssembledPlate& near);
 
 }  // namespace paracal::test

@@ -1,5 +1,5 @@
-// An independent mechanism program: a free plate and six rods whose upper ends, or lengths, motors hold, closed by
-// Simbody's assembler.
+// An independent mechanism program: a free plate, its guides as constraints, and rods whose upper ends, or lengths,
+// motors hold, closed by Simbody's assembler.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -61,13 +61,13 @@ test::AssembledLimb assembled_limb(const Limb& limb, double joint) {
 
 /// @param near  where the assembler begins.
 Eigen::Isometry3d assembled(const Machine& machine, const Joints& joints, const Eigen::Isometry3d& near) {
-  std::array<test::AssembledLimb, 6> limbs{};
-  for (std::size_t i = 0; i < limbs.size(); ++i) {
-    limbs[i] = assembled_limb(machine.limbs[i], joints(static_cast<Eigen::Index>(i)));
+  std::vector<test::AssembledLimb> limbs;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    limbs.push_back(assembled_limb(machine.limbs[i], joints(static_cast<Eigen::Index>(i))));
   }
   using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const test::AssembledPlate start{.rotation = rows_of(near.linear()), .position = in_metres(near.translation())};
-  const test::AssembledPlate found = test::assemble(limbs, start);
+  const test::AssembledPlate found = test::assemble(limbs, {machine.freedoms.free, machine.guided_z / kMetre}, start);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Map<const Rows>(found.rotation.data());
   pose.translation() = kMetre * Eigen::Map<const Eigen::Vector3d>(found.position.data());
@@ -89,7 +89,7 @@ TEST_P(SimbodyLaw, AssemblesThePlateWhereWeSayThatItStands) {
     Eigen::Isometry3d near = Eigen::Isometry3d::Identity();
     near.linear() =
         plate_rotation(ours.plate.tilt).matrix * Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 3).normalized());
-    near.translation() = ours.plate.position + random.within(5.0);
+    near.translation() = ours.plate.position + random.within(5.0);  // off, and turned, what guides hold, too
     const Eigen::Isometry3d theirs = assembled(machine, joints, near);
     const Eigen::Matrix3d turn = plate_rotation(ours.plate.tilt).matrix.transpose() * theirs.linear();
     worst_mm = std::max(worst_mm, (theirs.translation() - ours.plate.position).norm());

@@ -40,9 +40,9 @@ RobotDescription inclined_rails() {
   return robot;
 }
 
-std::vector<std::string> templates_of(bool six_freedoms) {
+std::vector<std::string> templates_where(bool (*holds)(const Robot&)) {
   std::vector<std::string> kinds = io::robot_templates();
-  std::erase_if(kinds, [&](const std::string& kind) { return robot_named(kind).on_single_rods() != six_freedoms; });
+  std::erase_if(kinds, [&](const std::string& kind) { return !holds(robot_named(kind)); });
   return kinds;
 }
 
@@ -57,13 +57,27 @@ Robot robot_named(std::string_view name) {
 }
 
 const std::vector<std::string_view>& template_names() {
-  static const std::vector<std::string> kinds = templates_of(true);
+  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return r.on_single_rods(); });
+  static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
+  return names;
+}
+
+const std::vector<std::string_view>& hexapod_names() {
+  static const std::vector<std::string> kinds =
+      templates_where([](const Robot& r) { return r.on_single_rods() && r.geometry().freedoms.are_all(); });
+  static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
+  return names;
+}
+
+const std::vector<std::string_view>& guided_names() {
+  static const std::vector<std::string> kinds =
+      templates_where([](const Robot& r) { return r.nominal().has_guides(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }
 
 const std::vector<std::string_view>& level_template_names() {
-  static const std::vector<std::string> kinds = templates_of(false);
+  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return !r.on_single_rods(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }
@@ -74,8 +88,10 @@ Pose Random::pose(const Robot& robot) {
   const double azimuth = uniform(0.0, 2.0 * std::numbers::pi);
   const double z = uniform(workspace.top_z - workspace.height, workspace.top_z);
   Pose pose{Workspace::on_circle(radius, azimuth, z), uniform(workspace.min_rotation, workspace.max_rotation)};
-  if (workspace.max_tilt == 0.0) return pose;
-  for (double& angle : pose.tilt) angle = uniform(-workspace.max_tilt, workspace.max_tilt);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double largest = workspace.tilt_about(axis);
+    if (largest > 0.0) pose.tilt(axis) = uniform(-largest, largest);
+  }
   return pose;
 }
 

@@ -26,9 +26,13 @@ class EveryRobot : public ::testing::TestWithParam<std::string_view> {
   Robot robot = robot_named(GetParam());
 };
 
-/// Those of io::robot_templates() whose plate has six freedoms, for good.
+/// Those of io::robot_templates() on limbs with one rod, for good.
 const std::vector<std::string_view>& template_names();
-/// Those whose plate stays level, of the kinds that the catalogue has.
+/// Those of them whose plate has six freedoms.
+const std::vector<std::string_view>& hexapod_names();
+/// Those of them whose plate has fewer, and guides.
+const std::vector<std::string_view>& guided_names();
+/// Those whose plate stays level on parallelograms, of the kinds that the catalogue has.
 const std::vector<std::string_view>& level_template_names();
 
 /// As names of tests may be.
@@ -53,9 +57,19 @@ inline double joint_scale(const Robot& robot) {
   INSTANTIATE_TEST_SUITE_P(Unusual, suite, ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails"), \
                            paracal::test::robot_name)
 
-/// The same for robots with six freedoms, which are a file alone.
+/// The same for robots on limbs with one rod, which are a file alone.
 #define PARACAL_ON_ROBOT_TEMPLATES(suite)                                                         \
   INSTANTIATE_TEST_SUITE_P(Template, suite, ::testing::ValuesIn(paracal::test::template_names()), \
+                           paracal::test::robot_name)
+
+/// The same for those of them with six freedoms.
+#define PARACAL_ON_HEXAPODS(suite)                                                               \
+  INSTANTIATE_TEST_SUITE_P(Template, suite, ::testing::ValuesIn(paracal::test::hexapod_names()), \
+                           paracal::test::robot_name)
+
+/// The same for those of them with guides.
+#define PARACAL_ON_GUIDED_PLATES(suite)                                                         \
+  INSTANTIATE_TEST_SUITE_P(Template, suite, ::testing::ValuesIn(paracal::test::guided_names()), \
                            paracal::test::robot_name)
 
 /// Reproducible random numbers: the same sequence in every run.

@@ -149,7 +149,7 @@ TEST(Allocation, AGradeIsWhatItsToleranceIs) {
 
 class AllocationLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(AllocationLaw);
-PARACAL_ON_ROBOT_TEMPLATES(AllocationLaw);
+PARACAL_ON_HEXAPODS(AllocationLaw);
 
 /// Of robots with a tilt group.
 class TiltGroupLaw : public test::EveryRobot {};

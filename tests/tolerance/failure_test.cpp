@@ -151,7 +151,7 @@ class FailureLaw : public test::EveryRobot {
   const Pose aside_{robot.workspace().centre() + Eigen::Vector3d(0.3 * robot.workspace().radius, 0.0, 0.0), 0.0};
 };
 PARACAL_ON_EVERY_ROBOT(FailureLaw);
-PARACAL_ON_ROBOT_TEMPLATES(FailureLaw);
+PARACAL_ON_HEXAPODS(FailureLaw);
 
 /// Intervals hold the truth as often as they say, down to one in 10^9.
 TEST_P(FailureLaw, IntervalsHoldTheTailOfTwoComponents) {

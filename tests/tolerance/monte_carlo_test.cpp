@@ -30,7 +30,7 @@ Tolerances random_tolerances(const Robot& robot, std::uint64_t number) {
 
 class MonteCarloLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(MonteCarloLaw);
-PARACAL_ON_ROBOT_TEMPLATES(MonteCarloLaw);
+PARACAL_ON_HEXAPODS(MonteCarloLaw);
 
 /// What is left behind compensation, or all of it where nothing is.
 Characteristic left_of(const Robot& robot, Quantity quantity) {

@@ -32,7 +32,7 @@ std::vector<Characteristic> all_characteristics(const Robot& robot) {
 
 class SensitivityLaw : public test::EveryRobot {};
 PARACAL_ON_EVERY_ROBOT(SensitivityLaw);
-PARACAL_ON_ROBOT_TEMPLATES(SensitivityLaw);
+PARACAL_ON_HEXAPODS(SensitivityLaw);
 
 /// Every row of the linear model against the exact machine, by central differences, each source of each limb.
 TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {

@@ -40,9 +40,10 @@ export interface Geometry {
   actuator: "revolute" | "linear";
 }
 export interface Plate {
-  slide_axis: Vector;
-  slide_sign: number[];
-  pinion_radius_mm: number;
+  slide_axis?: Vector;
+  slide_sign?: number[];
+  pinion_radius_mm?: number;
+  freedoms?: ("x" | "y" | "z" | "tilt_x" | "tilt_y" | "tilt_z")[];
 }
 export interface Workspace {
   radius_mm: number;

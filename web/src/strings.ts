@@ -99,8 +99,8 @@ export const strings = {
   },
   map: {
     heading: "Where in the workspace",
-    intro: (k: number) => `Errors in three layers of the workspace, seen from above. Before: what the calibrated model says of the uncorrected machine. After: what calibration does not know, U = ${k} standard deviations of the errors that were sought. Rotation and tilt zero. One scale for all six.`,
-    introBefore: "Errors in three layers of the workspace, seen from above: what the calibrated model says of the uncorrected machine.",
+    intro: (k: number) => `Errors in the workspace, layer by layer, seen from above. Before: what the calibrated model says of the uncorrected machine. After: what calibration does not know, U = ${k} standard deviations of the errors that were sought. Rotation and tilt zero. One scale for all of a quantity.`,
+    introBefore: "Errors in the workspace, layer by layer, seen from above: what the calibrated model says of the uncorrected machine.",
     distance: ["Distance to home", "mm"],
     position: ["Position, best alignment", "mm"],
     rotation: ["Rotation from home", "deg"],

@@ -60,7 +60,7 @@ io::Json uncertainty_json(const std::optional<StatedU>& stated) {
 io::Json json_of(const Compensated& row, const Robot& robot) {
   const auto& [status, joints, target, tilt, uncertainty] = row.corrected;
   io::Json json = joints_json({row.name, joints}, robot.actuator());
-  json["target"] = target ? io::to_json(*target, robot.on_single_rods()) : io::Json(nullptr);
+  json["target"] = target ? io::to_json(*target, robot.commands_tilt()) : io::Json(nullptr);
   json["remaining_tilt"] = {{"tilt_x_rad", tilt.eps_x}, {"tilt_y_rad", tilt.eps_y}};
   json["uncertainty"] = uncertainty_json(uncertainty);
   return json;
@@ -105,7 +105,8 @@ class LargestUncertainty {
 
 PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
   if (robot.on_single_rods() && way != "exact") {
-    throw WrongUsage("--way: expected exact of a plate with six freedoms: the linear ways are of one that stays level");
+    throw WrongUsage(
+        "--way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
   }
   return pose_corrector(robot, machine.known(), kWays.at(way));
 }
@@ -120,11 +121,11 @@ Compensated compensated(const PoseCorrector& corrector, const Station& station, 
 }
 
 std::string table_header(const Options& options, const Robot& robot) {
-  return options.targets ? io::pose_table_header(robot.on_single_rods()) : io::joint_table_header(robot.joint_space());
+  return options.targets ? io::pose_table_header(robot.commands_tilt()) : io::joint_table_header(robot.joint_space());
 }
 
 std::string table_row(const Options& options, const Robot& robot, const Compensated& row) {
-  return options.targets ? io::pose_table_row({row.name, *row.corrected.target}, robot.on_single_rods())
+  return options.targets ? io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt())
                          : io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
 }
 

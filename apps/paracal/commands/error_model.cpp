@@ -95,7 +95,7 @@ Eigen::MatrixXd of_own_sources(const Robot& robot, const SourceRows& rows) {
 
 io::Json head(const Robot& robot, const Pose& pose) {
   return {{"robot", robot.name()},
-          {"pose", io::to_json(pose, robot.on_single_rods())},
+          {"pose", io::to_json(pose, robot.commands_tilt())},
           {"parameters", parameters_json(robot)}};
 }
 
@@ -103,9 +103,7 @@ io::Json head(const Robot& robot, const Pose& pose) {
 void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& session) {
   const LinearModel model(robot);
   const Eigen::MatrixXd motion = of_own_sources(robot, model.rows(pose, {Quantity::position}));
-  Eigen::MatrixXd turn(3, motion.cols());
-  turn << of_own_sources(robot, model.rows(pose, {Quantity::tilt})),
-      of_own_sources(robot, model.rows(pose, {Quantity::twist}));
+  const Eigen::MatrixXd turn = of_own_sources(robot, model.turns(pose));
   if (session.json()) {
     io::Json json = head(robot, pose);
     json["G_position"] = io::rows_json(motion);

@@ -28,7 +28,7 @@ struct Options {
 
 /// A map's rows: a layer is a z and a rotation or a tilt.
 std::string map_csv(const Robot& robot, const Characteristic& what, const std::vector<ValueAtPose>& map) {
-  const bool tilts = robot.on_single_rods();
+  const bool tilts = robot.commands_tilt();
   std::string text = fmt::format("x_mm,y_mm,z_mm,{},radius_mm,three_sigma_{}\n",
                                  tilts ? "tilt_x_deg,tilt_y_deg,tilt_z_deg" : "phi_deg", json_key(what));
   const auto out = std::back_inserter(text);

@@ -85,7 +85,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
     io::Json entry{{"quantity", name(what)}, {"criterion", name(one.requirement.criterion)}};
     entry["limit_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.requirement.limit;
     entry["worst_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.worst.value;
-    entry["worst_pose"] = io::to_json(one.worst.pose, robot.on_single_rods());
+    entry["worst_pose"] = io::to_json(one.worst.pose, robot.commands_tilt());
     entry["price"] = one.price / factor;
     json["requirements"].push_back(std::move(entry));
   }

@@ -161,7 +161,7 @@ std::string text_of(const Options& options, const Robot& robot, const Findings& 
 
 io::Json requirement_json(const Robot& robot, const RequirementAnalysis& one, const RequirementStatistics& drawn,
                           double confidence) {
-  const auto pose_json = [&](const Pose& pose) { return io::to_json(pose, robot.on_single_rods()); };
+  const auto pose_json = [&](const Pose& pose) { return io::to_json(pose, robot.commands_tilt()); };
   const Characteristic what = one.requirement.characteristic;
   const double factor = shown(what.quantity, 1.0).value;
   const SigmaAtPose& worst = drawn.at_worst();

@@ -96,12 +96,12 @@ Order order_of(const Options& options, Session& session) {
   ProductionPlan plan = paper_production(
       robot, options.tolerances.empty() ? tolerances_of(robot) : read_priors(input(options.tolerances), robot));
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
-  if (robot.on_single_rods() && options.rotation != "none") {
-    throw WrongUsage(fmt::format(
-        "--rotation: expected none of a plate with six freedoms, whose orientation is read, got {}", options.rotation));
+  if (robot.commands_tilt() && options.rotation != "none") {
+    throw WrongUsage(
+        fmt::format("--rotation: expected none of a plate whose orientation is read, got {}", options.rotation));
   }
   plan.instrument = options.instrument.instrument(options.rotation != "none");
-  plan.instrument.reads_orientation = robot.on_single_rods();
+  plan.instrument.reads_orientation = robot.commands_tilt();
   plan.calibration.method = options.method == "paper" ? Method::paper : Method::best;
   plan.calibration.noise = first_guess(plan.instrument);
   plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;

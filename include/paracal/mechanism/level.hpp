@@ -6,8 +6,8 @@
 
 namespace paracal {
 
-/// @param task  what is not done for plates with six freedoms.
-/// @throws InvalidArgument naming it, unless the plate stays level.
+/// @param task  what is not done for plates on limbs with one rod.
+/// @throws InvalidArgument naming it, unless parallelograms keep the plate level.
 void check_level(const Robot& robot, std::string_view task);
 
 }  // namespace paracal

@@ -20,11 +20,16 @@ struct BasicMachine {
   double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
   bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
   double side = -1.0;                                    ///< of the base where the plate is: +1 above, -1 below
+  PlateFreedoms freedoms = {};                           ///< of a plate on limbs with one rod
+  double guided_z = 0.0;                                 ///< where guides hold z, mm
 
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
-  /// The tilt of the plate is commanded.
   bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
+  /// Some tilt of the plate is commanded.
+  bool commands_tilt() const { return on_single_rods() && freedoms.tilt(); }
+  /// Guides hold the plate where its limbs do not: these are fewer than six, with one rod each.
+  bool has_guides() const { return on_single_rods() && limb_count < freedoms.free.size(); }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.

@@ -95,6 +95,8 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
   BasicMachine<Scalar> machine;
   machine.limb_count = nominal.limb_azimuth.size();
   machine.side = robot.workspace.top_z > 0.0 ? 1.0 : -1.0;
+  machine.freedoms = nominal.freedoms;
+  machine.guided_z = robot.workspace.top_z;
   if (robot.slide) {
     machine.slide_axis = robot.slide->axis;
     machine.pinion_radius = robot.slide->pinion_radius;

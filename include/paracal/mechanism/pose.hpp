@@ -1,19 +1,39 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string_view>
 
 namespace paracal {
 
 /// At most this many limbs: fixed-capacity types keep pose evaluations free of heap allocation.
 inline constexpr int kMaxLimbs = 6;
 
+/// Names of what a plate on limbs with one rod can be free in.
+inline constexpr std::array<std::string_view, 6> kPlateCoordinates{"x", "y", "z", "tilt_x", "tilt_y", "tilt_z"};
+
+/// Which coordinates of a plate on limbs with one rod its guides leave free, of x, y, z, tilt_x, tilt_y, tilt_z; they
+/// hold the others: a five-bar moves in x and y. Each limb with its one rod takes one that is free.
+struct PlateFreedoms {
+  std::array<bool, 6> free{true, true, true, true, true, true};
+
+  constexpr std::size_t count() const { return static_cast<std::size_t>(std::ranges::count(free, true)); }
+  constexpr bool are_all() const { return count() == free.size(); }
+  constexpr bool holds_z() const { return !free[2]; }
+  constexpr bool tilt() const { return free[3] || free[4] || free[5]; }
+  bool operator==(const PlateFreedoms&) const = default;
+};
+
 /// What a controller commands: where the plate centre O' goes and how far the end-effector turns, or the plate itself.
 ///
 ///   position   r, mm, in the base frame {O}: origin at the base centre, z up, so the workspace of a hanging plate has
 ///              z < 0
 ///   rotation   phi = s / r_g, rad, of the end-effector relative to the plate about z; 0 for a rigid plate
-///   tilt       (tilt_x, tilt_y, tilt_z), rad, of a plate with six freedoms: R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z,
-///              tilt_z); 0 for the others, which can only stay level
+///   tilt       (tilt_x, tilt_y, tilt_z), rad, of a plate on limbs with one rod: R = Rot(x, tilt_x) Rot(y, tilt_y)
+///   Rot(z,
+///              tilt_z), as far as its guides leave it free; 0 for the others, which can only stay level
 struct Pose {
   Eigen::Vector3d position;
   double rotation = 0.0;

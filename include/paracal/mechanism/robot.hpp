@@ -25,6 +25,9 @@ struct SingleRod {
   bool behind = false;  ///< a carriage that stands behind the joint at the plate, along the rail, and not ahead of it
 };
 
+/// "x, y, tilt_z"
+std::string in_words(const PlateFreedoms& freedoms);
+
 /// Base of a limb: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0, where it goes from
 /// there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from the z axis), along
 /// it, and w_0 = u_0 x v_0.
@@ -40,14 +43,15 @@ struct Geometry {
   std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
   Actuator actuator = Actuator::revolute;
   std::vector<SingleRod> single_rods = {};  ///< of limbs with one rod, which share nothing; see single_rod_geometry()
+  PlateFreedoms freedoms = {};              ///< of a plate on these
 };
 
-/// The geometry of a plate with six freedoms on limbs with one rod. What the limbs of other robots share is here the
-/// size of things: radii of the joints (root mean square), mean lengths of arms and rods, the width of the plate for
-/// that of a parallelogram.
+/// The geometry of a plate on limbs with one rod. What the limbs of other robots share is here the size of things:
+/// radii of the joints (root mean square), mean lengths of arms and rods, the width of the plate for that of a
+/// parallelogram; of a plate that is a point a tenth of a rod.
 ///
 /// @param kind  strut, crank or carriage.
-Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs);
+Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs, const PlateFreedoms& freedoms = {});
 
 /// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
 /// into rotation, phi = s / r_g. With s > 0 the plate joints of limb i stand at a_i + mu_i s shat in the plate frame.
@@ -72,7 +76,8 @@ struct RobotDescription {
 };
 
 /// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
-/// freedoms (3 for a rigid plate, 4 with a slide, 6 on limbs with one rod), and every limb reaches the whole workspace.
+/// freedoms (3 for a rigid plate, 4 with a slide, those that are stated on limbs with one rod), and every limb reaches
+/// the whole workspace.
 /// Immutable.
 class Robot {
  public:
@@ -89,9 +94,10 @@ class Robot {
   const Eigen::Vector3d& controller_origin() const { return description_.controller_origin; }
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
-  JointSpace joint_space() const { return {limb_count(), actuator()}; }
-  /// The tilt of the plate is commanded.
+  JointSpace joint_space() const;
   bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
+  /// Some tilt of the plate is commanded.
+  bool commands_tilt() const { return nominal_.commands_tilt(); }
 
   /// The machine without source errors: what the controller believes.
   const Machine& nominal() const { return nominal_; }

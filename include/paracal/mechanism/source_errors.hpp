@@ -37,7 +37,7 @@ enum class Source : std::uint8_t {
   alpha2,            ///< the short side at the elbow turned about the arm
   beta2,             ///< the short side at the elbow turned about the normal of the arm
 
-  // Of a limb with one rod. A plate with six freedoms can follow all its errors, wherever they stand.
+  // Of a limb with one rod. A plate on these can follow all their errors, wherever they stand.
   normal = e_x,              ///< of a rail: it stands off along its upward normal
   across = e_y,              ///< of a rail: it stands off sideways
   gain = arm_length,         ///< travel of a drive that is a length, mm that it moves too far in a metre
@@ -63,7 +63,7 @@ enum class Actuator : std::uint8_t {
   carriage,  ///< one rod hangs on a carriage that runs along a rail; joint coordinate: how far, mm
 };
 
-/// A plate on limbs with one rod each: its tilt is commanded, and it follows all their errors.
+/// A plate on limbs with one rod each, as many as its freedoms: all their errors move it, and it is brought back.
 constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
 
 /// The joint coordinate is the angle of an arm.
@@ -123,6 +123,7 @@ struct JointSpace {
   JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {}
   std::size_t count;
   Actuator actuator;
+  std::optional<double> guided_z = {};  ///< z of the plate, mm, where guides hold it: poses need not state it
 };
 
 /// Unit of the error inside the library: theta_offset has that of the joint coordinate. Files and JSON carry deg

@@ -61,6 +61,9 @@ class LinearModel {
   /// @throws Unreachable for a pose that the robot does not reach regularly, InvalidArgument for what cannot be asked
   /// of it.
   SourceRows rows(const Pose& pose, Characteristic characteristic) const;
+  /// All three turns of the plate about x, y and z of {O}, zero of those that guides keep it from.
+  /// @throws Unreachable likewise.
+  SourceRows turns(const Pose& pose) const;
 
  private:
   /// Of a plate on struts: (dr, eps), a column a source error.

@@ -1,4 +1,4 @@
-/* Compensator of one machine, a plate on six $LIMBS_IN_WORDS$, written by $PROGRAM$. Do not edit: export again.
+/* Compensator of one machine, $PLATE$, written by $PROGRAM$. Do not edit: export again.
  *
  *   robot        $ROBOT$
  *   calibration  $CALIBRATION$
@@ -48,6 +48,7 @@ extern "C" {
 #define PARACAL_CALIBRATION_SHA256 "$SHA256$"
 #define PARACAL_DATE "$DATE$"
 #define PARACAL_LIMBS $LIMBS$
+#define PARACAL_ROWS $ROW_COUNT$ /* PARACAL_LIMBS squared */
 
 /* What functions return. */
 #define PARACAL_OK 0
@@ -62,7 +63,10 @@ $LIMB_MEMBERS$};
 static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
 $LIMB_CONSTANTS$};
 
-/* Both are false for NaN. */
+/* What of a pose is free: its place there, from 0. */
+static const int paracal_free[PARACAL_LIMBS] = {$FREE$};
+
+$GUIDE_CONSTANTS$/* Both are false for NaN. */
 static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
 static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
 
@@ -72,7 +76,7 @@ static inline void paracal_joints(const double pose[6], double joints[PARACAL_LI
 $JOINTS$}
 
 /* The same, and rows of their derivative by the pose. */
-static inline void paracal_rows(const double pose[6], double joints[PARACAL_LIMBS], double rows[36]) {
+static inline void paracal_rows(const double pose[6], double joints[PARACAL_LIMBS], double rows[PARACAL_ROWS]) {
   const struct paracal_limb* const limb = paracal_limbs;
 $ROWS$}
 
@@ -94,7 +98,7 @@ static inline int paracal_compensate(const double pose[6], double joints[PARACAL
   int i;
   for (i = 0; i < 6; ++i) {
     if (!paracal_is_finite(pose[i])) { return PARACAL_NOT_FINITE; }
-  }
+$GUIDE_CHECK$  }
   paracal_joints(pose, found);
   for (i = 0; i < PARACAL_LIMBS; ++i) {
     if (!paracal_is_finite(found[i])) { return PARACAL_UNREACHABLE; }
@@ -120,33 +124,33 @@ static inline void paracal_home(double pose[6]) {
 }
 
 /* rows x = right by elimination, rows swapped for the largest pivot; the answer replaces `right`. */
-static inline int paracal_solve(double rows[36], double right[6]) {
+static inline int paracal_solve(double rows[PARACAL_ROWS], double right[PARACAL_LIMBS]) {
   int column;
   int row;
   int k;
-  for (column = 0; column < 6; ++column) {
+  for (column = 0; column < PARACAL_LIMBS; ++column) {
     int pivot = column;
     double kept;
-    for (row = column + 1; row < 6; ++row) {
-      if (paracal_abs(rows[(6 * row) + column]) > paracal_abs(rows[(6 * pivot) + column])) { pivot = row; }
+    for (row = column + 1; row < PARACAL_LIMBS; ++row) {
+      if (paracal_abs(rows[(PARACAL_LIMBS * row) + column]) > paracal_abs(rows[(PARACAL_LIMBS * pivot) + column])) { pivot = row; }
     }
-    for (k = 0; k < 6; ++k) {
-      kept = rows[(6 * column) + k];
-      rows[(6 * column) + k] = rows[(6 * pivot) + k];
-      rows[(6 * pivot) + k] = kept;
+    for (k = 0; k < PARACAL_LIMBS; ++k) {
+      kept = rows[(PARACAL_LIMBS * column) + k];
+      rows[(PARACAL_LIMBS * column) + k] = rows[(PARACAL_LIMBS * pivot) + k];
+      rows[(PARACAL_LIMBS * pivot) + k] = kept;
     }
     kept = right[column];
     right[column] = right[pivot];
     right[pivot] = kept;
-    for (row = column + 1; row < 6; ++row) {
-      const double share = rows[(6 * row) + column] / rows[(6 * column) + column];
-      for (k = column; k < 6; ++k) { rows[(6 * row) + k] = rows[(6 * row) + k] - (share * rows[(6 * column) + k]); }
+    for (row = column + 1; row < PARACAL_LIMBS; ++row) {
+      const double share = rows[(PARACAL_LIMBS * row) + column] / rows[(PARACAL_LIMBS * column) + column];
+      for (k = column; k < PARACAL_LIMBS; ++k) { rows[(PARACAL_LIMBS * row) + k] = rows[(PARACAL_LIMBS * row) + k] - (share * rows[(PARACAL_LIMBS * column) + k]); }
       right[row] = right[row] - (share * right[column]);
     }
   }
-  for (row = 5; row >= 0; --row) {
-    for (k = row + 1; k < 6; ++k) { right[row] = right[row] - (rows[(6 * row) + k] * right[k]); }
-    right[row] = right[row] / rows[(6 * row) + row];
+  for (row = PARACAL_LIMBS - 1; row >= 0; --row) {
+    for (k = row + 1; k < PARACAL_LIMBS; ++k) { right[row] = right[row] - (rows[(PARACAL_LIMBS * row) + k] * right[k]); }
+    right[row] = right[row] / rows[(PARACAL_LIMBS * row) + row];
     if (!paracal_is_finite(right[row])) { return PARACAL_SINGULAR; }
   }
   return PARACAL_OK;
@@ -160,16 +164,20 @@ static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pos
   double at[6];
   double next[6];
   double joints[PARACAL_LIMBS];
-  double rows[36];
-  double step[6];
+  double rows[PARACAL_ROWS];
+  double step[PARACAL_LIMBS];
   double fraction = 1.0;
   double apart;
   int count;
   int k;
   for (k = 0; k < 6; ++k) {
+    if (!paracal_is_finite(pose[k])) { return PARACAL_NOT_FINITE; }
     at[k] = pose[k];
+$GUIDE_START$    next[k] = at[k];
+  }
+  for (k = 0; k < PARACAL_LIMBS; ++k) {
+    if (!paracal_is_finite(wanted[k])) { return PARACAL_NOT_FINITE; }
     step[k] = 0.0;
-    if ((!paracal_is_finite(pose[k])) || (!paracal_is_finite(wanted[k]))) { return PARACAL_NOT_FINITE; }
   }
   paracal_rows(at, joints, rows);
   apart = paracal_apart(wanted, joints);
@@ -177,11 +185,11 @@ static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pos
     double largest = 0.0;
     double next_apart;
     if (fraction >= 1.0) {
-      for (k = 0; k < 6; ++k) { step[k] = wanted[k] - joints[k]; }
+      for (k = 0; k < PARACAL_LIMBS; ++k) { step[k] = wanted[k] - joints[k]; }
       if (paracal_solve(rows, step) != PARACAL_OK) { return PARACAL_SINGULAR; }
     }
-    for (k = 0; k < 6; ++k) {
-      next[k] = at[k] + (fraction * step[k]);
+    for (k = 0; k < PARACAL_LIMBS; ++k) {
+      next[paracal_free[k]] = at[paracal_free[k]] + (fraction * step[k]);
       if (paracal_abs(fraction * step[k]) > largest) { largest = paracal_abs(fraction * step[k]); }
     }
     paracal_rows(next, joints, rows);

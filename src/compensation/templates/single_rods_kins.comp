@@ -1,4 +1,4 @@
-component paracal_kins "Kinematics of one calibrated machine, a plate on six $LIMBS_IN_WORDS$, written by $PROGRAM$";
+component paracal_kins "Kinematics of one calibrated machine, $PLATE$, written by $PROGRAM$";
 
 description
 """
@@ -8,8 +8,8 @@ robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
 date         $DATE$
-units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot, z up. A, B and C turn the plate: R = Rot(x, A) Rot(y, B) Rot(z, C)
-joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move (U, V, W)
+units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot, z up. $TURNS$
+joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move ($OTHER_AXES$)
 
 Build it with: halcompile --install paracal_kins.comp
 
@@ -20,13 +20,7 @@ As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.com
 While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
 """;
 
-pin in float command.x "wanted position of the plate's origin, mm";
-pin in float command.y;
-pin in float command.z;
-pin in float command.a "wanted tilt_x of the plate, deg";
-pin in float command.b "tilt_y";
-pin in float command.c "tilt_z";
-pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
+$PINS$pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
 pin out signed status "0 ok, 1 unreachable, 2 not finite";
 
 option singleton yes;
@@ -44,15 +38,11 @@ $C99$
 #define PARACAL_SHOWN_JOINT $SHOWN_JOINT$
 
 FUNCTION(compensate) {
-  const double pose[6] = {command_x,
-                          command_y,
-                          command_z,
-                          command_a / PARACAL_DEGREES,
-                          command_b / PARACAL_DEGREES,
-                          command_c / PARACAL_DEGREES};
+  double pose[6];
   double robot_joints[PARACAL_LIMBS];
   int i;
-  status = paracal_compensate(pose, robot_joints);
+  paracal_home(pose);
+$POSE_OF_PINS$  status = paracal_compensate(pose, robot_joints);
   if (status != PARACAL_OK) return;
   for (i = 0; i < PARACAL_LIMBS; ++i) joint(i) = robot_joints[i] * PARACAL_SHOWN_JOINT;
 }
@@ -65,13 +55,8 @@ EXTRA_SETUP() {
 }
 
 static void paracal_pose(const EmcPose* world, double pose[6]) {
-  pose[0] = world->tran.x;
-  pose[1] = world->tran.y;
-  pose[2] = world->tran.z;
-  pose[3] = world->a / PARACAL_DEGREES;
-  pose[4] = world->b / PARACAL_DEGREES;
-  pose[5] = world->c / PARACAL_DEGREES;
-}
+  paracal_home(pose); /* what guides hold */
+$POSE_OF_WORLD$}
 
 KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
 
@@ -84,10 +69,7 @@ int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INV
   paracal_pose(world, pose);
   if (paracal_compensate(pose, robot_joints) != PARACAL_OK) return -1;
   for (i = 0; i < PARACAL_LIMBS; ++i) joints[i] = robot_joints[i] * PARACAL_SHOWN_JOINT;
-  joints[6] = world->u;
-  joints[7] = world->v;
-  joints[8] = world->w;
-  return 0;
+$OTHERS_OF_WORLD$  return 0;
 }
 
 /* From the pose in `world`; where no pose near it has these joints, as before homing, from the centre of the workspace. */
@@ -102,16 +84,7 @@ int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FOR
     paracal_home(pose);
     if (paracal_forward(robot_joints, pose) != PARACAL_OK) return -1;
   }
-  world->tran.x = pose[0];
-  world->tran.y = pose[1];
-  world->tran.z = pose[2];
-  world->a = pose[3] * PARACAL_DEGREES;
-  world->b = pose[4] * PARACAL_DEGREES;
-  world->c = pose[5] * PARACAL_DEGREES;
-  world->u = joints[6];
-  world->v = joints[7];
-  world->w = joints[8];
-  return 0;
+$WORLD_OF_POSE$$WORLD_OF_OTHERS$  return 0;
 }
 
 #ifdef KINS_NOT_SWITCHABLE

@@ -1,0 +1,152 @@
+// Every plate between guides that is a file alone, from its template to corrected joints, as its owner goes: points of
+// a tracker or a camera, and what else a plate in a plane shows.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "json_checks.hpp"
+#include "paracal/kinematics/drive.hpp"
+#include "paracal/units.hpp"
+#include "run_program.hpp"
+#include "support/robots.hpp"
+
+namespace paracal::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class GuidedWalk : public EveryRobot {
+ protected:
+  ProgramResult run(const std::string& command) const { return folder.run(words(command)); }
+  void done(const std::string& command) const {
+    const ProgramResult result = run(command);
+    ASSERT_EQ(result.exit_code, kDone) << command << '\n' << result.err;
+  }
+  json json_from(const std::string& command) const { return json_of(run(command + " --json")); }
+
+  void SetUp() override {
+    EveryRobot::SetUp();
+    done(fmt::format("robot --template {} --out r.toml", GetParam()));
+    done("poses --robot r.toml --optimal 30 --candidates 300 --out p.csv");
+    done("simulate --robot r.toml --poses p.csv --seed 3 --noise-mm 0.01 --frame random --out m.csv --truth t.toml");
+  }
+  void calibrate() const { done("calibrate --robot r.toml --measurements m.csv --out c.json"); }
+
+  TemporaryFolder folder;
+};
+PARACAL_ON_GUIDED_PLATES(GuidedWalk);
+
+TEST_P(GuidedWalk, CorrectedJointsBringTheMachineToThePose) {
+  const std::string key = fmt::format("joints_{}", file_unit(joint_unit(robot.actuator())));
+  const json wanted = json_from("compensate --robot r.toml --errors t.toml --poses p.csv");
+  EXPECT_TRUE(is_matrix(wanted.at(key), 30, robot.limb_count()));
+  done("compensate --robot r.toml --errors t.toml --poses p.csv --out j.csv");
+  done("forward --robot r.toml --errors t.toml --joints j.csv --out reached.csv");
+  const json again = json_from("inverse --robot r.toml --poses reached.csv --errors t.toml");
+  for (std::size_t k = 0; k < 30; ++k) {
+    for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+      EXPECT_NEAR(again.at(key)[k][i].get<double>(), wanted.at(key)[k][i].get<double>(), 1e-9);
+    }
+  }
+}
+
+TEST_P(GuidedWalk, TheCalibrationIsSoundAndIsValidated) {
+  calibrate();
+  const json found = json::parse(folder.read("c.json"));
+  EXPECT_EQ(found.at("verdict"), "accepted");
+  EXPECT_EQ(found.at("stages").back().at("name"), "fine");
+  EXPECT_EQ(found.at("parameters").size(), robot.limb_count() * sources_of(robot.actuator()).size());
+  EXPECT_EQ(found.at("use").at("rotation_deg").is_null(), !robot.commands_tilt());
+  done("poses --robot r.toml --optimal 20 --candidates 300 --seed 9 --out q.csv");
+  done("simulate --robot r.toml --poses q.csv --errors t.toml --seed 4 --noise-mm 0.01 --frame random --out check.csv");
+  done("validate --robot r.toml --calibration c.json --measurements check.csv --sigma-mm 0.01 --limit-mm 0.2");
+  done("report --calibration c.json --measurements m.csv --out page.html");
+}
+
+/// Errors that take a plate out of its plane show nowhere, and are called what they are.
+TEST_P(GuidedWalk, WhatGuidesTakeUpIsNotIdentifiable) {
+  const json seen = json_from("identifiability --robot r.toml --poses p.csv");
+  EXPECT_EQ(seen.at("rank").get<std::size_t>() + seen.at("null_space").size(), seen.at("parameters").size());
+  std::string text;
+  for (const json& one : seen.at("null_space")) text += one.at("text").get<std::string>() + '\n';
+  for (std::size_t limb = 1; limb <= robot.limb_count(); ++limb) {
+    EXPECT_THAT(text, HasSubstr(fmt::format("plate_z limb {}, which changes none of these readings", limb)));
+  }
+  EXPECT_THAT(text, HasSubstr("translation along x"));
+  EXPECT_THAT(text, HasSubstr("translation along y"));
+  EXPECT_THAT(text, HasSubstr("rotation of the base about z"));
+}
+
+TEST_P(GuidedWalk, ErrorModelIsWhereAnErrorTakesThePlate) {
+  Pose pose{robot.workspace().centre()};
+  pose.position.x() += 11.0;
+  const Eigen::Vector3d& at = pose.position;
+  const json model = json_from(fmt::format("error-model --robot r.toml --pose {},{},{}", at.x(), at.y(), at.z()));
+  const std::size_t own = sources_of(robot.actuator()).size();
+  for (std::size_t k = 0; k < robot.limb_count() * own; ++k) {
+    const Source source = sources_of(robot.actuator())[k % own];
+    constexpr double kSmall = 1e-4;
+    const auto taken = [&](double size) {
+      SourceErrors errors;
+      errors(k / own, source) = from_file_unit(unit(source, robot.actuator()), size);
+      return *drive(build(robot, errors), robot.nominal(), pose);
+    };
+    const Eigen::Vector3d motion = (taken(kSmall).position - taken(-kSmall).position) / (2.0 * kSmall);
+    const Eigen::Vector3d turn = (taken(kSmall).tilt - taken(-kSmall).tilt) / (2.0 * kSmall);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto row = static_cast<Eigen::Index>(axis);
+      EXPECT_NEAR(model.at("G_position")[axis][k].get<double>(), motion(row), 1e-6) << name(source, robot.actuator());
+      EXPECT_NEAR(model.at("G_turn")[axis][k].get<double>(), turn(row), 1e-8) << name(source, robot.actuator());
+    }
+  }
+}
+
+TEST_P(GuidedWalk, TolerancesAreStudied) {
+  const json found = json_from("sensitivity --robot r.toml --quantity position");
+  EXPECT_GT(found.at("largest").at("rod_length").get<double>(), 0.0);
+  EXPECT_EQ(found.at("largest").at("plate_z").get<double>(), 0.0);
+  folder.write("p.toml",
+               "[[requirement]]\nquantity = \"position\"\nlimit_mm = 3\n\n[cost.rod_length_mm]\nB = 1.0\nlower = "
+               "0.01\nupper = 1.0\n");
+  const json analyzed = json_from("tolerance analyze --robot r.toml --problem p.toml --sigma-error 0.1");
+  EXPECT_TRUE(analyzed.at("converged"));
+  const json allocated = json_from("tolerance allocate --robot r.toml --problem p.toml");
+  EXPECT_EQ(allocated.at("status"), "optimal");
+  done("sensitivity --robot r.toml --quantity position --report page.html");
+  for (const char* of_tilts : {"sensitivity --robot r.toml", "tolerance analyze --robot r.toml"}) {
+    const ProgramResult refused = run(of_tilts);
+    EXPECT_EQ(refused.exit_code, kWrongUsage) << of_tilts;
+    EXPECT_THAT(refused.err, HasSubstr("expected a plate that can tilt, guides keep this one from it")) << of_tilts;
+  }
+}
+
+TEST_P(GuidedWalk, BatchesAreMade) {
+  const std::string make = "yield --robot r.toml --machines 12 --noise-mm 0.01 --rotation-noise-deg 0.01 --seed 5";
+  const json made = json_from(make + " --max-position-aligned-mm 0.3");
+  EXPECT_EQ(made.at("fates").at("accepted"), 12);
+  EXPECT_EQ(made.at("passed"), 12);
+  EXPECT_EQ(made.at("quantities").at("rotation_deg").is_null(), !robot.commands_tilt());
+  const json& distance = made.at("quantities").at("distance_mm");
+  EXPECT_LT(distance.at("after").at("p95").get<double>(), 0.5 * distance.at("before").at("p95").get<double>());
+}
+
+/// A pose that guides do not let be says so, and poses of a plane need not say where the plane is.
+TEST_P(GuidedWalk, PosesBesideTheGuidesAreRefused) {
+  if (robot.geometry().freedoms.holds_z()) {
+    folder.write("lifted.csv", "pose,x_mm,y_mm,z_mm\nA,1,2,3\n");
+    const ProgramResult lifted = run("inverse --robot r.toml --poses lifted.csv");
+    EXPECT_EQ(lifted.exit_code, kMathematicsSaysNo);
+    EXPECT_THAT(lifted.err, HasSubstr("its guides hold the plate in its plane"));
+    folder.write("flat.csv", "pose,x_mm,y_mm\nA,1,2\n");
+    folder.write("stated.csv", "pose,x_mm,y_mm,z_mm\nA,1,2,0\n");
+    EXPECT_EQ(run("inverse --robot r.toml --poses flat.csv").out, run("inverse --robot r.toml --poses stated.csv").out);
+  }
+  folder.write("tilted.csv", "pose,x_mm,y_mm,z_mm,tilt_x_deg\nA,1,2,0,3\n");
+  EXPECT_EQ(run("inverse --robot r.toml --poses tilted.csv").exit_code, kMathematicsSaysNo);
+}
+
+}  // namespace
+}  // namespace paracal::test
