@@ -88,6 +88,18 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
   return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
 }
 
+/// Places in a plane, mirrored there, are places in a plane seen from its other side.
+void state_turned_over(const Robot& robot, Calibration& calibration) {
+  if (!robot.nominal().has_guides() || !robot.geometry().freedoms.holds_z()) return;
+  for (const SeriesFrame& one : calibration.frames) {
+    if (one.frame.rotation(2, 2) >= 0.0) continue;
+    calibration.assumed.push_back(fmt::format(
+        "the instrument of {} stands on the other side of the plane, its z against the robot's; or x, or y, "
+        "of commands or readings has the wrong sign: places in a plane look the same",
+        one.name));
+  }
+}
+
 /// All readings; of more than are listed one by one those that were left out, and the worst of the others.
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
@@ -188,6 +200,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   add_parameters(fit, held, calibration);
   const Eigen::MatrixXd expanded = spread.expanded(calibration.noise_dof);
   for (const auto& series : observation.series()) series->state_setup(answer.parameters, expanded, calibration);
+  state_turned_over(observation.robot(), calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);

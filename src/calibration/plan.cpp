@@ -73,14 +73,14 @@ std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimu
 }
 
 std::vector<Station> validation_stations(const Robot& robot) {
-  constexpr int kLayers = 3, kCircles = 5, kPoints = 8;
+  constexpr int kLayers = 3, kCircles = 5, kPoints = 8;  // where there is one layer, its points are three times as many
   const Workspace& workspace = robot.workspace();
   std::vector<Station> stations{home(robot)};
   const int layers = workspace.layers(kLayers);
   for (int layer = 0; layer < layers; ++layer) {
     const double z = workspace.layer_z(layer, layers);
     for (int circle = 1; circle <= kCircles; ++circle) {
-      add_circle(stations, workspace.radius * circle / kCircles, z, 0.0, kPoints, 0.0);
+      add_circle(stations, workspace.radius * circle / kCircles, z, 0.0, kPoints * kLayers / layers, 0.0);
     }
   }
   return stations;

@@ -95,6 +95,9 @@ bool define_limbs(const toml::table& document) {
 
 PlateFreedoms freedoms_of(Section plate) {
   PlateFreedoms freedoms{.free = {}};
+  if (!plate.find("freedoms")) {
+    plate.fail("expected plate.freedoms, and no slide, of a plate on limbs with one rod");
+  }
   for (const std::string& name : plate.texts("freedoms")) {
     const auto* coordinate = std::ranges::find(kPlateCoordinates, name);
     if (coordinate == kPlateCoordinates.end()) {

@@ -68,6 +68,25 @@ void require_hold(const Machine& machine, const Hold& rows, const Pose& pose) {
                   standing(machine, pose), values(values.size() - 1) / values(0)));
 }
 
+/// On which side of where it points at zero an arm reaches a joint of the plate; it passes from one to the other in a
+/// jump, because of two ways to reach it the nearer is meant.
+double side_of_arm(const Limb& limb, const Pose& pose) {
+  const Eigen::Vector3d at_plate = pose.position + detail::rotation_of(pose.tilt) * limb.plate;
+  return (at_plate - limb.base).dot(limb.frame.col(1));
+}
+
+void require_one_side(const Machine& machine, const Pose& centre, const Pose& pose) {
+  if (machine.actuator() != Actuator::crank) return;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    if (side_of_arm(limb, centre) * side_of_arm(limb, pose) > 0.0) continue;
+    throw InvalidArgument(fmt::format(
+        "limb: expected arm_at_zero of limb {} to say which of two ways its arm goes; somewhere between the "
+        "centre of the workspace and {} both are as near to it, and the arm would jump",
+        i + 1, standing(machine, pose)));
+  }
+}
+
 /// Where it is seen whether rods hold a plate: the axis and two circles on top, in the middle and at the bottom of the
 /// workspace, at all extremes of tilt.
 std::vector<Pose> poses_to_hold(const Workspace& workspace) {
@@ -222,6 +241,7 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
   for (const Pose& pose : poses) {
     const Hold rows = hold(machine, pose, radius);
     require_hold(machine, rows, pose);
+    require_one_side(machine, centre, pose);
     if (rows.determinant() * side > 0.0) continue;
     throw InvalidArgument(fmt::format(
         "workspace: the rods do not hold the plate somewhere between its centre and {} (singular: there it would go "

@@ -136,6 +136,16 @@ TEST_P(GuidedLaw, CorrectedPosesAreReachedAndHaveAnUncertainty) {
   }
 }
 
+/// Commands with the wrong sign of x are those of a frame that is turned over.
+TEST_P(GuidedLaw, AFrameThatIsTurnedOverIsSaid) {
+  RandomStream stream(6, 6);
+  Measurements read = simulate(robot, {}, plan(30), {.noise = 0.01}, stream);
+  const auto says = testing::Contains(HasSubstr("stands on the other side of the plane"));
+  EXPECT_THAT(calibrate(robot, read).assumed, testing::Not(says));
+  for (PointReading& one : read.series.front().readings) one.point.x() *= -1.0;
+  EXPECT_THAT(calibrate(robot, read, {.stage = Stage::fine}).assumed, says);
+}
+
 /// A second formulation: two circles in the plane of the plate, each about a rod's upper end less its joint at the
 /// plate, cross in two points.
 Eigen::Vector2d crossing_of_circles(const Machine& machine, const Joints& joints, const Eigen::Vector2d& near) {
@@ -195,6 +205,7 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\ntilt_deg = 5", "expected nothing for a plate whose");
   expect_refused("five-bar", "radius_mm = 60", "radius_mm = 160", "cannot reach");
   expect_refused("3-rrr", "tilt_deg = 15", "tilt_deg = 80", "workspace");
+  expect_refused("five-bar", "arm_at_zero = [-0.7, 0.7, 0.0]", "arm_at_zero = [0.3, 1.0, 0.0]", "the arm would jump");
   // The joint passes the line of the carriages.
   expect_refused("planar-rails", "[0.0, 240.0, 0.0]", "[0.0, 90.0, 0.0]", "do not hold the plate");
 }
