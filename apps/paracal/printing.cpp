@@ -35,6 +35,21 @@ std::string parameters_text(const std::string& firmware, const DeltaGeometry& ge
   return io::machine_codes(geometry, dialect_of(firmware));
 }
 
+/// Adds what is not there to the last digit: a row that was pasted twice is one reading.
+/// @returns how many were there.
+template <typename Reading>
+std::size_t add_new(const std::vector<Reading>& more, std::vector<Reading>& all) {
+  std::size_t known = 0;
+  for (const Reading& one : more) {
+    if (std::ranges::find(all, one) == all.end()) {
+      all.push_back(one);
+    } else {
+      ++known;
+    }
+  }
+  return known;
+}
+
 /// The printer with what its owner read on it besides.
 PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
@@ -47,8 +62,11 @@ PrinterState with_readings(const PrinterOptions& options) {
     }
     const DeltaReadings more = io::read_printer_table(file, printer.geometry);
     DeltaReadings& all = printer.readings;
-    all.heights.insert(all.heights.end(), more.heights.begin(), more.heights.end());
-    all.distances.insert(all.distances.end(), more.distances.begin(), more.distances.end());
+    const std::size_t again = add_new(more.heights, all.heights) + add_new(more.distances, all.distances);
+    if (again > 0) {
+      printer.notes.push_back(
+          fmt::format("{}: {} of its rows say to the last digit what others say: counted once", file.name, again));
+    }
     printer.files.push_back(std::move(stamp));
   }
   if (printer.readings.heights.empty()) {

@@ -151,6 +151,10 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
   }
   for (int k = 0; settings.find("delta_calibrate", fmt::format("distance{}", k)); ++k) {
     const std::string key = fmt::format("distance{}", k), from = key + "_pos1", to = key + "_pos2";
+    if (const double length = settings.positive("delta_calibrate", key); length < PrintedDistance::kShortest) {
+      Settings::fail(settings.require("delta_calibrate", key),
+                     fmt::format("expected {} of {:g} mm and more, got {}", key, PrintedDistance::kShortest, length));
+    }
     readings.distances.push_back(
         {settings.positive("delta_calibrate", key), drops_of(settings, from, step), drops_of(settings, to, step)});
     require_reachable(readings.distances.back().from, from);
@@ -179,8 +183,25 @@ std::vector<Entry> entries_of(const DeltaGeometry& geometry) {
   return entries;
 }
 
-std::vector<std::string> notes_of(const Settings& settings, const DeltaGeometry& geometry) {
+/// Readings behind a gap in the numbers: the firmware stops there, and so does what is read here.
+std::vector<std::string> passed_over(const Settings& settings) {
+  constexpr int kMost = 1000;
   std::vector<std::string> notes;
+  for (const char* prefix : {"height", "manual_height", "distance"}) {
+    const auto found = [&](int k) { return settings.find("delta_calibrate", fmt::format("{}{}", prefix, k)); };
+    int gap = 0;
+    while (found(gap)) ++gap;
+    int behind = 0;
+    for (int k = gap + 1; k < kMost; ++k) behind += found(k) ? 1 : 0;
+    if (behind == 0) continue;
+    notes.push_back(fmt::format("{}: {}{} is missing: {} readings behind it are passed over, as the firmware does",
+                                settings.files().front().name, prefix, gap, behind));
+  }
+  return notes;
+}
+
+std::vector<std::string> notes_of(const Settings& settings, const DeltaGeometry& geometry) {
+  std::vector<std::string> notes = passed_over(settings);
   for (const Entry& one : entries_of(geometry)) {
     const auto saved = settings.overridden(one.section, one.key);
     if (!saved) continue;
@@ -188,6 +209,12 @@ std::vector<std::string> notes_of(const Settings& settings, const DeltaGeometry&
     notes.push_back(fmt::format("{}:{}: {} {} of [{}] is typed there and in force, not the saved {} (line {})",
                                 typed.file->name, typed.line, one.key, typed.text, one.section, saved->text,
                                 saved->line));
+  }
+  if (const auto& unread = settings.unread_block()) {
+    notes.push_back(fmt::format(
+        "{}:{}: Klipper passes over the whole SAVE_CONFIG block for this line: {}. Of the block only the readings of "
+        "DELTA_CALIBRATE count here; put it right, and restart the firmware, before values are saved",
+        settings.files().front().name, unread->line, unread->why));
   }
   for (const Settings::Value& one : settings.missing()) {
     notes.push_back(fmt::format(
@@ -234,6 +261,13 @@ std::string klipper_save_config(const DeltaGeometry& geometry) { return block_li
 std::string klipper_config(const TextFile& file, const DeltaGeometry& geometry) {
   const Settings settings(file);
   const TextFile& own = settings.files().front();
+  if (const auto& unread = settings.unread_block()) {
+    Settings::fail(
+        {{}, &own, unread->line},
+        fmt::format("expected a SAVE_CONFIG block that Klipper reads, where values can be put; it passes over "
+                    "all of it for this line: {}",
+                    unread->why));
+  }
   std::map<std::size_t, std::pair<std::size_t, std::string>> changes;  // by place: length, and what stands there then
   std::vector<Entry> unstated;
   for (const Entry& one : entries_of(geometry)) {

@@ -4,8 +4,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
+#include <span>
 
 #include "columns.hpp"
 #include "paracal/error.hpp"
@@ -14,7 +16,7 @@ namespace paracal::io {
 namespace {
 
 constexpr std::size_t kMostFiles = 1000;
-constexpr std::string_view kSavedMark = "#*#", kInclude = "include ";
+constexpr std::string_view kSavedMark = "#*#", kInclude = "include ", kReadings = "delta_calibrate";
 
 /// Without a comment: # or ; at the beginning or after a blank.
 std::string_view without_comment(std::string_view line) {
@@ -52,7 +54,46 @@ std::vector<std::string_view> cut(std::string_view text, char separator) {
   return parts;
 }
 
-KlipperSettings::KlipperSettings(const TextFile& file) { add(file, {}); }
+namespace {
+
+constexpr std::string_view kSavedHead = "#*# <---------------------- SAVE_CONFIG ---------------------->";
+constexpr std::array<std::string_view, 3> kBlockBegins{
+    kSavedHead, "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.", kSavedMark};
+
+/// Why the firmware passes over all lines that begin with #*#, and in which line; empty where it reads them, or there
+/// are none. Its rule: they stand together at the end, below three lines that begin them, and only these three lines
+/// begin a block.
+std::optional<std::pair<std::size_t, std::string>> line_that_spoils(const std::vector<std::string_view>& lines) {
+  const auto begins = [&](std::size_t k) {
+    return k > 0 && k + kBlockBegins.size() <= lines.size() &&
+           std::ranges::equal(kBlockBegins, std::span(lines).subspan(k, kBlockBegins.size()));
+  };
+  std::size_t end = lines.size(), head = 0;
+  while (end > 0 && trimmed(lines[end - 1]).empty()) --end;
+  while (head < end && !begins(head)) {
+    if (lines[head].starts_with("#*# ")) return {{head, "without the three lines that begin such a block above it"}};
+    ++head;
+  }
+  for (std::size_t k = head + 1; k < end; ++k) {
+    if (begins(k)) return {{k, "a second block"}};
+    const bool saved = lines[k] == kSavedMark || lines[k].starts_with("#*# ");
+    if (!saved) return {{k, "which does not begin with #*# and stands below the block"}};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+KlipperSettings::KlipperSettings(const TextFile& file) {
+  const std::vector<std::string_view> lines = lines_of(file.text);
+  if (const auto why = line_that_spoils(lines)) {
+    const auto& [line, words] = *why;
+    const std::string_view text = lines[line].substr(0, 60);
+    const std::string shown = trimmed(text).empty() ? "an empty line" : fmt::format("\"{}\"", text);
+    unread_ = Unread{static_cast<int>(line) + 1, fmt::format("{}, {}", shown, words)};
+  }
+  add(file, {});
+}
 
 void KlipperSettings::add(const TextFile& given, const std::vector<std::string>& within) {
   const TextFile& file = files_.emplace_back(given);
@@ -62,7 +103,7 @@ void KlipperSettings::add(const TextFile& given, const std::vector<std::string>&
   std::string section;
   for (std::string_view line : lines_of(file.text)) {
     ++number;
-    const bool saved = line.starts_with(kSavedMark);
+    const bool saved = within.empty() && line.starts_with(kSavedMark);  // the firmware passes over them in others
     if (saved) line.remove_prefix(kSavedMark.size());
     const std::string_view text = trimmed(saved ? line : without_comment(line));
     if (text.starts_with('[') && text.ends_with(']')) {
@@ -102,14 +143,16 @@ std::optional<KlipperSettings::Value> KlipperSettings::find(std::string_view sec
   const std::pair name{std::string(section), std::string(key)};
   if (const auto found = typed_.find(name); found != typed_.end()) return found->second;
   const auto found = saved_.find(name);
-  return found == saved_.end() ? std::nullopt : std::optional(found->second);
+  // What was measured is true, whether the firmware reads it or not.
+  const bool counts = found != saved_.end() && (!unread_ || section == kReadings);
+  return counts ? std::optional(found->second) : std::nullopt;
 }
 
 std::optional<KlipperSettings::Value> KlipperSettings::overridden(std::string_view section,
                                                                   std::string_view key) const {
   const std::pair name{std::string(section), std::string(key)};
   const auto typed = typed_.find(name), saved = saved_.find(name);
-  if (typed == typed_.end() || saved == saved_.end()) return std::nullopt;
+  if (typed == typed_.end() || saved == saved_.end() || unread_) return std::nullopt;
   const auto one = finite_number(typed->second.text), other = finite_number(saved->second.text);
   const bool same = one && other ? *one == *other : typed->second.text == saved->second.text;
   return same ? std::nullopt : std::optional(saved->second);
@@ -118,6 +161,11 @@ std::optional<KlipperSettings::Value> KlipperSettings::overridden(std::string_vi
 KlipperSettings::Value KlipperSettings::require(std::string_view section, std::string_view key) const {
   if (const auto value = find(section, key)) return *value;
   std::string complaint = fmt::format("expected {} in [{}], got none", key, section);
+  if (unread_ && saved_.contains({std::string(section), std::string(key)})) {
+    fail({{}, &files_.front(), unread_->line},
+         fmt::format("{} that the firmware reads: it passes over the whole SAVE_CONFIG block for this line: {}",
+                     complaint, unread_->why));
+  }
   for (const Value& one : missing_) {
     complaint += fmt::format("; it may be in {}, which {}:{} includes and which is not there", one.text, one.file->name,
                              one.line);

@@ -47,6 +47,14 @@ class KlipperSettings {
 
   /// What the SAVE_CONFIG block says of a key that is typed otherwise, and so is not in force.
   std::optional<Value> overridden(std::string_view section, std::string_view key) const;
+  /// The line for which the firmware passes over the whole SAVE_CONFIG block, as it does where anything else stands
+  /// among its lines or below it, or where it does not begin as it should. Of such a block readings count, which are
+  /// true all the same, and nothing else.
+  struct Unread {
+    int line = 0;
+    std::string why;
+  };
+  const std::optional<Unread>& unread_block() const { return unread_; }
   /// Files that should be included and are not there.
   const std::vector<Value>& missing() const { return missing_; }
 
@@ -61,6 +69,7 @@ class KlipperSettings {
   using Values = std::map<std::pair<std::string, std::string>, Value>;
   Values typed_, saved_;
   std::vector<Value> missing_;
+  std::optional<Unread> unread_;
 };
 
 }  // namespace paracal::io

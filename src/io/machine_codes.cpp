@@ -163,13 +163,17 @@ DeltaGeometry plausible(const TextFile& file, const DeltaGeometry& geometry) {
 }  // namespace
 
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
-  constexpr double kRotaryKinematics = 10.0;
+  constexpr double kLinearKinematics = 3.0, kRotaryKinematics = 10.0;
   if (dialect == CodeDialect::marlin) {
     const auto compiled = marlin_configuration(file);
     return plausible(file, linear_delta(compiled ? compiled->codes : file, dialect));
   }
   const CodeWords kinematics(file, kRotary, letters_of(kRotary, dialect));
-  const bool rotary = kinematics.number_or('K', 0.0) == kRotaryKinematics;
+  const double kind = kinematics.number_or('K', kLinearKinematics);
+  const bool rotary = kind == kRotaryKinematics;
+  if (!rotary && kind != kLinearKinematics) {
+    kinematics.fail('K', fmt::format("expected M669 K3 (linear delta) or K10 (rotary delta), got K{:g}", kind));
+  }
   return plausible(file, rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect));
 }
 

@@ -26,7 +26,7 @@ constexpr std::array<Key, 6> kKeys{{{kRod, "M665", "L"},
                                     {"DELTA_ENDSTOP_ADJ", "M666", "XYZ"}}};
 constexpr std::array<std::string_view, 2> kPrintRadii{"DELTA_PRINTABLE_RADIUS", "PRINTABLE_RADIUS"};
 
-constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kBlanks = " \t\r", kDelta = "DELTA";
 
 /// A line without its comments; `inside` tells whether one goes on from line to line.
 std::string without_comments(std::string_view line, bool& inside) {
@@ -52,6 +52,8 @@ std::pair<std::string_view, std::string_view> definition(std::string_view line) 
   const std::size_t end = std::min(line.find_first_of(kBlanks), line.size());
   return {line.substr(0, end), trimmed(line.substr(end))};
 }
+
+std::string_view without_comment_behind(std::string_view value) { return value.substr(0, value.find("//")); }
 
 /// Between commas, without braces.
 std::vector<std::string_view> parts_of(std::string_view value) {
@@ -82,6 +84,16 @@ class Reader {
     }
     found_.codes.text.push_back('\n');
   }
+
+  /// A line of which a comment may have made nothing.
+  void notice_switch(std::string_view line) {
+    const bool is_comment = trimmed(line).starts_with("//");
+    const auto [name, value] = definition(is_comment ? trimmed(line).substr(2) : line);
+    if (name != kDelta || !trimmed(without_comment_behind(value)).empty()) return;
+    (is_comment ? off_ : on_) = line_;
+  }
+  /// The line that would define DELTA and is a comment, where no other does; else 0.
+  int switched_off() const { return on_ > 0 ? 0 : off_; }
 
   bool is_delta() const { return defined_.contains(kRod); }
   MarlinConfiguration&& found() && { return std::move(found_); }
@@ -116,7 +128,7 @@ class Reader {
 
   MarlinConfiguration found_;
   std::map<std::string, std::pair<std::string, int>, std::less<>> defined_;
-  int line_ = 0;
+  int line_ = 0, on_ = 0, off_ = 0;
 };
 
 }  // namespace
@@ -128,8 +140,13 @@ std::optional<MarlinConfiguration> marlin_configuration(const TextFile& file) {
     const std::string left = without_comments(line, inside_comment);
     const auto [name, value] = definition(left);
     reader.read(name, value);
+    reader.notice_switch(line);
   }
   if (!reader.is_delta()) return std::nullopt;
+  if (const int line = reader.switched_off(); line > 0) {
+    throw InputFileError(file.name, line,
+                         "expected #define DELTA, got it in a comment: such a firmware is of no delta");
+  }
   return std::move(reader).found();
 }
 

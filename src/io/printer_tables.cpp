@@ -18,7 +18,10 @@ class Reader {
 
   PrintedDistance distance(std::size_t row) const {
     const double length = table_.number(row, "distance_mm"), z = or_zero(row, "z_mm");
-    if (!(length > 0.0)) table_.fail(row, fmt::format("expected distance_mm above 0, got {}", length));
+    if (!(length >= PrintedDistance::kShortest)) {
+      table_.fail(row,
+                  fmt::format("expected distance_mm of {:g} and more, got {}", PrintedDistance::kShortest, length));
+    }
     return {
         .distance = length, .from = drops(row, "from_x_mm", "from_y_mm", z), .to = drops(row, "to_x_mm", "to_y_mm", z)};
   }

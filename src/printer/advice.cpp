@@ -6,55 +6,12 @@
 #include <cmath>
 #include <string_view>
 
+#include "advice_rules.hpp"
+
 namespace paracal {
 namespace {
 
-constexpr double kCertain = 0.95;
-
-bool no_kind_worse(const PredictionErrors& errors, const PredictionErrors& than) {
-  return errors.height <= than.height && errors.distance <= than.distance;
-}
-
-/// Heights tell how flat a machine goes, and hardly how large: values that explain them a little better than those in
-/// use may lose more in size, which nobody measured, than they gain. Only where the saved values are far off, the mean
-/// square error of held-out heights falling by 5 parts in 6 (a factor of 2.4), are heights enough.
-bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibration& found) {
-  constexpr double kMuch = 5.0 / 6.0;
-  return !found.measurements.distances.empty() || values.gain.value >= kMuch;
-}
-
-/// Better than the saved values by more than chance: by what the calibration knows and by the readings that were held
-/// out; either may be certain alone if the other does not contradict. Heights that were held out say nothing of the
-/// size of prints, and those of a bowed bed the wrong thing: what is known has to be certain of that by itself.
-bool better(const PrinterCandidate& values, const PrinterCalibration& found) {
-  constexpr double kLikely = 0.8;
-  if (!found.tested() || values.some_kind_worse || !is_enough_of_heights(values, found)) return false;
-  const double likely = found.measurements.distances.empty() || found.bed.is_bowed ? kCertain : kLikely;
-  return (values.least_chance() >= kCertain && values.gain.value > 0.0) ||
-         (values.least_chance() >= likely && values.gain.low > 0.0);
-}
-
-/// On no kind of readings more than a twentieth worse.
-bool as_good_as_firmware(const PrinterCalibration& found) {
-  constexpr double kAsGood = 1.05;
-  const PredictionErrors theirs = found.by_firmware.held_out;
-  return no_kind_worse(found.written.held_out, {kAsGood * theirs.height, kAsGood * theirs.distance});
-}
-
-/// Seven heights cannot test a fit of six numbers: there the whole calibration, which its priors hold, must predict
-/// what it has not seen better than the saved values do.
-bool better_of_few(const PrinterCalibration& found) {
-  return found.tested() && found.by_firmware.least_chance() >= kCertain && found.written.gain.low > 0.0;
-}
-
-PrinterAdvice advice_of(bool few, const PrinterCalibration& found) {
-  if (few) return better_of_few(found) ? PrinterAdvice::take_firmware : PrinterAdvice::keep_saved;
-  const bool ours =
-      found.projection.ok() && found.calibration.verdict != Verdict::not_converged && better(found.written, found);
-  const bool theirs = found.firmware.ok() && better(found.by_firmware, found);
-  if (ours && as_good_as_firmware(found)) return PrinterAdvice::accept_new;
-  return theirs ? PrinterAdvice::take_firmware : PrinterAdvice::keep_saved;
-}
+using detail::advice_of, detail::better, detail::is_enough_of_heights, detail::kCertain;
 
 /// As errors of held-out readings are told: "heights 0.123 mm, distances 0.045 mm".
 std::string in_words(const PredictionErrors& errors, bool has_distances) {
@@ -86,9 +43,17 @@ class Findings {
     const bool belongs = found_.saved.ok() && found_.saved.cost <= kBelongs * found_.firmware.cost + floor;
     if (belongs || same || !found_.firmware.ok()) return;
     say(fmt::format(
-        "the saved values do not belong to these readings: they explain the heights to {:.3f} mm, where the firmware's "
-        "own fit would to {:.3f} mm. Was something changed, or the calibration not saved?",
-        found_.saved.rms_height, found_.firmware.rms_height));
+        "the saved values are not the firmware's fit of these readings: they explain {}, that would {}. They are of "
+        "other readings, or something was changed since",
+        explained(found_.saved), explained(found_.firmware)));
+  }
+
+  /// "the heights to 0.012 mm and the distances to 0.034 mm"
+  std::string explained(const DeltaFit& fit) const {
+    const std::string heights =
+        readings_.heights.empty() ? "" : fmt::format("the heights to {:.3f} mm", fit.rms_height);
+    if (!has_distances()) return heights;
+    return fmt::format("{}{}the distances to {:.3f} mm", heights, heights.empty() ? "" : " and ", fit.rms_distance);
   }
 
   void what_can_be_told() {
@@ -101,7 +66,11 @@ class Findings {
             : "heights alone show how flat the nozzle goes where they were taken, and hardly the size of prints: for "
               "that measure printed distances; nor do they show the centre or the turn about z");
     if (found_.bed.is_bowed) bowed();
-    if (has_distances()) size();
+    if (has_distances()) {
+      size();
+      say("sizes are those of prints in the plastic that was measured: one that shrinks by 0.3 % makes the machine "
+          "0.3 % larger, so that its prints come out right");
+    }
     if (!found_.uncheckable.empty()) unnoticed();
   }
 
@@ -125,16 +94,28 @@ class Findings {
                       size.bias, 2.0 * size.bias_std));
       return;
     }
-    say(fmt::format("{}; for that the size of prints may be off by {:.2f} %{}",
-                    found_.bed.is_bowed && !found_.bed.is_told
-                        ? fmt::format("what walls or calliper add to all distances is not known (U = {:.3f} mm, k = 2)",
-                                      2.0 * size.bias_std)
-                    : size.bias_can_be_told
-                        ? fmt::format("the distances show no common error of walls or calliper (U = {:.3f} mm, k = 2)",
-                                      2.0 * size.bias_std)
-                        : "all distances are about alike: whether walls or calliper make them 0.2 mm too long or the "
-                          "machine is larger, they cannot tell",
-                    1e2 * size.open, size.bias_can_be_told ? "" : ": measure distances of two lengths"));
+    say(fmt::format("{}; for that the size of prints may be off by {:.2f} %{}", open_bias(), 1e2 * size.open,
+                    size.bias_can_be_told ? "" : ": measure distances of two lengths, one twice the other"));
+  }
+
+  /// What is not known of walls and calliper.
+  std::string open_bias() const {
+    const PrintSize& size = found_.size;
+    if (found_.bed.is_bowed && !found_.bed.is_told) {
+      return fmt::format("what walls or calliper add to all distances is not known (U = {:.3f} mm, k = 2)",
+                         2.0 * size.bias_std);
+    }
+    if (size.bias_can_be_told) {
+      return fmt::format(
+          "what walls or calliper add to all distances, {:+.3f} mm by these readings (U = {:.3f} mm, k = 2), is not "
+          "told from nothing and stays on them",
+          size.bias, 2.0 * size.bias_std);
+    }
+    const auto [least, most] = std::ranges::minmax(readings_.distances, {}, &PrintedDistance::distance);
+    return fmt::format(
+        "of distances of {:.0f} to {:.0f} mm, read as these were, it cannot be told whether walls or calliper make "
+        "them 0.2 mm too long or the machine is larger",
+        least.distance, most.distance);
   }
 
   void unnoticed() {
@@ -180,6 +161,39 @@ class Findings {
     say(gain_in_words("new values", ours));
     if (found_.saved_is_fit) return say("the saved values are the firmware's fit of these readings");
     say(gain_in_words("firmware's fit", theirs));
+  }
+
+  /// Why nothing is better, in the words of what was asked of the new values.
+  std::string why_kept(bool few) const {
+    const PrinterCandidate& ours = found_.written;
+    const auto [ours_height, ours_distance] = ours.held_out;
+    const PredictionErrors& saved = found_.held_out;
+    if (ours.some_kind_worse) {
+      const bool heights = ours_height > saved.height;
+      return fmt::format(
+          "the new values predict {} that were held out worse than the saved ones do, {:.3f} mm instead "
+          "of {:.3f} mm, whatever they gain elsewhere",
+          heights ? "heights" : "distances", heights ? ours_height : ours_distance,
+          heights ? saved.height : saved.distance);
+    }
+    if (few) return "so few heights hardly test values";
+    if (!is_enough_of_heights(ours, found_)) {
+      return "heights alone hardly tell the size of prints, and the new values do not explain them so much better that "
+             "it would not matter";
+    }
+    if (better(ours, found_)) {
+      return "the new values are better than the saved ones, but predict readings that were held out worse than the "
+             "firmware's fit does, which is not known to be better than the saved ones";
+    }
+    const double chance = std::min(ours.least_chance(), 0.999);
+    if (chance >= kCertain) {
+      return fmt::format(
+          "the new values are better with a chance of {:.1f} % by all that is known, but readings that "
+          "were held out do not say so",
+          1e2 * chance);
+    }
+    return fmt::format("the new values are better with a chance of {:.1f} %, of {:.0f} % that are asked", 1e2 * chance,
+                       1e2 * kCertain);
   }
 
   /// What would make advice possible.
@@ -236,8 +250,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
   if (same) return findings.say("nothing to change: the saved values are those of this calibration");
   findings.say(
       result.tested()
-          ? fmt::format("warning: keep what you have: nothing is better by more than chance; to decide, {}",
-                        findings.wanted(few))
+          ? fmt::format("warning: keep what you have: {}; to decide, {}", findings.why_kept(few), findings.wanted(few))
           : fmt::format(
                 "warning: keep what you have: {} readings are too few to check the {} numbers of the firmware's "
                 "own fit with; {}",

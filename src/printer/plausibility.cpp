@@ -130,6 +130,24 @@ std::vector<std::string> implausible(const DeltaGeometry& geometry, const Printe
 
 namespace {
 
+/// Two heights of one place that differ by more than any probe.
+std::optional<std::string> contradiction(const DeltaGeometry& saved, const DeltaReadings& readings, double worst) {
+  constexpr double kOnePlace = 0.5;   // mm
+  std::vector<Eigen::Vector3d> beds;  // where the nozzle was, less what it read
+  for (const BedReading& one : readings.heights) {
+    if (const auto place = nozzle(saved, one.drops)) beds.push_back(*place - one.height * Eigen::Vector3d::UnitZ());
+  }
+  for (std::size_t k = 0; k < beds.size(); ++k) {
+    for (std::size_t j = 0; j < k; ++j) {
+      const Eigen::Vector3d apart = beds[k] - beds[j];
+      if (apart.head<2>().norm() > kOnePlace || std::abs(apart.z()) <= worst) continue;
+      return fmt::format("the bed at ({:.1f}, {:.1f}) mm was read twice, {:.2f} mm apart", beds[k].x(), beds[k].y(),
+                         std::abs(apart.z()));
+    }
+  }
+  return std::nullopt;
+}
+
 /// What a fit of the readings says against the file.
 std::vector<std::string> complaints_of(const DeltaGeometry& saved, const DeltaFit& fit, const PrinterLimits& limits) {
   if (!fit.ok()) return {"the firmware's fit does not settle on these readings"};
@@ -171,6 +189,7 @@ std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaRead
   // Fewer readings than numbers leave the fit anywhere.
   const std::size_t count = readings.heights.size() + readings.distances.size();
   if (count >= static_cast<std::size_t>(fit.parameters)) complaints = complaints_of(saved, fit, limits);
+  if (auto twice = contradiction(saved, readings, limits.worst_repeat)) complaints.push_back(std::move(*twice));
   if (auto cause = likely_cause(saved, readings, fit, !complaints.empty(), limits)) {
     complaints.insert(complaints.begin(), std::move(*cause));
   }

@@ -40,19 +40,20 @@ DeltaReadings without_gross(const DeltaReadings& all, const Calibration& calibra
 }
 
 /// Share by which the size of prints may be off (k = 2): what the bias leaves open of the mean distance.
-double open_size(const DeltaReadings& readings, double bias_std) {
+/// @param stays  the bias as estimated that is not taken off, mm.
+double open_size(const DeltaReadings& readings, double stays, double bias_std) {
   double sum = 0.0;
   for (const PrintedDistance& one : readings.distances) sum += one.distance;
-  return sum > 0.0 ? 2.0 * bias_std * static_cast<double>(readings.distances.size()) / sum : 0.0;
+  return sum > 0.0 ? (std::abs(stays) + 2.0 * bias_std) * static_cast<double>(readings.distances.size()) / sum : 0.0;
 }
 
 PrintSize size_of(const detail::ReadingTrial& trial, const DeltaReadings& readings) {
   const double std = trial.bias_can_be_told ? trial.bias_std : kDistanceBias;
   return {.bias_can_be_told = trial.bias_can_be_told,
           .bias_is_there = trial.bias_is_there,
-          .bias = trial.bias_is_there ? trial.bias : 0.0,
+          .bias = trial.bias_can_be_told ? trial.bias : 0.0,
           .bias_std = std,
-          .open = open_size(readings, std)};
+          .open = open_size(readings, trial.bias_can_be_told && !trial.bias_is_there ? trial.bias : 0.0, std)};
 }
 
 PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& saved, const KnownPrinter& known,

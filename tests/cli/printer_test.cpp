@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "broken_input.hpp"
 #include "json_checks.hpp"
 #include "paracal/io/machine_codes.hpp"
@@ -168,7 +170,8 @@ TEST_F(PrinterCommand, ItsCalibrationFiltersProgramsInTheFirmwaresCoordinates) {
 TEST_F(PrinterCommand, WarnsWhereNothingIsGained) {
   folder.write("printer.cfg", config("K37"));
   const ProgramResult result = folder.run("calibrate --printer printer.cfg");
-  EXPECT_THAT(result.out, HasSubstr("the saved values do not belong to these readings"));
+  EXPECT_THAT(result.out,
+              HasSubstr("the saved values are not the firmware's fit of these readings: they explain the heights to "));
   EXPECT_EQ(result.exit_code, result.out.find("warning") == std::string::npos ? kDone : kVerdictIsNo);
 }
 
@@ -248,7 +251,8 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
           "readings.csv:3: expected a place that the printer reaches, got (300, 0, 0.1) mm");
   refused("x_mm,y_mm\n0,0\n", "z_mm");
   refused("x_mm,y_mm,z_mm,bed_mm\n0,0,0,1\n", "bed_mm");
-  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n", "expected distance_mm above 0, got -50");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n", "expected distance_mm of 1 and more, got -50");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,0.001\n", "of 1 and more, got 0.001");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n", "config.g: expected heights of the bed");
   folder.write("again.csv", folder.read("readings.csv"));
   const ProgramResult twice =
@@ -256,6 +260,26 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
   EXPECT_EQ(twice.exit_code, kBadInputFile);
   EXPECT_THAT(twice.err, HasSubstr("again.csv: expected other readings, got those of readings.csv again"));
   EXPECT_EQ(folder.run("calibrate --readings readings.csv").exit_code, kWrongUsage);
+}
+
+/// The same rows pasted twice are the same readings; not to the last digit, they are others.
+TEST_F(PrinterCommand, RowsThatArePastedTwiceCountOnce) {
+  folder.write("config.g", "M665 R105.6 L215.0 B85 H235.7 X0.2 Y-0.1 Z0\nM666 X-0.3 Y0.2 Z0.1\n");
+  std::string once = "x_mm,y_mm,z_mm,height_mm\n", twice = once;
+  for (int k = 0; k < 13; ++k) {
+    const double angle = 0.9 * k, radius = k == 0 ? 0.0 : k % 2 == 0 ? 80.0 : 45.0;
+    const std::string row = fmt::format("{:.3f},{:.3f},0,{:.3f}\n", radius * std::cos(angle), radius * std::sin(angle),
+                                        0.1 + 0.02 * std::sin(3.0 * k));
+    once += row;
+    twice += row + row;
+  }
+  folder.write("once.csv", once);
+  folder.write("twice.csv", twice);
+  const std::string calibrate = "calibrate --printer config.g --firmware reprapfirmware --readings ";
+  const ProgramResult first = folder.run(calibrate + "once.csv"), again = folder.run(calibrate + "twice.csv");
+  EXPECT_THAT(again.out, HasSubstr("twice.csv: 13 of its rows say to the last digit what others say: counted once"));
+  const auto told = [](const std::string& text) { return text.substr(text.find("the readings tell")); };
+  EXPECT_EQ(told(first.out), told(again.out));
 }
 
 /// As configurations are: sections in files of their own.

@@ -95,6 +95,8 @@ TEST(MachineCodes, AreRefusedWithTheirLine) {
   refused(CodeDialect::marlin, "M665 L200 R100 H200 X1e9\n", "towers turned by up to 360 deg, got 1000000000");
   refused(CodeDialect::reprapfirmware, "M665 L217 R105 H240 X120 Y0 Z-120\n", "towers that stand apart");
   refused(CodeDialect::marlin, "M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
+  refused(CodeDialect::reprapfirmware, "M669 K0\nM665 L200 R100 H200\nM666 X0\n",
+          "config.g:1: expected M669 K3 (linear delta) or K10 (rotary delta), got K0");
 }
 
 // ---- rotary deltas
@@ -182,6 +184,10 @@ TEST(MarlinConfiguration, IsRefusedWithItsLine) {
   is_refused(with("{ 0.0, 0.0, 0.0 }", "{ 0.0, 0.4, 0.0 }"), "config.g:14: expected no radii of single towers");
   is_refused(with("  //#define DELTA_DIAGONAL_ROD 250.0", "  #define DELTA_DIAGONAL_ROD 250.0"),
              "config.g:9: expected DELTA_DIAGONAL_ROD as in line 8 (260.0), got 250.0");
+  is_refused("//#define DELTA // a printer of another kind\n" + std::string(kConfiguration),
+             "config.g:1: expected #define DELTA, got it in a comment");
+  EXPECT_NO_THROW((void)read_machine_codes({"c", "//#define DELTA\n#define DELTA\n" + std::string(kConfiguration)},
+                                           CodeDialect::marlin));
   is_refused(with("  # define DELTA_HEIGHT 200.25 /* from G33 */", ""), "with H (homed height)");
 }
 

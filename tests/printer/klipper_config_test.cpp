@@ -105,6 +105,57 @@ TEST(KlipperConfig, AWholeOneHoldsTheValuesAndEverythingElse) {
   }
 }
 
+/// The rules of klippy/configfile.py: where anything else stands among the lines of the block or below them, or where
+/// they do not begin as they should, the firmware reads none of them. Their readings are true all the same.
+TEST(KlipperConfig, ABlockThatTheFirmwarePassesOverIsNotInForce) {
+  const test::KlipperSet set = set_named("K18");
+  const std::string head = "#*# <---------------------- SAVE_CONFIG ---------------------->\n";
+  const std::string typed = fmt::format(
+      "[printer]\nkinematics: delta\ndelta_radius: 160.5\n[stepper_a]\narm_length: 330\nangle: 210\nposition_endstop: "
+      "400\n[stepper_b]\nangle: 330\n[stepper_c]\nangle: 90\n");
+  const std::string all = typed + set.config;
+  ASSERT_THAT(io::read_klipper({"printer.cfg", all}).notes, testing::Not(Contains(HasSubstr("passes over"))));
+  for (const auto& [broken, why] : std::map<std::string, std::string>{
+           {all + "[gcode_macro START]\ngcode:\n  G28\n", "\"[gcode_macro START]\", which does not begin with #*#"},
+           {all + "\n[fan]\n", "an empty line, which does not begin"},
+           {all + "#*#[printer]\n", "\"#*#[printer]\", which does not begin"},
+           {with(all, head, "#*# SAVE_CONFIG\n"), "\"#*# SAVE_CONFIG\", without the three lines"},
+           {"#*# mine\n" + all, "\"#*# mine\", without the three lines"},
+           {all + "#*#\n" + head + "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n",
+            "a second block"}}) {
+    const io::KlipperDelta printer = io::read_klipper({"printer.cfg", broken});
+    EXPECT_THAT(printer.notes,
+                Contains(testing::AllOf(HasSubstr("passes over the whole SAVE_CONFIG"), HasSubstr(why))));
+    EXPECT_EQ(printer.geometry.rod, (std::array<double, 3>{330.0, 330.0, 330.0})) << why;
+    EXPECT_EQ(printer.readings.heights.size(), set.readings.heights.size()) << why;
+    EXPECT_THAT(
+        [&] {
+          (void)io::klipper_config({"printer.cfg", broken}, printer.geometry);
+        },
+        testing::ThrowsMessage<InputFileError>(HasSubstr("expected a SAVE_CONFIG block that Klipper reads")));
+  }
+  // Blank lines at the end do not matter, nor does what a file of Windows ends lines with.
+  std::string windows;
+  for (const char one : all + "\n\n") windows += one == '\n' ? std::string("\r\n") : std::string(1, one);
+  EXPECT_THAT(io::read_klipper({"printer.cfg", windows}).notes, testing::Not(Contains(HasSubstr("passes over"))));
+  // Where nothing else states the geometry, the firmware does not start.
+  EXPECT_THAT(
+      [&] {
+        (void)io::read_klipper({"printer.cfg", set.config + "[fan]\n"});
+      },
+      testing::ThrowsMessage<InputFileError>(testing::AllOf(
+          HasSubstr("that the firmware reads: it passes over the whole SAVE_CONFIG block"), HasSubstr("[fan]"))));
+}
+
+TEST(KlipperConfig, ReadingsBehindAGapAreCounted) {
+  const test::KlipperSet set = set_named("K18");
+  const std::string text = with(set.config, "#*# height2 = ", "#*# hight2 = ");
+  const io::KlipperDelta printer = io::read_klipper({"printer.cfg", text});
+  EXPECT_EQ(printer.readings.heights.size(), 2u);
+  EXPECT_THAT(printer.notes, Contains(HasSubstr(fmt::format("height2 is missing: {} readings behind it are passed over",
+                                                            set.readings.heights.size() - 3))));
+}
+
 /// Arms are typed: lines of the block alone would not move them.
 TEST(KlipperConfig, ChangesTypedArmsOfARotaryDelta) {
   const test::RotaryPrinter made = test::rotary_printer();

@@ -129,7 +129,16 @@ INSTANTIATE_TEST_SUITE_P(
                   set.readings.heights[k].height += k % 2 == 0 ? 6.0 : -6.0;
                 }
               },
-              "no delta explains these readings"}));
+              "no delta explains these readings"},
+        Wrong{"heights twice", "K37",
+              [](KlipperSet& set) {
+                const std::vector<BedReading> once = set.readings.heights;
+                for (BedReading one : once) {
+                  one.height += 0.5;
+                  set.readings.heights.push_back(one);
+                }
+              },
+              "mm was read twice, 0.50 mm apart"}));
 
 /// And published printers, one of which has towers 2.3 deg and rods 5 % off, pass.
 TEST(Plausibility, OfPublishedPrintersIsNotDoubted) {

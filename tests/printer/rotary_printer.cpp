@@ -75,7 +75,9 @@ std::string config_of(const RotaryPrinter& printer) {
         "upper_arm_length: {}\nlower_arm_length: {}\n",
         "abc"[i], to_degrees(saved.tower_angle[i]), saved.endstop[i], saved.arm[i], saved.rod[i]);
   }
-  text += "\n#*# <---------------------- SAVE_CONFIG ---------------------->\n#*# [delta_calibrate]\n";
+  text +=
+      "\n#*# <---------------------- SAVE_CONFIG ---------------------->\n"
+      "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n#*# [delta_calibrate]\n";
   for (std::size_t k = 0; k < printer.readings.heights.size(); ++k) {
     const BedReading& one = printer.readings.heights[k];
     text += fmt::format("#*# height{} = {}\n#*# height{}_pos = {}\n", k, one.height, k, steps(one.drops));

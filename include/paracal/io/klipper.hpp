@@ -21,7 +21,9 @@ struct KlipperDelta {
 };
 
 /// Sections, `key: value` or `key = value`, comments after # or ;, and at the end the block of lines that begin with
-/// #*#, whose values count where none is typed: a key that is typed anywhere is taken off the block [klipper]. Read are
+/// #*#, whose values count where none is typed: a key that is typed anywhere is taken off the block [klipper]. Where
+/// the firmware passes over the block, because something stands among its lines or below them, only its readings are
+/// read, and a note says so. Read are
 ///
 ///   [printer]                 kinematics (delta, rotary_delta), print_radius
 ///                             delta_radius; of rotary deltas shoulder_radius, shoulder_height
@@ -45,7 +47,8 @@ std::string klipper_save_config(const DeltaGeometry& geometry);
 /// The configuration with a geometry in force: every number of it is changed where it stands, in the block or typed,
 /// and what is nowhere stated is added to the block; comments and everything else stay, byte for byte. Numbers have 9
 /// decimals.
-/// @throws InputFileError where a number in force stands in an included file, which is named: it is changed there.
+/// @throws InputFileError where a number in force stands in an included file, which is named: it is changed there; and
+/// where the firmware passes over the block, with the line for which it does.
 std::string klipper_config(const TextFile& file, const DeltaGeometry& geometry);
 
 }  // namespace paracal::io

@@ -75,12 +75,19 @@ struct BedReading {
   double height = 0.0;  ///< of the nozzle above the bed, mm
   JointDrops drops{};
   bool by_hand = false;  ///< typed, not probed: the firmware does not count it among those that share their weight
+
+  bool operator==(const BedReading&) const = default;
 };
 
 /// A calliper's distance between two places where the nozzle has printed.
 struct PrintedDistance {
+  /// Nobody reads shorter ones with a calliper, mm.
+  static constexpr double kShortest = 1.0;
+
   double distance = 0.0;  ///< mm
   JointDrops from{}, to{};
+
+  bool operator==(const PrintedDistance&) const = default;
 };
 
 struct DeltaReadings {

@@ -18,6 +18,7 @@ struct PrinterLimits {
   double changed = 0.05;          ///< radius, rods, endstops by the readings against the file
   double worst_height = 1.0;      ///< root mean square that the best fit leaves, mm
   double worst_distance = 1.5;    ///< likewise, mm
+  double worst_repeat = 0.2;      ///< by which two heights of one place may differ, mm
   /// Root mean square by the file above which steps that suit it better are sought, mm; and towers in another order.
   double worst_saved = 2.0, least_notable = 0.1;
 };

@@ -48,7 +48,7 @@ struct BedFlatness {
 struct PrintSize {
   bool bias_can_be_told = false;  ///< of all distances alike: they have lengths that differ enough
   bool bias_is_there = false;     ///< told from zero; then it was sought with everything else
-  double bias = 0.0;              ///< mm, where it is there
+  double bias = 0.0;              ///< mm, where it can be told; taken off where it is there
   double bias_std = 0.0;          ///< mm; where it cannot be told, of what is usual
   double open = 0.0;              ///< half-width of what the size of prints is off by for want of knowing it (95 %)
 };
