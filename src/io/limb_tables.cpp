@@ -107,6 +107,10 @@ PlateFreedoms freedoms_of(Section plate) {
     if (free) fail(plate, "freedoms", "each name once", name);
     free = true;
   }
+  if (!freedoms.free[0] || !freedoms.free[1]) {
+    plate.fail(*plate.find("freedoms"),
+               fmt::format("expected x and y among {}, got {}", plate.key_path("freedoms"), in_words(freedoms)));
+  }
   plate.refuse_others();
   return freedoms;
 }

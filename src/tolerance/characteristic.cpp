@@ -88,10 +88,12 @@ std::string_view why_not_asked(const Robot& robot, Characteristic characteristic
   }
   const auto& free = robot.geometry().freedoms.free;
   if (characteristic.quantity == Quantity::tilt && !free[3] && !free[4]) {
-    return "expected a plate that can tilt, guides keep this one from it: ask for position or distance";
+    return "expected a plate that can tilt, guides keep this one from it: ask for position or distance (of --quantity, "
+           "or in a --problem)";
   }
   if (characteristic.quantity == Quantity::twist && !free[5]) {
-    return "expected a plate that can turn, guides keep this one from it: ask for position or distance";
+    return "expected a plate that can turn, guides keep this one from it: ask for position or distance (of --quantity, "
+           "or in a --problem)";
   }
   return {};
 }

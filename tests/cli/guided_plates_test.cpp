@@ -129,6 +129,8 @@ TEST_P(GuidedWalk, BatchesAreMade) {
   EXPECT_EQ(made.at("fates").at("accepted"), 12);
   EXPECT_EQ(made.at("passed"), 12);
   EXPECT_EQ(made.at("quantities").at("rotation_deg").is_null(), !robot.commands_tilt());
+  EXPECT_THAT(run(make).out, testing::Not(HasSubstr("tilt, rad")));
+  EXPECT_EQ(run(make + " --max-tilt-rad 1").exit_code, kWrongUsage);
   const json& distance = made.at("quantities").at("distance_mm");
   EXPECT_LT(distance.at("after").at("p95").get<double>(), 0.5 * distance.at("before").at("p95").get<double>());
 }

@@ -136,6 +136,24 @@ TEST_P(GuidedLaw, CorrectedPosesAreReachedAndHaveAnUncertainty) {
   }
 }
 
+/// From a point in its plane, lengths do not show how far beside the plane it is: a fit would never settle.
+TEST_P(GuidedLaw, ABallBarInThePlaneIsRefused) {
+  RandomStream stream(7, 6);
+  const double z = robot.workspace().top_z;
+  const auto measured = [&](double beside) {
+    const Measurements plan = planned(robot, candidate_stations(robot, 30, 7),
+                                      {.measurand = Measurand::lengths,
+                                       .length = LengthKind::ball_bar,
+                                       .at = Eigen::Vector3d(150.0, 100.0, z + beside)});
+    Measurements read = plan;
+    for (LengthReading& one : read.lengths.front().readings) one.length += 0.01 * stream.normal();
+    return read;
+  };
+  EXPECT_THAT([&] { (void)calibrate(robot, measured(0.0)); },
+              testing::ThrowsMessage<Unreachable>(HasSubstr("set it up 20 mm or more out of the plane")));
+  EXPECT_NE(calibrate(robot, measured(150.0)).verdict, Verdict::not_converged);
+}
+
 /// Commands with the wrong sign of x are those of a frame that is turned over.
 TEST_P(GuidedLaw, AFrameThatIsTurnedOverIsSaid) {
   RandomStream stream(6, 6);
@@ -196,7 +214,7 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   const char* freedoms = R"(freedoms = ["x", "y"])";
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "phi"])", "got \"phi\"");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "x"])", "expected each name once");
-  expect_refused("five-bar", freedoms, R"(freedoms = ["x", "tilt_z"])", "expected x and y among them, got x, tilt_z");
+  expect_refused("five-bar", freedoms, R"(freedoms = ["x", "z"])", "expected x and y among plate.freedoms, got x, z");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "y", "tilt_z"])",
                  "expected 3 limbs with one rod for a plate with freedoms x, y, tilt_z, got 2");
   expect_refused("five-bar", freedoms, "slide_axis = [1.0, 0.0, 0.0]", "plate.freedoms");

@@ -68,14 +68,22 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
   return noise;
 }
 
+/// Whether machines of such a robot can be off by that.
+bool is_shown(ErrorKind kind, const Robot& robot) {
+  const auto& free = robot.geometry().freedoms.free;  // all of a level plate, whose errors tilt it
+  if (kind == ErrorKind::tilt) return free[3] || free[4];
+  return kind != ErrorKind::rotation || turns(robot);
+}
+
 PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
   PerErrorKind<std::optional<double>> limits;
   for (const Row& row : kRows) {
     const std::optional<double> limit =
         row.kind == ErrorKind::tilt ? options.max_tilt.value() : options.limits[row.kind];
     if (!limit) continue;
-    if (row.kind == ErrorKind::rotation && !turns(robot)) {
-      throw WrongUsage(fmt::format("{}: expected a robot that turns its plate, got {}", row.option, robot.name()));
+    if (!is_shown(row.kind, robot)) {
+      throw WrongUsage(fmt::format("{}: expected a robot that {} its plate, got {}", row.option,
+                                   row.kind == ErrorKind::tilt ? "tilts" : "turns", robot.name()));
     }
     limits[row.kind] = *limit / row.factor;
   }
@@ -159,7 +167,7 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
   for (const Row& row : kRows) {
-    if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
+    if (!is_shown(row.kind, batch.robot)) continue;
     const ErrorSpread before(tally, {.kind = row.kind, .after = false}), after(tally, {.kind = row.kind});
     text += fmt::format("  {:<22}", row.text) + spread_line(before, row.factor, confidence, "before");
     text += fmt::format("  {:<22}", "") + spread_line(after, row.factor, confidence, "after");
@@ -225,7 +233,7 @@ io::Json histogram_of(const Tally& tally, Measure measure, double factor) {
 io::Json histograms(const Batch& batch, const Tally& tally) {
   io::Json json = io::Json::array();
   for (const Row& row : kRows) {
-    if (row.kind == ErrorKind::rotation && !turns(batch.robot)) continue;
+    if (!is_shown(row.kind, batch.robot)) continue;
     json.push_back({{"quantity", row.text},
                     {"before", histogram_of(tally, {.kind = row.kind, .after = false}, row.factor)},
                     {"after", histogram_of(tally, {.kind = row.kind}, row.factor)}});

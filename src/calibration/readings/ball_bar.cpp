@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "length_model.hpp"
+#include "paracal/error.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -80,6 +81,23 @@ Eigen::Vector3d trilaterated(const LengthsRead& read, const Eigen::Vector3d& mid
   const Eigen::Vector4d found = solver.compute(rows).solve(right);
   const double beside = std::sqrt(std::max(found(3) - found.head<3>().squaredNorm(), 0.0));
   return middle + kUnit * (found.head<3>() + beside * normal);
+}
+
+/// Of places in a plane lengths show how far beside it the point is by the square alone: near the plane not at all, and
+/// no fit settles.
+void require_beside(const LengthsRead& read, const Eigen::Vector3d& middle, const Eigen::Vector3d& point,
+                    const std::string& name) {
+  constexpr double kFlat = 1e-3, kBeside = 10.0;  // mm
+  const Eigen::Vector3d normal = flattest(read, middle);
+  double out_of_plane = 0.0;
+  for (const Eigen::Vector3d& place : read.places) {
+    out_of_plane = std::max(out_of_plane, std::abs(normal.dot(place - middle)));
+  }
+  if (out_of_plane > kFlat || std::abs(normal.dot(point - middle)) > kBeside) return;
+  throw Unreachable(fmt::format(
+      "the lengths of {} are read at places in a plane, from a point in it, or nearly: how far beside it the "
+      "point stands they cannot show; set it up 20 mm or more out of the plane",
+      name));
 }
 
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& places) {
@@ -172,6 +190,7 @@ class BallBar final : public LengthModel {
     SetUp unknowns = SetUp::Zero(units(options).size());
     if (series.at || read.places.empty()) {
       unknowns.head<3>() = closest(read, series.at.value_or(Eigen::Vector3d::Zero()));
+      if (!read.places.empty()) require_beside(read, mean_of(read.places), unknowns.head<3>(), series.name);
       return {unknowns, {}};
     }
     constexpr double kTold = 2.0;  // as many times closer is no chance
@@ -184,6 +203,7 @@ class BallBar final : public LengthModel {
     const bool told = std::max(misses, others) > kTold * std::min(misses, others);
     const bool one = (upper - lower).norm() < 1.0;  // mm
     unknowns.head<3>() = told && others < misses ? upper : lower;
+    require_beside(read, middle, unknowns.head<3>(), series.name);
     if (told || one) return {unknowns, {}};
     return {unknowns,
             fmt::format("the fixed point of {} is the lower of two that explain its lengths alike, at z = {:.0f} "
