@@ -60,8 +60,8 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
 
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns, const JointSpace& joints) {
   const bool states_z = !joints.guided_z || table.has(columns.z);
-  const double z = states_z ? table.number(row, columns.z) : *joints.guided_z;
-  Pose pose{{table.number(row, columns.x), table.number(row, columns.y), z}};
+  const auto z = [&] { return states_z ? table.number(row, columns.z) : *joints.guided_z; };
+  Pose pose{{table.number(row, columns.x), table.number(row, columns.y), z()}};
   if (table.has(columns.phi)) pose.rotation = to_radians(table.number(row, columns.phi));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!table.has(columns.tilt[axis])) continue;

@@ -251,7 +251,8 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
           "readings.csv:3: expected a place that the printer reaches, got (300, 0, 0.1) mm");
   refused("x_mm,y_mm\n0,0\n", "z_mm");
   refused("x_mm,y_mm,z_mm,bed_mm\n0,0,0,1\n", "bed_mm");
-  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n", "expected distance_mm of 1 and more, got -50");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n",
+          "expected distance_mm of 1 and more, got -50");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,0.001\n", "of 1 and more, got 0.001");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n", "config.g: expected heights of the bed");
   folder.write("again.csv", folder.read("readings.csv"));

@@ -123,14 +123,15 @@ TEST(KlipperConfig, ABlockThatTheFirmwarePassesOverIsNotInForce) {
            {"#*# mine\n" + all, "\"#*# mine\", without the three lines"},
            {all + "#*#\n" + head + "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n",
             "a second block"}}) {
-    const io::KlipperDelta printer = io::read_klipper({"printer.cfg", broken});
+    const std::string& text = broken;
+    const io::KlipperDelta printer = io::read_klipper({"printer.cfg", text});
     EXPECT_THAT(printer.notes,
                 Contains(testing::AllOf(HasSubstr("passes over the whole SAVE_CONFIG"), HasSubstr(why))));
     EXPECT_EQ(printer.geometry.rod, (std::array<double, 3>{330.0, 330.0, 330.0})) << why;
     EXPECT_EQ(printer.readings.heights.size(), set.readings.heights.size()) << why;
     EXPECT_THAT(
         [&] {
-          (void)io::klipper_config({"printer.cfg", broken}, printer.geometry);
+          (void)io::klipper_config({"printer.cfg", text}, printer.geometry);
         },
         testing::ThrowsMessage<InputFileError>(HasSubstr("expected a SAVE_CONFIG block that Klipper reads")));
   }

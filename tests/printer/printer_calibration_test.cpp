@@ -217,23 +217,27 @@ TEST(RotaryKlipperFile, StepsMeanWhatTheyMeanToTheFirmware) {
   const io::KlipperDelta printer = io::read_klipper({"printer.cfg", R"(
 [printer]
 kinematics: rotary_delta
-#*# [printer]
-#*# shoulder_radius = 33.900000
-#*# shoulder_height = 412.900000
 [stepper_a]
 step_distance: 0.00001
 upper_arm_length: 170.000
 lower_arm_length: 320.000
+[stepper_b]
+step_distance: 0.00001
+[stepper_c]
+step_distance: 0.00001
+
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.
+#*#
+#*# [printer]
+#*# shoulder_radius = 33.900000
+#*# shoulder_height = 412.900000
 #*# [stepper_a]
 #*# angle = 30.000000
 #*# position_endstop = 251.999999
-[stepper_b]
-step_distance: 0.00001
 #*# [stepper_b]
 #*# angle = 150.000000
 #*# position_endstop = 251.999973
-[stepper_c]
-step_distance: 0.00001
 #*# [stepper_c]
 #*# angle = 270.000000
 #*# position_endstop = 251.999902

@@ -77,7 +77,7 @@ TEST_P(ReportFigures, TheSceneClosesItsLimbs) {
 
 /// The normal by which a tilted plate is drawn stands upright on the joints that are drawn.
 TEST(ReportScene, ATiltedPlateIsDrawnSo) {
-  const Robot robot = test::robot_named(test::template_names().front());
+  const Robot robot = test::robot_named(test::hexapod_names().front());
   const Pose tilted{robot.workspace().centre(), 0.0, {0.1, -0.15, 0.05}};
   const Json pose = scene(robot, predicted_arrows(robot, {}, {{"one", tilted}}), {}).at("poses")[0];
   const Eigen::Vector3d normal = vector_of(pose.at("normal")), first = vector_of(pose["limbs"][0]["rods_mm"][0][1]);

@@ -63,9 +63,6 @@ $LIMB_MEMBERS$};
 static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
 $LIMB_CONSTANTS$};
 
-/* What of a pose is free: its place there, from 0. */
-static const int paracal_free[PARACAL_LIMBS] = {$FREE$};
-
 $GUIDE_CONSTANTS$/* Both are false for NaN. */
 static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
 static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
@@ -161,6 +158,7 @@ static inline int paracal_solve(double rows[PARACAL_ROWS], double right[PARACAL_
  * halved while they bring the joints no nearer. `pose` is written when the result is PARACAL_OK and left as it is
  * otherwise. */
 static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pose[6]) {
+  static const int paracal_free[PARACAL_LIMBS] = {$FREE$}; /* what of a pose is free: its place there */
   double at[6];
   double next[6];
   double joints[PARACAL_LIMBS];
