@@ -61,7 +61,7 @@ std::string json_key(Characteristic characteristic) {
 
 std::string pose_text(const Robot& robot, const Pose& pose) {
   const Eigen::Vector3d& r = pose.position;
-  const std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
+  std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
   if (!robot.on_single_rods()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
   if (!robot.commands_tilt()) return place;
   const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });

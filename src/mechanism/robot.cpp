@@ -110,7 +110,7 @@ std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
 /// "(1.0, 2.0, 3.0) mm at 90 deg", or "... tilted by (8, -8, 8) deg".
 std::string shown(const Machine& machine, const Pose& pose) {
   const Eigen::Vector3d &at = pose.position, tilt = pose.tilt.unaryExpr(&to_degrees).array() + 0.0;
-  const std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
+  std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
   if (machine.on_single_rods() && !machine.commands_tilt()) return place;
   if (!machine.on_single_rods()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
   return fmt::format("{} tilted by ({:g}, {:g}, {:g}) deg", place, tilt.x(), tilt.y(), tilt.z());

@@ -11,7 +11,7 @@
 namespace paracal {
 namespace {
 
-using detail::advice_of, detail::better, detail::is_enough_of_heights, detail::kCertain;
+using detail::better, detail::is_enough_of_heights, detail::kCertain;
 
 /// As errors of held-out readings are told: "heights 0.123 mm, distances 0.045 mm".
 std::string in_words(const PredictionErrors& errors, bool has_distances) {
@@ -50,8 +50,7 @@ class Findings {
 
   /// "the heights to 0.012 mm and the distances to 0.034 mm"
   std::string explained(const DeltaFit& fit) const {
-    const std::string heights =
-        readings_.heights.empty() ? "" : fmt::format("the heights to {:.3f} mm", fit.rms_height);
+    std::string heights = readings_.heights.empty() ? "" : fmt::format("the heights to {:.3f} mm", fit.rms_height);
     if (!has_distances()) return heights;
     return fmt::format("{}{}the distances to {:.3f} mm", heights, heights.empty() ? "" : " and ", fit.rms_distance);
   }

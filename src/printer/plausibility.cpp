@@ -135,7 +135,7 @@ std::optional<std::string> contradiction(const DeltaGeometry& saved, const Delta
   constexpr double kOnePlace = 0.5;   // mm
   std::vector<Eigen::Vector3d> beds;  // where the nozzle was, less what it read
   for (const BedReading& one : readings.heights) {
-    if (const auto place = nozzle(saved, one.drops)) beds.push_back(*place - one.height * Eigen::Vector3d::UnitZ());
+    if (const auto place = nozzle(saved, one.drops)) beds.emplace_back(*place - one.height * Eigen::Vector3d::UnitZ());
   }
   for (std::size_t k = 0; k < beds.size(); ++k) {
     for (std::size_t j = 0; j < k; ++j) {
