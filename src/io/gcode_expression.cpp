@@ -107,7 +107,7 @@ class ExpressionReader {
   char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
 
   bool take(std::string_view what) {
-    if (!text_.substr(at_).starts_with(what)) return false;
+    if (at_ > text_.size() || !text_.substr(at_).starts_with(what)) return false;
     at_ += what.size();
     return true;
   }
