@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 #: the machine that it found.
 MachineLike = Union["Robot", "Machine", "Calibration", "KnownMachine"]
 
-#: The 14 source errors of a limb with an arm or a carriage, in the order of the columns of every
-#: array of errors; Robot.sources has those of any robot.
+#: The 14 source errors of a limb with an arm, in the order of the columns of every array of errors;
+#: of a carriage `gain` stands in the place of `arm_length`. Robot.sources has those of any robot.
 SOURCES = (
     "theta_offset",
     "e_x",

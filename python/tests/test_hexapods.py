@@ -35,7 +35,10 @@ class Robots(TestCase):
         self.assertEqual(pc.robot("huang2016").pose_axes, ("x", "y", "z", "phi"))
         self.assertEqual((robot.limb_count, robot.joint_unit, robot.rotates), (6, "mm", False))
         self.assertEqual(robot.sources, SOURCES)
-        self.assertEqual(pc.robot("linear_delta").sources, pc.SOURCES)
+        rails = tuple("gain" if one == "arm_length" else one for one in pc.SOURCES)
+        self.assertEqual(pc.robot("rotary_delta").sources, pc.SOURCES)
+        self.assertEqual(pc.robot("linear_delta").sources, rails)
+        self.assertEqual(pc.robot("linear_delta").units["gain"], "mm/m")
         self.assertEqual(robot.units, {**dict.fromkeys(SOURCES, "mm"), "gain": "mm/m"})
         self.assertEqual(
             list(robot.workspace.items()),

@@ -28,6 +28,19 @@ SourceErrors each(const Robot& robot, Source source) {
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) { errors(limb, source) = 1.0; });
 }
 
+/// A longer arm of a carriage takes its elbow inward.
+SourceErrors longer_arm(const Robot& robot) {
+  if (robot.actuator() != Actuator::linear) return each(robot, Source::arm_length);
+  return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
+    shift_limb(robot, limb, -robot.nominal().limbs[limb].frame.col(0), errors);
+  });
+}
+
+Eigen::Vector3d intended_shift(const Robot& robot, std::size_t limb) {
+  const SourceErrors& intended = robot.intended();
+  return {intended(limb, Source::e_x), intended(limb, Source::e_y), intended(limb, Source::e_z)};
+}
+
 SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
   SourceErrors one;
   for (const Source source : all_sources()) one(limb, source) = all(limb, source);
@@ -60,7 +73,7 @@ std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
   if (robot.on_single_rods()) return {};
   return {
       {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
-      {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, each(robot, Source::arm_length)},
+      {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, longer_arm(robot)},
       {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
        radial(robot, 1.0)},
       {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
@@ -70,8 +83,9 @@ std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
 std::vector<Dimension> dimensions(const Robot& robot) {
   if (robot.on_single_rods()) return lengths_of_single_rods(robot);
   std::vector<Dimension> all = dimensions_of_all_limbs(robot);
-  const SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
+  SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    shift_limb(robot, limb, -Eigen::Vector3d::UnitZ().cross(intended_shift(robot, limb)), turned);  // e does not turn
     all.push_back({fmt::format("limb_azimuth_deg of limb {}", limb + 1), true,
                    [limb](RobotDescription& r) -> double& { return r.geometry.limb_azimuth[limb]; },
                    only_limb(turned, limb)});

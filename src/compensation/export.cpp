@@ -28,10 +28,10 @@ std::string limb_constants(const CompensatorParameters<double>& parameters) {
     const CompensatorLimb<double>& limb = parameters.identified[i];
     text += fmt::format(
         "    {{{},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n     {},\n"
-        "     {}}},\n",
+        "     {},\n     {}}},\n",
         braced(limb.base), braced(limb.radial), braced(limb.normal), braced(limb.axis), braced(limb.plate),
         braced(limb.slide), braced(limb.elbow_half), braced(limb.plate_half), braced(limb.rod), decimal(limb.arm),
-        decimal(limb.joint_offset));
+        decimal(limb.joint_offset), decimal(limb.joint_per_mm));
   }
   return text;
 }

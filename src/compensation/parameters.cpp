@@ -29,6 +29,7 @@ CompensatorLimb<Scalar> compensator_limb(const Machine& machine, const Limb& lim
   constants.rod = {static_cast<Scalar>(limb.rod[0]), static_cast<Scalar>(limb.rod[1])};
   constants.arm = static_cast<Scalar>(limb.arm);
   constants.on_rail = limb.actuator == Actuator::linear ? Scalar(1) : Scalar(0);
+  constants.joint_per_mm = static_cast<Scalar>(1.0 / limb.gain);
   constants.joint_offset = static_cast<Scalar>(limb.joint_offset);
   return constants;
 }

@@ -44,7 +44,9 @@ Limbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& lim
 /// The robot that a closed controller computes with.
 struct Nominal {
   Limbs limbs;
-  Arms<Lanes, kCompensatorLimbs> offsets;  ///< cos and sin of the identified joint offsets; of rails the offset as sine
+  /// From the identified arms to the nominal ones: cos and sin of the offset between them; of rails the ratio of the
+  /// gains, and the offset, mm.
+  Arms<Lanes, kCompensatorLimbs> offsets;
 };
 
 struct Block {
@@ -91,7 +93,7 @@ std::array<CompensatorVector<Lanes>, N> nominal_elbows(const Nominal& nominal, c
     const auto [c, s] = nominal.offsets[i];
     const auto [cosine, sine] = arms[i];
     const ArmDirection<Lanes> arm = compensation_detail::runs_on_rail(nominal.limbs[i])
-                                        ? ArmDirection<Lanes>{cosine, sine - s}
+                                        ? ArmDirection<Lanes>{cosine, c * sine - s}
                                         : ArmDirection<Lanes>{c * cosine + s * sine, c * sine - s * cosine};
     centres[i] = compensation_detail::elbow_of(nominal.limbs[i], arm).centre;
   }
@@ -203,9 +205,11 @@ void solve(const CompensatorParameters<double>& parameters, const Limbs& limbs, 
 Nominal nominal_robot(const CompensatorParameters<double>& parameters) {
   Nominal nominal{in_lanes(parameters.nominal), {}};
   for (std::size_t i = 0; i < kCompensatorLimbs; ++i) {
-    const double offset = parameters.identified[i].joint_offset - parameters.nominal[i].joint_offset;
-    nominal.offsets[i] = compensation_detail::runs_on_rail(parameters.nominal[i])
-                             ? ArmDirection<Lanes>{Lanes(1.0), Lanes(offset)}
+    const CompensatorLimb<double>&is = parameters.identified[i], &meant = parameters.nominal[i];
+    const double ratio = is.joint_per_mm / meant.joint_per_mm;
+    const double offset = ratio * is.joint_offset - meant.joint_offset;
+    nominal.offsets[i] = compensation_detail::runs_on_rail(meant)
+                             ? ArmDirection<Lanes>{Lanes(ratio), Lanes(offset)}
                              : ArmDirection<Lanes>{Lanes(std::cos(offset)), Lanes(std::sin(offset))};
   }
   return nominal;

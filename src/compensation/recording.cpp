@@ -27,7 +27,8 @@ Limbs named_limbs(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& 
                  .rod = constants.named("rod", limb.rod),
                  .arm = constants.named("arm", limb.arm),
                  .joint_offset = constants.named("joint_offset", limb.joint_offset),
-                 .on_rail = Expression(limb.on_rail)};
+                 .on_rail = Expression(limb.on_rail),
+                 .joint_per_mm = constants.named("joint_per_mm", limb.joint_per_mm)};
   }
   return result;
 }
@@ -109,7 +110,7 @@ template <std::size_t N>
 Procedure recorded_way_back(const Limbs& limbs) {
   Arms<Expression, N> arms;
   for (std::size_t i = 0; i < N; ++i) {
-    const Expression place = input("joints", i) + limbs[i].joint_offset;
+    const Expression place = place_of(limbs[i], input("joints", i));
     arms[i] = runs_on_rail(limbs[i]) ? ArmDirection<Expression>{Expression(1.0), place}
                                      : ArmDirection<Expression>{cos(place), sin(place)};
   }

@@ -13,18 +13,20 @@ Json limb_json(const CompensatorLimb<double>& limb) {
   const Unit unit = joint_unit(on_rail ? Actuator::linear : Actuator::revolute);
   Json slide = Json::array();
   for (const double mm_per_rad : limb.slide) slide.push_back(to_radians(mm_per_rad));
-  return {{"base_mm", limb.base},
-          {"radial", limb.radial},
-          {"normal", limb.normal},
-          {"axis", limb.axis},
-          {"plate_mm", limb.plate},
-          {"slide_mm_per_deg", slide},
-          {"elbow_half_mm", limb.elbow_half},
-          {"plate_half_mm", limb.plate_half},
-          {"rod_mm", limb.rod},
-          {"arm_mm", limb.arm},
-          {"on_rail", on_rail},
-          {fmt::format("joint_offset_{}", file_unit(unit)), to_file_unit(unit, limb.joint_offset)}};
+  Json json{{"base_mm", limb.base},
+            {"radial", limb.radial},
+            {"normal", limb.normal},
+            {"axis", limb.axis},
+            {"plate_mm", limb.plate},
+            {"slide_mm_per_deg", slide},
+            {"elbow_half_mm", limb.elbow_half},
+            {"plate_half_mm", limb.plate_half},
+            {"rod_mm", limb.rod},
+            {"arm_mm", limb.arm},
+            {"on_rail", on_rail},
+            {fmt::format("joint_offset_{}", file_unit(unit)), to_file_unit(unit, limb.joint_offset)}};
+  if (on_rail) json["joint_per_mm"] = limb.joint_per_mm;
+  return json;
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
     const double arms = joint_ratio(limb) / joint_ratio(machine.limbs[0]);  // columns count by the first limb's
     model.B_d.row(i) << arms * l.dot(v1), l.transpose(), l.dot(u1), turned(limb.radial), turned(v0), 1.0;
     if (limb.actuator == Actuator::linear) {
-      model.B_d(i, static_cast<Eigen::Index>(index(Source::arm_length))) = -l.dot(u1);
+      model.B_d(i, static_cast<Eigen::Index>(index(Source::gain))) = l.dot(v1) * model.joints(i) / kGainLength;
       model.B_d(i, static_cast<Eigen::Index>(index(Source::beta0))) = turned(w0);
     }
     // The short side at the plate turns about the radial direction, then about its own frame's.

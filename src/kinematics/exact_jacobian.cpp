@@ -10,7 +10,7 @@ namespace {
 /// df_ij / dp for the sources of limb i; `sign` is +1 for rod 1 and -1 for rod 2. A point that a source error turns
 /// about an axis moves by axis x lever; the rod shortens by n.(motion at the elbow) and lengthens by n.(motion at the
 /// plate).
-Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const Elbow<double>& elbow,
+Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow,
                                                       const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n,
                                                       double sign) {
   const Eigen::Vector3d elbow_half = sign * elbow.half;
@@ -29,11 +29,16 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, const El
   Eigen::Matrix<double, 1, kSourceCount> derivative;
   const auto at = [&](Source source) -> double& { return derivative(static_cast<Eigen::Index>(index(source))); };
   const bool on_rail = limb.actuator == Actuator::linear;
-  at(Source::theta_offset) = on_rail ? -n.dot(elbow.arm_normal) : elbow_turn(actuator_axis, elbow_lever);
   at(Source::e_x) = -n.x();
   at(Source::e_y) = -n.y();
   at(Source::e_z) = -n.z();
-  at(Source::arm_length) = on_rail ? n.dot(elbow.arm) : -n.dot(elbow.arm);
+  if (on_rail) {
+    at(Source::theta_offset) = -n.dot(elbow.arm_normal);
+    at(Source::gain) = at(Source::theta_offset) * joint / kGainLength;
+  } else {
+    at(Source::theta_offset) = elbow_turn(actuator_axis, elbow_lever);
+    at(Source::arm_length) = -n.dot(elbow.arm);
+  }
   // alpha0 and beta0 turn both short sides: alpha3 = alpha0 - alpha03; but a rail leans by beta0 alone.
   at(Source::alpha0) = elbow_turn(limb.radial, elbow_lever) + plate_turn(plate_radial);
   at(Source::beta0) =
@@ -99,7 +104,7 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
           residual_to_plate.col(i) * single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[i]);
     } else {
       for (int row = 2 * i; row < 2 * i + 2; ++row) {
-        of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], elbows[i], rotation,
+        of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation,
                                                                linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
       }
     }

@@ -29,9 +29,8 @@ void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shi
 SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
   if (robot.actuator() != Actuator::linear) return errors;
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    const double arm = std::exchange(errors(i, Source::arm_length), 0.0);
     const double up = std::exchange(errors(i, Source::e_z), 0.0);
-    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up) - arm * robot.nominal().limbs[i].frame.col(0), errors);
+    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up), errors);
   }
   return errors;
 }

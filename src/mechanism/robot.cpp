@@ -144,12 +144,13 @@ void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
 
 std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
   if (on_single_rods(geometry.actuator)) return detail::absurd_single_rod(geometry, errors, limb);
+  const bool on_rail = geometry.actuator == Actuator::linear;
   struct Length {
     const char* of;
     double nominal, error;
   };
   for (const Length& one :
-       {Length{"the arm", geometry.arm, errors(limb, Source::arm_length)},
+       {Length{"the arm", geometry.arm, on_rail ? 0.0 : errors(limb, Source::arm_length)},
         Length{"the rods", geometry.rod,
                errors(limb, Source::rod_mean) - 0.5 * std::abs(errors(limb, Source::rod_difference))},
         Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, Source::width_difference)}}) {
@@ -157,7 +158,7 @@ std::optional<std::string> absurd_length(const Geometry& geometry, const SourceE
     return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
                        one.nominal + one.error);
   }
-  return std::nullopt;
+  return on_rail ? detail::backward_drive(errors, limb) : std::nullopt;
 }
 
 void check_intended(const RobotDescription& robot) {
@@ -230,7 +231,9 @@ JointSpace Robot::joint_space() const {
 }
 
 double largest_error(const Geometry& geometry, Source source) {
-  if (unit(source, geometry.actuator) == Unit::rad) return std::numbers::pi;
+  const Unit inside = unit(source, geometry.actuator);
+  if (inside == Unit::rad) return std::numbers::pi;
+  if (inside == Unit::mm_per_m) return kGainLength;
   return std::abs(geometry.base_radius) + std::abs(geometry.arm) +
          std::abs(geometry.rod);  // before they are checked, too
 }

@@ -30,4 +30,7 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
 /// Why there can be no such limb; empty where there can.
 std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb);
 
+/// The same of a drive that is a length: it goes forward with its joint, whatever its gain.
+std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_t limb);
+
 }  // namespace paracal::detail

@@ -28,13 +28,15 @@ constexpr std::array<SourceEntry, kSourceCount> kSources{{
     {"beta2", Unit::rad},
 }};
 
+constexpr SourceEntry kGain{"gain", Unit::mm_per_m};
+
 /// Of limbs with one rod, but where one of these has its own.
 constexpr std::array<SourceEntry, kSourceCount> kSingleRodSources{{
     {"zero", Unit::mm},
     {"base_x", Unit::mm},
     {"base_y", Unit::mm},
     {"base_z", Unit::mm},
-    {"gain", Unit::mm_per_m},
+    kGain,
     {"alpha0", Unit::rad},
     {"beta0", Unit::rad},
     {"rod_length", Unit::mm},
@@ -47,6 +49,7 @@ constexpr SourceEntry kNormal{"normal", Unit::mm}, kAcross{"across", Unit::mm};
 /// A place that the kind of limb does not have reads as elsewhere.
 const SourceEntry& entry_of(Source source, Actuator actuator) {
   const SourceEntry &of_parallelogram = kSources[index(source)], &of_one_rod = kSingleRodSources[index(source)];
+  if (actuator == Actuator::linear && source == Source::gain) return kGain;
   if (!on_single_rods(actuator) || of_one_rod.name.empty()) return of_parallelogram;
   if (actuator == Actuator::crank && source == Source::arm_length) return of_parallelogram;
   if (actuator == Actuator::carriage && source == Source::normal) return kNormal;

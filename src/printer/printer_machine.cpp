@@ -103,7 +103,7 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   tolerances[Source::e_x] = tolerances[Source::e_y] = linear ? 1.5 : 0.3;
   tolerances[Source::e_z] = 0.3;
   tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(linear ? 0.08 : 0.3);
-  tolerances[Source::arm_length] = linear ? 0.0 : 0.1;
+  tolerances[Source::arm_length] = linear ? 0.0 : 0.1;  // of a rail the gain: firmware knows none
   tolerances[Source::rod_mean] = linear ? 0.5 : 0.1;
   const double assembly = linear ? 8e-3 : 4e-3;  // rad
   tolerances[Source::rod_difference] = 0.5 * assembly * width;
@@ -111,6 +111,7 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   tolerances[Source::alpha03] = tolerances[Source::beta03] = tolerances[Source::alpha2] = tolerances[Source::beta2] =
       assembly;
   tolerances.origin.fill(Origin::generous);
+  if (linear) tolerances.origin[index(Source::gain)] = Origin::exact;
   list_assumed(tolerances, geometry.actuator);
   return tolerances;
 }

@@ -41,6 +41,8 @@ DrawnFeature of_parallelogram(Source source) {
   }
 }
 
+DrawnFeature lead_of_a_drive() { return nothing("a drive's lead is bought by its class, mm in a metre"); }
+
 /// An arm that a motor swings, with a parallelogram.
 DrawnFeature of_arm(Source source) {
   switch (source) {
@@ -84,8 +86,8 @@ DrawnFeature of_rail(Source source) {
       return nothing("an endstop is set on the machine");
     case Source::e_x:
       return place_of("foot of the rail");
-    case Source::arm_length:
-      return size_of("distance of the carriage's joints from the rail");
+    case Source::gain:
+      return lead_of_a_drive();
     case Source::alpha0:
     case Source::beta0:
       return upright_rail(source);
@@ -103,7 +105,7 @@ DrawnFeature of_rail(Source source) {
 DrawnFeature of_single_rod(Source source) {
   switch (source) {
     case Source::gain:
-      return nothing("a drive's lead is bought by its class, mm in a metre");
+      return lead_of_a_drive();
     case Source::rod_length:
       return size_of("joint distance of the rod");
     case Source::plate_x:

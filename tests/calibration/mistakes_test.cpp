@@ -6,8 +6,11 @@
 
 #include <algorithm>
 
+#include "calibration/dimensions.hpp"
 #include "calibration/wrong_nominal.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
@@ -335,6 +338,30 @@ TEST(CommonPart, OfTwoErrorsByHand) {
   EXPECT_NEAR(part.amounts(1), -2.0, 1e-12);
   EXPECT_NEAR(part.gain, 5.0, 1e-12);
   EXPECT_EQ(detail::common_part(fit, {one, one}).gain, 0.0);
+}
+
+class DimensionLaw : public EveryRobot {};
+PARACAL_ON_EVERY_ROBOT(DimensionLaw);
+PARACAL_ON_UNUSUAL_ROBOTS(DimensionLaw);
+
+/// A robot whose file has another number is, to first order, the robot with the errors that the number stands for.
+TEST_P(DimensionLaw, ErrorsAreWhatAnotherNumberDoes) {
+  Random random;
+  for (const detail::Dimension& one : detail::dimensions(robot)) {
+    const double small = one.angle ? 1e-7 : 1e-4;
+    const Machine other = detail::with(robot, one, detail::now(robot, one) + small).nominal();
+    SourceErrors errors;
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (const Source source : all_sources()) errors(limb, source) = small * one.direction(limb, source);
+    }
+    for (int k = 0; k < 20; ++k) {
+      const Pose pose = random.pose(robot);
+      const Joints joints = inverse(robot.nominal(), pose).joints;
+      const Eigen::Vector3d moved = forward(other, joints).plate.position - pose.position;
+      const Eigen::Vector3d taken = forward(build(robot, errors), joints).plate.position - pose.position;
+      ASSERT_LT((moved - taken).norm(), 1e-3 * moved.norm() + 1e-9) << one.key;
+    }
+  }
 }
 
 }  // namespace

@@ -135,7 +135,9 @@ TEST_P(EveryKnownRobot, ErrorModelKeys) {
 
 TEST_P(EveryKnownRobot, ErrorModelNamesItsColumns) {
   const json parameters = json_of(run("error-model --pose 100,50,-900,0 --json")).at("parameters");
-  const json position = words("theta_offset e_x e_y e_z arm_length alpha0 beta0 rod_mean");
+  const bool on_rails = robot.joint_unit == "mm";
+  const json position =
+      words(fmt::format("theta_offset e_x e_y e_z {} alpha0 beta0 rod_mean", on_rails ? "gain" : "arm_length"));
   const json tilt = words("rod_difference width_difference alpha03 beta03 alpha2 beta2");
   ASSERT_EQ(parameters.at("position").size(), position.size() * robot.limbs);
   ASSERT_EQ(parameters.at("tilt").size(), tilt.size() * robot.limbs);

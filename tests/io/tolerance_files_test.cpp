@@ -70,12 +70,17 @@ TEST(ToleranceFile, MeasuredPartsAreListed) {
   EXPECT_EQ(tolerances.measured[index(Source::beta2)].size(), 2u);
 }
 
-/// On a rail e says what arm_length would.
-TEST(ToleranceFile, WhatARailDoesNotFeelNeedNotBeListed) {
+/// A rail's drive has a gain; where its carriage's joints are is said by e.
+TEST(ToleranceFile, RailsListGainsInsteadOfArms) {
   std::string text = kAll + "beta2_deg = 1\n";
   text.replace(text.find("theta_offset_deg"), 16, "theta_offset_mm");
-  text.erase(text.find("arm_length_mm"), 18);
-  EXPECT_THAT(read(text, catalogue::linear_delta()).assumed, IsEmpty());
+  EXPECT_THAT([&] { read(text, catalogue::linear_delta()); },
+              testing::ThrowsMessage<InputFileError>(AllOf(HasSubstr("gain_mm_per_m"), HasSubstr("others"))));
+  const std::string with_gains = text.replace(text.find("arm_length_mm"), 13, "gain_mm_per_m");
+  EXPECT_THAT(read(with_gains, catalogue::linear_delta()).assumed, IsEmpty());
+  EXPECT_EQ(read(with_gains, catalogue::linear_delta())[Source::gain], 1.0);
+  EXPECT_THAT([&] { read(with_gains + "arm_length_mm = 1\n", catalogue::linear_delta()); },
+              testing::ThrowsMessage<InputFileError>(HasSubstr("arm_length_mm")));
 }
 
 /// Who writes a robot down does not thereby state its tolerances.
@@ -165,7 +170,7 @@ TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
 TEST(Tolerances, ThePaperStatesTable2Alone) {
   EXPECT_THAT(catalogue::rotary_delta().tolerances()->assumed[0], HasSubstr("alpha2"));
   EXPECT_THAT(catalogue::linear_delta().tolerances()->assumed[0],
-              AllOf(HasSubstr("theta_offset 3 mm"), Not(HasSubstr("arm_length"))));
+              AllOf(HasSubstr("theta_offset 3 mm"), HasSubstr("gain 1 mm/m"), Not(HasSubstr("arm_length"))));
 }
 
 TEST(Tolerances, ARobotWithoutAnyGetsGenerousOnesAndSaysSo) {

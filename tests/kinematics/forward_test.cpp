@@ -180,7 +180,7 @@ Eigen::Vector3d trilaterate(const Machine& machine, const Joints& joints) {
   std::array<double, 3> radius{};
   for (std::size_t i = 0; i < 3; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double joint = joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;
+    const double joint = limb.gain * joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;  // an arm's gain is 1
     const double along = limb.actuator == Actuator::linear ? -1.0 : std::cos(joint);
     const double up = limb.actuator == Actuator::linear ? joint : limb.arm * std::sin(joint);
     centre[i] = limb.base + along * limb.arm * limb.frame.col(0) + up * limb.frame.col(1) - limb.plate;

@@ -71,7 +71,8 @@ TEST(Machine, RailsLeanByTheirAngles) {
     EXPECT_TRUE(limb.plate_frame.col(2).isApprox(
         turn(u0, e(Source::alpha0) - e(Source::alpha03)) * turn(v0, -e(Source::beta03)) * w0, 1e-14));
     EXPECT_EQ(limb.joint_offset, e(Source::theta_offset));
-    EXPECT_EQ(limb.arm, 20.0 + e(Source::arm_length));
+    EXPECT_EQ(limb.arm, 20.0);
+    EXPECT_EQ(limb.gain, 1.0 + e(Source::gain) / 1000.0);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "paracal/error.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "support/robots.hpp"
 
 namespace paracal {
 namespace {
@@ -82,6 +83,25 @@ TEST(Robot, RailsThatAreTooFarAwayAreNamed) {
   description.geometry.base_radius = 230.0;
   EXPECT_THAT([&] { Robot{description}; },
               testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("its rail needs a rod of at least 3")));
+}
+
+/// A drive that stands still, or goes backward, is none; a gain of a metre in a metre is no error.
+TEST(Robot, DrivesGoForward) {
+  for (const char* name : {"linear_delta", "hexapod", "6-pss"}) {
+    const Robot robot = test::robot_named(name);
+    RobotDescription description = robot.description();
+    description.intended(1, Source::gain) = -999.0;
+    EXPECT_NO_THROW(build(description, SourceErrors{})) << name;
+    SourceErrors errors;
+    errors(1, Source::gain) = -999.0;
+    EXPECT_EQ(implausible(robot, errors), std::nullopt) << name;
+    errors(1, Source::gain) = -1000.0;
+    EXPECT_THAT(*implausible(robot, errors), testing::HasSubstr("gain of limb 2 within 1000 mm/m")) << name;
+    description.intended(1, Source::gain) = -1000.0;
+    EXPECT_THAT([&] { Robot{description}; },
+                testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("drive of limb 2 to go forward")))
+        << name;
+  }
 }
 
 TEST(Robot, HuangsDimensionsAreTable1) {

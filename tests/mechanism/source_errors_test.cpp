@@ -22,9 +22,20 @@ TEST(Source, LengthsAreMmAndAnglesRad) {
     const std::string_view text = name(source);
     const bool angle = text.starts_with("alpha") || text.starts_with("beta");
     const Unit expected = angle ? Unit::rad : Unit::mm;
-    EXPECT_EQ(unit(source, Actuator::linear), expected) << text;
+    EXPECT_EQ(unit(source, Actuator::linear), source == Source::gain ? Unit::mm_per_m : expected) << text;
     EXPECT_EQ(unit(source, Actuator::revolute), text.starts_with("theta") ? Unit::rad : expected) << text;
   }
+}
+
+TEST(Source, CarriagesHaveAGainInsteadOfAnArm) {
+  for (const Source source : all_sources()) {
+    const std::string_view expected = source == Source::gain ? "gain" : name(source);
+    EXPECT_EQ(name(source, Actuator::linear), expected);
+    EXPECT_EQ(source_named(expected, Actuator::linear), source);
+    EXPECT_EQ(is_felt(source, Actuator::linear), source != Source::e_z) << expected;
+  }
+  EXPECT_FALSE(source_named("arm_length", Actuator::linear));
+  EXPECT_FALSE(source_named("gain", Actuator::revolute));
 }
 
 TEST(Source, StrutsHaveEightOfTheirOwn) {

@@ -12,6 +12,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/target_correction.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/catalogue.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
@@ -201,6 +202,14 @@ TEST(PrinterController, CorrectsProgramsForAnUnchangedFirmware) {
   EXPECT_GE(better, kPrinters - 1);
   RecordProperty("ratio", fmt::format("{:.2f}", ratios[kPrinters / 2]));
   EXPECT_LT(ratios[kPrinters / 2], 0.8);
+}
+
+/// Firmware knows no gain of a belt, and none is sought: every result says so.
+TEST(PrinterTolerances, OfCarriagesTakeTheirDrivesForExact) {
+  const Tolerances carriages = printer_tolerances(catalogue::linear_delta().geometry());
+  EXPECT_EQ(carriages[Source::gain], 0.0);
+  EXPECT_THAT(carriages.assumed, testing::Contains(testing::EndsWith("takes for zero, unlisted: gain")));
+  EXPECT_EQ(printer_tolerances(catalogue::rotary_delta().geometry()).assumed.size(), 1u);
 }
 
 }  // namespace

@@ -133,17 +133,16 @@ TEST(DrawingStatement, WhyItCannotBeIsSaid) {
   expect_refused("IT8", Source::theta_offset, {"an encoder's zero is set on the machine"});
   expect_refused("IT8", Source::theta_offset, {"an endstop is set on the machine"}, catalogue::linear_delta());
   expect_refused("IT8", Source::gain, {"lead"}, of_kind("hexapod"));
+  expect_refused("IT8", Source::gain, {"lead"}, catalogue::linear_delta());
 }
 
-/// An arm of no length, as a rail's may be, has limits, but no grade.
+/// What has no length has limits, but no grade.
 TEST(DrawingStatement, ALengthOfNothingHasNoGrade) {
-  RobotDescription description = catalogue::linear_delta().description();
-  description.geometry.base_radius -= description.geometry.arm;
-  description.geometry.arm = 0.0;
-  const Robot robot(description);
-  expect_refused("IT8", Source::arm_length, {"ISO 286-1 has no IT8 at 0 mm"}, robot);
-  EXPECT_EQ(half_width("0 +- 0.1", Source::arm_length, robot), 0.1);
-  EXPECT_EQ(text_of(0.1, Source::arm_length, robot), "distance of the carriage's joints from the rail 0 +- 0.1");
+  const DrawnFeature drawn{.kind = DrawnFeature::Kind::size, .name = "offset", .sizes = {0.0}};
+  EXPECT_THAT([&] { half_width_of("IT8", drawn); },
+              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("ISO 286-1 has no IT8 at 0 mm")));
+  EXPECT_EQ(half_width_of("0 +- 0.1", drawn), 0.1);
+  EXPECT_EQ(on_a_drawing(0.1, drawn).text, "offset 0 +- 0.1");
 }
 
 TEST(DrawingStatement, UnlikeLimbsHaveGradesOfTheirOwnSizes) {
@@ -179,8 +178,10 @@ TEST(DrawingStatement, AGradeIsOneOfEverySize) {
 
 TEST(DrawingStatement, WhatIsExactIsNotOnADrawing) {
   const Robot robot = catalogue::linear_delta();
-  EXPECT_FALSE(on_a_drawing(*robot.tolerances(), Source::arm_length, robot));
-  EXPECT_TRUE(on_a_drawing(*robot.tolerances(), Source::rod_mean, robot));
+  Tolerances tolerances = *robot.tolerances();
+  EXPECT_TRUE(on_a_drawing(tolerances, Source::rod_mean, robot));
+  tolerances[Source::rod_mean] = 0.0;
+  EXPECT_FALSE(on_a_drawing(tolerances, Source::rod_mean, robot));
 }
 
 TEST(DrawingStatement, HugeTurnsHaveAZoneThatReadsBack) {

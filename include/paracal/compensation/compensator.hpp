@@ -38,8 +38,10 @@ struct CompensatorLimb {
   std::array<Scalar, 2> rod{};                           ///< l_1, l_2
   Scalar arm{};                                          ///< L_i
   Scalar joint_offset{};                                 ///< added to the believed joint coordinate, rad or mm
-  /// 0: the joint turns an arm, C = b + L u_1; 1: it is a carriage on a rail, C = b - L u_0 + q v_0
+  /// 0: the joint turns an arm, C = b + L u_1; 1: it is a carriage on a rail, C = b - L u_0 + q v_0, q its place
   Scalar on_rail{};
+  /// On a rail: mm of the joint coordinate that the carriage takes for a mm of its way, 1 / gain.
+  Scalar joint_per_mm = Scalar(1);
 };
 
 /// All that a compensator knows: plain numbers of fixed size, without padding, to be copied as bytes.
@@ -47,7 +49,7 @@ template <typename Scalar>
 struct CompensatorParameters {
   std::array<CompensatorLimb<Scalar>, kCompensatorLimbs> identified{}, nominal{};
   /// dp_d of each limb, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean (on a rail
-  /// theta_offset is a length itself, and the rod's length stands for L).
+  /// theta_offset is a length itself, the rod's length stands for L, and gain, mm/m, for arm_length).
   std::array<std::array<Scalar, 8>, kCompensatorLimbs> position_errors{};
   /// dp_e of each limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
   std::array<std::array<Scalar, 6>, kCompensatorLimbs> tilt_errors{};
@@ -191,6 +193,12 @@ Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensato
   return arms;
 }
 
+/// Where a joint coordinate puts the arm, rad, or the carriage, mm.
+template <typename Scalar>
+Scalar place_of(const CompensatorLimb<Scalar>& limb, Scalar joint) noexcept {
+  return (runs_on_rail(limb) ? joint / limb.joint_per_mm : joint) + limb.joint_offset;
+}
+
 /// Joint coordinates to command for arms in these directions.
 template <typename Scalar, std::size_t N>
 void joints_of(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs, const Arms<Scalar, N>& arms,
@@ -198,7 +206,8 @@ void joints_of(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& lim
   using std::atan2;
   for (std::size_t i = 0; i < N; ++i) {
     const auto [c, s] = arms[i];
-    joints[i] = (runs_on_rail(limbs[i]) ? s : atan2(s, c)) - limbs[i].joint_offset;
+    joints[i] = runs_on_rail(limbs[i]) ? (s - limbs[i].joint_offset) * limbs[i].joint_per_mm
+                                       : atan2(s, c) - limbs[i].joint_offset;
   }
 }
 
@@ -367,7 +376,7 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
     const Vector<Scalar> n = scaled(rod, Scalar(1) / sqrt(dot(rod, rod)));
     motions[i] = {n, dot(n, limb.slide)};
     answer.moment[i] = cross(centre, n);
-    answer.by_joint[i] = -dot(n, elbow.v1) * (runs_on_rail(limb) ? Scalar(1) : limb.arm);
+    answer.by_joint[i] = -dot(n, elbow.v1) * (runs_on_rail(limb) ? Scalar(1) / limb.joint_per_mm : limb.arm);
     const Vector<Scalar> h = cross(limb.plate_half, n);
     for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, Scalar(2) * h[k]);
   }
@@ -376,11 +385,11 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
   return answer;
 }
 
-/// Moves an arm or a carriage on.
+/// Moves an arm or a carriage on by a change of its joint.
 template <typename Scalar>
 ArmDirection<Scalar> moved_by(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
                               Scalar change) noexcept {
-  if (runs_on_rail(limb)) return {arm.cosine, arm.sine + change};
+  if (runs_on_rail(limb)) return {arm.cosine, arm.sine + change / limb.joint_per_mm};
   const auto [c, s] = turn_by(change);
   return {arm.cosine * c - arm.sine * s, arm.sine * c + arm.cosine * s};
 }
@@ -471,7 +480,7 @@ template <typename Scalar>
 LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorLimb<Scalar>& first,
                                const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
   const bool on_rail = runs_on_rail(limb);
-  const Scalar place = joint + limb.joint_offset;
+  const Scalar place = place_of(limb, joint);
   const Scalar c = on_rail ? Scalar(1) : std::cos(place), s = on_rail ? place : std::sin(place);
   const auto [u1, v1, elbow] = elbow_of(limb, {c, s});
   const Vector<Scalar> a = plate_joint(limb, pose.phi), lever = sum(elbow, limb.base, Scalar(-1));
@@ -485,12 +494,12 @@ LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const Compen
   const Vector<Scalar> radial = unit(limb.plate);
   // The short side at the plate turns about the radial direction, then about the normal of its own frame.
   const Vector<Scalar> w3 = unit(limb.plate_half), u3 = cross(unit(cross(w3, radial)), w3);
-  return {{on_rail ? lv : lv * (limb.arm / first.arm), l[0], l[1], l[2], on_rail ? -lu : lu, turned(radial),
-           turned(on_rail ? limb.axis : limb.normal), Scalar(1)},
+  return {{on_rail ? lv : lv * (limb.arm / first.arm), l[0], l[1], l[2], on_rail ? lv * joint / Scalar(1000) : lu,
+           turned(radial), turned(on_rail ? limb.axis : limb.normal), Scalar(1)},
           {Scalar(1), lw, dot(l, cross(radial, w3)), dot(l, u3), -lv, lu},
           cross(a, l),
           cross(limb.axis, l),
-          on_rail ? lv : limb.arm * lv,
+          on_rail ? lv / limb.joint_per_mm : limb.arm * lv,
           l};
 }
 

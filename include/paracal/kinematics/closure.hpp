@@ -101,9 +101,10 @@ Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
   return elbow;
 }
 
-/// Motion of the hinge of rod j at the elbow per rad or mm of the joint: w_0 x (its place - b), or v_1 along a rail.
+/// Motion of the hinge of rod j at the elbow per rad or mm of the joint: w_0 x (its place - b), or gain v_1 along a
+/// rail.
 inline Eigen::Vector3d hinge_motion(const Limb& limb, const Elbow<double>& elbow, std::size_t j) {
-  if (limb.actuator == Actuator::linear) return elbow.arm_normal;
+  if (limb.actuator == Actuator::linear) return limb.gain * elbow.arm_normal;
   return limb.frame.col(2).cross(elbow.joint[j] - limb.base);
 }
 

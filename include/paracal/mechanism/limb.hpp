@@ -19,8 +19,8 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 /// members are the constants of the loop closure [huang2016, Eq. (1)], errors included; lengths in mm.
 ///
 ///   actuator           revolute, crank:   C = b + L u_1(q), an arm of length L that the joint turns;
-///                      linear, carriage:  C = b - L u_1 + q v_1, a carriage on a rail along v_1 whose arm points
-///                                         inward (linear) or has none (carriage)
+///                      linear, carriage:  C = b - L u_1 + (gain q + joint_offset) v_1, a carriage on a rail along
+///                                         v_1 whose arm points inward (linear) or has none (carriage)
 ///                      strut:             C = b, whence the one rod grows: l = l_1 + gain q + joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
 ///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent); of
@@ -149,9 +149,8 @@ inline JointSolution solve_joint(const Limb& limb, const Eigen::Vector3d& joint_
     case Actuator::strut:
       return driven_to(limb, (joint_at_plate - limb.base).norm() - limb.rod[0]);
     case Actuator::carriage:
-      return driven_to(limb, close_on_rail(limb, joint_at_plate));
     case Actuator::linear:
-      return solution(close_on_rail(limb, joint_at_plate) - limb.joint_offset);
+      return driven_to(limb, close_on_rail(limb, joint_at_plate));
     default:
       return arm_along(limb, close_triangle(limb, joint_at_plate));
   }

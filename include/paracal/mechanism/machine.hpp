@@ -45,9 +45,11 @@ using Machine = BasicMachine<double>;
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
 ///
-/// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it:
+/// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it; its
+/// drive has a gain:
 ///
-///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03.
+///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03;
+///   C = b - L u_1 + ((1 + gain) q + theta_offset) v_1.
 ///
 /// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()
 ///

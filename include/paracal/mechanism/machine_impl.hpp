@@ -59,6 +59,12 @@ Matrix3<Scalar> leaning(Actuator kind, const Eigen::Matrix3d& frame, const Error
   return frame.cast<Scalar>() * (rotation_x(Scalar(error(Source::alpha0))) * by_beta);
 }
 
+/// mm that a drive moves a mm of its joint coordinate.
+template <typename Scalar, typename ErrorOf>
+Scalar gain_with(const ErrorOf& error) {
+  return Scalar(1) + error(Source::gain) / Scalar(kGainLength);
+}
+
 /// @param error  of this limb, by its source.
 template <typename Scalar, typename ErrorOf>
 BasicLimb<Scalar> single_rod(const Geometry& nominal, std::size_t limb, const ErrorOf& error) {
@@ -76,7 +82,7 @@ BasicLimb<Scalar> single_rod(const Geometry& nominal, std::size_t limb, const Er
   built.frame = leaning<Scalar>(kind, frame, error);
   built.arm = swings ? Scalar(rod.arm + error(Source::arm_length)) : Scalar(0);
   built.joint_offset = error(Source::theta_offset);
-  built.gain = swings ? Scalar(1) : Scalar(Scalar(1) + error(Source::gain) / Scalar(kGainLength));
+  built.gain = swings ? Scalar(1) : gain_with<Scalar>(error);
   built.elbow_frame = built.plate_frame = Matrix3<Scalar>::Identity();
   built.elbow_width = built.plate_width = Scalar(nominal.parallelogram_width);
   built.plate = rod.plate.cast<Scalar>() +
@@ -120,7 +126,8 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     limb.base = (nominal.base_radius * limb.radial).template cast<Scalar>() +
                 Vector3<Scalar>(error(Source::e_x), error(Source::e_y), error(Source::e_z));
     limb.frame = tilted(error(Source::alpha0), on_rail ? rotation_z(beta0) : rotation_y(beta0));
-    limb.arm = nominal.arm + error(Source::arm_length);
+    limb.arm = nominal.arm + (on_rail ? Scalar(0) : error(Source::arm_length));
+    limb.gain = on_rail ? detail::gain_with<Scalar>(error) : Scalar(1);
     limb.joint_offset = error(Source::theta_offset);
     limb.elbow_frame = rotation_x(error(Source::alpha2)) * rotation_y(error(Source::beta2));
     limb.elbow_width = nominal.parallelogram_width + error(Source::width_difference);

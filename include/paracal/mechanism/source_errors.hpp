@@ -24,7 +24,7 @@ enum class Source : std::uint8_t {
   e_x,           ///< base joint relative to plate joint, Delta b - Delta a, in the base frame
   e_y,
   e_z,
-  arm_length,  ///< length of the arm (proximal link)
+  arm_length,  ///< length of the arm (proximal link); a rail has the gain of its drive in this place
   alpha0,      ///< the limb's frame turned about its radial direction: actuator axis and, alike, the short side at the
                ///< plate
   beta0,       ///< the same about the vertical direction; of a rail: it leans, turned about the limb's tangent
@@ -37,10 +37,11 @@ enum class Source : std::uint8_t {
   alpha2,            ///< the short side at the elbow turned about the arm
   beta2,             ///< the short side at the elbow turned about the normal of the arm
 
+  gain = arm_length,  ///< of a drive that is a length: mm that it moves too far in a metre
+
   // Of a limb with one rod. A plate on these can follow all their errors, wherever they stand.
   normal = e_x,              ///< of a rail: it stands off along its upward normal
   across = e_y,              ///< of a rail: it stands off sideways
-  gain = arm_length,         ///< travel of a drive that is a length, mm that it moves too far in a metre
   rod_length = rod_mean,     ///< length of the one rod
   plate_x = rod_difference,  ///< plate joint, in the plate frame
   plate_y = width_difference,
@@ -130,16 +131,15 @@ struct JointSpace {
 /// instead of rad.
 Unit unit(Source source, Actuator actuator);
 
-/// Whether the machine feels an error in a way of its own. A rail neither knows how long the carriage's arm is
-/// (arm_length shifts the elbow as e does) nor where along itself it begins (e_z shifts it as theta_offset does): a
-/// calibration holds these two at zero. A revolute limb feels all.
+/// Whether the machine feels an error in a way of its own. A rail does not know where along itself it begins (e_z
+/// shifts it as theta_offset does): a calibration holds that at zero. A revolute limb feels all.
 constexpr bool is_felt(Source source, Actuator actuator) {
   if (on_single_rods(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
-  return actuator == Actuator::revolute || (source != Source::arm_length && source != Source::e_z);
+  return actuator == Actuator::revolute || source != Source::e_z;
 }
 
-/// The name used in every file and JSON key, e.g. "theta_offset"; of a limb with one rod "zero", "base_x", "gain",
-/// "plate_x", ...
+/// The name used in every file and JSON key, e.g. "theta_offset"; of a rail "gain" in the place of "arm_length"; of a
+/// limb with one rod "zero", "base_x", "gain", "plate_x", ...
 std::string_view name(Source source, Actuator actuator = Actuator::revolute);
 
 /// The source with that name; empty when that kind of limb has none.

@@ -69,6 +69,7 @@ struct paracal_limb {
   double rod[2];
   double arm;
   double joint_offset;
+  double joint_per_mm; /* of a carriage: mm of the joint coordinate for a mm of its way */
 };
 
 static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
