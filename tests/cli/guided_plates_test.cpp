@@ -76,8 +76,10 @@ TEST_P(GuidedWalk, WhatGuidesTakeUpIsNotIdentifiable) {
     EXPECT_THAT(text, HasSubstr(fmt::format("plate_z limb {}, which changes none of these readings", limb)));
   }
   EXPECT_THAT(text, HasSubstr("translation along x"));
-  EXPECT_THAT(text, HasSubstr("translation along y"));
-  EXPECT_THAT(text, HasSubstr("rotation of the base about z"));
+  // Two belts alone begin on one line, and neither end of it shows in which direction of y it stands.
+  const bool singly = robot.actuator() == Actuator::strut && robot.limb_count() == 2;
+  EXPECT_THAT(text, HasSubstr(singly ? "base_y limb 1, which changes none" : "translation along y"));
+  EXPECT_THAT(text, HasSubstr(singly ? "base_y limb 2, which changes none" : "rotation of the base about z"));
 }
 
 TEST_P(GuidedWalk, ErrorModelIsWhereAnErrorTakesThePlate) {
@@ -105,12 +107,13 @@ TEST_P(GuidedWalk, ErrorModelIsWhereAnErrorTakesThePlate) {
 }
 
 TEST_P(GuidedWalk, TolerancesAreStudied) {
+  const std::string length(robot.actuator() == Actuator::strut ? "zero" : "rod_length");
   const json found = json_from("sensitivity --robot r.toml --quantity position");
-  EXPECT_GT(found.at("largest").at("rod_length").get<double>(), 0.0);
+  EXPECT_GT(found.at("largest").at(length).get<double>(), 0.0);
   EXPECT_EQ(found.at("largest").at("plate_z").get<double>(), 0.0);
-  folder.write("p.toml",
-               "[[requirement]]\nquantity = \"position\"\nlimit_mm = 3\n\n[cost.rod_length_mm]\nB = 1.0\nlower = "
-               "0.01\nupper = 1.0\n");
+  folder.write("p.toml", fmt::format("[[requirement]]\nquantity = \"position\"\nlimit_mm = 9\n\n[cost.{}_mm]\nB = "
+                                     "1.0\nlower = 0.01\nupper = 1.0\n",
+                                     length));
   const json analyzed = json_from("tolerance analyze --robot r.toml --problem p.toml --sigma-error 0.1");
   EXPECT_TRUE(analyzed.at("converged"));
   const json allocated = json_from("tolerance allocate --robot r.toml --problem p.toml");
