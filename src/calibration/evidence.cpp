@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "considered.hpp"
+#include "guided_scatter.hpp"
 #include "null_space.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "spread.hpp"
@@ -216,6 +217,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
   calibration.orientation_noise = orientation_noise(observation);
   add_suspects(measurements, observation, after->placed(), suspects, calibration);
+  state_guided_scatter(observation, after->placed(), calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);
   state_use(fit, calibration);

@@ -1,0 +1,18 @@
+#pragma once
+
+// Private to calibration: what guides do that hold a plate in a plane.
+
+#include "observation.hpp"
+
+namespace paracal::detail {
+
+/// Guides are taken for perfect. Points of a plate that they hold in a plane show whether it is one: a table that is
+/// bent, or a carriage that lifts, takes the plate across the plane, where no error of the machine and no joint moves
+/// it. The means of each pose's points scatter across the plane and within it,
+///
+///   F = (squares across / (n - 3)) / (squares within / (2 n - rank - 3))        3 a series: its plane, and its place
+///
+/// and where chance alone would show as much less often than options.tell_chance, a note says so: U holds in the plane.
+void state_guided_scatter(const Observation& observation, const Placed& at, Calibration& calibration);
+
+}  // namespace paracal::detail
