@@ -1,6 +1,6 @@
 // What a calibration says of machines whose truth the model does not hold: the table of docs/judgement.md.
 //
-//   paracal-judgement-benchmark [MACHINES [WORLD]]
+//   paracal-judgement-benchmark [MACHINES [WORLD [ROBOT [notes]]]]
 
 #include <fmt/format.h>
 
@@ -35,8 +35,11 @@ void print(const World& world, const Judgement& all, double ms) {
 int main(int argc, char** argv) {
   const int machines = argc > 1 ? std::atoi(argv[1]) : 200;
   const std::string_view wanted = argc > 2 ? argv[2] : "";
-  const bool show_notes = argc > 3;
-  for (const Robot& robot : {catalogue::huang2016(), catalogue::rotary_delta()}) {
+  const std::string_view wanted_robot = argc > 3 ? argv[3] : "";
+  const bool show_notes = argc > 4;
+  for (const std::string_view name : catalogue::names()) {
+    if (name.find(wanted_robot) == std::string::npos) continue;
+    const Robot robot = catalogue::find(name);
     const Bench bench = bench_of(robot);
     fmt::print("\n{}, {} machines a world\n\n", robot.name(), machines);
     fmt::print(

@@ -23,9 +23,10 @@ struct World {
   double position_tolerances = 1.0, tilt_tolerances = 1.0;  ///< errors over their tolerances
   bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]
   bool wrong_part = false;    ///< one error of the position group is ten tolerances off
-  double backlash = 0.0;      ///< rad: each joint stands this much to one side at a pose, at every visit the same
-  double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q
-  double warm_arms = 0.0;            ///< arms are longer by this share in the second half of the readings
+  // Of a carriage an angle is what it takes at the end of a rod.
+  double backlash = 0.0;  ///< rad: each joint stands this much to one side at a pose, at every visit the same
+  double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley
+  double warm_drives = 0.0;          ///< arms are longer, or carriages run farther, by this share, from half way on
   double sag_at_rim = 0.0;           ///< mm, proportional to the radius
   double scale = 0.0;                ///< of the instrument, m/m
   double noise_factor = 1.0;         ///< true noise over kWorldNoise
