@@ -24,6 +24,13 @@ struct Gains {
   Eigen::MatrixXd sought;  ///< K J: p x p
 };
 
+/// (A^T A)^-1 A^T of what the rows tell; of what they do not, zero.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& rows) {
+  if (rows.cols() == 0) return Eigen::MatrixXd::Zero(0, rows.rows());
+  return analyse(rows, kRankTolerance).covariance * rows.transpose();
+}
+
+/// The set-up is whatever suits the errors best: what readings do not tell from it leaves the errors where they are.
 Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales, Eigen::Index setup,
             Eigen::Index sought) {
   std::vector<Eigen::Index> first, last = scales;
@@ -32,8 +39,12 @@ Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales
   }
   for (Eigen::Index k = setup + sought; k < root.cols(); ++k) last.push_back(k);
   const Eigen::MatrixXd estimated = root(Eigen::indexing::all, first), held = root(Eigen::indexing::all, last);
-  const Eigen::MatrixXd inverse = analyse(estimated, kRankTolerance).covariance * estimated.transpose();
-  return {(inverse * held).bottomRows(sought), (inverse * estimated).bottomRightCorner(sought, sought)};
+  const Eigen::MatrixXd of_setup = estimated.leftCols(estimated.cols() - sought), to_setup = inverse_of(of_setup);
+  const auto beside_setup = [&](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
+    return rows - of_setup * (to_setup * rows);
+  };
+  const Eigen::MatrixXd errors = beside_setup(estimated.rightCols(sought)), inverse = inverse_of(errors);
+  return {inverse * beside_setup(held), inverse * errors};
 }
 
 }  // namespace

@@ -188,6 +188,26 @@ TEST(Considered, CovarianceIsThatOfMachinesDrawnFromTheTolerances) {
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(ratios.size())), 1.0, 4.0 / std::sqrt(2.0 * count) + 0.05);
 }
 
+/// Heights show no more of what all offsets of carriages have in common than the height of the bed that nobody knows:
+/// that stays at zero, and as uncertain as the tolerances of the three, e_z included, make it.
+TEST(Considered, WhatNoReadingTellsFromTheSetUpKeepsItsTolerance) {
+  const Robot robot = catalogue::linear_delta();
+  const Tolerances tolerances = *robot.tolerances();
+  const double wanted = std::hypot(tolerances.std(Source::theta_offset), tolerances.std(Source::e_z)) / std::sqrt(3.0);
+  Measurements heights{.stations = bench("linear_delta").selected, .lengths = {{"bed", LengthKind::height, {}}}};
+  for (std::size_t k = 0; k < heights.stations.size(); ++k) heights.lengths[0].readings.push_back({.station = k});
+  RandomStream random(5, 1);
+  const SourceErrors truth = draw_errors(tolerances, robot.limb_count(), random);
+  const Measurements read = simulate(robot, truth, heights, {.noise = 0.017}, random);
+  const Calibration rough = calibrate(robot, read, {.stage = Stage::rough, .states_use = false});
+  const Eigen::Vector3d common = Eigen::Vector3d::Constant(1.0 / 3.0);
+  ASSERT_EQ(rough.rank, 2);
+  EXPECT_NEAR(std::sqrt(common.dot(rough.covariance.topLeftCorner<3, 3>() * common)), wanted, 0.03 * wanted);
+  double found = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) found += rough.parameters[k].value / 3.0;
+  EXPECT_NEAR(found, 0.0, 0.2 * wanted);
+}
+
 /// What only a tolerance tells owes nothing to the noise, what the readings tell owes them much.
 TEST(Uncertainty, NoiseHasItsPartOfTheCovariance) {
   const Robot robot = catalogue::huang2016();
