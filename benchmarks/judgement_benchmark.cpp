@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "paracal/mechanism/catalogue.hpp"
+#include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 #include "support/worlds.hpp"
 
@@ -37,9 +38,11 @@ int main(int argc, char** argv) {
   const std::string_view wanted = argc > 2 ? argv[2] : "";
   const std::string_view wanted_robot = argc > 3 ? argv[3] : "";
   const bool show_notes = argc > 4;
-  for (const std::string_view name : catalogue::names()) {
+  std::vector<std::string_view> names = catalogue::names();
+  names.insert(names.end(), template_names().begin(), template_names().end());
+  for (const std::string_view name : names) {
     if (name.find(wanted_robot) == std::string::npos) continue;
-    const Robot robot = catalogue::find(name);
+    const Robot robot = robot_named(name);
     const Bench bench = bench_of(robot);
     fmt::print("\n{}, {} machines a world\n\n", robot.name(), machines);
     fmt::print(

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint64_t kErrors = 101, kNoise = 102;
 constexpr int kVisits = 3;
+constexpr double kTurnLever = 100.0;  // mm: by what a body is turned where its points are off
 
 RigidMotion some_frame() {
   return {Eigen::AngleAxisd(-1.3, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix(), {-900, 2200, 1400}};
@@ -31,13 +32,16 @@ SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random)
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
       double& error = errors(limb, source);
-      error *= tilts_plate(source) ? world.tilt_tolerances : world.position_tolerances;
+      error *= tilts_plate(source, robot.actuator()) ? world.tilt_tolerances : world.position_tolerances;
       if (world.table4_sized && source != Source::theta_offset) error *= kTable4Share;
     }
   }
   if (world.wrong_part) {
     const auto limb = static_cast<std::size_t>(random.uniform() * static_cast<double>(robot.limb_count()));
-    const auto source = static_cast<Source>(static_cast<int>(random.uniform() * kPositionSourceCount));
+    const std::span<const Source> kinds = sources_of(robot.actuator());
+    const auto moving =
+        std::ranges::count(kinds, false, [&](Source one) { return tilts_plate(one, robot.actuator()); });
+    const Source source = kinds[static_cast<std::size_t>(random.uniform() * static_cast<double>(moving))];
     errors(limb, source) = (random.uniform() < 0.5 ? -10.0 : 10.0) * (*robot.tolerances())[source];
   }
   return errors;
@@ -52,10 +56,10 @@ class Truth {
     cold_ = build(robot, errors_);
     SourceErrors warm = errors_;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      if (runs_on_rail(robot.actuator())) {
-        warm(limb, Source::gain) += world.warm_drives * kGainLength;
+      if (swings_arm(robot.actuator())) {
+        warm(limb, Source::arm_length) += world.warm_drives * robot.nominal().limbs[limb].arm;
       } else {
-        warm(limb, Source::arm_length) += world.warm_drives * robot.geometry().arm;
+        warm(limb, Source::gain) += world.warm_drives * kGainLength;
       }
     }
     warm_ = build(robot, warm);
@@ -67,8 +71,8 @@ class Truth {
   /// Where the plate stands at a station this time; the same joints are off the same way at every visit.
   Pose at(const Station& station, bool warm = false) {
     constexpr double kPulley = 40.0 / to_radians(360.0);  // mm a rad: 20 teeth of 2 mm
-    const bool on_rail = runs_on_rail(robot_.actuator());
-    const double turn = on_rail ? kPulley : 1.0, lever = on_rail ? robot_.geometry().rod : 1.0;
+    const bool swings = swings_arm(robot_.actuator());
+    const double turn = swings ? 1.0 : kPulley, lever = swings ? 1.0 : robot_.nominal().limbs[0].mean_rod();
     Joints joints = believed_joints(robot_, station);
     for (Eigen::Index k = 0; k < joints.size(); ++k) {
       const double q = joints(k);
@@ -76,9 +80,9 @@ class Truth {
       if (world_.backlash > 0.0) joints(k) += lever * (random_.uniform() < 0.5 ? -world_.backlash : world_.backlash);
     }
     const Machine& machine = warm ? warm_ : cold_;
-    const PlateState plate = forward(machine, joints).plate;
-    const double sag = world_.sag_at_rim * plate.position.head<2>().norm() / robot_.workspace().radius;
-    return {plate.position - Eigen::Vector3d(0.0, 0.0, sag), machine.rotation_of(plate.slide)};
+    Pose pose = pose_of(machine, forward(machine, joints).plate);
+    pose.position.z() -= world_.sag_at_rim * pose.position.head<2>().norm() / robot_.workspace().radius;
+    return pose;
   }
 
  private:
@@ -112,16 +116,33 @@ class Noise {
   bool gross_ = false;
 };
 
-Measurements points(const World& world, Truth& truth, Noise& noise, std::vector<Station> stations, int visits) {
-  const RigidMotion frame = some_frame();
+/// What an instrument reads of a body on a plate with six freedoms; of others of a reflector at the plate's origin.
+PointReading read_point(const Robot& robot, const Pose& pose, double scale, Noise& noise) {
+  const RigidMotion frame = some_frame(), body{some_frame().rotation, {30.0, -20.0, 50.0}};
+  const auto three = [&] { return Eigen::Vector3d(noise(), noise(), noise()); };
+  PointReading reading;
+  Eigen::Vector3d place = pose.position;
+  if (robot.on_single_rods() && robot.geometry().freedoms.are_all()) {
+    const Eigen::Matrix3d plate = plate_rotation(pose.tilt).matrix;
+    const Eigen::Vector3d off = three() / kTurnLever;
+    const Quaternion turned = Quaternion(1.0, 0.5 * off.x(), 0.5 * off.y(), 0.5 * off.z()).normalized();
+    place += plate * body.translation;
+    reading.orientation = turned * Quaternion(Eigen::Matrix3d(frame.rotation * plate * body.rotation));
+  }
+  reading.point = (1.0 + scale) * frame(place) + three();
+  return reading;
+}
+
+Measurements points(const Robot& robot, const World& world, Truth& truth, Noise& noise, std::vector<Station> stations,
+                    int visits) {
   Measurements measured{.stations = std::move(stations), .series = {{"tracker", {}}}};
   for (std::size_t k = 0; k < measured.stations.size(); ++k) {
     const bool warm = 2 * k >= measured.stations.size();
     const Pose pose = truth.at(measured.stations[k], warm);
     for (int visit = 0; visit < visits; ++visit) {
       noise.next_reading();
-      PointReading reading{.station = k};
-      reading.point = (1.0 + world.scale) * frame(pose.position) + Eigen::Vector3d(noise(), noise(), noise());
+      PointReading reading = read_point(robot, pose, world.scale, noise);
+      reading.station = k;
       measured.series.front().readings.push_back(std::move(reading));
     }
   }
@@ -170,9 +191,9 @@ Measurements measured(const Bench& bench, const World& world, Truth& truth, int 
   Noise noise(world, number);
   switch (world.readings) {
     case Readings::points:
-      return points(world, truth, noise, bench.selected, kVisits);
+      return points(bench.robot, world, truth, noise, bench.selected, kVisits);
     case Readings::seven_points:
-      return points(world, truth, noise, rough_stations(bench.robot, 6), 1);
+      return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1);
     case Readings::six_distances:
       return distances(bench.robot, truth, noise);
     case Readings::heights:
@@ -186,7 +207,8 @@ Measurements measured(const Bench& bench, const World& world, Truth& truth, int 
 CalibrationOptions options_of(const World& world) {
   CalibrationOptions options;
   options.noise_is_known = world.noise_is_known;
-  options.noise.point = options.noise.distance = options.noise.height = kWorldNoise;
+  options.noise.point = options.noise.body = options.noise.distance = options.noise.height = kWorldNoise;
+  options.noise.rotation = kWorldNoise / kTurnLever;
   return options;
 }
 
@@ -203,11 +225,14 @@ std::vector<double> expanded_distances(const Bench& bench, const KnownErrors& kn
 Calibration oracle(const Bench& bench, const World& world, const Measurements& readings) {
   CalibrationOptions options = options_of(world);
   options.noise_is_known = true;
-  options.noise.point = options.noise.distance = options.noise.height = world.noise_factor * kWorldNoise;
+  options.noise.point = options.noise.body = options.noise.distance = options.noise.height =
+      world.noise_factor * kWorldNoise;
+  options.noise.rotation = world.noise_factor * kWorldNoise / kTurnLever;
   options.admit_drop = 1e300;
   options.tolerances = *bench.robot.tolerances();
   for (const Source source : all_sources()) {
-    (*options.tolerances)[source] *= tilts_plate(source) ? world.tilt_tolerances : world.position_tolerances;
+    const bool tilts = tilts_plate(source, bench.robot.actuator());
+    (*options.tolerances)[source] *= tilts ? world.tilt_tolerances : world.position_tolerances;
   }
   return calibrate(bench.robot, readings, options);
 }
