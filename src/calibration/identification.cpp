@@ -44,8 +44,7 @@ Measurements as_distances(const Measurements& measurements) {
 }
 
 /// Do the readings leave nothing open but motions of the whole robot, and are there a quarter more of them than that
-/// takes? (On limbs with one rod the encoder offsets alone are no stage of anybody's, and guides leave more open that
-/// moves nothing.) Distances between N points are worth 3 N - 6 numbers at most; frames and the like cost as many as
+/// takes? Distances between N points are worth 3 N - 6 numbers at most; frames and the like cost as many as
 /// they have unknowns.
 bool enough_for_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   constexpr double kSpare = 1.25;
@@ -57,12 +56,14 @@ bool enough_for_fine(const Robot& robot, const Measurements& measurements, const
   const auto worth = std::min(pairs, std::max<Eigen::Index>(3 * joined - 6, 1));
   const Eigen::Index numbers = seen.rows - (pairs - worth) - seen.nuisance;
   const bool open = !std::ranges::all_of(seen.null_space, &NullDirection::gauge);
-  return (!open || robot.on_single_rods()) && static_cast<double>(numbers) >= kSpare * seen.rank;
+  return !open && static_cast<double>(numbers) >= kSpare * seen.rank;
 }
 
+/// On limbs with one rod the encoder offsets alone are no stage of anybody's; and where few readings make them stand
+/// out by chance, those that do are farther off than they are said to be.
 bool goes_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   if (options.stage != Stage::automatic) return options.stage == Stage::fine;
-  return enough_for_fine(robot, measurements, options);
+  return robot.on_single_rods() || enough_for_fine(robot, measurements, options);
 }
 
 Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration) {

@@ -131,6 +131,18 @@ TEST_P(Judged, NoiseThatIsNotNormalIsCovered) {
 INSTANTIATE_TEST_SUITE_P(Worlds, Judged, testing::Values("huang2016", "rotary_delta", "linear_delta"),
                          [](const auto& world) { return world.param; });
 
+/// Few heights of a hexapod: offsets alone would stand out by chance, and be accepted where they do.
+TEST(JudgedHexapods, OfFewHeightsAreKnownAsWellAsIsSaid) {
+  const Bench hexapods = bench_of(robot_named("hexapod"), 200);
+  for (const char* world : {"13 heights", "13 heights, 3 distances"}) {
+    SCOPED_TRACE(world);
+    const Judgement all = judge_world(hexapods, world_named(world), 500, machines(80));
+    EXPECT_GE(all.distance_coverage(), 0.93 - 3.0 * std::sqrt(0.93 * 0.07 / std::max(all.accepted, 1)));
+    EXPECT_LE(all.use_exceeded, std::max(1.0, 0.05 * all.accepted + 3.0 * std::sqrt(0.05 * all.accepted)));
+    for (const double U : all.largest_U) EXPECT_LT(U, 1.0);  // mm; of offsets alone 3 and more
+  }
+}
+
 /// The published machine's six distances.
 Measurements published_like(const Robot& robot, const SourceErrors& errors) {
   Measurements measured{.stations = {{"P0", {robot.workspace().centre(), 0.0}}}};
