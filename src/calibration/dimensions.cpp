@@ -15,7 +15,7 @@ template <typename Value>
 SourceErrors alike(const Robot& robot, Value&& value) {
   SourceErrors errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) value(limb, errors);
-  return as_felt(robot, errors);
+  return errors;
 }
 
 SourceErrors radial(const Robot& robot, double sign) {

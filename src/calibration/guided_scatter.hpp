@@ -8,7 +8,7 @@ namespace paracal::detail {
 
 /// Guides are taken for perfect. Points of a plate that they hold in a plane show whether it is one: a table that is
 /// bent, or a carriage that lifts, takes the plate across the plane, where no error of the machine and no joint moves
-/// it. The means of each pose's points scatter across the plane and within it,
+/// it. The means of each pose's residuals, mm over their sigma, scatter across the plane and within it,
 ///
 ///   F = (squares across / (n - 3)) / (squares within / (2 n - rank - 3))        3 a series: its plane, and its place
 ///

@@ -41,11 +41,13 @@ void require_gain(double two_points, Validation& validation) {
   const auto require = [&](std::string_view what, double before, double after, double uncertainty, double left) {
     if (!validation.agreement) uncertainty = std::max(uncertainty, kCoverageFactor * left);
     if (before - after > uncertainty) return;
-    validation.reasons.push_back(after - before > uncertainty
-                                     ? fmt::format("the largest {} grew from {:.3f} to {:.3f} mm", what, before, after)
-                                     : fmt::format("the largest {} went from {:.3f} to {:.3f} mm, by not more than the "
-                                                   "uncertainty of measuring it, {:.3f} mm",
-                                                   what, before, after, uncertainty));
+    std::string reason = fmt::format("the largest {} grew from {:.3f} to {:.3f} mm", what, before, after);
+    if (after - before <= uncertainty) {
+      reason = fmt::format(
+          "the largest {} went from {:.3f} to {:.3f} mm, by not more than the uncertainty of measuring it, {:.3f} mm",
+          what, before, after, uncertainty);
+    }
+    validation.reasons.push_back(std::move(reason));
   };
   if (!validation.poses.empty()) {
     return require("aligned error", validation.before.max_volumetric_aligned, validation.after.max_volumetric_aligned,

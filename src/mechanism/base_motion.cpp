@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <utility>
 
 namespace paracal {
 
@@ -24,15 +23,6 @@ void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shi
   errors(limb, Source::e_x) += e.x();
   errors(limb, Source::e_y) += e.y();
   if (robot.actuator() != Actuator::linear) errors(limb, Source::e_z) += e.z();
-}
-
-SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
-  if (robot.actuator() != Actuator::linear) return errors;
-  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    const double up = std::exchange(errors(i, Source::e_z), 0.0);
-    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up), errors);
-  }
-  return errors;
 }
 
 double felt_std(const Robot& robot, const Tolerances& tolerances, Source source) {

@@ -9,7 +9,6 @@
 #include "paracal/error.hpp"
 #include "paracal/io/published.hpp"
 #include "paracal/kinematics/forward.hpp"
-#include "paracal/mechanism/base_motion.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
@@ -85,7 +84,7 @@ TEST_P(FineCalibrationLaw, IntervalsCoverTheTruth) {
     test::state_sigma(machine.measurements, kNoise);
     const Calibration calibration = calibrate(robot, machine.measurements);
     ASSERT_TRUE(calibration.accepted()) << calibration.brief();
-    const SourceErrors felt = as_felt(robot, machine.errors);
+    const SourceErrors felt = test::as_felt(robot, machine.errors);
     for (const ParameterEstimate& parameter : calibration.parameters) {
       if (!parameter.identified()) continue;
       ++revealed;

@@ -32,6 +32,25 @@ class GuidedLaw : public test::EveryRobot {
   Measurements plan(int poses, Measurand measurand = Measurand::coordinates) const {
     return planned(robot, candidate_stations(robot, poses, 7), {.measurand = measurand});
   }
+
+  /// A machine within its tolerances, and points of it in a frame that nobody knows.
+  struct Drawn {
+    SourceErrors truth;
+    RigidMotion frame;
+    Measurements read;
+  };
+  Drawn drawn(const Measurements& points, int number, std::uint64_t seed) const {
+    RandomStream stream(static_cast<std::uint64_t>(number), seed);
+    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    VirtualInstrument instrument{.noise = 0.01};
+    instrument.frame = random_body(stream);
+    return {truth, instrument.frame, simulate(robot, truth, points, instrument, stream)};
+  }
+  /// The machine that was found goes where the true one does, within U in use.
+  bool holds_in_use(const Drawn& machine, const Calibration& found) const {
+    const PoseErrorSummary off = test::held_out_errors(robot, machine.truth, found.errors(), workspace_stations(robot));
+    return found.use && off.max_volumetric_aligned <= found.use->aligned.U;
+  }
 };
 PARACAL_ON_GUIDED_PLATES(GuidedLaw);
 
@@ -98,22 +117,16 @@ TEST_P(GuidedLaw, IntervalsHoldTheTruth) {
   const Measurements points = plan(40);
   int errors = 0, held = 0, used = 0;
   for (int number = 0; number < machines; ++number) {
-    RandomStream stream(static_cast<std::uint64_t>(number), 5);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
-    VirtualInstrument instrument{.noise = 0.01};
-    instrument.frame = random_body(stream);
-    CalibrationOptions options;
-    options.diagnose = false;
-    const Calibration found = calibrate(robot, simulate(robot, truth, points, instrument, stream), options);
+    const Drawn machine = drawn(points, number, 5);
+    const Calibration found = calibrate(robot, machine.read, {.diagnose = false});
     ASSERT_TRUE(found.accepted()) << found.brief();
     EXPECT_EQ(found.use->rotation.has_value(), robot.commands_tilt());
     for (const ParameterEstimate& one : found.parameters) {
       if (!one.identified() || !one.std) continue;
       ++errors;
-      held += std::abs(one.value - truth(one.limb, one.source)) <= one.coverage() * *one.std ? 1 : 0;
+      held += std::abs(one.value - machine.truth(one.limb, one.source)) <= one.coverage() * *one.std ? 1 : 0;
     }
-    const PoseErrorSummary in_use = test::held_out_errors(robot, truth, found.errors(), workspace_stations(robot));
-    used += in_use.max_volumetric_aligned <= found.use->aligned.U ? 1 : 0;
+    used += holds_in_use(machine, found) ? 1 : 0;
   }
   const double share = static_cast<double>(held) / std::max(errors, 1), in_use = static_cast<double>(used) / machines;
   RecordProperty("shares", fmt::format("{} of {} errors: {:.4f}; in use {:.3f}", held, errors, share, in_use));
@@ -243,22 +256,16 @@ TEST_P(GuidedLaw, ABentTableIsSaid) {
   const Measurements points = plan(30);
   int said = 0, wrongly = 0, held = 0;
   for (int number = 0; number < machines; ++number) {
-    RandomStream stream(static_cast<std::uint64_t>(number), 11);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
-    VirtualInstrument instrument{.noise = 0.01};
-    instrument.frame = random_body(stream);
-    const CalibrationOptions options{.diagnose = false};
-    Measurements read = simulate(robot, truth, points, instrument, stream);
-    wrongly += notes_with(calibrate(robot, read, options), "across the plane");
-    for (PointReading& one : read.series[0].readings) {
-      const Eigen::Vector2d place = read.stations[one.station].commanded.position.head<2>();
+    Drawn machine = drawn(points, number, 11);
+    wrongly += notes_with(calibrate(robot, machine.read, {.diagnose = false}), "across the plane");
+    for (PointReading& one : machine.read.series[0].readings) {
+      const Eigen::Vector2d place = machine.read.stations[one.station].commanded.position.head<2>();
       const double bend = 0.1 * place.squaredNorm() / std::pow(robot.workspace().radius, 2);
-      one.point += instrument.frame.rotation.col(2) * bend;
+      one.point += machine.frame.rotation.col(2) * bend;
     }
-    const Calibration found = calibrate(robot, read, options);
+    const Calibration found = calibrate(robot, machine.read, {.diagnose = false});
     said += notes_with(found, "points scatter 0.0");
-    const PoseErrorSummary in_use = test::held_out_errors(robot, truth, found.errors(), workspace_stations(robot));
-    held += found.use && in_use.max_volumetric_aligned <= found.use->aligned.U ? 1 : 0;
+    held += holds_in_use(machine, found) ? 1 : 0;
   }
   const auto share = [&](int part) { return static_cast<double>(part) / std::max(machines, 1); };
   EXPECT_GE(share(said), 0.95);

@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdlib>
 #include <numbers>
+#include <utility>
 
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/base_motion.hpp"
 
 namespace paracal::test {
 namespace {
@@ -62,6 +64,15 @@ void state_sigma(Measurements& measurements, double sigma) {
   for (PointSeries& series : measurements.series) {
     for (PointReading& reading : series.readings) reading.sigma = sigma;
   }
+}
+
+SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
+  if (robot.actuator() != Actuator::linear) return errors;
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    const double up = std::exchange(errors(i, Source::e_z), 0.0);
+    shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up), errors);
+  }
+  return errors;
 }
 
 SourceErrors table4_machine(const Robot& robot, int number) {

@@ -32,6 +32,9 @@ Measurements body_poses(const Robot& robot, const std::vector<Station>& stations
 /// States the sigma of every point.
 void state_sigma(Measurements& measurements, double sigma);
 
+/// The same machine, to first order, by errors that its actuators feel: of a rail e_z joins theta_offset.
+SourceErrors as_felt(const Robot& robot, SourceErrors errors);
+
 /// [huang2016, Table 4] as position errors, tilt errors drawn from the robot's tolerances.
 SourceErrors table4_machine(const Robot& robot, int number);
 

@@ -10,9 +10,9 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
-#include "paracal/mechanism/base_motion.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/units.hpp"
+#include "support/virtual_machines.hpp"
 
 namespace paracal::test {
 namespace {

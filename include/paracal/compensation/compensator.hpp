@@ -38,7 +38,8 @@ struct CompensatorLimb {
   std::array<Scalar, 2> rod{};                           ///< l_1, l_2
   Scalar arm{};                                          ///< L_i
   Scalar joint_offset{};                                 ///< added to the believed joint coordinate, rad or mm
-  /// 0: the joint turns an arm, C = b + L u_1; 1: it is a carriage on a rail, C = b - L u_0 + q v_0, q its place
+  /// 0: the joint turns an arm, C = b + L u_1; 1: it runs a carriage along a rail,
+  /// C = b - L u_0 + (q / joint_per_mm + joint_offset) v_0
   Scalar on_rail{};
   /// On a rail: mm of the joint coordinate that the carriage takes for a mm of its way, 1 / gain.
   Scalar joint_per_mm = Scalar(1);

@@ -14,10 +14,7 @@ namespace paracal {
 /// Adds a shift of one limb's base joint, mm: e = shift.
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors);
 
-/// The same machine, to first order, by errors that its actuators feel: of a rail e_z joins theta_offset.
-SourceErrors as_felt(const Robot& robot, SourceErrors errors);
-
-/// Standard deviation of an error so felt: a rail's theta_offset has that of e_z in it.
+/// Standard deviation of an error as the actuators feel it: a rail's theta_offset has that of e_z in it.
 double felt_std(const Robot& robot, const Tolerances& tolerances, Source source);
 
 /// The base turned by a small rotation about the origin, rad:
