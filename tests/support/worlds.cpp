@@ -76,7 +76,7 @@ class Truth {
     Joints joints = believed_joints(robot_, station);
     for (Eigen::Index k = 0; k < joints.size(); ++k) {
       const double q = joints(k);
-      joints(k) += lever * world_.encoder_once_a_turn * std::sin(q / turn);
+      if (k == 0 || !world_.one_drive) joints(k) += lever * world_.encoder_once_a_turn * std::sin(q / turn);
       if (world_.backlash > 0.0) joints(k) += lever * (random_.uniform() < 0.5 ? -world_.backlash : world_.backlash);
     }
     const Machine& machine = warm ? warm_ : cold_;
@@ -292,6 +292,10 @@ std::vector<World> wrong_worlds() {
           {.name = "backlash 0.005 deg", .backlash = to_radians(0.005)},
           {.name = "backlash 0.02 deg, noise known", .noise_is_known = true, .backlash = to_radians(0.02)},
           {.name = "encoder 0.01 deg a turn", .encoder_once_a_turn = to_radians(0.01), .errors_cannot_be_told = true},
+          {.name = "encoder 0.01 deg a turn, one drive",
+           .encoder_once_a_turn = to_radians(0.01),
+           .one_drive = true,
+           .errors_cannot_be_told = true},
           {.name = "arms warm up 1e-4", .warm_drives = 1e-4, .errors_cannot_be_told = true},
           {.name = "sag 0.05 mm", .sag_at_rim = 0.05, .errors_cannot_be_told = true},
           {.name = "scale 20 ppm", .scale = 2e-5, .errors_cannot_be_told = true},

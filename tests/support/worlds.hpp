@@ -26,6 +26,7 @@ struct World {
   // Of a carriage an angle is what it takes at the end of a rod.
   double backlash = 0.0;  ///< rad: each joint stands this much to one side at a pose, at every visit the same
   double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley
+  bool one_drive = false;            ///< the encoder of the first drive alone is so
   double warm_drives = 0.0;          ///< arms are longer, or carriages run farther, by this share, from half way on
   double sag_at_rim = 0.0;           ///< mm, proportional to the radius
   double scale = 0.0;                ///< of the instrument, m/m
