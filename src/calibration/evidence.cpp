@@ -211,13 +211,14 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   calibration.before = summarize_fit(nominal, before->placed());
   calibration.after = summarize_fit(observation, after->placed());
   const Eigen::Index rows = has_priors(observation) ? 0 : after->information().row_count();
+  const double found = found_parameters(fit, rows, scatter);
   calibration.chance = chance_of(before->information().squared_residuals() - answer.at_answer.squared_residuals(),
-                                 found_parameters(fit, rows, scatter), scatter, all_stated(observation));
+                                 found, scatter, all_stated(observation));
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
   calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
   calibration.orientation_noise = orientation_noise(observation);
   add_suspects(measurements, observation, after->placed(), suspects, calibration);
-  state_guided_scatter(observation, after->placed(), calibration);
+  state_guided_scatter(observation, after->placed(), found, calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);
   state_use(fit, calibration);

@@ -51,13 +51,13 @@ Squares squares_of(const Observation& observation, const Placed& at) {
 
 }  // namespace
 
-void state_guided_scatter(const Observation& observation, const Placed& at, Calibration& calibration) {
+void state_guided_scatter(const Observation& observation, const Placed& at, double found, Calibration& calibration) {
   constexpr double kFewest = 3.0, kSeen = 1e-6;  // degrees of freedom, mm
   const Robot& robot = observation.robot();
   if (!robot.nominal().has_guides() || !robot.geometry().freedoms.holds_z()) return;
   const Squares squares = squares_of(observation, at);
   const double across = squares.poses - 3.0 * squares.series;
-  const double within = 2.0 * squares.poses - static_cast<double>(calibration.rank) - 3.0 * squares.series;
+  const double within = 2.0 * squares.poses - found - 3.0 * squares.series;
   if (across < kFewest || within < kFewest) return;
   const double of_across = squares.across / across, of_within = squares.within / within;
   const double mm = std::sqrt(squares.poses / squares.weight);  // a typical standard deviation of a pose's mean

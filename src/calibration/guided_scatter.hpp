@@ -10,9 +10,10 @@ namespace paracal::detail {
 /// bent, or a carriage that lifts, takes the plate across the plane, where no error of the machine and no joint moves
 /// it. The means of each pose's residuals, mm over their sigma, scatter across the plane and within it,
 ///
-///   F = (squares across / (n - 3)) / (squares within / (2 n - rank - 3))        3 a series: its plane, and its place
+///   F = (squares across / (n - 3)) / (squares within / (2 n - found - 3))       3 a series: its plane, and its place
 ///
+/// with as many errors of the machine as were found, those that priors hold in part (found_parameters in spread.hpp),
 /// and where chance alone would show as much less often than options.tell_chance, a note says so: U holds in the plane.
-void state_guided_scatter(const Observation& observation, const Placed& at, Calibration& calibration);
+void state_guided_scatter(const Observation& observation, const Placed& at, double found, Calibration& calibration);
 
 }  // namespace paracal::detail
