@@ -264,7 +264,8 @@ std::optional<double> scatter_within(const Calibration& found) {
 
 /// Written down before: where a table is bent by 0.1 mm at the rim, 95 % of machines say so and name about that much,
 /// and U in use holds in the plane in 90 %; of flat tables it is said in 1 % at most. What is said to scatter in the
-/// plane is the noise of 0.01 mm there, to 5 % in the mean.
+/// plane is the noise of 0.01 mm there, in the mean of machines to 5 % or, of few machines (36 degrees of freedom or
+/// more each), to three of its standard errors.
 TEST_P(GuidedLaw, ABentTableIsSaid) {
   const int machines = test::machines(200);
   const Measurements points = plan(30);
@@ -287,7 +288,7 @@ TEST_P(GuidedLaw, ABentTableIsSaid) {
   EXPECT_GE(share(said), 0.95);
   EXPECT_GE(share(held), 0.90 - 3.0 * std::sqrt(0.09 / std::max(machines, 1)));
   EXPECT_LE(wrongly, std::max(1, machines / 100));
-  EXPECT_NEAR(within / std::max(said, 1), 0.01, 5e-4);
+  EXPECT_NEAR(within / std::max(said, 1), 0.01, 0.01 * std::max(0.05, 3.0 / std::sqrt(2.0 * 36.0 * machines)));
 }
 
 /// One point that is off by 5 mm across the plane is a gross reading, not a table.
