@@ -21,7 +21,7 @@
 namespace paracal {
 namespace {
 
-using testing::IsEmpty, testing::Not, testing::SizeIs;
+using testing::IsEmpty, testing::SizeIs;
 
 const std::atomic<bool> kNeverStop = false;
 
