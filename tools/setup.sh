@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing: setup.sh [run|python|package|test|live|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
-# alone), then, but for site, the npm packages that web/package-lock.json pins, those of tests with the groups test and live alone. Quiet, and quick when there is nothing to do.
+# alone); then, for test and live, the npm packages that web/package-lock.json pins. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -35,11 +35,8 @@ if ((${#missing[@]})); then
     apt-get install -y --no-install-recommends "${missing[@]}"
 fi
 
-[[ $group != site ]] || exit 0
-omitted=(--omit=dev)
-[[ $group == test || $group == live ]] && omitted=()
-here=../web/node_modules
-if [[ ! $here/.package-lock.json -nt ../web/package-lock.json || ( ${#omitted[@]} -eq 0 && ! -d $here/typescript ) ]]; then
+[[ $group == test || $group == live ]] || exit 0
+if [[ ! ../web/node_modules/.package-lock.json -nt ../web/package-lock.json || ! -x ../web/node_modules/.bin/tsc ]]; then
   echo "installing the npm packages of web/package-lock.json"
-  quietly "npm ci" npm --prefix ../web ci "${omitted[@]}"
+  quietly "npm ci" npm --prefix ../web ci
 fi

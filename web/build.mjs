@@ -1,8 +1,8 @@
-// Makes the page of reports: node build.mjs OUTPUT NOTICES. Style and program go into template.html, so that the page is one
+// Makes the page of reports: node build.mjs FOLDER writes report.html. Style and program go into template.html, so that the page is one
 // file that needs no network; its policy names the program's hash, so that nothing else can run in it. The licences of what
-// is in the program stand in the page and in the file NOTICES.
+// is in the program stand in the page and in licences_of_the_page.txt. The same sources and package-lock.json make the same bytes.
 import { mkdirSync, writeFileSync } from "node:fs";
-import { dirname } from "node:path";
+import { join } from "node:path";
 import { bundled, filled, hashOf, notices, withinHtml, withinScript } from "./bundle.mjs";
 
 const [style, bundle] = await Promise.all([bundled("src/style.css"), bundled("src/main.ts")]);
@@ -15,7 +15,7 @@ const page = filled("src/template.html", {
   PARACAL_REPORT_HASH: hashOf(program),
 });
 
-const [output, noticesFile] = process.argv.slice(2);
-mkdirSync(dirname(output), { recursive: true });
-writeFileSync(output, page);
-writeFileSync(noticesFile, licences);
+const folder = process.argv[2];
+mkdirSync(folder, { recursive: true });
+writeFileSync(join(folder, "report.html"), page);
+writeFileSync(join(folder, "licences_of_the_page.txt"), licences);

@@ -25,8 +25,8 @@ const copyright = (name) => `${name}\n\n${readFileSync(`/usr/share/doc/${name}/c
 
 const [style, page, worker] = await Promise.all(["src/live/live.css", "src/live/main.ts", "src/live/worker.ts"].map(bundled));
 const program = withinScript(page.text);
-const licences = ["The program itself: paracal --licenses, in the line of the command.", ...withWebAssembly.map(copyright), built("apps/paracal/licences_of_the_page.txt").toString(), notices(page.inputs)];
-const reportHash = /script-src ('sha256-[^']+')/.exec(built("apps/paracal/report.html"))[1];
+const licences = ["The program itself: paracal --licenses, in the line of the command.", ...withWebAssembly.map(copyright), readFileSync(new URL("built/licences_of_the_page.txt", import.meta.url), "utf8"), notices(page.inputs)];
+const reportHash = /script-src ('sha256-[^']+')/.exec(readFileSync(new URL("built/report.html", import.meta.url), "utf8"))[1];
 const text = filled("src/live/template.html", {
   PARACAL_STYLE: style.text,
   PARACAL_NOTICES: withinHtml(licences.filter(Boolean).join(`\n${"-".repeat(60)}\n\n`)),
