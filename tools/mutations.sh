@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
-# Whether the tests notice what they are there for: mutations.sh [K/N]. Builds a copy of the sources that holds every mutation of
-# tools/mutations.txt, asleep; wakes one after the other (every N-th, from the K-th on) and expects one of the tests named with it to fail.
+# Whether the tests notice what they are there for: mutations.sh [K/N [FILES]]. Builds a copy of the sources that holds every mutation of
+# tools/mutations.txt, asleep; wakes one after the other (every N-th, from the K-th on; with 0/N none, it only builds) and expects one of the tests named
+# with it to fail. With FILES, a pattern as 'src/calibration/*', those of these files alone. With PARACAL_EVERY_MACHINE the tests have all their machines.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-share=${1:-1/1}
+share=${1:-1/1} pattern=${2:-*}
 build=$PWD/build/mutations
 tree=$build/tree
 mkdir -p "$tree"
-# What an earlier run changed is copied again.
-{ grep -rlZ '^static bool awake' "$tree/src" 2>/dev/null || true; } | xargs -0 -r touch -d @0
-git ls-files -z --cached --others --exclude-standard | xargs -0 cp --parents -u -t "$tree"
+# All but the files with mutations; those that had some before, too.
+grep -oE '^[^# ]+' tools/mutations.txt | sort -u >"$build/mutated"
+{ grep -rl '^static bool awake' "$tree/src" 2>/dev/null || true; } | sed "s#^$tree/##" | { grep -vxFf "$build/mutated" || true; } | sed "s#^#$tree/#" | xargs -r touch -d @0
+git ls-files --cached --others --exclude-standard | grep -vxFf "$build/mutated" | xargs -d '\n' cp --parents -u -t "$tree"
 
 # Asleep: an expression that is itself, or another where the environment says so. Nothing is to be compiled again for each.
 readonly kAwake='#include <cstdlib>
@@ -19,9 +21,13 @@ static bool awake(int mutation) {
   return chosen != nullptr && std::atoi(chosen) == mutation;
 }
 '
-mutations=() tests=() programs=()  # "FILE: EXPRESSION => OTHER"; what is to notice it; where those are
+mutations=() tests=() programs=() of_files=()  # "FILE: EXPRESSION => OTHER"; what is to notice it; where those are; of them, those of FILES
 file='' program='' filter='' original='' text='' before=()
-put_back() { [[ -z $file || $kAwake$text == "$(<"$tree/$file")" ]] || printf '%s\n' "$kAwake$text" >"$tree/$file"; }
+put_back() {
+  [[ -n $file ]] || return 0
+  mkdir -p "$tree/$(dirname "$file")"
+  [[ $kAwake$text == "$(cat "$tree/$file" 2>/dev/null)" ]] || printf '%s\n' "$kAwake$text" >"$tree/$file"
+}
 while IFS= read -r line; do
   case $line in
     '' | '#'*) ;;
@@ -40,6 +46,8 @@ while IFS= read -r line; do
       done
       before+=("$old => $new")
       mutations+=("$file: $old => $new") tests+=("$filter") programs+=("$program")
+      # shellcheck disable=SC2053  # a pattern it is
+      [[ $file != $pattern ]] || of_files+=($((${#mutations[@]} - 1)))
       asleep="!awake(${#mutations[@]}) ? ($old) : ($new)"
       [[ $new == nothing ]] && asleep="!awake(${#mutations[@]}) ? void($old) : void()"
       text=${text/"$old"/"($asleep)"}
@@ -53,9 +61,17 @@ while IFS= read -r line; do
 done <tools/mutations.txt
 put_back
 
-[[ -f $build/ci/build.ninja ]] || cmake -S "$tree" --preset release -B "$build/ci" >"$build/log" 2>&1 || { cat "$build/log" >&2; exit 1; }
-mapfile -t targets < <(printf '%s\n' "${programs[@]}" | sort -u)
-cmake --build "$build/ci" --target "${targets[@]}" >"$build/log" 2>&1 || { cat "$build/log" >&2; exit 1; }
+((${#of_files[@]})) || { echo "mutations.txt: expected mutations of $pattern, got none" >&2; exit 2; }
+chosen=()
+for ((k = ${share%/*} - 1; k < ${#of_files[@]}; k += ${share#*/})); do ((k < 0)) && break || chosen+=("${of_files[k]}"); done
+wanted=("${chosen[@]}")
+((${#chosen[@]})) || wanted=("${of_files[@]}")
+
+quietly() { "$@" >"$build/log" 2>&1 || { cat "$build/log" >&2; exit 1; }; }
+# Each file by itself: what is at the head of each would clash.
+quietly cmake -S "$tree" --preset release -B "$build/ci" -DPARACAL_UNITY=OFF -DCMAKE_UNITY_BUILD=OFF
+mapfile -t targets < <(for k in "${wanted[@]}"; do echo "${programs[k]}"; done | sort -u)
+quietly cmake --build "$build/ci" --target "${targets[@]}"
 
 awaken() {  # MUTATION PROGRAM TESTS: 0 where a test fails
   ! PARACAL_MUTATION=$1 timeout 600 "$build/ci/tests/$2" --gtest_filter="$3" --gtest_fail_fast --gtest_brief=1 >"$build/$1.log" 2>&1
@@ -66,22 +82,24 @@ try() {
 export build
 export -f awaken try
 : >"$build/survivors"
-mapfile -t all < <(for k in "${!mutations[@]}"; do printf '%s\n' "${programs[k]} ${tests[k]}"; done | sort -u)
+mapfile -t all < <(for k in "${chosen[@]}"; do printf '%s\n' "${programs[k]} ${tests[k]}"; done | sort -u)
+mkdir -p "$build/passed"
 for one in "${all[@]}"; do
   read -r program filter <<<"$one"
+  passed=$build/passed/$(cksum <<<"${PARACAL_EVERY_MACHINE:-} $one" | cut -d ' ' -f 1)
+  [[ ! $passed -nt $build/ci/tests/$program ]] || continue  # another share has seen it
   if awaken 0 "$program" "$filter"; then
     cat "$build/0.log" >&2
     echo "mutations: without any, expected $one to pass" >&2
     exit 1
   fi
+  touch "$passed"
 done
-tried=0
-for ((k = ${share%/*} - 1; k < ${#mutations[@]}; k += ${share#*/})); do
+for k in "${chosen[@]}"; do
   printf '%s\0' $((k + 1)) "${programs[k]}" "${tests[k]}"
-  ((++tried))
-done | xargs -0 -P "$(nproc)" -n 3 bash -c 'try "$@"' try
+done | xargs -r -0 -P "$(nproc)" -n 3 bash -c 'try "$@"' try
 while read -r survivor; do
   echo "no test of ${tests[survivor - 1]} notices ${mutations[survivor - 1]}" >&2
 done < <(sort -n "$build/survivors")
-echo "mutations: $share of ${#mutations[@]} tried, $(wc -l <"$build/survivors") survived"
+echo "mutations: ${#chosen[@]} of ${#mutations[@]} tried, $(wc -l <"$build/survivors") survived"
 [[ ! -s $build/survivors ]]
