@@ -1,21 +1,98 @@
 #!/usr/bin/env bash
-# Everything that .ci/run checks, statistical tests with all their machines (.ci/run: a quarter), and clang-tidy over every file (.ci/run: those
-# of the last commits, without its analyzer); then all that is too long for .ci/run, and the site: every check of clang's sanitizers, those of GCC, the live page, the coverage, a minute of each fuzz target,
-# and whether the tests notice every mutation of mutations.txt.
+# All that is too long for .ci/run, in the parts of tools/checks.txt: check_all.sh runs those that have not passed with the inputs that they have now, so
+# it goes on where it was interrupted; check_all.sh PART... runs these, whether they passed or not (a part with all its shares, or one: mutations.3);
+# check_all.sh --list says which there are and at which commit they passed. A part that fails stops no other. Records and what the parts print: build/checks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-PARACAL_EVERY_MACHINE=1 PARACAL_TIDY_ALL=1 .ci/run
-for preset in asan-all asan-gcc; do
-  tools/part.sh "build, $preset" tools/build.sh "$preset"
-  tools/part.sh "tests, $preset" tools/every_test.sh "$preset"
+checks=build/checks
+mkdir -p "$checks"
+names=() inputs=() commands=()
+declare -A paths states
+part() { names+=("$1") inputs+=("$2") commands+=("${3//'{}'/${4:-}}"); }
+while IFS='|' read -r name shares input command; do
+  case $name in
+    '' | '#'*) continue ;;
+    @*) read -r name _ input <<<"$name" ;;
+  esac
+  words=()
+  for word in $input; do words+=("${paths[$word]:-$word}"); done
+  if [[ $name == @* ]]; then
+    paths[$name]=${words[*]}
+    continue
+  fi
+  name=${name// /}
+  read -ra shares <<<"$shares"
+  if [[ ${shares[*]} =~ ^[0-9]+$ ]]; then
+    for ((k = 1; k <= shares; ++k)); do part "$name.$k" "${words[*]}" "$command" "$k/$shares"; done
+  elif ((${#shares[@]})); then
+    for share in "${shares[@]}"; do part "$name.$share" "${words[*]}" "$command" "$share"; done
+  else
+    part "$name" "${words[*]}" "$command"
+  fi
+done <"${PARACAL_CHECKS:-tools/checks.txt}"
+
+# A hash of the files below paths, as they are now, committed or not; one that was removed is none.
+state() {
+  local from
+  read -ra from <<<"$1"
+  git ls-files --cached --others --exclude-standard --deduplicate -- "${from[@]}" | { xargs -d '\n' -r sha256sum 2>/dev/null || true; } | LC_ALL=C sort | sha256sum | cut -d ' ' -f 1
+}
+key() { sha256sum <<<"$1 $2" | cut -d ' ' -f 1; }  # STATE COMMAND
+# The record of a part is "KEY COMMIT WALL CPU" of when it passed.
+passed() {  # INDEX: whether it passed with the inputs that it has now
+  local of=${inputs[$1]} hash
+  read -r hash _ 2>/dev/null <"$checks/${names[$1]}.passed" || return 1
+  states[$of]=${states[$of]:-$(state "$of")}
+  [[ $hash == "$(key "${states[$of]}" "${commands[$1]}")" ]]
+}
+
+chosen=()
+for k in "${!names[@]}"; do
+  if [[ ${1:-} == --list ]]; then
+    if passed "$k"; then
+      read -r _ commit wall cpu <"$checks/${names[k]}.passed"
+      echo "${names[k]}: passed at $commit, $wall s, $cpu CPU-s"
+    else
+      echo "${names[k]}: to be run"
+    fi
+  elif (($# == 0)); then
+    passed "$k" || chosen+=("$k")
+  else
+    for one; do [[ ${names[k]} != "$one" && ${names[k]%.*} != "$one" ]] || chosen+=("$k"); done
+  fi
 done
-tools/part.sh "site" tools/site.sh
-tools/part.sh "packages" tools/check_package.sh ci
-tools/setup.sh live
-tools/part.sh "live page" tools/live_page.sh test
-tools/part.sh "coverage" tools/coverage.sh
-tools/part.sh "fuzzing" tools/fuzz.sh 60
-tools/part.sh "mutations" tools/mutations.sh
-echo "slowest parts:"
-sort -rn build/parts.txt | head -n 5
+[[ ${1:-} != --list ]] || exit 0
+for one; do
+  printf '%s\n' "${names[@]}" | grep -qxE "$one|${one//./\\.}\..*" || { echo "check_all: expected a part of tools/checks.txt, got $one" >&2; exit 2; }
+done
+
+tools/setup.sh
+echo "check_all: ${#chosen[@]} of ${#names[@]} parts to be run"
+running=
+trap '[[ -z $running ]] || kill -TERM -- "-$running"; echo "check_all: interrupted" >&2; exit 130' INT TERM
+set -m  # each part is a process group, so that all of it ends when this does
+failed=()
+for k in "${chosen[@]}"; do
+  name=${names[k]}
+  record=$checks/$name.passed
+  rm -f "$record" "$checks/parts"
+  before=$(state "${inputs[k]}")
+  PARACAL_PARTS=$checks/parts tools/part.sh "$name" bash -c "${commands[k]}" </dev/null >"$checks/$name.log" 2>&1 &
+  running=$!
+  code=0
+  wait "$running" || code=$?
+  running=
+  read -r wall cpu _ <"$checks/parts"
+  if ((code)); then
+    failed+=("$name")
+    echo "failed $name, $wall s, $cpu CPU-s:"
+    tail -n 20 "$checks/$name.log" | sed 's/^/  /'
+    continue
+  fi
+  echo "passed $name, $wall s, $cpu CPU-s"
+  [[ $(state "${inputs[k]}") == "$before" ]] || continue  # changed meanwhile: what passed is unknown
+  echo "$(key "$before" "${commands[k]}") $(git describe --always --abbrev=12 --dirty --exclude '*') $wall $cpu" >"$record.new"
+  mv "$record.new" "$record"
+done
+((${#failed[@]} == 0)) || { echo "check_all: failed: ${failed[*]}; what they printed is in $checks" >&2; exit 1; }

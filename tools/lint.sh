@@ -17,7 +17,6 @@ echo "tsc: web/ clean"
 
 cmake --preset tidy >/dev/null
 passed=build/lint/passed
-mkdir -p build/lint
 since=$(cat "$passed" 2>/dev/null || true)
 git merge-base --is-ancestor "${since:-none}" HEAD 2>/dev/null || since=HEAD~10
 units() {  # of these patterns, those to look at
