@@ -12,7 +12,7 @@ mkdir -p "$tree"
 # All but the files with mutations; those that had some before, too.
 grep -oE '^[^# ]+' tools/mutations.txt | sort -u >"$build/mutated"
 { grep -rl '^static bool awake' "$tree/src" 2>/dev/null || true; } | sed "s#^$tree/##" | { grep -vxFf "$build/mutated" || true; } | sed "s#^#$tree/#" | xargs -r touch -d @0
-git ls-files --cached --others --exclude-standard | grep -vxFf "$build/mutated" | xargs -d '\n' cp --parents -u -t "$tree"
+git ls-files --cached --others --exclude-standard | grep -vxFf "$build/mutated" | xargs -d '\n' cp --parents --no-dereference -u -t "$tree"
 
 # Asleep: an expression that is itself, or another where the environment says so. Nothing is to be compiled again for each.
 readonly kAwake='#include <cstdlib>
@@ -22,12 +22,8 @@ static bool awake(int mutation) {
 }
 '
 mutations=() tests=() programs=() of_files=()  # "FILE: EXPRESSION => OTHER"; what is to notice it; where those are; of them, those of FILES
+declare -A texts befores  # by file, which may stand more than once
 file='' program='' filter='' original='' text='' before=()
-put_back() {
-  [[ -n $file ]] || return 0
-  mkdir -p "$tree/$(dirname "$file")"
-  [[ $kAwake$text == "$(cat "$tree/$file" 2>/dev/null)" ]] || printf '%s\n' "$kAwake$text" >"$tree/$file"
-}
 while IFS= read -r line; do
   case $line in
     '' | '#'*) ;;
@@ -39,7 +35,7 @@ while IFS= read -r line; do
         exit 2
       fi
       for one in "${before[@]}"; do
-        if [[ ${one#*' => '} == *"$old"* && ${one%%' => '*} != *"$old"* ]]; then
+        if [[ -n $one && ${one#*' => '} == *"$old"* && ${one%%' => '*} != *"$old"* ]]; then
           echo "mutations.txt: expected $old of $file before $one, which brings it in" >&2
           exit 2
         fi
@@ -51,15 +47,19 @@ while IFS= read -r line; do
       asleep="!awake(${#mutations[@]}) ? ($old) : ($new)"
       [[ $new == nothing ]] && asleep="!awake(${#mutations[@]}) ? void($old) : void()"
       text=${text/"$old"/"($asleep)"}
+      texts[$file]=$text befores[$file]+=$'\n'"$old => $new"
       ;;
     *)
-      put_back
       read -r file program filter <<<"$line"
-      original=$(<"$file") text=$original before=()
+      original=$(<"$file") text=${texts[$file]:-$original}
+      mapfile -t before <<<"${befores[$file]:-}"
       ;;
   esac
 done <tools/mutations.txt
-put_back
+for file in "${!texts[@]}"; do
+  mkdir -p "$tree/$(dirname "$file")"
+  [[ $kAwake${texts[$file]} == "$(cat "$tree/$file" 2>/dev/null)" ]] || printf '%s\n' "$kAwake${texts[$file]}" >"$tree/$file"
+done
 
 ((${#of_files[@]})) || { echo "mutations.txt: expected mutations of $pattern, got none" >&2; exit 2; }
 chosen=()
