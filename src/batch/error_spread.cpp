@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "batch_surrogate.hpp"
+#include "numerics/distributions.hpp"
 
 namespace paracal {
 namespace {
@@ -190,7 +190,7 @@ double ErrorSpread::variance_within(double value) const {
 
 Interval ErrorSpread::quantile_interval(double share, double confidence) const {
   if (total_ == 0.0) return {quantile(share), quantile(share)};
-  const double z = boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
+  const double z = detail::two_sided_quantile(confidence);
   const double half = z * std::sqrt(variance_within(quantile(share)));
   return {quantile(std::max(share - half, 0.0)), quantile(std::min(share + half, 1.0))};
 }

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <functional>
 
+#include "numerics/dense.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
 #include "placement.hpp"
 #include "square_root.hpp"
-#include "tails.hpp"
 #include "visits.hpp"
 
 namespace paracal::detail {
@@ -85,9 +86,9 @@ class FollowingSetUp {
     const auto n = static_cast<Eigen::Index>(set_up_.size());
     Eigen::MatrixXd ordered(root.rows(), root.cols());
     ordered << root(Eigen::all, set_up_), root(Eigen::all, rest_);
-    const Eigen::MatrixXd upper = ordered.householderQr().matrixQR().triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd upper = upper_of_qr(ordered);
     inverse_.resize(n, n);  // Eigen decomposes nothing that is empty
-    if (n > 0) inverse_ = upper.topLeftCorner(n, n).completeOrthogonalDecomposition().pseudoInverse();
+    if (n > 0) inverse_ = pseudo_inverse(upper.topLeftCorner(n, n));
     follows_ = inverse_ * upper.topRightCorner(n, root.cols() - n);
   }
 

@@ -4,11 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <utility>
 
 #include "component_candidates.hpp"
+#include "numerics/distributions.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -79,8 +79,7 @@ class Finder {
   /// A variance that may only grow: half the probability that a chi-square of one degree of freedom is larger
   /// [self-liang1987].
   Component described(const Admitted& one) const {
-    const double chance =
-        boost::math::cdf(boost::math::complement(boost::math::normal_distribution<>(), std::sqrt(one.drop)));
+    const double chance = normal_tail(std::sqrt(one.drop));
     const double size = one.what.size(fit_);
     std::string text = one.what.say(fit_, size);
     if (!one.equals.empty()) {

@@ -1,15 +1,15 @@
 #include "distance_geometry.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "numerics/dense.hpp"
 #include "paracal/calibration/rigid_fit.hpp"
 
 namespace paracal::detail {
 namespace {
 
-constexpr double kRounding = 0.005;  // mm: distances printed to 0.01 mm
+constexpr double kPrintedRounding = 0.005;  // mm: distances printed to 0.01 mm
 
 /// Stations that the distances join, in order; empty unless every pair of at least 5 of them is there, and no sigma is
 /// stated. (4 points have as many distances as distances can tell of them.)
@@ -33,10 +33,10 @@ Eigen::MatrixXd points_of(const Eigen::MatrixXd& distances) {
   Eigen::MatrixXd gram = -0.5 * distances.cwiseAbs2();
   gram.colwise() -= gram.rowwise().mean().eval();
   gram.rowwise() -= gram.colwise().mean().eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen eigen = symmetric_eigen(gram);
   constexpr double kFlat = 0.02 * 0.02;  // of the largest extent, squared
-  if (!(eigen.eigenvalues()(gram.rows() - 3) > kFlat * eigen.eigenvalues()(gram.rows() - 1))) return {};
-  return eigen.eigenvectors().rightCols<3>() * eigen.eigenvalues().tail<3>().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  if (!(eigen.values(gram.rows() - 3) > kFlat * eigen.values(gram.rows() - 1))) return {};
+  return eigen.vectors.rightCols<3>() * eigen.values.tail<3>().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 double rms_misfit(const Eigen::MatrixXd& points, const Eigen::MatrixXd& distances) {
@@ -87,7 +87,7 @@ std::optional<Measurements> as_points(const Measurements& measurements) {
     if (k == 0 && reading.rotation) rotations[static_cast<std::size_t>(i)] = -*reading.rotation;
   }
   const Eigen::MatrixXd points = points_of(distances);
-  if (points.size() == 0 || !(rms_misfit(points, distances) < kRounding)) return std::nullopt;
+  if (points.size() == 0 || !(rms_misfit(points, distances) < kPrintedRounding)) return std::nullopt;
   std::vector<Eigen::Vector3d> commanded;
   commanded.reserve(stations.size());
   for (const std::size_t station : stations) commanded.push_back(measurements.stations[station].commanded.position);

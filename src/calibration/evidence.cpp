@@ -8,9 +8,9 @@
 #include "considered.hpp"
 #include "guided_scatter.hpp"
 #include "null_space.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "spread.hpp"
-#include "tails.hpp"
 #include "verdict.hpp"
 
 namespace paracal::detail {

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "tails.hpp"
+#include "numerics/distributions.hpp"
+
 
 namespace paracal::detail {
 namespace {

@@ -75,7 +75,7 @@ Calibration finished(const Measurements& used, const detail::StageFit& stage, Ca
 }
 
 /// A fit, and what its components of variance came to.
-struct Explanation {
+struct StageExplanation {
   detail::StageFit fit;
   std::vector<Component> components;
 };
@@ -84,7 +84,7 @@ struct Explanation {
 /// each time from the fit without any, until the same readings stay out.
 /// @param fit  without components, its gross errors left out, or none yet.
 /// @param rounds  after which the last answer is taken.
-Explanation explained(const detail::StageFit& without, detail::StageFit fit, const CalibrationOptions& options,
+StageExplanation explained(const detail::StageFit& without, detail::StageFit fit, const CalibrationOptions& options,
                       int rounds = 4) {
   std::vector<Component> components = detail::find_components(fit, options);
   if (components.empty() || !options.exclude_outliers || rounds == 0) return {std::move(fit), std::move(components)};
@@ -111,11 +111,11 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   const detail::StageFit without = stage;
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
   const bool left_out = stage.kept() != without.kept();
-  std::vector<Explanation> all;
+  std::vector<StageExplanation> all;
   all.push_back(explained(without, std::move(stage), options));
   if (left_out) all.push_back(explained(without, without, options));
   const bool other = left_out && !all[1].components.empty() && likelier(all[1].fit, all[0].fit);
-  Explanation& found = all[other ? 1 : 0];
+  StageExplanation& found = all[other ? 1 : 0];
   calibration.components = std::move(found.components);
   return finished(used, found.fit, std::move(calibration));
 }

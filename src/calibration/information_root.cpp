@@ -1,8 +1,9 @@
 #include "paracal/calibration/information_root.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "numerics/dense.hpp"
 
 namespace paracal {
 namespace {
@@ -98,14 +99,14 @@ Spectrum analyse(const Eigen::MatrixXd& root, double rank_tolerance, const Eigen
   spectrum.scale = scale.size() > 0 ? scale : Eigen::VectorXd(root.colwise().norm());
   spectrum.scale = (spectrum.scale.array() > 0.0).select(spectrum.scale, 1.0);
   const Eigen::VectorXd unscale = spectrum.scale.cwiseInverse();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(root * unscale.asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeFullV);
-  spectrum.singular_values = svd.singularValues();
+  const detail::SingularValues svd = detail::singular_values(root * unscale.asDiagonal());
+  spectrum.singular_values = svd.values;
   const Eigen::VectorXd& s = spectrum.singular_values;
   while (spectrum.rank < s.size() && s(spectrum.rank) > rank_tolerance * s(0)) ++spectrum.rank;
   const Eigen::MatrixXd seen =
-      unscale.asDiagonal() * svd.matrixV().leftCols(spectrum.rank) * s.head(spectrum.rank).cwiseInverse().asDiagonal();
+      unscale.asDiagonal() * svd.right.leftCols(spectrum.rank) * s.head(spectrum.rank).cwiseInverse().asDiagonal();
   spectrum.covariance = seen * seen.transpose();
-  spectrum.null_space = unscale.asDiagonal() * svd.matrixV().rightCols(svd.matrixV().cols() - spectrum.rank);
+  spectrum.null_space = unscale.asDiagonal() * svd.right.rightCols(svd.right.cols() - spectrum.rank);
   spectrum.null_space.colwise().normalize();
   return spectrum;
 }

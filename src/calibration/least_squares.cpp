@@ -1,9 +1,10 @@
 #include "paracal/calibration/least_squares.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "numerics/dense.hpp"
 
 namespace paracal {
 namespace {
@@ -28,10 +29,7 @@ Eigen::MatrixXd steps_of_changes(const Eigen::MatrixXd& root, double rank_tolera
   const Eigen::MatrixXd scaled = root * unscale.asDiagonal();
   const Eigen::MatrixXd inverse = certain_inverse(scaled, rank_tolerance);
   if (inverse.size() > 0) return unscale.asDiagonal() * inverse;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(rank_tolerance);
-  decomposition.compute(scaled);
-  return unscale.asDiagonal() * decomposition.pseudoInverse();
+  return unscale.asDiagonal() * detail::pseudo_inverse(scaled, rank_tolerance);
 }
 
 /// Damped Gauss-Newton steps from one linearization.
@@ -52,7 +50,7 @@ class Steps {
     rows << std::sqrt(lambda) * (damping_scale_.asDiagonal() * step_of_change_), Eigen::MatrixXd::Identity(n, n);
     Eigen::VectorXd target(2 * n);
     target << Eigen::VectorXd::Zero(n), -reachable_;
-    return step_of_change_ * Eigen::HouseholderQR<Eigen::MatrixXd>(rows).solve(target);
+    return step_of_change_ * detail::full_rank_solution(rows, target);
   }
 
   /// R dp of a step, by which the residuals change.
@@ -91,12 +89,12 @@ struct Damping {
 
 /// Near the answer a step of size e changes the cost by e^2, which drowns in rounding long before e does: smaller
 /// shares of the cost than this one say nothing about a step.
-constexpr double kRounding = 1e-9;
+constexpr double kRelativeRounding = 1e-9;
 
 /// Raises lambda until the model can be evaluated and the residuals shrink.
 bool descend(const RowModel& model, const Steps& steps, Damping& damping, LeastSquaresResult& result) {
   const double cost = result.at_answer.squared_residuals();
-  const double noise = cost * kRounding;
+  const double noise = cost * kRelativeRounding;
   while (damping.lambda < Damping::kLargest) {
     const Eigen::VectorXd step = steps.step(damping.lambda);
     const Eigen::VectorXd trial = result.parameters + step;
@@ -132,7 +130,7 @@ LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::Vecto
     longest = longest.cwiseMax(column_lengths(result.at_answer.root()));
     const Steps steps(result.at_answer, ones_for_zeros(longest), options.rank_tolerance);
     const double change = steps.change(steps.step(0.0)).norm();
-    hidden = change * change > cost * kRounding ? 0 : hidden + 1;
+    hidden = change * change > cost * kRelativeRounding ? 0 : hidden + 1;
     if (change <= options.step_tolerance * (1.0 + std::sqrt(cost)) || hidden > kMostHidden) {
       result.status = LeastSquaresStatus::converged;
       return result;

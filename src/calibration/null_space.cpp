@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "numerics/dense.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/base_motion.hpp"
@@ -66,8 +66,7 @@ std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtS
 }
 
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), count);
+  return detail::orthonormal_basis(columns).leftCols(count);
 }
 
 /// What of a limb shifts it along an axis of {O}.
@@ -123,7 +122,7 @@ std::string as_mixture(const Robot& robot, const Eigen::VectorXd& direction,
     columns.col(static_cast<Eigen::Index>(k)) = scale.cwiseProduct(components(motions[k].direction, all)).normalized();
   }
   const Eigen::VectorXd whole = scale.cwiseProduct(detail::among(direction, parameters, all)).normalized();
-  const Eigen::VectorXd shares = columns.colPivHouseholderQr().solve(whole);
+  const Eigen::VectorXd shares = detail::least_squares(columns, whole);
   if ((columns * shares - whole).norm() > kInside) return {};
   std::string text;
   for (std::size_t k = 0; k < motions.size(); ++k) {

@@ -1,27 +1,27 @@
 #include "outliers.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "numerics/dense.hpp"
+#include "numerics/distributions.hpp"
 #include "readings/median.hpp"
-#include "tails.hpp"
 
 namespace paracal::detail {
 namespace {
 
-constexpr int kMostRows = 7;  // of a reading
-using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+constexpr int kMostReadingRows = 7;  // of a reading
+using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostReadingRows, kMostReadingRows>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostReadingRows, 1>;
 
 /// S^-1 over the directions in which the reading can be checked at all.
 SmallSquare checked_inverse(const SmallSquare& spread) {
   constexpr double kUncheckable = 1e-6;  // of the reading's own variance
-  const Eigen::SelfAdjointEigenSolver<SmallSquare> eigen(spread);
+  const SymmetricEigen eigen = symmetric_eigen(spread);
   const SmallVector inverse =
-      (eigen.eigenvalues().array() > kUncheckable).select(eigen.eigenvalues().cwiseInverse(), 0.0);
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+      (eigen.values.array() > kUncheckable).select(eigen.values.cwiseInverse(), 0.0);
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
 /// How priors give way when a reading in use is left out: unknowns move by d = C J^T S^-1 v, their squares grow by

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -13,21 +12,11 @@
 #include <memory>
 #include <vector>
 
-#include "paracal/calibration/pose_selection.hpp"
+#include "exchange_poses.hpp"
+#include "numerics/dense.hpp"
+#include "paracal/calibration/plan.hpp"
 
 namespace paracal::detail {
-
-/// Candidates as weighted rows over x = (frame and the like | source errors), each in units of its prior, so that the
-/// covariance before measuring is I.
-struct Problem {
-  int rows = 0;                      ///< a candidate
-  Eigen::MatrixXd weighted;          ///< unknowns x (rows x candidates): A_k^T side by side
-  Eigen::MatrixXd goal;              ///< B of the criterion tr(B C)
-  Eigen::VectorXd scale;             ///< of the source errors in x: their prior std
-  Eigen::MatrixXd known_setup = {};  ///< rows [set-up] of what is known of it: the instrument's scale
-  Eigen::MatrixXd visible;           ///< orthonormal directions of x, in the group of interest, that the candidates see
-  Eigen::Index candidates() const { return weighted.cols() / rows; }
-};
 
 inline constexpr int kMostRows = 7;  // two points and a rotation
 
@@ -88,7 +77,7 @@ class Exchange {
   const std::vector<Eigen::Index>& chosen() const { return chosen_; }
 
   double value() const {
-    if (criterion_ == Criterion::volume) return std::log(covariance_.determinant());
+    if (criterion_ == Criterion::volume) return std::log(determinant(covariance_));
     if (criterion_ == Criterion::worst_direction) return worst();
     return goal_.cwiseProduct(covariance_).sum();
   }
@@ -137,7 +126,7 @@ class Exchange {
   void refresh() {
     Eigen::MatrixXd information = Eigen::MatrixXd::Identity(covariance_.rows(), covariance_.rows());
     for (const Eigen::Index k : chosen_) information += of(k) * of(k).transpose();
-    covariance_ = information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+    covariance_ = cholesky_solution(information, Eigen::MatrixXd::Identity(information.rows(), information.cols()));
     if (criterion_ == Criterion::worst_direction) goal_ = towards_worst();
     const Eigen::MatrixXd far = covariance_ * goal_ * covariance_;
     const auto count = static_cast<std::size_t>(problem_->candidates());
@@ -159,11 +148,7 @@ class Exchange {
 
   Eigen::MatrixXd visible_covariance() const { return problem_->visible.transpose() * covariance_ * problem_->visible; }
 
-  double worst() const {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(visible_covariance(), Eigen::EigenvaluesOnly)
-        .eigenvalues()
-        .maxCoeff();
-  }
+  double worst() const { return symmetric_eigenvalues(visible_covariance()).maxCoeff(); }
 
   /// Gradient of tr(C^4), which the largest eigenvalues dominate, scaled to 1: a linear stand-in for the largest.
   Eigen::MatrixXd towards_worst() const {
@@ -233,5 +218,46 @@ class Exchange {
   std::vector<Small> near_, far_;
   std::vector<Eigen::Index> chosen_;
 };
+
+inline Eigen::MatrixXd source_covariance(const Problem& problem, const Eigen::MatrixXd& covariance) {
+  const Eigen::Index n = problem.scale.size();
+  return problem.scale.asDiagonal() * covariance.bottomRightCorner(n, n) * problem.scale.asDiagonal();
+}
+
+template <int Rows>
+Selection exchange_poses(const Robot& robot, const std::vector<Station>& candidates, const SelectionOptions& options,
+                         const Problem& problem, const PoseSpread& spread) {
+  Selection selection;
+  const auto others = static_cast<std::uint64_t>(options.poses - 1);
+  std::uint64_t done = 0;
+  const auto tell = [&, told = options.progress](std::uint64_t sweeps) {
+    ++done;
+    if (told) told(done, others * (1 + sweeps));
+  };
+  Exchange<Rows> exchange(problem, options.criterion);
+  exchange.add(0);
+  while (static_cast<int>(exchange.chosen().size()) < options.poses) {
+    if (options.criterion == Criterion::worst_direction) exchange.refresh();
+    exchange.add(exchange.best_addition());
+    selection.curve.push_back(spread.uncertainty(source_covariance(problem, exchange.covariance())));
+    tell(1);
+  }
+  for (bool better = true; better && selection.sweeps < options.largest_sweeps; ++selection.sweeps) {
+    better = false;
+    for (std::size_t place = 1; place < exchange.chosen().size(); ++place) {
+      const bool helped = exchange.exchange(place);
+      tell(static_cast<std::uint64_t>(selection.sweeps) + 1);
+      if (!helped) continue;
+      better = true;
+      ++selection.exchanges;
+    }
+    exchange.refresh();
+  }
+  for (const Eigen::Index k : exchange.chosen()) selection.stations.push_back(candidates[static_cast<std::size_t>(k)]);
+  selection.criterion = exchange.value();
+  selection.uncertainty = spread.uncertainty(source_covariance(problem, exchange.covariance()));
+  selection.travel = shorten_way(robot, selection.stations);
+  return selection;
+}
 
 }  // namespace paracal::detail

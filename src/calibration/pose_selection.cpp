@@ -2,20 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <vector>
 
+#include "exchange_poses.hpp"
+#include "numerics/dense.hpp"
 #include "observation.hpp"
 #include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
-#include "pose_exchange.hpp"
 #include "sought.hpp"
 
 namespace paracal {
 namespace {
 
-using detail::Exchange, detail::Problem;
+using detail::Problem;
 
 /// Directions of the errors that are to be found (`all`, or the position group) that all candidates together see.
 Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<SoughtSource>& sought, bool all) {
@@ -35,8 +35,7 @@ Eigen::MatrixXd visible_directions(const Problem& problem, const std::vector<Sou
   root.add(known);
   root.add(rows);
   const Spectrum spectrum = analyse(root.root().bottomRightCorner(n, n), kRankTolerance, Eigen::VectorXd::Ones(n));
-  const Eigen::MatrixXd whole =
-      Eigen::MatrixXd(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(spectrum.null_space).householderQ());
+  const Eigen::MatrixXd whole = detail::orthonormal_basis(spectrum.null_space);
   Eigen::MatrixXd visible = Eigen::MatrixXd::Zero(unknowns, spectrum.rank);
   visible(wanted, Eigen::all) = whole.rightCols(spectrum.rank);
   return visible;
@@ -88,47 +87,6 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   return problem;
 }
 
-Eigen::MatrixXd source_covariance(const Problem& problem, const Eigen::MatrixXd& covariance) {
-  const Eigen::Index n = problem.scale.size();
-  return problem.scale.asDiagonal() * covariance.bottomRightCorner(n, n) * problem.scale.asDiagonal();
-}
-
-template <int Rows>
-Selection run(const Robot& robot, const std::vector<Station>& candidates, const SelectionOptions& options,
-              const Problem& problem, const PoseSpread& spread) {
-  Selection selection;
-  const auto others = static_cast<std::uint64_t>(options.poses - 1);
-  std::uint64_t done = 0;
-  const auto tell = [&, told = options.progress](std::uint64_t sweeps) {
-    ++done;
-    if (told) told(done, others * (1 + sweeps));
-  };
-  Exchange<Rows> exchange(problem, options.criterion);
-  exchange.add(0);
-  while (static_cast<int>(exchange.chosen().size()) < options.poses) {
-    if (options.criterion == Criterion::worst_direction) exchange.refresh();
-    exchange.add(exchange.best_addition());
-    selection.curve.push_back(spread.uncertainty(source_covariance(problem, exchange.covariance())));
-    tell(1);
-  }
-  for (bool better = true; better && selection.sweeps < options.largest_sweeps; ++selection.sweeps) {
-    better = false;
-    for (std::size_t place = 1; place < exchange.chosen().size(); ++place) {
-      const bool helped = exchange.exchange(place);
-      tell(static_cast<std::uint64_t>(selection.sweeps) + 1);
-      if (!helped) continue;
-      better = true;
-      ++selection.exchanges;
-    }
-    exchange.refresh();
-  }
-  for (const Eigen::Index k : exchange.chosen()) selection.stations.push_back(candidates[static_cast<std::size_t>(k)]);
-  selection.criterion = exchange.value();
-  selection.uncertainty = spread.uncertainty(source_covariance(problem, exchange.covariance()));
-  selection.travel = shorten_way(robot, selection.stations);
-  return selection;
-}
-
 /// B of the criterion; the worst direction sets its own as it goes.
 Eigen::MatrixXd goal_of(const Robot& robot, const SelectionOptions& options, const Problem& problem,
                         const PoseSpread& spread) {
@@ -156,8 +114,8 @@ Selection select_stations(const Robot& robot, const std::vector<Station>& candid
   const PoseSpread spread(robot, {}, detail::all_with_priors(robot, calibration), workspace_stations(robot));
   problem.goal = goal_of(robot, options, problem, spread);
   // Points alone are the usual case; a size of its own for every other would take minutes to compile.
-  if (problem.rows == 3) return run<3>(robot, candidates, options, problem, spread);
-  return run<Eigen::Dynamic>(robot, candidates, options, problem, spread);
+  if (problem.rows == 3) return detail::exchange_poses<3>(robot, candidates, options, problem, spread);
+  return detail::exchange_poses<Eigen::Dynamic>(robot, candidates, options, problem, spread);
 }
 
 }  // namespace paracal

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "distance_geometry.hpp"
+#include "numerics/dense.hpp"
+#include "numerics/distributions.hpp"
 #include "observation.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
@@ -32,7 +32,7 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
     block.leftCols<3>().setIdentity();
     block.rightCols<3>() << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;
   }
-  return displacements - motions * motions.colPivHouseholderQr().solve(displacements);
+  return displacements - motions * detail::least_squares(motions, displacements);
 }
 
 /// Of the largest |value| of each column, a machine, what a twentieth of the machines exceeds.
@@ -67,7 +67,7 @@ double coverage_factor(double dof) {
   constexpr double kEachTail = 0.02275;  // of a standard normal variable beyond 2
   constexpr double kMany = 1e6;
   if (!(dof < kMany)) return kCoverageFactor;
-  return boost::math::quantile(boost::math::complement(boost::math::students_t_distribution<>(dof), kEachTail));
+  return detail::students_t_quantile(kEachTail, dof);
 }
 
 Eigen::MatrixXd KnownErrors::expanded_covariance() const {

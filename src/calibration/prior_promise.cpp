@@ -1,8 +1,9 @@
 #include "prior_promise.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "numerics/dense.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -24,9 +25,8 @@ double drop_at(const Eigen::VectorXd& squares, const Eigen::VectorXd& known, dou
 PriorPromise::Whitened PriorPromise::whitened(const Level& level, const Eigen::MatrixXd& prior) {
   const Eigen::LLT<Eigen::MatrixXd> root(prior);
   const Eigen::MatrixXd half = root.matrixL().solve(level.covariance);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(root.matrixL().solve(half.transpose()));
-  return {axes.eigenvalues(), axes.eigenvectors().transpose() * root.matrixL().solve(level.errors),
-          root.matrixL() * axes.eigenvectors()};
+  const SymmetricEigen axes = symmetric_eigen(root.matrixL().solve(half.transpose()));
+  return {axes.values, axes.vectors.transpose() * root.matrixL().solve(level.errors), root.matrixL() * axes.vectors};
 }
 
 PriorPromise::PriorPromise(const StageFit& fit) {

@@ -6,9 +6,9 @@ namespace paracal::detail {
 namespace {
 
 /// Rows of the readings of one station and series.
-using Visits = std::vector<Eigen::VectorXd>;
+using VisitMeans = std::vector<Eigen::VectorXd>;
 
-void add_visits(const Visits& visits, Scatter& scatter) {
+void add_visits(const VisitMeans& visits, Scatter& scatter) {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(visits.front().size());
   std::size_t alike = 0;
   for (const Eigen::VectorXd& one : visits) {
@@ -40,7 +40,7 @@ Scatter scatter_of_visits(const Observation& observation, const Eigen::VectorXd&
   Eigen::MatrixXd block;
   for (const std::vector<std::uint32_t>& places : observation.groups_of_stations()) {
     if (places.size() < 2) continue;
-    std::map<std::uint32_t, Visits> by_series;
+    std::map<std::uint32_t, VisitMeans> by_series;
     for (const std::uint32_t g : places) {
       const Group& group = observation.groups()[g];
       if (!group.active) continue;

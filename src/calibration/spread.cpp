@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "numerics/distributions.hpp"
 #include "pair_covariance.hpp"
 #include "paracal/calibration/prediction.hpp"
-#include "tails.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include "numerics/dense.hpp"
 
 namespace paracal::detail {
 
@@ -8,9 +8,8 @@ namespace paracal::detail {
 /// is continuous in C, so that rounding does not draw other machines.
 inline Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
   if (covariance.size() == 0) return covariance;  // Eigen decomposes nothing that is empty
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  return eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace paracal::detail

@@ -1,9 +1,9 @@
 // Rows of the readings, and of those of one station together whose joints may stand elsewhere than the model has them.
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cmath>
+#include <utility>
 
+#include "numerics/dense.hpp"
 #include "observation.hpp"
 
 namespace paracal::detail {
@@ -19,9 +19,7 @@ Eigen::MatrixXd whitened(const StationRows& at, double joint) {
   stacked << at.by_joint, Eigen::MatrixXd::Identity(joints, joints) / joint;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count + joints, at.rows.cols());
   rows.topRows(count) = at.rows;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stacked);
-  rows.applyOnTheLeft(qr.householderQ().adjoint());
-  return rows.bottomRows(count);
+  return turned_by_q(stacked, std::move(rows)).bottomRows(count);
 }
 
 }  // namespace
@@ -91,7 +89,7 @@ StationRows Observation::station_rows(std::size_t station, const std::vector<Sta
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(joints, joints);
   const Eigen::MatrixXd information =
       at.by_joint.transpose() * at.by_joint + one / (components_.joint * components_.joint);
-  at.spread = information.llt().solve(one);
+  at.spread = cholesky_solution(information, one);
   at.smoother = at.spread * at.by_joint.transpose();
   return at;
 }
@@ -179,7 +177,7 @@ double Observation::log_determinant(const Eigen::VectorXd& unknowns) const {
   for (std::size_t s = 0; s < at_station_.size(); ++s) {
     const StationRows at = station_rows(s, *states, unknowns);
     // det(I + s^2 H^T H) = s^2n / det P
-    const Eigen::MatrixXd root = at.spread.llt().matrixL();
+    const Eigen::MatrixXd root = cholesky(at.spread);
     sum += 2.0 * (static_cast<double>(root.rows()) * std::log(components_.joint) - root.diagonal().array().log().sum());
   }
   return sum;

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "kinematics/turns.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/calibration/prediction.hpp"
-#include "tails.hpp"
 
 namespace paracal::detail {
 namespace {

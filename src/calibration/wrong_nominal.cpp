@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "misprint.hpp"
+#include "numerics/dense.hpp"
 #include "reading_mistakes.hpp"
 #include "wrong_pinion.hpp"
 
@@ -89,7 +90,7 @@ CommonPart common_part(const TrialFit& fit, const std::vector<SourceErrors>& dir
   }
   const Eigen::MatrixXd prior = along.transpose() * weighted;
   const Eigen::MatrixXd curvature = prior - weighted.transpose() * fit.covariance * weighted;
-  if (!(curvature.determinant() > kUnseen * prior.diagonal().prod())) return {Eigen::VectorXd::Zero(m)};
+  if (!(determinant(curvature) > kUnseen * prior.diagonal().prod())) return {Eigen::VectorXd::Zero(m)};
   const Eigen::VectorXd pull = weighted.transpose() * fit.errors;
   const Eigen::VectorXd amounts = curvature.ldlt().solve(pull);
   return {amounts, pull.dot(amounts)};

@@ -21,7 +21,7 @@ using compensation_detail::Arms, compensation_detail::choose, compensation_detai
     compensation_detail::Lanes, compensation_detail::sum;
 
 using Limb = CompensatorLimb<Lanes>;
-using Limbs = std::array<Limb, kCompensatorLimbs>;
+using LaneLimbs = std::array<Limb, kCompensatorLimbs>;
 
 Lanes larger(const Lanes& a, const Lanes& b) { return choose(a.values > b.values, a, b); }
 
@@ -33,17 +33,17 @@ bool all(const Lanes::Mask& mask) {
 }
 
 /// The same limbs in every lane.
-Limbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
+LaneLimbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
   constexpr std::size_t kNumbers = sizeof(limbs) / sizeof(double);
   const auto numbers = std::bit_cast<std::array<double, kNumbers>>(limbs);
   std::array<Lanes, kNumbers> lanes;
   std::ranges::transform(numbers, lanes.begin(), [](double number) { return Lanes(number); });
-  return std::bit_cast<Limbs>(lanes);
+  return std::bit_cast<LaneLimbs>(lanes);
 }
 
 /// The robot that a closed controller computes with.
 struct Nominal {
-  Limbs limbs;
+  LaneLimbs limbs;
   /// From the identified arms to the nominal ones: cos and sin of the offset between them; of rails the ratio of the
   /// gains, and the offset, mm.
   Arms<Lanes, kCompensatorLimbs> offsets;
@@ -61,7 +61,7 @@ struct Block {
 /// Takes turns that grow smaller, as settle (compensator.hpp) does, until every lane has settled or left the finite.
 /// @returns the arms, of unit length.
 template <std::size_t N>
-Arms<Lanes, N> settle(const Limbs& limbs, const Arms<Lanes, N>& level, Block& block) {
+Arms<Lanes, N> settle(const LaneLimbs& limbs, const Arms<Lanes, N>& level, Block& block) {
   constexpr int kMaxSteps = 8;
   auto state = compensation_detail::level_pose(limbs, level);
   const auto answer = compensation_detail::answer_at(limbs, block.pose, state.arms);
@@ -111,7 +111,7 @@ struct PlateStep {
 
 /// @param lever  mm a rad of phi.
 template <std::size_t N>
-PlateStep step_to_rods(const Limbs& limbs, const std::array<CompensatorVector<Lanes>, N>& centres,
+PlateStep step_to_rods(const LaneLimbs& limbs, const std::array<CompensatorVector<Lanes>, N>& centres,
                        const CompensatorVector<Lanes>& position, const Lanes& phi, const Lanes& lever) {
   using compensation_detail::RodMotion;
   std::array<RodMotion<Lanes>, N> motions;
@@ -140,7 +140,7 @@ template <std::size_t N>
 void find_target(const Arms<Lanes, N>& arms, Block& block) {
   constexpr int kMaxSteps = 6;
   constexpr double kSettled = 1e-5, kNear = 50.0, kHeld = 20.0;  // mm, mm, mm a mm
-  const Limbs& limbs = block.nominal->limbs;
+  const LaneLimbs& limbs = block.nominal->limbs;
   const auto centres = nominal_elbows<N>(*block.nominal, arms);
   const CompensatorVector<Lanes> wanted{block.pose.x, block.pose.y, block.pose.z};
   CompensatorVector<Lanes> position = wanted;
@@ -160,7 +160,7 @@ void find_target(const Arms<Lanes, N>& arms, Block& block) {
 }
 
 template <std::size_t N>
-void solve(const Limbs& limbs, bool tilts_plate, Block& block) {
+void solve(const LaneLimbs& limbs, bool tilts_plate, Block& block) {
   Arms<Lanes, N> arms = compensation_detail::level_arms<N>(limbs, block.pose);
   if (block.nominal == nullptr) compensation_detail::joints_of(limbs, arms, block.joints);
   block.good = block.pose.phi.values == (N == 4 ? block.pose.phi : Lanes(0.0)).values;
@@ -174,10 +174,10 @@ void solve(const Limbs& limbs, bool tilts_plate, Block& block) {
 }
 
 PARACAL_FOR_EVERY_WIDTH
-void solve_four(const Limbs& limbs, bool tilts_plate, Block& block) { solve<4>(limbs, tilts_plate, block); }
+void solve_four(const LaneLimbs& limbs, bool tilts_plate, Block& block) { solve<4>(limbs, tilts_plate, block); }
 
 PARACAL_FOR_EVERY_WIDTH
-void solve_three(const Limbs& limbs, bool tilts_plate, Block& block) { solve<3>(limbs, tilts_plate, block); }
+void solve_three(const LaneLimbs& limbs, bool tilts_plate, Block& block) { solve<3>(limbs, tilts_plate, block); }
 
 /// The last pose again where there are fewer than lanes.
 CompensatorPose<Lanes> load(std::span<const CompensatorPose<double>> poses) {
@@ -196,7 +196,7 @@ CompensatorPose<Lanes> load(std::span<const CompensatorPose<double>> poses) {
 
 namespace {
 
-void solve(const CompensatorParameters<double>& parameters, const Limbs& limbs, Block& block) {
+void solve(const CompensatorParameters<double>& parameters, const LaneLimbs& limbs, Block& block) {
   const bool tilts_plate = parameters.tilts_plate != 0;
   parameters.limb_count == 4 ? solve_four(limbs, tilts_plate, block) : solve_three(limbs, tilts_plate, block);
 }
@@ -224,7 +224,7 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
   if (joints.size() != size || statuses.size() != size || (!tilts.empty() && tilts.size() != size)) {
     throw std::invalid_argument("compensate_path: expected joints, statuses and tilts for each pose");
   }
-  const Limbs limbs = in_lanes(parameters.identified);
+  const LaneLimbs limbs = in_lanes(parameters.identified);
   for (std::size_t first = 0; first < size; first += kLanes) {
     Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}};
     solve(parameters, limbs, block);
@@ -246,7 +246,7 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
 void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<std::optional<CompensatorPose<double>>> targets) {
   if (targets.size() != poses.size()) throw std::invalid_argument("nominal_targets: expected a target for each pose");
-  const Limbs limbs = in_lanes(parameters.identified);
+  const LaneLimbs limbs = in_lanes(parameters.identified);
   const Nominal nominal = nominal_robot(parameters);
   for (std::size_t first = 0; first < poses.size(); first += kLanes) {
     Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}, .nominal = &nominal};

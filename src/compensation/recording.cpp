@@ -8,11 +8,11 @@
 namespace paracal::compensation_detail {
 namespace {
 
-using Limbs = std::array<CompensatorLimb<Expression>, kCompensatorLimbs>;
-using Values = std::vector<Expression>;
+using RecordedLimbs = std::array<CompensatorLimb<Expression>, kCompensatorLimbs>;
+using RecordedValues = std::vector<Expression>;
 
-Limbs named_limbs(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
-  Limbs result;
+RecordedLimbs named_limbs(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
+  RecordedLimbs result;
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const NamedConstants constants(i);
     const CompensatorLimb<double>& limb = limbs[i];
@@ -42,7 +42,7 @@ CompensatorPose<Expression> asked_pose() {
 // Numbers of a struct in the order in which they are kept as an array: to be read from one and to be written to one.
 
 template <std::size_t N, typename Task>
-void for_each_number(const Limbs& limbs, TiltedPose<Expression, N>& state, Task&& task) {
+void for_each_number(const RecordedLimbs& limbs, TiltedPose<Expression, N>& state, Task&& task) {
   for (Expression& one : state.tilt) task(one);
   for (Expression& one : state.moved) task(one);
   for (std::size_t i = 0; i < N; ++i) {
@@ -52,7 +52,7 @@ void for_each_number(const Limbs& limbs, TiltedPose<Expression, N>& state, Task&
 }
 
 template <std::size_t N, typename Task>
-void for_each_number(const Limbs&, Answer<Expression, N>& answer, Task&& task) {
+void for_each_number(const RecordedLimbs&, Answer<Expression, N>& answer, Task&& task) {
   const auto each = [&](Vector<Expression>& vector) {
     for (Expression& one : vector) task(one);
   };
@@ -66,14 +66,14 @@ void for_each_number(const Limbs&, Answer<Expression, N>& answer, Task&& task) {
 }
 
 template <typename Struct>
-Values values_of(const Limbs& limbs, Struct numbers) {
-  Values values;
+RecordedValues values_of(const RecordedLimbs& limbs, Struct numbers) {
+  RecordedValues values;
   for_each_number(limbs, numbers, [&](const Expression& one) { values.push_back(one); });
   return values;
 }
 
 template <typename Struct>
-Struct inputs(const Limbs& limbs, std::string_view name) {
+Struct inputs(const RecordedLimbs& limbs, std::string_view name) {
   Struct numbers{};
   std::size_t index = 0;
   for_each_number(limbs, numbers, [&](Expression& one) { one = input(name, index++); });
@@ -81,33 +81,33 @@ Struct inputs(const Limbs& limbs, std::string_view name) {
 }
 
 template <std::size_t N>
-Procedure recorded_level(const Limbs& limbs, bool tilts_plate) {
+Procedure recorded_level(const RecordedLimbs& limbs, bool tilts_plate) {
   const Arms<Expression, N> arms = level_arms<N>(limbs, asked_pose<N>());
   CompensatorJoints<Expression> joints;
   joints_of(limbs, arms, joints);
-  std::vector<Result> results{{"joints", Values(joints.begin(), joints.begin() + N)}};
+  std::vector<Result> results{{"joints", RecordedValues(joints.begin(), joints.begin() + N)}};
   if (tilts_plate) results.push_back({"state", values_of(limbs, level_pose(limbs, arms))});
   return Procedure(std::move(results));
 }
 
 template <std::size_t N>
-Procedure recorded_answer(const Limbs& limbs) {
+Procedure recorded_answer(const RecordedLimbs& limbs) {
   const auto state = inputs<TiltedPose<Expression, N>>(limbs, "state");
   return Procedure({{"answer", values_of(limbs, answer_at(limbs, asked_pose<N>(), state.arms))}});
 }
 
 template <std::size_t N>
-Procedure recorded_step(const Limbs& limbs) {
+Procedure recorded_step(const RecordedLimbs& limbs) {
   auto state = inputs<TiltedPose<Expression, N>>(limbs, "state");
   const auto answer = inputs<Answer<Expression, N>>(limbs, "answer");
   const auto changes = step(limbs, asked_pose<N>(), answer, state);
-  return Procedure({{"state", values_of(limbs, state)}, {"changes", Values(changes.begin(), changes.end())}});
+  return Procedure({{"state", values_of(limbs, state)}, {"changes", RecordedValues(changes.begin(), changes.end())}});
 }
 
 /// n (dX + slide dphi) + B_m dq = 0 for every limb, n the direction of the mean rod, the plate level: errors of the
 /// tilt group change these rows by their own size alone, so Newton's iteration with them still settles quickly.
 template <std::size_t N>
-Procedure recorded_way_back(const Limbs& limbs) {
+Procedure recorded_way_back(const RecordedLimbs& limbs) {
   Arms<Expression, N> arms;
   for (std::size_t i = 0; i < N; ++i) {
     const Expression place = place_of(limbs[i], input("joints", i));
@@ -122,13 +122,13 @@ Procedure recorded_way_back(const Limbs& limbs) {
     position = sum(position, answer.dual[i].position, by_plate);
     phi = phi + answer.dual[i].phi * by_plate;
   }
-  Values motion(position.begin(), position.end());
+  RecordedValues motion(position.begin(), position.end());
   if (N == 4) motion.push_back(phi);
   return Procedure({{"motion", std::move(motion)}});
 }
 
 template <std::size_t N>
-RecordedMachine recorded(const Limbs& limbs, bool tilts_plate) {
+RecordedMachine recorded(const RecordedLimbs& limbs, bool tilts_plate) {
   const ArmDirection<Expression> turn = turn_by_series(Expression(Symbol{.name = "angle"}));
   return {.level = recorded_level<N>(limbs, tilts_plate),
           .answer = recorded_answer<N>(limbs),
@@ -143,7 +143,7 @@ RecordedMachine recorded(const Limbs& limbs, bool tilts_plate) {
 }  // namespace
 
 RecordedMachine record(const CompensatorParameters<double>& parameters) {
-  const Limbs limbs = named_limbs(parameters.identified);
+  const RecordedLimbs limbs = named_limbs(parameters.identified);
   const bool tilts_plate = parameters.tilts_plate != 0;
   return parameters.limb_count == 4 ? recorded<4>(limbs, tilts_plate) : recorded<3>(limbs, tilts_plate);
 }

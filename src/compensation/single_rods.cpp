@@ -10,7 +10,7 @@
 namespace paracal::compensation_detail {
 namespace {
 
-using Values = std::vector<Expression>;
+using Expressions = std::vector<Expression>;
 
 /// The constants of one limb as numbers of a formula.
 class Constants {
@@ -84,7 +84,7 @@ Closed closed(const Limb& limb, const Constants& constants, const Vector<Express
 
 struct JointMotion {
   Expression joint;
-  Values by_pose;  ///< its derivative by what is free of x, y, z, tilt_x, tilt_y, tilt_z
+  Expressions by_pose;  ///< its derivative by what is free of x, y, z, tilt_x, tilt_y, tilt_z
 };
 
 /// dR p = axis x R p d(tilt), about the axes that the angles turn; as plate_rotation() has it.
@@ -158,7 +158,7 @@ std::vector<LimbConstant> constants_of(const Limb& limb) {
 }
 
 RecordedRods record_single_rods(const Machine& machine) {
-  Values joints, rows;
+  Expressions joints, rows;
   for (const JointMotion& motion : motions(machine)) {
     joints.push_back(motion.joint);
     rows.insert(rows.end(), motion.by_pose.begin(), motion.by_pose.end());

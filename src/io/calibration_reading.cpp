@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "json_node.hpp"
 #include "names.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/units.hpp"
 #include "same_robot.hpp"
 
@@ -82,7 +82,7 @@ void require_covariance(const Eigen::MatrixXd& covariance, const JsonNode& node,
   if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kRounding) {
     node.refuse(fmt::format("expected a symmetric {}, got one that is not", key));
   }
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues().minCoeff();
+  const double least = detail::symmetric_eigenvalues(correlations).minCoeff();
   const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
   if (least < -kRounding || hidden > 0.0) {
     node.refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));

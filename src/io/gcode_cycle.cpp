@@ -20,7 +20,7 @@ constexpr std::string_view kTooMany = "a canned cycle of more than 10000 holes a
 
 constexpr std::array kMotionsAlone{730, 810, 820, 830, 850, 890};
 constexpr double kPeckClearance = 0.254;  ///< mm, LinuxCNC's, of 0.01 inch
-constexpr double kMostPieces = 10000;
+constexpr double kMostStrokes = 10000;
 
 /// To nine decimals, so that heights which a program states alike are alike.
 double rounded(double value) { return std::round(value * 1e9) / 1e9; }
@@ -160,7 +160,7 @@ std::string_view GcodeCycle::find_hole(const GcodeBlock& block, const CycleStart
   if (hole.initial > hole.clearance && !returns_to_clearance_) return kReturn;
   if (!path_mode_) return kPathMode;
   const double pieces = hole.times * (pecks() ? (hole.clearance - hole.bottom) / *peck_ : 1.0);
-  return pieces > kMostPieces ? kTooMany : std::string_view();
+  return pieces > kMostStrokes ? kTooMany : std::string_view();
 }
 
 std::string_view GcodeCycle::expand(const GcodeBlock& block, std::optional<std::size_t> motion_at,

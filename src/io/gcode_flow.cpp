@@ -16,11 +16,11 @@ namespace {
 constexpr std::string_view kUnknownCondition = "subprograms, jumps and loops: a condition here is not known";
 constexpr std::string_view kNoSub = "subprograms, jumps and loops: no such subprogram in this file";
 constexpr std::string_view kNoEnd = "subprograms, jumps and loops: this one has no end";
-constexpr std::string_view kTooLong = "subprograms, jumps and loops: more than a million lines are carried out";
-constexpr std::string_view kTooDeep = "subprograms, jumps and loops: more than 50 within each other";
+constexpr std::string_view kTooManyLines = "subprograms, jumps and loops: more than a million lines are carried out";
+constexpr std::string_view kNestedTooDeep = "subprograms, jumps and loops: more than 50 within each other";
 
 constexpr std::size_t kMostSteps = 1'000'000;
-constexpr int kDeepest = 50;
+constexpr int kDeepestFlow = 50;
 constexpr int kArguments = 30;
 
 /// [...] at the beginning of a text, brackets within included; empty where there is none.
@@ -102,7 +102,7 @@ bool GcodeFlow::carry_out(std::vector<CarriedOut>& into) {
 }
 
 GcodeFlow::End GcodeFlow::run(std::size_t from, std::size_t to, int depth) {
-  if (depth > kDeepest) return fail(std::min(from, lines_.size() - 1), kTooDeep);
+  if (depth > kDeepestFlow) return fail(std::min(from, lines_.size() - 1), kNestedTooDeep);
   End end = End::normal;
   for (std::size_t at = from; at < to && end == End::normal; ++at) end = take(at, to, depth);
   return end;
@@ -110,7 +110,7 @@ GcodeFlow::End GcodeFlow::run(std::size_t from, std::size_t to, int depth) {
 
 /// @param at  becomes the last line of what was taken.
 GcodeFlow::End GcodeFlow::take(std::size_t& at, std::size_t to, int depth) {
-  if (++steps_ > kMostSteps) return fail(at, kTooLong);
+  if (++steps_ > kMostSteps) return fail(at, kTooManyLines);
   const Flow& flow = flows_[at];
   switch (flow.word) {
     case Word::none:
@@ -192,7 +192,7 @@ GcodeFlow::End GcodeFlow::take_while(std::size_t& at, bool asks_first, int depth
     const std::optional<double> holds = is_asked ? condition(flows_[asking].rest) : 1.0;
     if (!holds) return fail(asking, kUnknownCondition);
     if (*holds == 0.0) return End::normal;
-    if (++steps_ > kMostSteps) return fail(start, kTooLong);
+    if (++steps_ > kMostSteps) return fail(start, kTooManyLines);
     End end = run(start + 1, stop, depth + 1);
     if (!goes_on(end, flows_[start].label)) return end;
   }
@@ -205,7 +205,7 @@ GcodeFlow::End GcodeFlow::take_repeat(std::size_t& at, int depth) {
   if (!times) return fail(start, kUnknownCondition);
   at = stop;
   for (double done = 0.0; done + 0.5 < *times; done += 1.0) {
-    if (++steps_ > kMostSteps) return fail(start, kTooLong);
+    if (++steps_ > kMostSteps) return fail(start, kTooManyLines);
     End end = run(start + 1, stop, depth + 1);
     if (!goes_on(end, flows_[start].label)) return end;
   }

@@ -19,7 +19,7 @@ namespace {
 
 using Settings = KlipperSettings;
 
-constexpr std::array<std::string_view, 3> kTowers{"stepper_a", "stepper_b", "stepper_c"};
+constexpr std::array<std::string_view, 3> kSteppers{"stepper_a", "stepper_b", "stepper_c"};
 
 /// How the keys of one kind of delta are called.
 struct Keys {
@@ -27,12 +27,12 @@ struct Keys {
   std::string_view kinematics, radius, rod;
   std::array<double, 3> angles;  ///< deg, where none is stated
 };
-constexpr std::array<Keys, 2> kKinds{
+constexpr std::array<Keys, 2> kKinematics{
     {{Actuator::linear, "delta", "delta_radius", "arm_length", {210.0, 330.0, 90.0}},
      {Actuator::revolute, "rotary_delta", "shoulder_radius", "lower_arm_length", {30.0, 150.0, 270.0}}}};
 constexpr std::string_view kArm = "upper_arm_length", kShoulder = "shoulder_height";
 
-const Keys& keys_of(Actuator actuator) { return *std::ranges::find(kKinds, actuator, &Keys::actuator); }
+const Keys& keys_of(Actuator actuator) { return *std::ranges::find(kKinematics, actuator, &Keys::actuator); }
 
 /// Product of the ratios of "gear_ratio: 80:16, 3:1".
 double gear_ratio(const Settings& settings, std::string_view section) {
@@ -67,18 +67,18 @@ double step_size(const Settings& settings, std::string_view section, Actuator ac
 
 /// A key of all towers; of the first, B and C take what they do not state themselves.
 std::array<double, 3> like_the_first(const Settings& settings, std::string_view key) {
-  const double first = settings.positive(kTowers[0], key);
+  const double first = settings.positive(kSteppers[0], key);
   std::array<double, 3> values{first, first, first};
   for (std::size_t i = 1; i < 3; ++i) {
-    if (settings.find(kTowers[i], key)) values[i] = settings.positive(kTowers[i], key);
+    if (settings.find(kSteppers[i], key)) values[i] = settings.positive(kSteppers[i], key);
   }
   return values;
 }
 
 const Keys& kind_of(const Settings& settings) {
   const Settings::Value kinematics = settings.require("printer", "kinematics");
-  const auto* kind = std::ranges::find(kKinds, kinematics.text, &Keys::kinematics);
-  if (kind == kKinds.end()) {
+  const auto* kind = std::ranges::find(kKinematics, kinematics.text, &Keys::kinematics);
+  if (kind == kKinematics.end()) {
     Settings::fail(kinematics, fmt::format("expected kinematics: delta or rotary_delta, got \"{}\"", kinematics.text));
   }
   return *kind;
@@ -89,7 +89,7 @@ void check_endstops(const Settings& settings, const Keys& keys, const DeltaGeome
   const std::array<double, 3> homed = homed_joints(geometry);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto own = [&](std::string_view key) {
-      return settings.require(kTowers[settings.find(kTowers[i], key) ? i : 0], key);
+      return settings.require(kSteppers[settings.find(kSteppers[i], key) ? i : 0], key);
     };
     if (keys.actuator == Actuator::linear && !(geometry.rod[i] > geometry.radius)) {
       Settings::fail(own(keys.rod), fmt::format("expected {} above {} ({} mm), got {} mm", keys.rod, keys.radius,
@@ -113,7 +113,7 @@ DeltaGeometry geometry_of(const Settings& settings) {
     geometry.shoulder.fill(settings.positive("printer", kShoulder));
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    geometry.tower_angle[i] = to_radians(settings.optional_number(kTowers[i], "angle").value_or(keys.angles[i]));
+    geometry.tower_angle[i] = to_radians(settings.optional_number(kSteppers[i], "angle").value_or(keys.angles[i]));
   }
   check_endstops(settings, keys, geometry);
   return geometry;
@@ -175,10 +175,10 @@ std::vector<Entry> entries_of(const DeltaGeometry& geometry) {
   std::vector<Entry> entries{{"printer", keys.radius, geometry.radius}};
   if (rotary) entries.push_back({"printer", kShoulder, mean_of(geometry.shoulder)});
   for (std::size_t i = 0; i < 3; ++i) {
-    entries.push_back({kTowers[i], "angle", to_degrees(geometry.tower_angle[i])});
-    if (rotary) entries.push_back({kTowers[i], kArm, geometry.arm[i]});
-    entries.push_back({kTowers[i], keys.rod, geometry.rod[i]});
-    entries.push_back({kTowers[i], "position_endstop", geometry.endstop[i]});
+    entries.push_back({kSteppers[i], "angle", to_degrees(geometry.tower_angle[i])});
+    if (rotary) entries.push_back({kSteppers[i], kArm, geometry.arm[i]});
+    entries.push_back({kSteppers[i], keys.rod, geometry.rod[i]});
+    entries.push_back({kSteppers[i], "position_endstop", geometry.endstop[i]});
   }
   return entries;
 }
@@ -249,7 +249,7 @@ KlipperDelta read_klipper(const TextFile& file) {
   printer.geometry = geometry_of(settings);
   printer.notes = notes_of(settings, printer.geometry);
   for (std::size_t i = 0; i < 3; ++i) {
-    printer.step_size[i] = step_size(settings, kTowers[i], printer.geometry.actuator);
+    printer.step_size[i] = step_size(settings, kSteppers[i], printer.geometry.actuator);
   }
   printer.readings = readings_of(settings, printer.geometry, printer.step_size);
   if (const auto radius = settings.optional_number("printer", "print_radius")) printer.print_radius = *radius;

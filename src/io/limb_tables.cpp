@@ -13,7 +13,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::array kKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
+constexpr std::array kLimbKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
 constexpr std::string_view kAhead = "ahead", kBehind = "behind";
 
 Eigen::Vector3d vector_of(Section& limb, std::string_view key) {
@@ -28,8 +28,8 @@ Eigen::Vector3d vector_of(Section& limb, std::string_view key) {
 /// @param first  kind of the first limb, which all others share; empty where this is the first.
 Actuator kind_of(Section& limb, std::optional<Actuator> first) {
   const std::string name = limb.text("kind");
-  const auto* kind = std::ranges::find(kKinds, name, &actuator_name);
-  if (kind == kKinds.end()) {
+  const auto* kind = std::ranges::find(kLimbKinds, name, &actuator_name);
+  if (kind == kLimbKinds.end()) {
     fail(limb, "kind", "\"strut\", \"arm\" or \"rail\" (limbs with two rods are described by [geometry])", name);
   }
   if (first && *kind != *first) {

@@ -10,7 +10,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr int kTooDeep = 199;  // an id of a parse error that the library does not use
+constexpr int kTooDeepId = 199;  // an id of a parse error that the library does not use
 
 /// A TOML text, one character after the other, outside of comments and quotation marks.
 class Bare {
@@ -66,7 +66,7 @@ class Bare {
 
 Json parse_shallow(std::string_view text) {
   const auto refuse_depth = [](int depth, Json::parse_event_t, const Json&) {
-    if (depth > kDeepest) throw Json::parse_error::create(kTooDeep, 0, "nested too deeply", nullptr);
+    if (depth > kDeepest) throw Json::parse_error::create(kTooDeepId, 0, "nested too deeply", nullptr);
     return true;
   };
   return Json::parse(text, refuse_depth);
@@ -76,8 +76,8 @@ Json parse_json(const TextFile& file) {
   try {
     return parse_shallow(file.text);
   } catch (const Json::parse_error& error) {
-    throw InputFileError(file.name, error.id == kTooDeep ? 0 : line_at(file.text, error.byte),
-                         error.id == kTooDeep ? fmt::format("expected at most {} levels of nesting, got more", kDeepest)
+    throw InputFileError(file.name, error.id == kTooDeepId ? 0 : line_at(file.text, error.byte),
+                         error.id == kTooDeepId ? fmt::format("expected at most {} levels of nesting, got more", kDeepest)
                                               : "expected JSON, got something else");
   } catch (const Json::out_of_range& error) {  // of numbers; it says which in quotation marks, and not where
     const std::string_view message = error.what();

@@ -71,7 +71,7 @@ std::optional<std::string> name_in(std::string_view line) {
 }
 
 /// The depth of a robot's JSON is 4; nothing deeper is followed.
-constexpr int kDeepest = 8;
+constexpr int kDeepestRobot = 8;
 
 toml::array toml_of_array(const Json& json, int depth);
 
@@ -88,7 +88,7 @@ toml::table toml_of_object(const Json& json, int depth) {
 }
 
 void convert(const Json& json, int depth, const auto& add) {
-  if (depth > kDeepest) throw InvalidArgument("expected a robot, got something nested deeper");
+  if (depth > kDeepestRobot) throw InvalidArgument("expected a robot, got something nested deeper");
   if (json.is_object()) return add(toml_of_object(json, depth));
   if (json.is_array()) return add(toml_of_array(json, depth));
   if (json.is_number()) return add(json.get<double>());

@@ -13,7 +13,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kTooLong = "a line longer than 64 KiB";
+constexpr std::string_view kLineTooLong = "a line longer than 64 KiB";
 constexpr std::string_view kUnreachable = "out of reach or singular";
 
 /// Targets that are corrected together.
@@ -112,7 +112,7 @@ class Passage {
     std::string_view passed;
     if (line.part == Line::Part::start_of_long) {
       format.skip();
-      passed = kTooLong;
+      passed = kLineTooLong;
     } else if (line.part == Line::Part::whole) {
       passed = format.read(without_end(line.text), stated);
       if (take_instead(line, format)) return;

@@ -132,7 +132,7 @@ std::string limb_toml(const std::vector<LimbValues>& values) {
   return text;
 }
 
-std::string quoted(const std::string& text) {
+std::string toml_quoted(const std::string& text) {
   std::ostringstream stream;
   stream << toml::value<std::string>(text);
   return stream.str();
@@ -157,7 +157,7 @@ std::string robot_toml(const Robot& robot) {
   const Geometry& geometry = robot.geometry();
   std::vector<double> azimuth;
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
-  fmt::format_to(out, "name = {}\n", quoted(robot.name()));
+  fmt::format_to(out, "name = {}\n", toml_quoted(robot.name()));
   if (!geometry.single_rods.empty()) {
     text += limbs_toml(geometry);
   } else {

@@ -3,12 +3,12 @@
 #include <Random123/philox.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "normal_law.hpp"
+#include "numerics/distributions.hpp"
 
 namespace paracal {
 namespace {
@@ -40,7 +40,7 @@ std::array<double, 2> box_muller(double first, double second) {
 double cut_off(double z) {
   const double tail = normal_probability(-3.0);
   const double probability = tail + (1.0 - 2.0 * tail) * normal_probability(z);
-  return boost::math::quantile(boost::math::normal(), probability);
+  return detail::normal_quantile(probability);
 }
 
 double one_of(const std::vector<double>& values, double probability) {

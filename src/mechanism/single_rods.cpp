@@ -15,7 +15,7 @@
 namespace paracal {
 namespace {
 
-constexpr int kRimPoints = 12;
+constexpr int kHalfTurnSteps = 12;
 /// Singular values of how rods hold a plate, turns counted at its radius: below this share of the largest they do not.
 constexpr double kHeld = 1e-3;
 
@@ -95,8 +95,8 @@ std::vector<Pose> poses_to_hold(const Workspace& workspace) {
     const double z = workspace.layer_z(layer, workspace.layers(3));
     for (const Eigen::Vector3d& tilt : workspace.tilts()) {
       poses.push_back({Eigen::Vector3d(0.0, 0.0, z), 0.0, tilt});
-      for (int k = 0; k < 2 * kRimPoints; ++k) {
-        const double azimuth = std::numbers::pi * k / kRimPoints;
+      for (int k = 0; k < 2 * kHalfTurnSteps; ++k) {
+        const double azimuth = std::numbers::pi * k / kHalfTurnSteps;
         for (const double share : {0.5, 1.0}) {
           poses.push_back({Workspace::on_circle(share * workspace.radius, azimuth, z), 0.0, tilt});
         }

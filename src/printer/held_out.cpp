@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 
+#include "numerics/distributions.hpp"
 #include "printer_fit.hpp"
 
 namespace paracal {
@@ -83,8 +83,7 @@ PairedGain gain_of(const std::vector<HeldOutReading>& readings, double HeldOutRe
     mean += drop(one) / count;
   }
   for (const HeldOutReading& one : readings) spread += std::pow(drop(one) - mean, 2) / (count - 1.0);
-  const boost::math::students_t_distribution<> t(count - 1.0);
-  const double half = quantile(complement(t, kTail)) * std::sqrt(spread / count);
+  const double half = detail::students_t_quantile(kTail, count - 1.0) * std::sqrt(spread / count);
   if (!(saved > 0.0)) return {};
   return {mean / saved, (mean - half) / saved, std::min((mean + half) / saved, 1.0)};  // no square is below zero
 }

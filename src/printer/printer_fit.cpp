@@ -32,10 +32,10 @@ std::optional<PrinterFit> fit_printer(const DeltaGeometry& start, const DeltaRea
 
 namespace {
 
-constexpr double kCertain = 2.5;  // standard deviations
+constexpr double kDetected = 2.5;  // standard deviations
 
 /// Of a number that a fit sought: as far from zero as chance takes it once in 80 times.
-bool is_there(double value, double std) { return std > 0.0 && std::abs(value) > kCertain * std; }
+bool is_there(double value, double std) { return std > 0.0 && std::abs(value) > kDetected * std; }
 
 double edge_std(const KnownPrinter& known) {
   return known.covariance.size() > 0 ? std::sqrt(known.covariance(3, 3)) : kBedBow;

@@ -1,13 +1,13 @@
 #include "paracal/printer/projection.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "numerics/dense.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
 
@@ -75,7 +75,7 @@ struct Grid {
 
   /// Without what such a motion explains.
   Eigen::VectorXd without_motion(const Eigen::VectorXd& stacked) const {
-    return stacked - motions * motions.colPivHouseholderQr().solve(stacked);
+    return stacked - motions * detail::least_squares(motions, stacked);
   }
 };
 
@@ -173,7 +173,7 @@ DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry&
 MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geometry) {
   const Grid grid = grid_of(known, geometry, geometry);
   if (grid.machine.size() == 0) return {};
-  const Eigen::Vector3d motion = grid.motions.colPivHouseholderQr().solve(grid.geometry - grid.machine);
+  const Eigen::Vector3d motion = detail::least_squares(grid.motions, grid.geometry - grid.machine);
   return {motion.x(), motion.y(), motion.z()};
 }
 
@@ -188,7 +188,7 @@ double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, c
   const Eigen::VectorXd by_errors = grid.by_errors.transpose() * change;
   const double variance = known.covariance.size() > 0 ? 4.0 * by_errors.dot(known.covariance * by_errors) : 0.0;
   if (!(variance > 0.0)) return gain > 0.0 ? 1.0 : gain < 0.0 ? 0.0 : 0.5;
-  return cdf(boost::math::normal_distribution<>(), gain / std::sqrt(variance));
+  return detail::normal_tail(-gain / std::sqrt(variance));
 }
 
 double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry) {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 
+#include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::report {
@@ -75,9 +75,9 @@ Interval central_range(std::vector<double> sample) {
 
 Interval median_interval(std::vector<double> sample) {
   require(sample, 6);
-  const boost::math::binomial_distribution<> below(static_cast<double>(sample.size()), 0.5);
+  const auto count = static_cast<double>(sample.size());
   std::size_t rank = 1;
-  while (cdf(below, static_cast<double>(rank)) <= 0.5 * kRarest) ++rank;
+  while (paracal::detail::binomial_cdf(static_cast<double>(rank), count, 0.5) <= 0.5 * kRarest) ++rank;
   return ranked(std::move(sample), rank);
 }
 

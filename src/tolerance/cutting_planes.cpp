@@ -1,15 +1,16 @@
 #include "cutting_planes.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "numerics/dense.hpp"
 
 namespace paracal::detail {
 namespace {
 
 constexpr double kBinds = 1e-6;       // of the limit
 constexpr double kStationary = 1e-6;  // of the cost
-constexpr int kAttempts = 20;
+constexpr int kMostRounds = 20;
 
 /// sigma of a source error over its half-width.
 double sigma_share(const Tolerances& tolerances, Source source) {
@@ -56,7 +57,7 @@ Eigen::VectorXd non_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b)
   std::vector<Eigen::Index> used;
   for (Eigen::Index k = 0; k < A.cols(); ++k) used.push_back(k);
   while (!used.empty()) {
-    const Eigen::VectorXd part = A(Eigen::all, used).colPivHouseholderQr().solve(b);
+    const Eigen::VectorXd part = least_squares(A(Eigen::all, used), b);
     Eigen::Index worst = 0;
     if (part.minCoeff(&worst) >= 0.0) {
       x(used) = part;
@@ -213,7 +214,7 @@ MasterSolution solve_continuous(const AllocationProblem& problem, const std::vec
   for (const Cut& cut : cuts) master.constraints.push_back(cut_objective(cut));
   Eigen::VectorXd half_widths = half_widths_of(*start);
   // The solver may stop early, where its model of the curvature has gone bad; begun anew it goes on.
-  for (int attempt = 0; attempt < kAttempts && stationarity(problem, cuts, half_widths) > kStationary; ++attempt) {
+  for (int attempt = 0; attempt < kMostRounds && stationarity(problem, cuts, half_widths) > kStationary; ++attempt) {
     start = minimize(master, *start).x;
     half_widths = half_widths_of(*start);
   }

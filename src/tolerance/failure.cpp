@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "limits.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
 #include "weighed_sample.hpp"
 

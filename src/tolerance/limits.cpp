@@ -1,11 +1,12 @@
 #include "limits.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
+
+#include "numerics/dense.hpp"
 
 namespace paracal::detail {
 
@@ -39,13 +40,13 @@ void Limits::add_modes(const Eigen::MatrixXd& rows, std::vector<FailureMode>& al
   Eigen::VectorXd variances(errors_.size());
   std::ranges::transform(errors_.laws, variances.begin(), [](const auto& law) { return law.std() * law.std(); });
   const Eigen::MatrixXd covariance = rows * variances.asDiagonal() * rows.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
+  const SymmetricEigen axes = symmetric_eigen(covariance);
   const auto count = static_cast<int>(std::lround(std::pow(3.0, static_cast<double>(rows.rows()))));
   for (int k = 0; k < count; ++k) {  // backwards, not at all or forwards along each axis
     Eigen::VectorXd along(rows.rows());
     for (int j = 0, rest = k; j < rows.rows(); ++j, rest /= 3) along(j) = rest % 3 - 1;
     if (along.isZero(0.0)) continue;
-    const Eigen::VectorXd a = rows.transpose() * (axes.eigenvectors() * along.normalized());
+    const Eigen::VectorXd a = rows.transpose() * (axes.vectors * along.normalized());
     if (std::optional<FailureMode> mode = failure_mode(errors_, a)) all.push_back(std::move(*mode));
   }
 }

@@ -5,10 +5,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
 #include "drawing.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal {
@@ -172,7 +172,7 @@ class Sampler {
     // 1 / n.
     const double variance = std::max(square - mean_square, 0.0);
     const double scatter = std::sqrt(std::max(sums_.fourth_powers(p, column) / n - square * square, 0.0) / n);
-    const double z = boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * options_.confidence);
+    const double z = detail::two_sided_quantile(options_.confidence);
     return {response_.poses()[static_cast<std::size_t>(p)],
             std::sqrt(variance),
             std::sqrt(mean_square),

@@ -2,9 +2,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/tolerance/analysis.hpp"
@@ -91,7 +91,7 @@ double correlation(const Eigen::ArrayXd& one, const Eigen::ArrayXd& other) {
 
 /// Interval of a correlation coefficient of n pairs  [fisher1921].
 Interval fisher(double correlation, int n, double confidence) {
-  const double z = boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence) / std::sqrt(n - 3.0);
+  const double z = detail::two_sided_quantile(confidence) / std::sqrt(n - 3.0);
   const double centre = std::atanh(std::clamp(correlation, -1.0 + 1e-15, 1.0 - 1e-15));
   return {std::tanh(centre - z), std::tanh(centre + z)};
 }

@@ -1,13 +1,13 @@
 #include "source_law.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
 
 #include "mechanism/normal_law.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::detail {
@@ -48,7 +48,7 @@ double cut_quantile(double shift, double probability) {
   if (shift < 0.0) return -cut_quantile(-shift, 1.0 - probability);
   const double low = normal_probability(-kCut - shift), high = normal_probability(kCut - shift);
   const double inside = std::max(low + probability * (high - low), std::numeric_limits<double>::min());
-  return std::clamp(boost::math::quantile(boost::math::normal(), inside) + shift, -kCut, kCut);
+  return std::clamp(normal_quantile(inside) + shift, -kCut, kCut);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "paracal/tolerance/statistics.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
+
+#include "numerics/distributions.hpp"
 
 namespace paracal {
 namespace {
@@ -16,10 +16,9 @@ constexpr int kLowestExponent = -40;  // of frexp: the first bin begins at 2^-41
 
 Interval proportion_interval(std::uint64_t hits, std::uint64_t trials, double confidence) {
   if (trials == 0) return {0.0, 1.0};
-  using Binomial = boost::math::binomial_distribution<>;
-  const double risk = 0.5 * (1.0 - confidence);
-  const auto n = static_cast<double>(trials), k = static_cast<double>(hits);
-  return {Binomial::find_lower_bound_on_p(n, k, risk), Binomial::find_upper_bound_on_p(n, k, risk)};
+  const auto [low, high] =
+      detail::probability_bounds(static_cast<double>(hits), static_cast<double>(trials), 0.5 * (1.0 - confidence));
+  return {low, high};
 }
 
 Proportion proportion(std::uint64_t hits, std::uint64_t trials, double confidence) {
@@ -84,8 +83,7 @@ double Histogram::quantile(double share) const {
 Interval Histogram::quantile_interval(double share, double confidence) const {
   if (total_ == 0) return {quantile(share), quantile(share)};
   const auto n = static_cast<double>(total_);
-  const double half_width =
-      boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence) * std::sqrt(share * (1.0 - share) / n);
+  const double half_width = detail::two_sided_quantile(confidence) * std::sqrt(share * (1.0 - share) / n);
   return {quantile(std::max(share - half_width, 0.0)), quantile(std::min(share + half_width, 1.0))};
 }
 

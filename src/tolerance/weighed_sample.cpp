@@ -3,16 +3,17 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "numerics/distributions.hpp"
+
 namespace paracal::detail {
 namespace {
 
-constexpr std::uint64_t kChunk = 64;         // machines that are added up together
-constexpr std::uint64_t kFirstRound = 1024;  // machines before the first look at how well the share is known
+constexpr std::uint64_t kWeighedChunk = 64;         // machines that are added up together
+constexpr std::uint64_t kFirstWeighed = 1024;  // machines before the first look at how well the share is known
 constexpr double kGrowth = 3.0;              // of a round over all before it: the first estimates are rough
 
 void add_linear(const WeighedSample::Machines& drawn, Weights& sums) {
@@ -24,10 +25,6 @@ void add_linear(const WeighedSample::Machines& drawn, Weights& sums) {
 }
 
 }  // namespace
-
-double two_sided_quantile(double confidence) {
-  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
-}
 
 void Weights::add(const Weights& other) {
   machines += other.machines;
@@ -64,11 +61,11 @@ WeighedSample::WeighedSample(const Limits& limits, TiltedMixture mixture, std::u
 
 template <typename Chunk>
 void WeighedSample::add_up(Weights& sums, std::uint64_t more, const Chunk& chunk) {
-  const std::uint64_t chunks = (more + kChunk - 1) / kChunk, first = sums.machines;
+  const std::uint64_t chunks = (more + kWeighedChunk - 1) / kWeighedChunk, first = sums.machines;
   std::vector<Weights> parts(chunks);
   arena_.execute([&] {
     tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t k) {
-      parts[k] = chunk(first + k * kChunk, std::min(kChunk, more - k * kChunk));
+      parts[k] = chunk(first + k * kWeighedChunk, std::min(kWeighedChunk, more - k * kWeighedChunk));
     });
   });
   for (const Weights& part : parts) sums.add(part);  // in order: the same sum for any number of threads
@@ -79,7 +76,7 @@ template <typename Error, typename Effort, typename Chunk>
 bool WeighedSample::repeat(double relative_error, std::uint64_t most, const Progress& progress, Weights& sums,
                            const Error& error, const Effort& effort, const Chunk& chunk) {
   const double wanted = relative_error / two_sided_quantile(options_.confidence);
-  std::uint64_t more = std::min(kFirstRound, most);
+  std::uint64_t more = std::min(kFirstWeighed, most);
   while (more > 0) {
     add_up(sums, more, chunk);
     const auto machines = static_cast<double>(sums.machines);

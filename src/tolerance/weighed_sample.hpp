@@ -26,9 +26,6 @@ struct Weights {
   double ratio_error() const;
 };
 
-/// z with P(|a standard normal number| < z) = confidence.
-double two_sided_quantile(double confidence);
-
 /// Machines of one mixture, from stream `first_stream` on.
 class WeighedSample {
  public:

@@ -11,7 +11,7 @@ namespace paracal::detail {
 namespace {
 
 constexpr std::size_t kStarts = 6;
-constexpr int kAttempts = 10;
+constexpr int kMostRefinements = 10;
 constexpr double kGain = 1e-6;  // relative, below which the best is not begun anew
 constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
 
@@ -108,7 +108,7 @@ ValueAtPose largest_in_workspace(const Robot& robot, const std::function<double(
     if (end.value > best.value) best = end;
   }
   // The search may stop early on the surface of the workspace.
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kMostRefinements; ++attempt) {
     const double before = best.value;
     best = refined(coordinates, best, value);
     if (!(best.value > (1.0 + kGain) * before)) break;

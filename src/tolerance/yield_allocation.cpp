@@ -18,7 +18,7 @@ constexpr double kTrust = 0.22;        // of log T in a round: a quarter, as far
 constexpr double kSettled = 0.02;      // of log T, and ...
 constexpr double kCostSettled = 2e-3;  // ... of the cost: what drawing anew moves
 constexpr double kShareError = 0.05;   // of the share that is stated
-constexpr double kViolation = 1e-6;    // of a limit that is not by yield
+constexpr double kLimitViolation = 1e-6;    // of a limit that is not by yield
 
 class YieldAllocator {
  public:
@@ -116,7 +116,7 @@ class YieldAllocator {
       const Requirement& one = problem_.requirements[k];
       if (one.criterion == Spread::yield) continue;
       const ValueAtPose worst = worst_spread(robot_, one.characteristic, tolerances(x), one.criterion);
-      if (worst.value <= one.limit * (1.0 + kViolation)) continue;
+      if (worst.value <= one.limit * (1.0 + kLimitViolation)) continue;
       cuts_.push_back(cut_at(robot_, problem_, k, worst.pose, half_widths_of(x)));
       violated = true;
     }

@@ -161,13 +161,13 @@ ArmDirection<Scalar> close_limb(const CompensatorLimb<Scalar>& limb, const Vecto
 
 /// The elbow (on a rail the carriage) in {O}: its centre C and the directions that its short side keeps.
 template <typename Scalar>
-struct Elbow {
+struct ClosedElbow {
   Vector<Scalar> u1, v1, centre;
 };
 
 /// @param arm  of unit length.
 template <typename Scalar>
-Elbow<Scalar> elbow_of(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
+ClosedElbow<Scalar> elbow_of(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
   if (runs_on_rail(limb)) {
     return {limb.radial, limb.normal, sum(sum(limb.base, limb.radial, -limb.arm), limb.normal, arm.sine)};
   }
@@ -296,7 +296,7 @@ Pull<Scalar> pull_of_rods(const std::array<CompensatorLimb<Scalar>, kCompensator
   Pull<Scalar> pull;
   for (std::size_t i = 0; i < N; ++i) {
     const CompensatorLimb<Scalar>& limb = limbs[i];
-    const Elbow<Scalar> elbow = elbow_of(limb, state.arms[i]);
+    const ClosedElbow<Scalar> elbow = elbow_of(limb, state.arms[i]);
     const Vector<Scalar> elbow_half = combination(limb.elbow_half, elbow.u1, elbow.v1, limb.axis);
     const Vector<Scalar> centre = frame.turned(plate_joint(limb, pose.phi));
     const Vector<Scalar> plate_half = frame.turned(limb.plate_half);
@@ -371,7 +371,7 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
   std::array<Vector<Scalar>, 3> tilt{};
   for (std::size_t i = 0; i < N; ++i) {
     const CompensatorLimb<Scalar>& limb = limbs[i];
-    const Elbow<Scalar> elbow = elbow_of(limb, arms[i]);
+    const ClosedElbow<Scalar> elbow = elbow_of(limb, arms[i]);
     const Vector<Scalar> centre = plate_joint(limb, pose.phi);
     const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow.centre, Scalar(-1));
     const Vector<Scalar> n = scaled(rod, Scalar(1) / sqrt(dot(rod, rod)));

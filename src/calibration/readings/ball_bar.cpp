@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "length_model.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::detail {
@@ -49,7 +49,7 @@ Eigen::Vector3d closest(const LengthsRead& read, Eigen::Vector3d point) {
       rows.row(k) = weight * direction(from).transpose();
       misses(k) = weight * miss;
     }
-    const Eigen::Vector3d step = rows.completeOrthogonalDecomposition().solve(misses);
+    const Eigen::Vector3d step = shortest_solution(rows, misses);
     point += step;
     if (!(step.norm() > kSettled)) break;
   }
@@ -76,9 +76,7 @@ Eigen::Vector3d trilaterated(const LengthsRead& read, const Eigen::Vector3d& mid
     rows.row(k) << 2.0 * p.transpose(), -1.0;
     right(k) = p.squaredNorm() - std::pow(read.lengths[static_cast<std::size_t>(k)] / kUnit, 2);
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX4d> solver;
-  solver.setThreshold(1e-2);  // flatter than that is flat
-  const Eigen::Vector4d found = solver.compute(rows).solve(right);
+  const Eigen::Vector4d found = shortest_solution(rows, right, 1e-2);  // flatter than that is flat
   const double beside = std::sqrt(std::max(found(3) - found.head<3>().squaredNorm(), 0.0));
   return middle + kUnit * (found.head<3>() + beside * normal);
 }
