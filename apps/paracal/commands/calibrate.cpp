@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
 
-struct Options {
+struct CalibrateArguments {
   MeasuringOptions measuring;
   std::string stage = "auto", method = "best", tolerances;
   LimitOptions limits;
@@ -31,7 +31,7 @@ struct Options {
 };
 
 /// --fix and --free.
-void take_selection(const Options& options, CalibrationOptions& calibration, const JointSpace& limbs) {
+void take_selection(const CalibrateArguments& options, CalibrationOptions& calibration, const JointSpace& limbs) {
   try {
     calibration.fixed = source_selectors(options.fixed, limbs);
     calibration.free = source_selectors(options.free, limbs);
@@ -41,7 +41,7 @@ void take_selection(const Options& options, CalibrationOptions& calibration, con
   }
 }
 
-CalibrationOptions calibration_options(const Options& options, const Robot& robot) {
+CalibrationOptions calibration_options(const CalibrateArguments& options, const Robot& robot) {
   CalibrationOptions calibration;
   calibration.method = options.method == "paper" ? Method::paper : Method::best;
   calibration.stage = options.stage == "rough"  ? Stage::rough
@@ -93,7 +93,7 @@ std::string residual_table(const Calibration& calibration) {
   return text;
 }
 
-void run(const Options& options, Session& session) {
+void run(const CalibrateArguments& options, Session& session) {
   if (!options.printer.printer.name.empty()) {
     PrinterOptions printer = options.printer;
     printer.style = options.measuring.style;
@@ -127,7 +127,7 @@ void add_calibrate(Command& program, Session& session) {
   Command* command =
       session.add_command(program, "calibrate", "Calibrate a machine",
                           "identify source errors from measurements; --out keeps the calibration (JSON)");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateArguments>();
   add_measuring_options(*command, options->measuring);
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);

@@ -19,7 +19,7 @@ const std::map<std::string, CompensationWay> kWays{{"exact", CompensationWay::ex
                                                    {"tilt-aware", CompensationWay::tilt_aware},
                                                    {"linear", CompensationWay::linear}};
 
-struct Options {
+struct CompensateArguments {
   std::string poses;
   std::string calibration, errors;
   std::string way = "exact";
@@ -33,7 +33,7 @@ struct Compensated {
   CorrectedPose corrected;
 };
 
-io::CalibratedMachine known_machine(const Options& options, const Robot& robot) {
+io::CalibratedMachine known_machine(const CompensateArguments& options, const Robot& robot) {
   if (options.calibration.empty() == options.errors.empty()) {
     throw WrongUsage("expected either --calibration or --errors");
   }
@@ -120,16 +120,16 @@ Compensated compensated(const PoseCorrector& corrector, const Station& station, 
   return {station.name, std::move(found)};
 }
 
-std::string table_header(const Options& options, const Robot& robot) {
+std::string table_header(const CompensateArguments& options, const Robot& robot) {
   return options.targets ? io::pose_table_header(robot.commands_tilt()) : io::joint_table_header(robot.joint_space());
 }
 
-std::string table_row(const Options& options, const Robot& robot, const Compensated& row) {
+std::string table_row(const CompensateArguments& options, const Robot& robot, const Compensated& row) {
   return options.targets ? io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt())
                          : io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
 }
 
-void run(const Options& options, Session& session) {
+void run(const CompensateArguments& options, Session& session) {
   RowInput poses(options.poses, options.style);
   RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
@@ -153,7 +153,7 @@ void run(const Options& options, Session& session) {
 void add_compensate(Command& program, Session& session) {
   Command* command = session.add_command(program, "compensate", "Compensate a machine",
                                          "corrected joint angles, and corrected targets for closed controllers");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompensateArguments>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)");
   command->add_option("--errors", options->errors, "source errors (TOML) instead of a calibration");
   command->add_option("--poses", options->poses, "pose table (CSV): where the plate is wanted")->required();

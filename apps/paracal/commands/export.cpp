@@ -16,7 +16,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct ExportArguments {
   std::string calibration;
   std::string target;
   std::optional<std::string> folder = {};  ///< of a whole configuration; without it the exported text alone
@@ -74,14 +74,14 @@ void export_json(const Robot& robot, const SourceErrors& errors, const ExportOri
   session.print_json(json);
 }
 
-bool knows_robot(const Options& options) {
+bool knows_robot(const ExportArguments& options) {
   const auto text = kTexts.find(options.target);
   return !options.folder && text != kTexts.end() && text->second.for_six_freedoms;
 }
 
 /// What --config asks for.
 /// @throws WrongUsage where another target was, or a file for it, too.
-std::optional<OutputFolder> configuration_folder(const Options& options, const Session& session) {
+std::optional<OutputFolder> configuration_folder(const ExportArguments& options, const Session& session) {
   if (!options.folder) return std::nullopt;
   if (options.target != "linuxcnc") {
     throw WrongUsage(fmt::format("--config: expected with --target linuxcnc, got --target {}", options.target));
@@ -92,7 +92,7 @@ std::optional<OutputFolder> configuration_folder(const Options& options, const S
   return OutputFolder("--config", *options.folder);
 }
 
-void run(const Options& options, Session& session) {
+void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
   if (!knows_robot(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
@@ -133,7 +133,7 @@ void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& diale
 void add_export(Command& program, Session& session) {
   Command* command = session.add_command(program, "export", "Compensate a machine",
                                          "the compensator for a controller, or files with corrected targets");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportArguments>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
   command
       ->add_option(

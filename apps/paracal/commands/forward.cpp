@@ -11,7 +11,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct ForwardArguments {
   std::string joints;
   std::string errors;
   bool json_lines = false;
@@ -44,7 +44,7 @@ io::Json plate_json(const io::NamedPlate& row) {
           {"iterations", row.result.iterations}};
 }
 
-void run(const Options& options, Session& session) {
+void run(const ForwardArguments& options, Session& session) {
   RowInput joints(options.joints, options.style);
   const Robot robot = session.robot(sources_of(options.errors, joints.rows));
   const Machine machine = machine_as_built(robot, options.errors);
@@ -61,7 +61,7 @@ void run(const Options& options, Session& session) {
 
 void add_forward(Command& program, Session& session) {
   Command* command = session.add_command(program, "forward", "Kinematics", "exact poses that joint angles lead to");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ForwardArguments>();
   command->add_option("--joints", options->joints, "joint table (CSV)")->required();
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");

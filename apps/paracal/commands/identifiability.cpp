@@ -14,14 +14,14 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct IdentifiabilityArguments {
   MeasuringOptions measuring;
   PlanningOptions plan;
   std::string poses;
   std::string rotation = "none";
 };
 
-Measurements plan_of(const Robot& robot, const Options& options) {
+Measurements plan_of(const Robot& robot, const IdentifiabilityArguments& options) {
   PlanningOptions plan = options.plan;
   plan.readings.rotation = options.rotation != "none";
   return planned(robot, io::read_poses(input_table(options.poses, options.measuring.style), robot.joint_space()),
@@ -43,7 +43,7 @@ Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOption
   return seen;
 }
 
-CalibrationOptions calibration_options(const Options& options) {
+CalibrationOptions calibration_options(const IdentifiabilityArguments& options) {
   CalibrationOptions calibration;
   calibration.noise = options.measuring.noise();
   const Measurand measurand = options.plan.readings.measurand;
@@ -121,7 +121,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   return json;
 }
 
-void run(const Options& options, Session& session) {
+void run(const IdentifiabilityArguments& options, Session& session) {
   const Robot robot = session.robot({.tables = {options.poses}});
   const Measurements plan = plan_of(robot, options);
   const CalibrationOptions calibration = calibration_options(options);
@@ -139,7 +139,7 @@ void run(const Options& options, Session& session) {
 void add_identifiability(Command& program, Session& session) {
   Command* command = session.add_command(program, "identifiability", "Calibrate a machine",
                                          "what a plan will reveal, and what it cannot, before measuring");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifiabilityArguments>();
   command->add_option("--poses", options->poses, "poses to be measured (CSV)")->required();
   add_table_options(*command, options->measuring.style);
   add_planning_options(*command, options->plan);

@@ -11,7 +11,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct InverseArguments {
   std::string poses;
   std::string errors;
   bool json_lines = false;
@@ -29,7 +29,7 @@ Joints joints_at(const Robot& robot, const Machine& machine, const Station& stat
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
 }
 
-void run(const Options& options, Session& session) {
+void run(const InverseArguments& options, Session& session) {
   RowInput poses(options.poses, options.style);
   const Robot robot = session.robot(sources_of(options.errors, poses.rows));
   const Machine machine = machine_as_built(robot, options.errors);
@@ -48,7 +48,7 @@ void run(const Options& options, Session& session) {
 
 void add_inverse(Command& program, Session& session) {
   Command* command = session.add_command(program, "inverse", "Kinematics", "joint angles that reach poses");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InverseArguments>();
   command->add_option("--poses", options->poses, "pose table (CSV)")->required();
   command->add_option("--errors", options->errors,
                       "source errors (TOML) or a calibration (JSON): the machine as built");

@@ -21,7 +21,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct PosesArguments {
   MeasuringOptions measuring;
   std::string stage = "fine", criterion = "pose";
   double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
@@ -56,7 +56,7 @@ io::Json poses_json(const std::vector<Station>& stations) {
   return json;
 }
 
-void run_paper_plan(const Options& options, Session& session) {
+void run_paper_plan(const PosesArguments& options, Session& session) {
   if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
   const Robot robot = session.level_robot("poses --stage");
@@ -86,7 +86,7 @@ bool is_finite(const std::vector<double>& numbers) {
   return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
 }
 
-std::optional<Visibility> visibility_of(const Options& options) {
+std::optional<Visibility> visibility_of(const PosesArguments& options) {
   if (!is_finite(options.tracker) || !is_finite(options.facing) || !std::isfinite(options.acceptance_deg)) {
     throw WrongUsage("--tracker, --facing and --acceptance-deg: expected finite numbers");
   }
@@ -100,14 +100,14 @@ std::optional<Visibility> visibility_of(const Options& options) {
                     options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
 }
 
-std::vector<Station> candidates_of(const Robot& robot, const Options& options, const PlannedReadings& readings,
+std::vector<Station> candidates_of(const Robot& robot, const PosesArguments& options, const PlannedReadings& readings,
                                    std::uint64_t seed) {
   std::vector<Station> all = candidate_stations(robot, options.candidates, seed, visibility_of(options));
   if (options.range.empty()) return all;
   return within_range(robot, all, readings, {options.range[0], options.range[1]});
 }
 
-void check_range(const Options& options) {
+void check_range(const PosesArguments& options) {
   if (options.range.empty()) return;
   if (options.plan.readings.measurand != Measurand::lengths) {
     throw WrongUsage("--range-mm: expected --measure with it, and a length that each pose shows alone");
@@ -118,7 +118,7 @@ void check_range(const Options& options) {
   }
 }
 
-void run_selection(const Options& options, Session& session) {
+void run_selection(const PosesArguments& options, Session& session) {
   if (options.candidates < options.optimal) {
     throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
                                  options.candidates));
@@ -189,7 +189,7 @@ void run_selection(const Options& options, Session& session) {
 
 void add_poses(Command& program, Session& session) {
   Command* command = session.add_command(program, "poses", "Calibrate a machine", "which poses to measure");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PosesArguments>();
   std::vector<std::string> criteria;
   criteria.reserve(kCriteria.size());
   for (const auto& [criterion, unused] : kCriteria) criteria.push_back(criterion);

@@ -9,7 +9,7 @@
 namespace paracal::app {
 namespace {
 
-void list(Session& session) {
+void list_robots(Session& session) {
   io::Json names = io::Json::array();
   std::string text;
   for (const std::string_view name : catalogue::names()) {
@@ -41,7 +41,7 @@ void add_robot(Command& program, Session& session) {
   command->add_option("--template", *kind, "a commented file of that kind of robot, to put your numbers into")
       ->check(one_of(io::robot_templates()));
   command->callback([&session, only_names, printer, kind] {
-    if (*only_names) return list(session);
+    if (*only_names) return list_robots(session);
     if (!kind->empty()) return print_template(session, *kind);
     const Robot robot = printer->name.empty() ? session.robot() : printer_robot(*printer);
     session.json() ? session.print_json(io::to_json(robot)) : session.print(io::robot_toml(robot));

@@ -18,7 +18,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct SensitivityArguments {
   std::string quantity = "tilt", tolerances, map;
   std::vector<double> pose;
   bool all_rotations = false;
@@ -83,7 +83,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 
-void write_page(const Options& options, Session& session, const Robot& robot, const SensitivityFindings& found,
+void write_page(const SensitivityArguments& options, Session& session, const Robot& robot, const SensitivityFindings& found,
                 const Tolerances& tolerances) {
   write_report(*options.report, session, robot,
                {.kind = "sensitivity",
@@ -92,7 +92,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
                 .inputs = with_files({}, session, {options.tolerances})});
 }
 
-void run(const Options& options, Session& session) {
+void run(const SensitivityArguments& options, Session& session) {
   const Robot robot = session.robot();
   const Characteristic what = *characteristic_named(options.quantity);
   std::optional<Pose> pose;
@@ -117,7 +117,7 @@ void add_sensitivity(Command& program, Session& session) {
   Command* command =
       session.add_command(program, "sensitivity", "Design tolerances",
                           "how much each source error matters: at a pose, over the workspace, and where");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SensitivityArguments>();
   command
       ->add_option("--quantity", options->quantity,
                    "of what: tilt, twist, position, distance, rotation; "

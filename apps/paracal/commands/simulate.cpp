@@ -19,7 +19,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct SimulateArguments {
   std::string errors, poses, truth, frame = "robot";
   InstrumentOptions instrument;
   PlanningOptions plan;
@@ -42,7 +42,7 @@ RigidMotion random_frame(RandomStream& random) {
   return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), shift};
 }
 
-SourceErrors errors_of(const Options& options, const Robot& robot, RandomStream& random) {
+SourceErrors errors_of(const SimulateArguments& options, const Robot& robot, RandomStream& random) {
   if (options.errors.empty()) return draw_errors(tolerances_of(robot), robot.limb_count(), random);
   return read_errors(robot, options.errors);
 }
@@ -56,7 +56,7 @@ void check_instrument(const InstrumentOptions& instrument, const PlannedReadings
   if (instrument.repeats > 1 && distances) throw WrongUsage("--repeats: expected another --measure than distances");
 }
 
-Measurements plan_of(const Robot& robot, const Options& options, const PlannedReadings& what) {
+Measurements plan_of(const Robot& robot, const SimulateArguments& options, const PlannedReadings& what) {
   Measurements plan =
       planned(robot, io::read_poses(input_table(options.poses, options.style), robot.joint_space()), what);
   const auto repeat = [&](auto& readings) {
@@ -122,7 +122,7 @@ io::Json json_of(const Measurements& measurements) {
   return {{"points", points_json(measurements)}};
 }
 
-void run(const Options& options, Session& session) {
+void run(const SimulateArguments& options, Session& session) {
   PlanningOptions wanted = options.plan;
   wanted.readings.second = !options.instrument.second.empty();
   const PlannedReadings what = wanted.planned("--read-rotation");
@@ -158,7 +158,7 @@ void run(const Options& options, Session& session) {
 void add_simulate(Command& program, Session& session) {
   Command* command = session.add_command(program, "simulate", "Calibrate a machine",
                                          "what a virtual machine would be measured to do (CSV)");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateArguments>();
   command->add_option("--errors", options->errors,
                       "source errors of the machine (TOML) or a calibration (JSON); without: drawn from the tolerances "
                       "by --seed and --machine");

@@ -16,15 +16,15 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct ToleranceAllocateArguments {
   AngleOption max_tilt, least;
   std::string bound = "sum-of-maxima", least_is = "tolerance", tolerances, problem, toml;
   std::shared_ptr<std::string> report;
 };
 
-bool is_general(const Options& options) { return !options.problem.empty(); }
+bool is_general(const ToleranceAllocateArguments& options) { return !options.problem.empty(); }
 
-Allocation allocated(const Options& options, const Robot& robot) {
+Allocation allocated(const ToleranceAllocateArguments& options, const Robot& robot) {
   const Tolerances rest = options.tolerances.empty() ? paracal::tolerances_of(robot)
                                                      : io::read_tolerances(io::read_file(options.tolerances), robot);
   if (is_general(options)) {
@@ -42,7 +42,7 @@ Allocation allocated(const Options& options, const Robot& robot) {
                      .rest = rest});
 }
 
-std::string text_of(const Options& options, const Robot& robot, const Allocation& allocation) {
+std::string text_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
   std::string text =
       fmt::format("{}{}{}\n", name(allocation.status), allocation.reason.empty() ? "" : ": ", allocation.reason);
   const auto out = std::back_inserter(text);
@@ -68,7 +68,7 @@ std::string text_of(const Options& options, const Robot& robot, const Allocation
   return text;
 }
 
-io::Json json_of(const Options& options, const Robot& robot, const Allocation& allocation) {
+io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
   io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
   if (!robot.on_single_rods()) {
     json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
@@ -97,7 +97,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Allocation& a
   return json;
 }
 
-void write_page(const Options& options, Session& session, const Robot& robot, const Allocation& allocation) {
+void write_page(const ToleranceAllocateArguments& options, Session& session, const Robot& robot, const Allocation& allocation) {
   const Characteristic tilt{Quantity::tilt};
   write_report(*options.report, session, robot,
                {.kind = "allocation",
@@ -106,7 +106,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
                 .inputs = with_files({}, session, {options.tolerances, options.problem})});
 }
 
-void run(const Options& options, Session& session) {
+void run(const ToleranceAllocateArguments& options, Session& session) {
   const Robot robot = session.robot();
   if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
   const Allocation allocation = allocated(options, robot);
@@ -123,7 +123,7 @@ void run(const Options& options, Session& session) {
 void add_tolerance_allocate(Command& tolerance, Session& session) {
   Command* command =
       session.add_command(tolerance, "allocate", "Design tolerances", "the widest tolerances that keep a limit");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ToleranceAllocateArguments>();
   const std::array tilt =
       add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "3 sigma of the plate's tilt");
   tilt.front()->shows_default(fmt::format("{}", kUsualMaxTilt));

@@ -22,7 +22,7 @@
 namespace paracal::app {
 namespace {
 
-struct Options {
+struct ToleranceAnalyzeArguments {
   std::string tolerances, problem, model = "linear";
   AngleOption max_tilt;
   MonteCarloOptions monte_carlo;
@@ -48,7 +48,7 @@ struct Findings {
   std::vector<LinearityPoint> linearity = {};
 };
 
-std::vector<Requirement> requirements_of(const Options& options, const Robot& robot, const Tolerances& tolerances) {
+std::vector<Requirement> requirements_of(const ToleranceAnalyzeArguments& options, const Robot& robot, const Tolerances& tolerances) {
   if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt.value().value_or(kUsualMaxTilt)}};
   return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
 }
@@ -63,7 +63,7 @@ Progress watched(const std::atomic<bool>& interrupted) {
   };
 }
 
-void find_failures(const Options& options, const Robot& robot, const Session& session,
+void find_failures(const ToleranceAnalyzeArguments& options, const Robot& robot, const Session& session,
                    const std::vector<Requirement>& requirements, const std::vector<Pose>& poses, Findings& found) {
   const FailureOptions sampling{.seed = session.seed(),
                                 .relative_error = options.failure_error,
@@ -78,7 +78,7 @@ void find_failures(const Options& options, const Robot& robot, const Session& se
   for (const Requirement& one : requirements) found.of_each.push_back(share({one}));
 }
 
-Findings find(const Options& options, const Robot& robot, const Session& session) {
+Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, const Session& session) {
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   const std::vector<Requirement> requirements = requirements_of(options, robot, tolerances);
@@ -118,7 +118,7 @@ std::string sobol_text(const std::vector<SobolIndex>& indices, Actuator actuator
   return text;
 }
 
-std::string text_of(const Options& options, const Robot& robot, const Findings& found) {
+std::string text_of(const ToleranceAnalyzeArguments& options, const Robot& robot, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
   std::string text = fmt::format(
@@ -186,7 +186,7 @@ io::Json requirement_json(const Robot& robot, const RequirementAnalysis& one, co
   return json;
 }
 
-io::Json json_of(const Options& options, const Robot& robot, const Findings& found) {
+io::Json json_of(const ToleranceAnalyzeArguments& options, const Robot& robot, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
   io::Json json{{"model", options.model},         {"machines", batch.machines}, {"converged", batch.converged},
@@ -219,7 +219,7 @@ io::Json json_of(const Options& options, const Robot& robot, const Findings& fou
   return json;
 }
 
-void write_page(const Options& options, Session& session, const Robot& robot, const Findings& found) {
+void write_page(const ToleranceAnalyzeArguments& options, Session& session, const Robot& robot, const Findings& found) {
   const Characteristic what = found.analyses.front().requirement.characteristic;
   io::Json map = three_sigma_json(robot, what, found.tolerances);
   io::Json histograms = io::Json::array();
@@ -238,7 +238,7 @@ void write_page(const Options& options, Session& session, const Robot& robot, co
                 .inputs = with_files({}, session, {options.tolerances, options.problem})});
 }
 
-void run(const Options& options, Session& session) {
+void run(const ToleranceAnalyzeArguments& options, Session& session) {
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
   const bool enough =
@@ -255,7 +255,7 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
   Command* command =
       session.add_command(tolerance, "analyze", "Design tolerances",
                           "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ToleranceAnalyzeArguments>();
   command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
   const std::array tilt =
       add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "limit on the plate's tilt");

@@ -38,7 +38,7 @@ constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-dista
                            Row{ErrorKind::rotation, "rotation, deg", "--max-rotation-deg", to_degrees(1.0)},
                            Row{ErrorKind::tilt, "tilt, rad", "--max-tilt-rad", 1.0}};
 
-struct Options {
+struct YieldArguments {
   std::uint64_t machines = 0;
   io::TableStyle style = {};
   std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
@@ -75,7 +75,7 @@ bool is_shown(ErrorKind kind, const Robot& robot) {
   return kind != ErrorKind::rotation || turns(robot);
 }
 
-PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robot& robot) {
+PerErrorKind<std::optional<double>> limits_of(const YieldArguments& options, const Robot& robot) {
   PerErrorKind<std::optional<double>> limits;
   for (const Row& row : kRows) {
     const std::optional<double> limit =
@@ -91,7 +91,7 @@ PerErrorKind<std::optional<double>> limits_of(const Options& options, const Robo
 }
 
 /// Reads the inputs and keeps their hashes.
-Order order_of(const Options& options, Session& session) {
+Order order_of(const YieldArguments& options, Session& session) {
   Order order{.batch = {.robot = session.robot({.tables = {options.poses}}), .plan = {}, .seed = session.seed()},
               .inputs = {}};
   const auto input = [&](const std::filesystem::path& name) {
@@ -124,7 +124,7 @@ Order order_of(const Options& options, Session& session) {
 
 std::uint64_t usual_chunk(const Batch& batch) { return batch.surrogate ? kQuickChunk : io::BatchOptions{}.chunk; }
 
-io::BatchResult make(const Options& options, const Session& session, const Batch& batch, io::Rank rank,
+io::BatchResult make(const YieldArguments& options, const Session& session, const Batch& batch, io::Rank rank,
                      const std::atomic<bool>& interrupted) {
   ProgressLine line("machines", options.machines);
   const auto progress = [&](std::uint64_t machines) {
@@ -175,7 +175,7 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
   return text;
 }
 
-std::string yield_line(const Options& options, const Batch& batch, const Tally& tally) {
+std::string yield_line(const YieldArguments& options, const Batch& batch, const Tally& tally) {
   if (!has_limits(batch.plan)) return "  no limits (--max-...): no yield\n";
   const Proportion share = yield(tally, options.confidence), defects = defects_per_million(share);
   return fmt::format("  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
@@ -197,7 +197,7 @@ std::string way_line(const Tally& tally, double confidence) {
   return text;
 }
 
-std::string text_of(const Options& options, const Batch& batch, const io::BatchResult& result) {
+std::string text_of(const YieldArguments& options, const Batch& batch, const io::BatchResult& result) {
   const Tally& tally = result.tally;
   std::string text =
       fmt::format("batch of {} machines of {}, seed {}\n", tally.machines(), batch.robot.name(), batch.seed);
@@ -215,7 +215,7 @@ std::string text_of(const Options& options, const Batch& batch, const io::BatchR
 
 // ---- what a program reads
 
-io::Json json_of(const Options& options, const Order& order, const io::BatchResult& result) {
+io::Json json_of(const YieldArguments& options, const Order& order, const io::BatchResult& result) {
   io::Json json{{"machines_asked", options.machines}, {"partial", !result.complete}};
   json.update(io::to_json(order.batch, result.tally, options.confidence));
   if (options.min_yield) json["min_yield"] = *options.min_yield;
@@ -242,7 +242,7 @@ io::Json histograms(const Batch& batch, const Tally& tally) {
   return json;
 }
 
-void write_page(const Options& options, Session& session, const Order& order, const io::BatchResult& result) {
+void write_page(const YieldArguments& options, Session& session, const Order& order, const io::BatchResult& result) {
   write_report(*options.report, session, order.batch.robot,
                {.kind = "yield",
                 .results = {{"yield", json_of(options, order, result)}},
@@ -250,7 +250,7 @@ void write_page(const Options& options, Session& session, const Order& order, co
                 .inputs = order.inputs});
 }
 
-void run(const Options& options, Session& session) {
+void run(const YieldArguments& options, Session& session) {
   const io::Rank rank = launched_rank();
   if (rank.size > 1 && options.checkpoint.empty()) {
     throw WrongUsage(
@@ -267,7 +267,7 @@ void run(const Options& options, Session& session) {
                  : session.print(text_of(options, order.batch, result));
 }
 
-void add_limits(Command& command, Options& options) {
+void add_limits(Command& command, YieldArguments& options) {
   const std::string heading = "Limits after calibration";
   for (const Row& row : kRows) {
     const std::string text = fmt::format("of the row \"{}\"", row.text);
@@ -292,7 +292,7 @@ void add_yield(Command& program, Session& session) {
   Command* command =
       session.add_command(program, "yield", "Design tolerances",
                           "build, calibrate and validate a batch of virtual machines: what customers get");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<YieldArguments>();
   command->add_option("--machines", options->machines, "how many")->required()->check(whole_number(1, kMostMachines));
   command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
   command->add_option(
