@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace paracal {
+namespace paracal::spelling_test {
 namespace {
 
 TEST(Spelling, TheNearestWordWasMeant) {
@@ -30,4 +30,4 @@ TEST(Spelling, WhatIsFarFromAllMeantNone) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::spelling_test

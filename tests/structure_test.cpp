@@ -13,10 +13,12 @@
 #include <string>
 #include <vector>
 
-namespace paracal {
+#include "support/places.hpp"
+
+namespace paracal::structure_test {
 namespace {
 
-const std::filesystem::path kRoot = PARACAL_SOURCE;
+const std::filesystem::path kRoot = test::source_folder();
 
 using Arrows = std::map<std::string, std::set<std::string>>;
 
@@ -141,4 +143,4 @@ TEST(Structure, MutationsStandInTheirFiles) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::structure_test

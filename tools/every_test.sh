@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
-# Runs the tests of a built preset: every_test.sh PRESET [options of ctest]. One that is skipped checks nothing, so it fails as one that fails does.
-# Of the preset asan those are left to check_all.sh that take minutes there, see tests/minutes_under_sanitizers.txt.
+# Runs the tests of a built preset: every_test.sh PRESET [K/N] [options of ctest]; with K/N every N-th process of them, from the K-th on. A test that is
+# skipped checks nothing, so it fails as one that fails does.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 preset=$1
-left_out=()
-if [[ $preset == asan ]]; then
-  minutes="^($(grep -v '^#' tests/minutes_under_sanitizers.txt | paste -sd '|'))$"
-  left_out=(--exclude-regex "$minutes")
-  # ctest passes over an expression that it cannot read.
-  ctest --preset "$preset" -N --tests-regex "$minutes" | grep -q '^Total Tests: [1-9]' || { echo "tests/minutes_under_sanitizers.txt: expected names of tests, got none" >&2; exit 1; }
+shift
+share=()
+if [[ ${1:-} =~ ^([0-9]+)/([0-9]+)$ ]]; then
+  share=(--tests-information "${BASH_REMATCH[1]},,${BASH_REMATCH[2]}")
+  shift
 fi
-ctest --preset "$preset" --progress --output-junit tests.xml "${left_out[@]}" "${@:2}"
-skipped=$(sed -n 's/.*<testcase name="\([^"]*\)".* status="\(notrun\|disabled\)".*/  \1/p' "build/$preset/tests.xml")
+reports=build/$preset/reports
+rm -rf "$reports"
+ctest --preset "$preset" --progress "${share[@]}" "$@"
+skipped=$(grep -ho '<testcase name="[^"]*" [^>]*result="skipped"[^>]*' "$reports"/*.xml 2>/dev/null | sed 's/<testcase name="\([^"]*\)".*classname="\([^"]*\)".*/  \2.\1/' || true)
 if [[ -n $skipped ]]; then
   printf 'skipped, and a test that is skipped checks nothing:\n%s\n' "$skipped" >&2
-  grep -A 1 ': Skipped$' "build/$preset/Testing/Temporary/LastTest.log" | grep -v -- '^--$' >&2 || true
   exit 1
 fi

@@ -11,7 +11,7 @@
 #include "support/allocation_count.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::allocation_test {
 namespace {
 
 class AllocationLaw : public test::EveryRobot {
@@ -65,4 +65,4 @@ TEST_P(AllocationLaw, CompensationDoesNotAllocate) {
 PARACAL_ON_EVERY_ROBOT(AllocationLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::allocation_test

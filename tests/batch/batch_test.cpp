@@ -10,7 +10,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::batch_test {
 namespace {
 
 using test::machines;
@@ -118,4 +118,4 @@ TEST(Tally, ScrapHasNoAccuracy) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::batch_test

@@ -11,7 +11,7 @@
 #include "paracal/kinematics/inverse.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::production_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 7;
@@ -204,4 +204,4 @@ TEST_P(Production, ThePlanIsCheckedOnce) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::production_test

@@ -18,7 +18,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::surrogate_test {
 namespace {
 
 using testing::IsEmpty, testing::SizeIs;
@@ -314,4 +314,4 @@ TEST(BatchSurrogate, AStoppedChunkIsDropped) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::surrogate_test

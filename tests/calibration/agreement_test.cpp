@@ -13,7 +13,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::agreement_test {
 namespace {
 
 using testing::Contains;
@@ -286,4 +286,4 @@ TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::agreement_test

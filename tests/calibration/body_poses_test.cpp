@@ -25,7 +25,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::body_poses_test {
 namespace {
 
 using testing::Contains;
@@ -473,4 +473,4 @@ TEST(PlaceBody, FromNothing) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::body_poses_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::causes_test {
 namespace {
 
 using testing::Contains;
@@ -142,4 +142,4 @@ TEST(Causes, AMistakeIsNamedOfAMachineWithBacklash) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::causes_test

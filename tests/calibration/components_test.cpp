@@ -10,7 +10,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::components_test {
 namespace {
 
 using testing::AllOf;
@@ -181,4 +181,4 @@ TEST_F(Variances, WithoutRepeatsJointsAreToldByTheStatedNoise) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::components_test

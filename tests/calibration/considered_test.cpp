@@ -8,7 +8,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::considered_test {
 namespace {
 
 constexpr double kShare = 1e-3;  // of its standard deviation that an error is off by
@@ -110,4 +110,4 @@ TEST_P(ConsideredLaw, ReadingsLeftOutDoNotCount) {
 PARACAL_ON_EVERY_ROBOT(ConsideredLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::considered_test

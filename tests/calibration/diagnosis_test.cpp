@@ -14,7 +14,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::diagnosis_test {
 namespace {
 
 using test::machines;
@@ -514,4 +514,4 @@ TEST(DiagnosedCalibration, ExplainsPosesOutOfReach) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::diagnosis_test

@@ -8,7 +8,7 @@
 #include "paracal/units.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::doubt_test {
 namespace {
 
 using testing::ElementsAre;
@@ -89,4 +89,4 @@ TEST(Doubts, NothingOfTheConsequencesIsSaid) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::doubt_test

@@ -15,7 +15,7 @@
 #include "paracal/units.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::evidence_test {
 namespace {
 
 using testing::Contains;
@@ -283,4 +283,4 @@ TEST(Stage, ConditionIsTheLargestOverTheSmallestSingularValue) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::evidence_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::fine_calibration_test {
 namespace {
 
 using test::held_out_errors;
@@ -443,4 +443,4 @@ TEST(CalibrationMethods, NonsensePointsAreRefused) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::fine_calibration_test

@@ -10,7 +10,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::geometry_test {
 namespace {
 
 using test::Random;
@@ -100,4 +100,4 @@ TEST(DistanceGeometry, LeavesDistancesAloneThatAreSomethingElse) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::geometry_test

@@ -17,7 +17,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::heights_test {
 namespace {
 
 constexpr double kPlane = 0.7, kSlopeX = 2e-3, kSlopeY = -1e-3,
@@ -198,4 +198,4 @@ TEST(RotaryDelta, AllErrorsBeatOffsetsRadiusAndAngles) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::heights_test

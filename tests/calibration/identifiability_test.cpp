@@ -7,7 +7,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::identifiability_test {
 namespace {
 
 using testing::Contains;
@@ -150,4 +150,4 @@ TEST(Observability, IndicesOfKnownSingularValues) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::identifiability_test

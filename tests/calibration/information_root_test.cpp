@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-namespace paracal {
+namespace paracal::information_root_test {
 namespace {
 
 /// T = [R q; 0 e] as far as the interface shows it: T^T T.
@@ -195,4 +195,4 @@ TEST(Spectrum, CountsRankInTheScaleItIsGiven) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::information_root_test

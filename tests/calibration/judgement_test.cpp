@@ -16,7 +16,7 @@
 #include "support/virtual_machines.hpp"
 #include "support/worlds.hpp"
 
-namespace paracal::test {
+namespace paracal::test::judgement_test {
 namespace {
 
 using testing::HasSubstr;
@@ -358,4 +358,4 @@ TEST(Temperature, ReducesLengthsToTwentyDegrees) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::judgement_test

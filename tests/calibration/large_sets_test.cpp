@@ -13,7 +13,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::large_sets_test {
 namespace {
 
 constexpr double kNoise = 0.017;  // mm
@@ -99,4 +99,4 @@ TEST_F(LargeSets, OfManyReadingsTheWorstAreListed) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::large_sets_test

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace paracal {
+namespace paracal::least_squares_test {
 namespace {
 
 constexpr double kRankTolerance = 1e-7;
@@ -146,4 +146,4 @@ TEST(LeastSquares, SaysSoWhenItRunsOutOfIterationsOrCannotStart) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::least_squares_test

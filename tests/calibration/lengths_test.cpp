@@ -19,7 +19,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::lengths_test {
 namespace {
 
 using testing::Contains;
@@ -360,4 +360,4 @@ TEST_P(LengthsLaw, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::lengths_test

@@ -16,7 +16,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::mistakes_test {
 namespace {
 
 using detail::Input;
@@ -365,4 +365,4 @@ TEST_P(DimensionLaw, ErrorsAreWhatAnotherNumberDoes) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::mistakes_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::moved_set_up_test {
 namespace {
 
 using testing::ElementsAre;
@@ -89,4 +89,4 @@ TEST(MovedSetUp, IsSoughtInNothingThatHoldsStill) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::moved_set_up_test

@@ -20,8 +20,9 @@
 #include <vector>
 
 #include "paracal/calibration/least_squares.hpp"
+#include "support/places.hpp"
 
-namespace paracal {
+namespace paracal::nist_test {
 namespace {
 
 constexpr int kMostParameters = 9;
@@ -204,7 +205,7 @@ void read_observation(const std::string& line, Dataset& data) {
 /// The observations follow the last line that begins with "Data:".
 Dataset read_dataset(const std::string& name) {
   Dataset data;
-  std::ifstream file(std::filesystem::path(PARACAL_TEST_DATA) / "nist-strd" / (name + ".dat"));
+  std::ifstream file(test::source_folder() / "data/nist-strd" / (name + ".dat"));
   const std::string count = "Number of Observations:";
   for (std::string line; std::getline(file, line);) {
     read_parameter(line, data);
@@ -348,4 +349,4 @@ INSTANTIATE_TEST_SUITE_P(BothStarts, NistStrd, testing::Combine(testing::ValuesI
                          });
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::nist_test

@@ -14,7 +14,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::outliers_test {
 namespace {
 
 using testing::Contains;
@@ -224,4 +224,4 @@ TEST(AutomaticStage, HeightsSkipTheRoughOne) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::outliers_test

@@ -5,7 +5,7 @@
 #include "paracal/error.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::plan_test {
 namespace {
 
 const CurvePoint& at(const PaperPlan& plan, int n) {
@@ -70,4 +70,4 @@ TEST_P(PlanLaw, BothSchemesSettleSomewhere) {
 PARACAL_ON_EVERY_ROBOT(PlanLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::plan_test

@@ -13,7 +13,7 @@
 #include "paracal/error.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::pose_selection_test {
 namespace {
 
 /// Uncertainty of a set of poses by another way: the posterior of the whole plan at once.
@@ -194,4 +194,4 @@ TEST(PoseSelection, TooFewCandidatesAreRefused) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::pose_selection_test

@@ -10,7 +10,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::prediction_test {
 namespace {
 
 class SpreadLaw : public test::EveryRobot {
@@ -138,4 +138,4 @@ TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::prediction_test

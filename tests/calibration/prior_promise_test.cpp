@@ -12,7 +12,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::prior_promise_test {
 namespace {
 
 constexpr double kNoise = 0.017;  // mm
@@ -166,4 +166,4 @@ TEST_F(Promise, LeavesPriorsAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::prior_promise_test

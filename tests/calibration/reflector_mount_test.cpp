@@ -13,7 +13,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::reflector_mount_test {
 namespace {
 
 const Eigen::Vector3d kLever(60.0, -20.0, -150.0);
@@ -68,4 +68,4 @@ INSTANTIATE_TEST_SUITE_P(All, ReflectorMounts, testing::ValuesIn(kReflectorMount
 });
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::reflector_mount_test

@@ -11,7 +11,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::rough_calibration_test {
 namespace {
 
 using test::Random;
@@ -220,4 +220,4 @@ TEST(RoughCalibration, NonsenseReadingsAreRefusedByNumber) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::rough_calibration_test

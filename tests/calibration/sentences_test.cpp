@@ -11,7 +11,7 @@
 #include "paracal/units.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::sentences_test {
 namespace {
 
 using testing::Contains;
@@ -221,4 +221,4 @@ TEST_F(Sentences, ThoseOfTheVerdict) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::sentences_test

@@ -14,7 +14,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::simulation_test {
 namespace {
 
 class SimulationLaw : public test::EveryRobot {
@@ -108,4 +108,4 @@ PARACAL_ON_EVERY_ROBOT(SimulationLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(SimulationLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::simulation_test

@@ -14,7 +14,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::tilt_mistakes_test {
 namespace {
 
 using testing::Contains;
@@ -125,4 +125,4 @@ TEST(TiltMistakes, AreNamed) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::tilt_mistakes_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::unit_mistakes_test {
 namespace {
 
 using testing::ElementsAre;
@@ -105,4 +105,4 @@ TEST(UnitMistakes, AreOfEachSeriesAndKind) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::unit_mistakes_test

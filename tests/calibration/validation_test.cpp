@@ -11,7 +11,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::validation_test {
 namespace {
 
 using testing::HasSubstr;
@@ -382,4 +382,4 @@ TEST(Validation, NeedsPointsOfSeveralPoses) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::validation_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::visits_test {
 namespace {
 
 using testing::ElementsAre;
@@ -213,4 +213,4 @@ PARACAL_ON_EVERY_ROBOT(VisitsLaw);
 PARACAL_ON_HEXAPODS(VisitsLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::visits_test

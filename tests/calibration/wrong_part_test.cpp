@@ -15,7 +15,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::test {
+namespace paracal::test::wrong_part_test {
 namespace {
 
 using testing::AllOf;
@@ -134,4 +134,4 @@ TEST(WorthTrying, IsWhatMayBeTheBest) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::wrong_part_test

@@ -4,7 +4,7 @@
 
 #include "broken_input.hpp"
 
-namespace paracal::test {
+namespace paracal::test::broken_input_test {
 namespace {
 
 using testing::HasSubstr, testing::IsEmpty;
@@ -504,4 +504,4 @@ TEST(UnbrokenInput, DistancesAreReadAndJudged) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::broken_input_test

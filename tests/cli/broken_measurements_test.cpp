@@ -5,7 +5,7 @@
 
 #include "broken_input.hpp"
 
-namespace paracal::test {
+namespace paracal::test::broken_measurements_test {
 namespace {
 
 using testing::AnyOf, testing::HasSubstr, testing::IsEmpty;
@@ -495,4 +495,4 @@ TEST(UnbrokenMeasurements, AbsurdReadingsAreJudgedOrRefused) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::broken_measurements_test

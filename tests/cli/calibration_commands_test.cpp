@@ -9,7 +9,7 @@
 
 #include "json_checks.hpp"
 
-namespace paracal::test {
+namespace paracal::test::calibration_commands_test {
 namespace {
 
 using nlohmann::json;
@@ -1046,4 +1046,4 @@ TEST(NewCommands, AnOutputThatCannotBeWrittenIsNotDone) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::calibration_commands_test

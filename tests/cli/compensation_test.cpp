@@ -5,7 +5,7 @@
 #include "broken_input.hpp"
 #include "calibrated_machine.hpp"
 
-namespace paracal::test {
+namespace paracal::test::compensation_test {
 namespace {
 
 using nlohmann::json;
@@ -119,4 +119,4 @@ const std::vector<BrokenInput> kBroken{
 INSTANTIATE_TEST_SUITE_P(Compensation, BrokenInputTest, testing::ValuesIn(kBroken), name_of);
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::compensation_test

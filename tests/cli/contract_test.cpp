@@ -11,14 +11,15 @@
 #include <sstream>
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::contract_test {
 namespace {
 
 using nlohmann::json;
 using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs, testing::StartsWith;
 
-const std::string kData = PARACAL_DATA;
+const std::string kData = source_folder() / "data/huang2016";
 const std::string kPublishedPoses = kData + "/poses.csv";
 const std::string kPublishedDistances = kData + "/distances.csv";
 
@@ -468,4 +469,4 @@ TEST(Program, AnOutputThatCannotBeWrittenIsNotDone) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::contract_test

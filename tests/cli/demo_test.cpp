@@ -8,8 +8,9 @@
 #include <sstream>
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::demo_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,7 +54,7 @@ TEST_F(Demo, IsWhatItsCommandsMake) {
   EXPECT_THAT(lines_after("  $ paracal ", result.out), ElementsAreArray(commands));
 
   create_directory(folder.path() / "bin");
-  create_symlink(PARACAL_PROGRAM, folder.path() / "bin/paracal");
+  create_symlink(build_folder() / "bin/paracal", folder.path() / "bin/paracal");
   create_directory(folder.path() / "again");
   folder.write("again/commands.sh", made.at("commands.sh"));
   const std::string line =
@@ -142,7 +143,7 @@ TEST_F(Demo, EndsBySignalsWithoutTraces) {
   }
 }
 
-#ifdef PARACAL_FAULT_SHIM
+#ifndef PARACAL_SANITIZED
 TEST_F(Demo, LeavesAllFilesOrNoFolder) {
   ASSERT_EQ(run(kDemo).exit_code, kDone);
   const auto expected = files_of(folder.path() / "made");
@@ -150,7 +151,7 @@ TEST_F(Demo, LeavesAllFilesOrNoFolder) {
   for (const char* fault :
        {"mkdir 1 28", "link 12 28", "link 15 28", "link 22 28", "write 30 28", "open 40 13", "rename 1 28"}) {
     remove_all(folder.path() / "made");
-    const ProgramResult result = run(kDemo, {"SOURCE_DATE_EPOCH=0", std::string("LD_PRELOAD=") + PARACAL_FAULT_SHIM,
+    const ProgramResult result = run(kDemo, {"SOURCE_DATE_EPOCH=0", preloaded_faults(),
                                              std::string("PARACAL_FAULT=") + fault});
     refused += result.exit_code != kDone;
     if (result.exit_code == kDone) {
@@ -164,4 +165,4 @@ TEST_F(Demo, LeavesAllFilesOrNoFolder) {
 #endif
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::demo_test

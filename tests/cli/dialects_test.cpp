@@ -5,7 +5,7 @@
 
 #include "json_checks.hpp"
 
-namespace paracal::test {
+namespace paracal::test::dialects_test {
 namespace {
 
 using nlohmann::json;
@@ -172,4 +172,4 @@ TEST(DialectsOfPrinters, ReadingsTakeTheOptions) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::dialects_test

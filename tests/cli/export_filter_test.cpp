@@ -7,7 +7,7 @@
 #include "broken_input.hpp"
 #include "calibrated_machine.hpp"
 
-namespace paracal::test {
+namespace paracal::test::export_filter_test {
 namespace {
 
 using nlohmann::json;
@@ -402,4 +402,4 @@ TEST_F(ExportFilter, NothingIsLeftBesideTheResult) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::export_filter_test

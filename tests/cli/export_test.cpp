@@ -9,7 +9,7 @@
 #include "broken_input.hpp"
 #include "exported.hpp"
 
-namespace paracal::test {
+namespace paracal::test::export_test {
 namespace {
 
 using nlohmann::json;
@@ -196,4 +196,4 @@ TEST_F(Export, AFilesNameStaysAName) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::export_test

@@ -19,8 +19,9 @@
 
 #include "printer/klipper_sets.hpp"
 #include "run_program.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::fault_injection_test {
 namespace {
 
 /// Names and texts; a name of a folder ends in a slash.
@@ -184,7 +185,7 @@ class Injection : public testing::TestWithParam<Injected> {
   }
 
   ProgramResult run_with(const std::string& fault, std::vector<std::string> environment = {}) const {
-    for (const std::string& one : {fmt::format("LD_PRELOAD={}", PARACAL_FAULT_SHIM), "PARACAL_FAULT=" + fault,
+    for (const std::string& one : {preloaded_faults(), "PARACAL_FAULT=" + fault,
                                    std::string("SOURCE_DATE_EPOCH=0")}) {
       environment.push_back(one);
     }
@@ -512,4 +513,4 @@ TEST_P(Injection, FullDisksLoseNothing) {
 INSTANTIATE_TEST_SUITE_P(Commands, Injection, testing::ValuesIn(kCommands));
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::fault_injection_test

@@ -15,7 +15,7 @@
 #include "json_checks.hpp"
 #include "printer/klipper_sets.hpp"
 
-namespace paracal::test {
+namespace paracal::test::faults_test {
 namespace {
 
 using testing::AllOf;
@@ -465,4 +465,4 @@ TEST(Usage, WholeNumbersAreWhole) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::faults_test

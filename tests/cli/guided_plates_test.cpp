@@ -12,7 +12,7 @@
 #include "run_program.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::test {
+namespace paracal::test::guided_plates_test {
 namespace {
 
 using nlohmann::json;
@@ -154,4 +154,4 @@ TEST_P(GuidedWalk, PosesBesideTheGuidesAreRefused) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::guided_plates_test

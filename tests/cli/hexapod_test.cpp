@@ -8,7 +8,7 @@
 #include "json_checks.hpp"
 #include "run_program.hpp"
 
-namespace paracal::test {
+namespace paracal::test::hexapod_test {
 namespace {
 
 using nlohmann::json;
@@ -236,4 +236,4 @@ TEST_F(Hexapod, AnotherHexapodsCalibrationIsRefused) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::hexapod_test

@@ -11,8 +11,9 @@
 #include <sstream>
 
 #include "exported.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::linuxcnc_configuration_test {
 namespace {
 
 using nlohmann::json;
@@ -89,7 +90,7 @@ TEST_F(LinuxcncConfiguration, RefusesOtherFoldersTargetsAndFiles) {
   EXPECT_EQ(folder.read("machine/paracal.ini"), "mine");
 }
 
-#ifdef PARACAL_FAULT_SHIM
+#ifndef PARACAL_SANITIZED
 /// Faults are numbers of errors, or of signals with a minus, at a call.
 TEST_F(LinuxcncConfiguration, WritesAllFilesOrNoFolder) {
   ASSERT_EQ(run(kConfigure).exit_code, kDone);
@@ -99,7 +100,7 @@ TEST_F(LinuxcncConfiguration, WritesAllFilesOrNoFolder) {
                             "open 4 -15", "link 2 -2", "link 7 -15"}) {
     remove_all(machine());
     const ProgramResult result =
-        run(kConfigure, {std::string("LD_PRELOAD=") + PARACAL_FAULT_SHIM, std::string("PARACAL_FAULT=") + fault});
+        run(kConfigure, {preloaded_faults(), std::string("PARACAL_FAULT=") + fault});
     refused += result.exit_code == kWrongUsage;
     ended += result.exit_code < 0;
     if (exists(machine())) {
@@ -212,4 +213,4 @@ TEST_P(ConfigurationOfRobot, CoordinatesAreThoseOfThePlate) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::linuxcnc_configuration_test

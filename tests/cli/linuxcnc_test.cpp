@@ -11,7 +11,7 @@
 
 #include "linuxcnc_export.hpp"
 
-namespace paracal::test {
+namespace paracal::test::linuxcnc_test {
 namespace {
 
 using nlohmann::json;
@@ -33,6 +33,7 @@ license "GPL";
 ;;
 #include "rtapi_math.h"
 #include "kinematics.h"
+#include "support/places.hpp"
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
@@ -169,7 +170,7 @@ class LinuxcncMachine : public LinuxcncExport, public testing::WithParamInterfac
     const std::string ini =
         replaced(folder.read("machine/paracal.ini"), "DISPLAY = axis", "DISPLAY = ./linuxcnc_trial.py -- " + programs);
     folder.write("machine/paracal.ini", replaced(ini, "KINEMATICS = paracal_kins", "KINEMATICS = paracal_trial"));
-    std::filesystem::copy(PARACAL_LINUXCNC_TRIAL, folder.path() / "machine");
+    std::filesystem::copy(source_folder() / "tests/cli/linuxcnc_trial.py", folder.path() / "machine");
     EXPECT_EQ(in_hal("DISPLAY= timeout -k 10 120 linuxcnc -r machine/paracal.ini > linuxcnc.log 2>&1 < /dev/null"), 0);
     EXPECT_TRUE(exists(folder.path() / "machine/result.json")) << folder.read("linuxcnc.log");
     return json::parse(folder.read("machine/result.json"));
@@ -285,4 +286,4 @@ TEST_P(LinuxcncEncoders, SayWhereTheMachineStands) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::linuxcnc_test

@@ -9,7 +9,7 @@
 
 #include "run_program.hpp"
 
-namespace paracal::test {
+namespace paracal::test::manual_test {
 namespace {
 
 using testing::Contains, testing::HasSubstr, testing::IsEmpty, testing::StartsWith;
@@ -184,4 +184,4 @@ TEST_F(Manual, WantsAFolder) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::manual_test

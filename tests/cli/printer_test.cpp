@@ -11,7 +11,7 @@
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 
-namespace paracal::test {
+namespace paracal::test::printer_test {
 namespace {
 
 using nlohmann::json;
@@ -322,4 +322,4 @@ TEST_F(PrinterCommand, IsRefusedWithoutReadings) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::printer_test

@@ -1,8 +1,9 @@
 // Pages as files: what they hold, and what comes of bad wishes. How they look is for web/tests.
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::report_test {
 namespace {
 
 using nlohmann::json;
@@ -15,11 +16,12 @@ json data_in(const std::string& html) {
   return json::parse(html.substr(first, html.find("</script>", first) - first));
 }
 
+const std::string kData = source_folder() / "data/huang2016";
+
 class ReportCommands : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string data = PARACAL_DATA;
-    distances = "--measurements " + data + "/distances.csv --poses " + data + "/poses.csv";
+    distances = "--measurements " + kData + "/distances.csv --poses " + kData + "/poses.csv";
     ASSERT_EQ(folder.run("calibrate " + distances + " --out calibration.json --report calibrate.html").exit_code,
               kDone);
   }
@@ -65,7 +67,7 @@ TEST_F(ReportCommands, ReportWithTheDistancesItCameFrom) {
 
 TEST_F(ReportCommands, ReportAndValidateShowTheSameValidation) {
   ASSERT_EQ(folder.run("poses --stage fine --out poses.csv").exit_code, kDone);
-  ASSERT_EQ(folder.run("simulate --errors " PARACAL_DATA "/offsets.toml --poses poses.csv --noise-mm 0.01 --out m.csv")
+  ASSERT_EQ(folder.run("simulate --errors " + kData + "/offsets.toml --poses poses.csv --noise-mm 0.01 --out m.csv")
                 .exit_code,
             kDone);
   const std::string check = " --calibration calibration.json --measurements m.csv --limit-mm 3";
@@ -102,7 +104,7 @@ TEST_F(ReportCommands, OtherCommandsShowWhatTheyPrint) {
 
 TEST_F(ReportCommands, AMachineThatWasNotFoundIsNotPredicted) {
   folder.write("two.csv", "from,to,distance_mm\nP0,P1,501.0\nP0,P2,502.0\n");
-  const json data = page_of("calibrate --measurements two.csv --poses " PARACAL_DATA "/poses.csv --report no.html",
+  const json data = page_of("calibrate --measurements two.csv --poses " + kData + "/poses.csv --report no.html",
                             "no.html", kVerdictIsNo);
   EXPECT_FALSE(data.at("results").at("calibration").at("accepted"));
   EXPECT_FALSE(data.at("figures").contains("error_map"));
@@ -124,4 +126,4 @@ TEST_F(ReportCommands, TheCommandIsALineForAShell) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::report_test

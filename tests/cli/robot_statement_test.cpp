@@ -2,14 +2,15 @@
 // does.
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::robot_statement_test {
 namespace {
 
 using nlohmann::json;
 using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
 
-const std::string kData = PARACAL_DATA;
+const std::string kData = source_folder() / "data/huang2016";
 
 /// A measured Delta, whose files say so.
 class StatedRobot : public testing::Test {
@@ -148,4 +149,4 @@ TEST_F(StatedRobot, MayComeThroughAPipe) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::robot_statement_test

@@ -12,7 +12,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::test {
+namespace paracal::test::robot_templates_export_test {
 namespace {
 
 using nlohmann::json;
@@ -366,4 +366,4 @@ TEST_F(Export, GenhexkinsIsOfStruts) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::robot_templates_export_test

@@ -11,7 +11,7 @@
 #include "run_program.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::test {
+namespace paracal::test::robot_templates_test {
 namespace {
 
 using nlohmann::json;
@@ -146,4 +146,4 @@ TEST_P(TemplateWalk, BatchesAreMade) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::robot_templates_test

@@ -9,8 +9,9 @@
 #include <iterator>
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
-namespace paracal::test {
+namespace paracal::test::rows_test {
 namespace {
 
 using nlohmann::json, nlohmann::ordered_json;
@@ -236,7 +237,7 @@ TEST_F(Rows, MemoryDoesNotGrow) {
     const ProgramResult result =
         run_program(of_huang2016(command), {.folder = folder.path(),
                                             .environment = {"ASAN_OPTIONS=quarantine_size_mb=1"},
-                                            .launcher = {PARACAL_PEAK_MEMORY, file}});
+                                            .launcher = {build_folder() / "tests/cli/paracal-peak-memory", file}});
     EXPECT_EQ(result.exit_code, kDone) << command << ": " << result.err;
     return std::stod(read_text(file)) / 1024.0;
   };
@@ -250,4 +251,4 @@ TEST_F(Rows, MemoryDoesNotGrow) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::rows_test

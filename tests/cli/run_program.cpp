@@ -14,6 +14,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "support/places.hpp"
+
 namespace paracal::test {
 namespace {
 
@@ -79,7 +81,7 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const 
   actions.open(STDERR_FILENO, err_.empty() ? where.standard_error : err_, O_WRONLY | O_CREAT | O_NOCTTY);
   if (!where.folder.empty()) actions.change_folder(where.folder);
   std::vector<std::string> command(where.launcher);
-  command.emplace_back(PARACAL_PROGRAM);
+  command.push_back(build_folder() / "bin/paracal");
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = environment_with(where.environment);
   require(posix_spawn(&process_, command.front().c_str(), actions.get(), nullptr, pointers(command).data(),
@@ -101,6 +103,10 @@ ProgramResult RunningProgram::result() {
   const int exit_code = exit_code_of(process_);
   process_ = 0;
   return {exit_code, out_.empty() ? "" : read_text(out_), err_.empty() ? "" : read_text(err_)};
+}
+
+std::string preloaded_faults() {
+  return "LD_PRELOAD=" + (build_folder() / "tests/cli/libparacal-fault-shim.so").string();
 }
 
 std::vector<std::string> words(std::string_view text) {

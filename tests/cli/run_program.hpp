@@ -31,6 +31,9 @@ struct Surroundings {
 /// Runs paracal to its end. Arguments reach it as they stand here: no shell is involved.
 ProgramResult run_program(const std::vector<std::string>& arguments, const Surroundings& where = {});
 
+/// LD_PRELOAD=... that lets a call fail as PARACAL_FAULT says (fault_shim.cpp); not under sanitizers.
+std::string preloaded_faults();
+
 /// "forward --json" as two words.
 std::vector<std::string> words(std::string_view text);
 

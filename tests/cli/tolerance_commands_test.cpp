@@ -9,7 +9,7 @@
 #include "broken_input.hpp"
 #include "json_checks.hpp"
 
-namespace paracal::test {
+namespace paracal::test::tolerance_commands_test {
 namespace {
 
 using nlohmann::json;
@@ -404,4 +404,4 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::tolerance_commands_test

@@ -8,7 +8,7 @@
 
 #include "json_checks.hpp"
 
-namespace paracal::test {
+namespace paracal::test::wrong_input_test {
 namespace {
 
 using testing::AllOf;
@@ -143,4 +143,4 @@ TEST_F(WrongInput, MountThatTurnsTheOtherWay) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::wrong_input_test

@@ -16,7 +16,7 @@
 #include "json_checks.hpp"
 #include "paracal/io/file.hpp"
 
-namespace paracal::test {
+namespace paracal::test::yield_test {
 namespace {
 
 using nlohmann::json;
@@ -539,4 +539,4 @@ TEST_F(Yield, RefusesFilesThatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::yield_test

@@ -21,7 +21,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::compensator_test {
 namespace {
 
 constexpr int kPosesPerMachine = 1000;
@@ -474,4 +474,4 @@ PARACAL_ON_EVERY_ROBOT(CompensatorLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(CompensatorLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::compensator_test

@@ -10,7 +10,7 @@
 
 #include "export_law.hpp"
 
-namespace paracal::test {
+namespace paracal::test::export_c99_test {
 namespace {
 
 using CHeaderLaw = ExportLaw;
@@ -96,4 +96,4 @@ TEST_P(CHeaderLaw, GivesTheLibrarysJointsAndFindsTheWayBack) {
 PARACAL_ON_EVERY_EXPORT(CHeaderLaw);
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::export_c99_test

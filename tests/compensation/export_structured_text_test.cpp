@@ -5,7 +5,7 @@
 #include "export_law.hpp"
 #include "support/structured_text/program.hpp"
 
-namespace paracal::test {
+namespace paracal::test::export_structured_text_test {
 namespace {
 
 using StructuredTextLaw = ExportLaw;
@@ -156,4 +156,4 @@ TEST_P(StructuredTextLaw, SaysHowMuchItComputes) {
 PARACAL_ON_EVERY_EXPORT(StructuredTextLaw);
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::export_structured_text_test

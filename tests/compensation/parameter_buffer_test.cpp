@@ -9,7 +9,7 @@
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 
-namespace paracal {
+namespace paracal::parameter_buffer_test {
 namespace {
 
 using Parameters = CompensatorParameters<double>;
@@ -97,4 +97,4 @@ TEST_F(ParameterBufferTest, IsNeverTorn) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::parameter_buffer_test

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
-namespace paracal::compensation_detail {
+namespace paracal::compensation_detail::procedure_test {
 namespace {
 
 /// As short as a language can be.
@@ -91,4 +91,4 @@ TEST(Procedure, GuardsWhatMayHaveNoAnswer) {
 }
 
 }  // namespace
-}  // namespace paracal::compensation_detail
+}  // namespace paracal::compensation_detail::procedure_test

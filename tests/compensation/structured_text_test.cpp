@@ -7,7 +7,7 @@
 
 #include "support/structured_text/program.hpp"
 
-namespace paracal::test {
+namespace paracal::test::structured_text_test {
 namespace {
 
 using testing::HasSubstr;
@@ -153,4 +153,4 @@ TEST(StructuredText, StopsWhereAControllerMight) {
 }
 
 }  // namespace
-}  // namespace paracal::test
+}  // namespace paracal::test::structured_text_test

@@ -9,7 +9,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/tables.hpp"
 
-namespace paracal::io {
+namespace paracal::io::csv_stream_test {
 namespace {
 
 using testing::HasSubstr, testing::StartsWith, testing::ThrowsMessage;
@@ -148,4 +148,4 @@ TEST(CsvStream, AStreamThatBreaksOffIsNoTable) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::csv_stream_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace paracal::io {
+namespace paracal::io::decimal_sign_test {
 namespace {
 
 using testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(DecimalSign, NumbersWithEitherSign) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::decimal_sign_test

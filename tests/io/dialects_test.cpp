@@ -9,7 +9,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 
-namespace paracal::io {
+namespace paracal::io::dialects_test {
 namespace {
 
 using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::Not, testing::StartsWith,
@@ -132,4 +132,4 @@ TEST(Dialects, MisspeltColumnsAreAnsweredWithWhatWasMeant) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::dialects_test

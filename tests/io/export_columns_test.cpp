@@ -6,7 +6,7 @@
 #include "paracal/io/measurement_files.hpp"
 #include "paracal/io/points.hpp"
 
-namespace paracal::io {
+namespace paracal::io::export_columns_test {
 namespace {
 
 using testing::AllOf, testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not,
@@ -176,4 +176,4 @@ TEST(ExportColumns, FilesAreKnownForExports) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::export_columns_test

@@ -9,7 +9,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/signals_wait.hpp"
 
-namespace paracal::io {
+namespace paracal::io::files_test {
 namespace {
 
 class Files : public ::testing::Test {
@@ -91,4 +91,4 @@ TEST(Sha256, KnownDigest) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::files_test

@@ -11,10 +11,11 @@
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
+#include "support/places.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::io {
+namespace paracal::io::gcode_lines_test {
 namespace {
 
 using testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::SizeIs,
@@ -58,7 +59,7 @@ TEST_F(GcodeLines, ArcsBecomeAsManyChordsAsTheirSagittaAsks) {
 
 TEST_F(GcodeLines, AnArcThatNeedsNoCorrectionStays) {
   std::string all;
-  for (const auto& entry : std::filesystem::directory_iterator(PARACAL_PROGRAMS)) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() / "tests/io/programs")) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("o_") || name.find("cycles") != std::string::npos) continue;  // carried out
     std::ifstream in(entry.path(), std::ios::binary);
@@ -806,4 +807,4 @@ TEST_F(GcodeLines, LengthsWithoutPointsMayBeCounts) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::gcode_lines_test

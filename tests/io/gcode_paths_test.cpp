@@ -13,10 +13,11 @@
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
+#include "support/places.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::io {
+namespace paracal::io::gcode_paths_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +26,7 @@ const Eigen::Vector3d kOrigin(0, 0, -900);
 
 std::vector<fs::path> programs() {
   std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(PARACAL_PROGRAMS)) paths.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(test::source_folder() / "tests/io/programs")) paths.push_back(entry.path());
   std::ranges::sort(paths);
   return paths;
 }
@@ -142,4 +143,4 @@ INSTANTIATE_TEST_SUITE_P(Rotary, GcodePaths,
                          test::robot_name);
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::gcode_paths_test

@@ -12,7 +12,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::io {
+namespace paracal::io::gcode_print_test {
 namespace {
 
 constexpr double kSide = 80.0;              // mm
@@ -161,4 +161,4 @@ TEST_P(GcodePrint, TwentyThousandLinesAreCorrectedAndExtrudeAsSliced) {
 INSTANTIATE_TEST_SUITE_P(Extrusion, GcodePrint, testing::Bool());
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::gcode_print_test

@@ -8,7 +8,7 @@
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 
-namespace paracal::io {
+namespace paracal::io::machine_codes_test {
 namespace {
 
 const DeltaGeometry kGeometry{.radius = 130.25,
@@ -192,4 +192,4 @@ TEST(MarlinConfiguration, IsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::machine_codes_test

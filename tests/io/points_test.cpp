@@ -12,7 +12,7 @@
 #include "paracal/io/tables.hpp"
 #include "paracal/units.hpp"
 
-namespace paracal::io {
+namespace paracal::io::points_test {
 namespace {
 
 using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::StartsWith,
@@ -733,4 +733,4 @@ TEST(TrackerExport, BecomesAPointTable) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::points_test

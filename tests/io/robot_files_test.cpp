@@ -9,7 +9,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::io {
+namespace paracal::io::robot_files_test {
 namespace {
 
 class RobotFileLaw : public test::EveryRobot {};
@@ -160,4 +160,4 @@ TEST(CalibrationFile, HoldsEverythingToRepeatTheFit) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::robot_files_test

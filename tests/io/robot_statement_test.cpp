@@ -13,7 +13,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::io {
+namespace paracal::io::robot_statement_test {
 namespace {
 
 using testing::AllOf, testing::HasSubstr, testing::StartsWith;
@@ -165,4 +165,4 @@ TEST(SameRobot, LimbsMakeAnotherRobot) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::robot_statement_test

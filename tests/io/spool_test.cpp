@@ -8,7 +8,7 @@
 
 #include "paracal/error.hpp"
 
-namespace paracal::io {
+namespace paracal::io::spool_test {
 namespace {
 
 std::string all_of(const Spool& spool) {
@@ -69,4 +69,4 @@ TEST(Spool, WithoutAFolderItHoldsALittle) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::spool_test

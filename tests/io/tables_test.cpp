@@ -8,7 +8,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/units.hpp"
 
-namespace paracal::io {
+namespace paracal::io::tables_test {
 namespace {
 
 using testing::HasSubstr, testing::StartsWith, testing::ThrowsMessage;
@@ -175,4 +175,4 @@ TEST(Csv, AnyTextIsReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::tables_test

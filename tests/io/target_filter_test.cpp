@@ -16,7 +16,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal::io {
+namespace paracal::io::target_filter_test {
 namespace {
 
 using testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
@@ -572,4 +572,4 @@ TEST_F(Gcode, TheCommandedColumnsCount) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::target_filter_test

@@ -8,7 +8,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 
-namespace paracal::io {
+namespace paracal::io::tolerance_files_test {
 namespace {
 
 using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
@@ -190,4 +190,4 @@ TEST(Tolerances, WhatADesignerChoosesIsStated) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::tolerance_files_test

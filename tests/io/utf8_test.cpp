@@ -11,7 +11,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 
-namespace paracal::io {
+namespace paracal::io::utf8_test {
 namespace {
 
 using testing::ElementsAre, testing::HasSubstr, testing::ThrowsMessage;
@@ -183,4 +183,4 @@ TEST(Latin1, InANumberItIsNone) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::utf8_test

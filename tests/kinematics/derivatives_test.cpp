@@ -11,7 +11,7 @@
 #include "support/differences.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::derivatives_test {
 namespace {
 
 using test::Random;
@@ -150,4 +150,4 @@ PARACAL_ON_UNUSUAL_ROBOTS(DerivativeLaw);
 PARACAL_ON_ROBOT_TEMPLATES(DerivativeLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::derivatives_test

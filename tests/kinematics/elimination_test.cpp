@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <random>
 
-namespace paracal::detail {
+namespace paracal::detail::elimination_test {
 namespace {
 
 using Matrix = Eigen::Matrix<double, 6, 6>;
@@ -32,4 +32,4 @@ TEST(Elimination, IsNotFiniteWhereNothingSolves) {
 }
 
 }  // namespace
-}  // namespace paracal::detail
+}  // namespace paracal::detail::elimination_test

@@ -8,7 +8,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::error_model_test {
 namespace {
 
 using test::Random;
@@ -119,4 +119,4 @@ TEST(ErrorModel, SlideAlongXIsSingularOnTheAxis) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::error_model_test

@@ -12,7 +12,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::forward_test {
 namespace {
 
 using test::Random;
@@ -269,4 +269,4 @@ TEST(ForwardOracle, TiltSignsAsInTheConventions) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::forward_test

@@ -8,7 +8,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::inverse_test {
 namespace {
 
 using test::Random;
@@ -90,4 +90,4 @@ TEST(Inverse, RigidPlateDoesNotTurn) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::inverse_test

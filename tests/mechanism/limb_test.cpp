@@ -5,7 +5,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::limb_test {
 namespace {
 
 class LimbLaw : public test::EveryRobot {};
@@ -67,4 +67,4 @@ PARACAL_ON_EVERY_ROBOT(LimbLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(LimbLaw);
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::limb_test

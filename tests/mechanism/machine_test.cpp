@@ -8,7 +8,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::machine_test {
 namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
@@ -86,4 +86,4 @@ TEST(Machine, KnowsWhetherSomethingTiltsThePlate) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::machine_test

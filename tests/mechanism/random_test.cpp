@@ -7,7 +7,7 @@
 
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::random_test {
 namespace {
 
 TEST(RandomStream, IsPhilox4x32AtTheKnownAnswer) {
@@ -95,4 +95,4 @@ TEST(DrawErrors, ExactSourcesStayZero) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::random_test

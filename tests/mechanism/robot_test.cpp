@@ -10,7 +10,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::robot_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -123,4 +123,4 @@ TEST(Catalogue, UnknownNameListsTheKnownOnes) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::robot_test

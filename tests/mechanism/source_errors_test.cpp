@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace paracal {
+namespace paracal::source_errors_test {
 namespace {
 
 TEST(Source, NamesReadBackAndAreTheContracts) {
@@ -80,4 +80,4 @@ TEST(SourceErrors, StartAtZero) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::source_errors_test

@@ -18,7 +18,7 @@
 #include "printer/rotary_printer.hpp"
 #include "printer/virtual_printer.hpp"
 
-namespace paracal {
+namespace paracal::controller_test {
 namespace {
 
 /// Places of a program, in the firmware's coordinates.
@@ -213,4 +213,4 @@ TEST(PrinterTolerances, OfCarriagesTakeTheirDrivesForExact) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::controller_test

@@ -9,7 +9,7 @@
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 
-namespace paracal {
+namespace paracal::delta_geometry_test {
 namespace {
 
 using test::klipper_sets;
@@ -111,4 +111,4 @@ TEST(DeltaFit, NeedsHeights) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::delta_geometry_test

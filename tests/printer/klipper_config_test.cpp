@@ -12,7 +12,7 @@
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 
-namespace paracal {
+namespace paracal::klipper_config_test {
 namespace {
 
 using testing::Contains;
@@ -213,4 +213,4 @@ TEST(KlipperConfig, IsReadAsTheFirmwareReadsIt) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::klipper_config_test

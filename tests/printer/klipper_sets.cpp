@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "paracal/units.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test {
 namespace {
@@ -73,7 +74,7 @@ KlipperSet set_of(const json& entry) {
 }  // namespace
 
 std::vector<KlipperSet> klipper_sets() {
-  std::ifstream file(PARACAL_TEST_DATA "/klipper-delta/sets.json");
+  std::ifstream file(test::source_folder() / "data/klipper-delta/sets.json");
   const json entries = json::parse(file);
   std::vector<KlipperSet> sets;
   sets.reserve(entries.size());

@@ -10,7 +10,7 @@
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
 
-namespace paracal {
+namespace paracal::plausibility_test {
 namespace {
 
 using test::KlipperSet;
@@ -150,4 +150,4 @@ TEST(Plausibility, OfPublishedPrintersIsNotDoubted) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::plausibility_test

@@ -13,7 +13,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::printer_advice_test {
 namespace {
 
 using test::PrinterWorld;
@@ -305,4 +305,4 @@ TEST(PrinterAdvice, OnPublishedPrintersIsNoWorseThanTheFirmwaresFit) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::printer_advice_test

@@ -12,7 +12,7 @@
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 
-namespace paracal {
+namespace paracal::printer_calibration_test {
 namespace {
 
 using test::klipper_sets;
@@ -304,4 +304,4 @@ TEST(PrinterCalibration, OfRotaryDeltasPredictsBetterThanTheFirmwaresFit) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::printer_calibration_test

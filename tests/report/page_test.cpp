@@ -14,7 +14,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::report {
+namespace paracal::report::page_test {
 namespace {
 
 using io::Json;
@@ -155,4 +155,4 @@ TEST(ReportHistogram, CountsEveryValueInItsBin) {
 }
 
 }  // namespace
-}  // namespace paracal::report
+}  // namespace paracal::report::page_test

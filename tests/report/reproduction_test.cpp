@@ -10,7 +10,7 @@
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 
-namespace paracal::report {
+namespace paracal::report::reproduction_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -218,4 +218,4 @@ TEST(PublishedData, DistancesAreTable3) {
 }
 
 }  // namespace
-}  // namespace paracal::report
+}  // namespace paracal::report::reproduction_test

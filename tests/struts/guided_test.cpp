@@ -24,7 +24,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::guided_test {
 namespace {
 
 using testing::HasSubstr;
@@ -371,4 +371,4 @@ TEST(GuidedRobots, ThreeCarriagesAreALinearDeltaByItsCentreLines) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::guided_test

@@ -20,11 +20,12 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "support/places.hpp"
 
-namespace paracal {
+namespace paracal::hexapods_test {
 namespace {
 
-std::filesystem::path data(const char* name) { return std::filesystem::path(PARACAL_HEXAPODS) / name; }
+std::filesystem::path data(const char* name) { return test::source_folder() / "data/hexapod" / name; }
 
 /// [nategh2009]: 42 nominal and "real" parameters.
 struct Published {
@@ -245,4 +246,4 @@ TEST_F(Measured, AWrongLengthIsSaid) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::hexapods_test

@@ -28,7 +28,7 @@
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
-namespace paracal {
+namespace paracal::law_test {
 namespace {
 
 using testing::HasSubstr;
@@ -523,4 +523,4 @@ TEST(AssemblyMode, IsThatOfTheCommand) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::law_test

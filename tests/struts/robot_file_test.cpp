@@ -10,7 +10,7 @@
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
-namespace paracal::io {
+namespace paracal::io::robot_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -202,4 +202,4 @@ TEST(StrutFile, RobotsOfArmsDoNotTilt) {
 }
 
 }  // namespace
-}  // namespace paracal::io
+}  // namespace paracal::io::robot_file_test

@@ -13,7 +13,7 @@
 #include "simbody_assembly.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::simbody_test {
 namespace {
 
 constexpr double kMetre = 1000.0;  // mm: Simbody's tolerances are those of metres
@@ -101,4 +101,4 @@ TEST_P(SimbodyLaw, AssemblesThePlateWhereWeSayThatItStands) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::simbody_test

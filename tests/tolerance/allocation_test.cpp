@@ -9,7 +9,7 @@
 #include "paracal/io/published.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::allocation_test {
 namespace {
 
 /// [huang2016, Table 2], 1e-3 rad.
@@ -286,4 +286,4 @@ TEST(CostCurve, SlopeIsTheDerivative) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::allocation_test

@@ -15,7 +15,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 
-namespace paracal {
+namespace paracal::drawing_statement_test {
 namespace {
 
 using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::StartsWith, testing::ThrowsMessage;
@@ -298,4 +298,4 @@ RC_GTEST_PROP(DrawingStatement, TheGradeIsTheCoarsestWithin, ()) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::drawing_statement_test

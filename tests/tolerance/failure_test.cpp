@@ -17,7 +17,7 @@
 #include "support/robots.hpp"
 #include "tolerance/source_law.hpp"
 
-namespace paracal {
+namespace paracal::failure_test {
 namespace {
 
 using testing::HasSubstr, testing::IsEmpty, testing::Not;
@@ -358,4 +358,4 @@ TEST_P(JudgedPoses, AreWhereLimitsBreak) {
 INSTANTIATE_TEST_SUITE_P(Limits, JudgedPoses, testing::Values(0.0008));
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::failure_test

@@ -10,7 +10,7 @@
 #include "paracal/tolerance/analysis.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::monte_carlo_test {
 namespace {
 
 std::vector<Pose> workspace_poses(const Robot& robot, std::size_t every = 1) {
@@ -263,4 +263,4 @@ TEST(Sobol, SeeInteractions) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::monte_carlo_test

@@ -14,7 +14,7 @@
 #include "support/robots.hpp"
 #include "tolerance/workspace_search.hpp"
 
-namespace paracal {
+namespace paracal::sensitivity_test {
 namespace {
 
 constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
@@ -234,4 +234,4 @@ TEST(LinearModel, KeepsItsRobot) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::sensitivity_test

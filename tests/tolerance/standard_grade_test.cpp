@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-namespace paracal {
+namespace paracal::standard_grade_test {
 namespace {
 
 constexpr std::array<double, 22> kEnds{0,   3,   6,   10,  18,  30,   50,   80,   120,  180,  250,
@@ -127,4 +127,4 @@ TEST(StandardGrade, NamesAreThoseOfTheStandard) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::standard_grade_test

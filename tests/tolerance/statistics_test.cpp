@@ -6,7 +6,7 @@
 
 #include "paracal/mechanism/random.hpp"
 
-namespace paracal {
+namespace paracal::statistics_test {
 namespace {
 
 /// 0 of 20, 5 of 20: limits of the 95 % interval as tables print them.
@@ -68,4 +68,4 @@ TEST(Histogram, QuantileIntervalCovers) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::statistics_test

@@ -9,7 +9,7 @@
 #include "paracal/tolerance/allocation.hpp"
 #include "support/robots.hpp"
 
-namespace paracal {
+namespace paracal::yield_allocation_test {
 namespace {
 
 using testing::HasSubstr;
@@ -122,4 +122,4 @@ TEST(YieldAllocationOf, WhatMakesNoSenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace paracal
+}  // namespace paracal::yield_allocation_test
