@@ -67,7 +67,7 @@ std::vector<std::string> texts_of(const json& list, const char* key) {
 /// The paper's fine poses, for every test that needs some.
 class CalibrationCommands : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_EQ(run("poses --stage fine --out poses.csv").exit_code, kDone); }
+  void SetUp() override { folder.make({"poses --stage fine --out poses.csv"}); }
 
   ProgramResult run(const std::string& command) const { return folder.run(command); }
   json json_from(const std::string& command, int exit_code = kDone) const {
@@ -509,10 +509,8 @@ class MeasuredMachine : public CalibrationCommands {
  protected:
   void SetUp() override {
     CalibrationCommands::SetUp();
-    ASSERT_EQ(run("simulate --poses poses.csv --seed 7 --noise-mm 0.02 --frame random --truth truth.toml "
-                  "--out points.csv")
-                  .exit_code,
-              kDone);
+    folder.make(
+        {"simulate --poses poses.csv --seed 7 --noise-mm 0.02 --frame random --truth truth.toml --out points.csv"});
   }
 
   /// points.csv as lines, to be changed and written again.
@@ -844,11 +842,11 @@ class ValidateCommand : public MeasuredMachine {
  protected:
   void SetUp() override {
     MeasuredMachine::SetUp();
-    ASSERT_EQ(run("calibrate --measurements points.csv --out calibration.json").exit_code, kDone);
-    written("poses --optimal 20 --candidates 400 --seed 9 --out other.csv");
-    written(
-        "simulate --errors truth.toml --poses other.csv --seed 11 --noise-mm 0.02 --repeats 3 --repeatability-mm "
-        "0.01 --read-rotation --rotation-noise-deg 0.05 --frame random --out other_points.csv");
+    folder.make({"calibrate --measurements points.csv --out calibration.json",
+                 "poses --optimal 20 --candidates 400 --seed 9 --out other.csv",
+                 "simulate --errors truth.toml --poses other.csv --seed 11 --noise-mm 0.02 --repeats 3 "
+                 "--repeatability-mm 0.01 --read-rotation --rotation-noise-deg 0.05 --frame random --out "
+                 "other_points.csv"});
   }
 
   json validated(const std::string& options, int exit_code = kDone) const {

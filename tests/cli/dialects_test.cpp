@@ -54,8 +54,8 @@ std::string utf16(const std::string& text) {
 class Dialects : public testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(folder.run("poses --optimal 14 --candidates 200 --out plan.csv").exit_code, kDone);
-    ASSERT_EQ(folder.run("simulate --poses plan.csv --noise-mm 0.01 --out points.csv").exit_code, kDone);
+    folder.make({"poses --optimal 14 --candidates 200 --out plan.csv",
+                 "simulate --poses plan.csv --noise-mm 0.01 --out points.csv"});
     plan = folder.read("plan.csv");
     points = folder.read("points.csv");
   }

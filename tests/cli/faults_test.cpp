@@ -35,9 +35,9 @@ class Faults : public testing::Test {
   void SetUp() override {
     folder.write("part.gcode", kProgram);
     folder.write("errors.toml", kErrors);
-    ASSERT_EQ(folder.run("poses --stage fine --out plan.csv").exit_code, kDone);
-    ASSERT_EQ(folder.run("simulate --poses plan.csv --noise-mm 0.01 --frame random --out points.csv").exit_code, kDone);
-    ASSERT_EQ(folder.run("calibrate --measurements points.csv --out calibration.json").exit_code, kDone);
+    folder.make({"poses --stage fine --out plan.csv",
+                 "simulate --poses plan.csv --noise-mm 0.01 --frame random --out points.csv",
+                 "calibrate --measurements points.csv --out calibration.json"});
     for (const std::string& name : folder.names()) before.emplace_back(name, folder.read(name));
   }
 

@@ -12,6 +12,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <stdexcept>
 
 #include "support/places.hpp"
@@ -122,8 +124,8 @@ std::vector<std::string> words(std::string_view text) {
 std::vector<std::string> of_huang2016(std::string_view command) {
   std::vector<std::string> arguments = words(command);
   const bool needs_none = std::ranges::any_of(arguments, [](const std::string& word) {
-    return word == "--robot" || word == "--printer" || word == "--list" || word == "--help" || word == "--version" ||
-           word == "--licenses";
+    return word == "--robot" || word == "--printer" || word == "--template" || word == "--list" || word == "--help" ||
+           word == "--version" || word == "--licenses";
   });
   if (!needs_none && !arguments.empty()) arguments.insert(arguments.end(), {"--robot", "huang2016"});
   return arguments;
@@ -151,6 +153,24 @@ std::string TemporaryFolder::write(const std::string& name, std::string_view tex
   stream << text << std::flush;
   if (!stream) throw std::runtime_error((path_ / name).string() + ": cannot be written");
   return path_ / name;
+}
+
+void TemporaryFolder::make(const std::vector<std::string>& commands) const {
+  constexpr auto kAll = std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing;
+  static std::map<std::vector<std::string>, std::unique_ptr<TemporaryFolder>> made;
+  std::vector<std::string> key = commands;
+  for (const std::string& name : names()) key.insert(key.end(), {name, read(name)});
+  std::unique_ptr<TemporaryFolder>& place = made[key];
+  if (place == nullptr) {
+    auto fresh = std::make_unique<TemporaryFolder>();
+    std::filesystem::copy(path_, fresh->path(), kAll);
+    for (const std::string& command : commands) {
+      const ProgramResult result = fresh->run(command);
+      if (result.exit_code != kDone) throw std::runtime_error(command + ": " + result.err);
+    }
+    place = std::move(fresh);
+  }
+  std::filesystem::copy(place->path(), path_, kAll);
 }
 
 std::set<std::string> TemporaryFolder::names() const {

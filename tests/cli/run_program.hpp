@@ -8,6 +8,8 @@
 
 namespace paracal::test {
 
+bool every_machine();  // of support/virtual_machines.hpp
+
 /// Exit codes of the contract.
 constexpr int kDone = 0, kVerdictIsNo = 1, kWrongUsage = 2, kBadInputFile = 3, kMathematicsSaysNo = 4;
 
@@ -54,6 +56,9 @@ class TemporaryFolder {
   /// Path of the new file.
   std::string write(const std::string& name, std::string_view text) const;
   std::string read(const std::string& name) const { return read_text(path_ / name); }
+  /// Leaves what these commands leave here, each done by run(); in a process that has done the same from the same files
+  /// before, copies it.
+  void make(const std::vector<std::string>& commands) const;
   /// Names of everything in the folder, hidden files too.
   std::set<std::string> names() const;
   /// Runs paracal with this folder as the current directory.

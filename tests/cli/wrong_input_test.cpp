@@ -21,11 +21,9 @@ using Row = std::vector<double>;
 class WrongInput : public testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(folder.run("poses --stage fine --out plan.csv").exit_code, kDone);
-    ASSERT_EQ(
-        folder.run("simulate --poses plan.csv --machine 3 --noise-mm 0.017 --frame random --out points.csv").exit_code,
-        kDone);
-    ASSERT_EQ(folder.run("inverse --poses plan.csv --out joints.csv").exit_code, kDone);
+    folder.make({"poses --stage fine --out plan.csv",
+                 "simulate --poses plan.csv --machine 3 --noise-mm 0.017 --frame random --out points.csv",
+                 "inverse --poses plan.csv --out joints.csv"});
   }
 
   /// points.csv with every row of numbers changed, and with `more` columns.
