@@ -12,6 +12,12 @@ json json_of(const ProgramResult& result, int exit_code) {
   return object;
 }
 
+json data_in(const std::string& html) {
+  const std::string start = R"(<script type="application/json" id="data">)";
+  const std::size_t first = html.find(start) + start.size();
+  return json::parse(html.substr(first, html.find("</script>", first) - first));
+}
+
 testing::AssertionResult has_keys(const json& object, std::string_view keys) {
   for (const std::string& key : words(keys)) {
     if (!object.contains(key))
