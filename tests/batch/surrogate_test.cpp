@@ -82,14 +82,14 @@ class SurrogateBatch : public SurrogateLaw {};
 PARACAL_ON_EVERY_ROBOT(SurrogateBatch);
 
 /// Most machines made to first order, or all by produce() and with other random numbers: the same spread, within what
-/// both say of themselves.
+/// both say of themselves. 1000 machines know quantiles three times as well as 100; a spread of linear values alone, or
+/// one whose weights are wrong, is outside for either.
 TEST_P(SurrogateBatch, SpreadsAsMachinesThatWereMade) {
-  // Some hundred are made whatever is asked: of fewer, a quarter would be less.
-  const auto few = static_cast<std::uint64_t>(std::max(300, test::machines(1000)));
+  const auto few = static_cast<std::uint64_t>(test::machines({.claim = 1000, .quick = 100}));
   const Tally made = run_chunk(batch(2), {0, few}, 0, kNeverStop).value();
   const Tally both = run_chunk(with_surrogate(batch(3)), {0, 20 * few}, 0, kNeverStop).value();
   ASSERT_TRUE(both.surrogate);
-  ASSERT_LT(both.produced(), both.machines() / 4);
+  ASSERT_LT(both.produced(), both.machines() / 3);
   int inside = 0, all = 0;
   for (const ErrorKind kind : kErrorKinds) {
     if (kind == ErrorKind::rotation && !turns(robot)) continue;
@@ -288,9 +288,10 @@ TEST(BatchSurrogate, PartsMergeInAnyOrderAndOverThreads) {
   const auto part = [&](std::uint64_t first, std::uint64_t count, unsigned threads) {
     return run_chunk(batch, {first, count}, threads, kNeverStop).value();
   };
-  const Tally whole = part(0, 330, 2);
+  constexpr std::uint64_t kFirst = 170;  // of the first 200 all are made both ways, of the others few
+  const Tally whole = part(kFirst, 330, 2);
   Tally sum;
-  for (const std::uint64_t first : {220U, 0U, 110U}) sum.add(part(first, 110, 1));
+  for (const std::uint64_t after : {220U, 0U, 110U}) sum.add(part(kFirst + after, 110, 1));
   ASSERT_TRUE(sum.surrogate);
   EXPECT_EQ(sum.fates, whole.fates);
   EXPECT_EQ(sum.machines(), 330U);

@@ -176,11 +176,13 @@ void judge(const Robot& robot, const SourceErrors& truth, const Calibration& fou
 }
 
 /// The law that a calibration is held to, written down before: of 160 machines, each with its set-up anywhere and
-/// turned anyhow, 95 % intervals of identified errors hold the truth in 93 to 97 % (three standard deviations of the
-/// share more where fewer are tried), and U in use holds in 90 % and more. Nobody states the noise; positions scatter a
-/// sixth and orientations a third as much as is assumed where nobody does, so that both levels have to be found.
+/// turned anyhow, 95 % intervals of identified errors hold the truth in 93 to 97 % (as much more as shares scatter more
+/// where fewer are tried; of 32 by 4.5 %, which still tells intervals that are a third too narrow or too wide), and U
+/// in use holds in 90 % and more. Nobody states the noise; positions scatter a sixth and orientations a third as much
+/// as is assumed where nobody does, so that both levels have to be found.
 TEST_P(BodyPoses, IntervalsHoldTheTruth) {
-  const int machines = test::machines(160);
+  const test::Machines wanted{.claim = 160, .quick = 32};
+  const int machines = test::machines(wanted);
   for (const ReflectorMount mount : mounts()) {
     if (mount == ReflectorMount::end_effector_reversed) continue;
     Shares shares;
@@ -195,9 +197,7 @@ TEST_P(BodyPoses, IntervalsHoldTheTruth) {
     RecordProperty(std::string("shares_") + std::string(name(mount)),
                    fmt::format("{} of {} errors: {:.4f}; in use {:.3f}; accepted {} of {}", shares.errors_held,
                                shares.errors, shares.errors_share(), shares.used_share(), shares.accepted, machines));
-    const double fewer = machines < 100 ? 0.015 : 0.0;
-    EXPECT_GT(shares.errors_share(), 0.93 - fewer);
-    EXPECT_LT(shares.errors_share(), 0.97 + fewer);
+    EXPECT_NEAR(shares.errors_share(), 0.95, 0.02 * test::looser(wanted));
     EXPECT_GE(shares.used_share(), 0.90 - 3.0 * std::sqrt(0.09 / machines));
   }
 }
@@ -421,7 +421,7 @@ TEST(BodyMistakes, AreTold) {
     const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
     const VirtualInstrument instrument = random_instrument(ReflectorMount::end_effector, stream);
     const PlannedReadings what{.measurand = Measurand::poses, .mount = ReflectorMount::end_effector};
-    Measurements measured = simulate(robot, truth, planned(robot, fine_stations(robot, 14), what), instrument, stream);
+    Measurements measured = simulate(robot, truth, planned(robot, fine_stations(robot, 8), what), instrument, stream);
     for (PointReading& reading : measured.series[0].readings) mistake(reading);
     const Calibration found = calibrate(robot, measured, {.reflectors = said});
     EXPECT_FALSE(found.accepted());

@@ -23,12 +23,13 @@ using testing::HasSubstr;
 
 constexpr double kNoise = 0.017;  // mm: a third of the published repeatability
 
-/// 2000 machines must lie in 93 to 97 %; of fewer, as far from 95 % as the binomial distribution allows once in 1000.
-void expect_coverage(int covered, int total, int of_machines, const char* what) {
+/// 2000 machines must lie in 93 to 97 %; of fewer, as far from 95 % as the binomial distribution of so many independent
+/// ones allows once in 1000.
+void expect_coverage(int covered, int total, int independent, const char* what) {
   const double share = static_cast<double>(covered) / total;
-  const boost::math::binomial_distribution<> count(of_machines, 0.95);
-  const double low = std::min(0.93, boost::math::quantile(count, 0.0005) / of_machines);
-  const double high = std::max(0.97, boost::math::quantile(count, 0.9995) / of_machines);
+  const boost::math::binomial_distribution<> count(independent, 0.95);
+  const double low = std::min(0.93, boost::math::quantile(count, 0.0005) / independent);
+  const double high = std::max(0.97, boost::math::quantile(count, 0.9995) / independent);
   EXPECT_GE(share, low) << what;
   EXPECT_LE(share, high) << what;
 }
@@ -74,8 +75,10 @@ TEST_P(FineCalibrationLaw, DoesNotDependOnTheInstrumentsFrame) {
   }
 }
 
+/// Of 2000 machines a share is known to 1.5 %. Of 50 it shows intervals that are a quarter too narrow or too wide: the
+/// errors of one machine tell at least as much as five independent ones.
 TEST_P(FineCalibrationLaw, IntervalsCoverTheTruth) {
-  const int count = machines(2000);
+  const int count = machines({.claim = 2000, .quick = 50});
   const std::vector<Station> poses{validation_stations(robot)[7], validation_stations(robot)[45],
                                    validation_stations(robot)[118]};
   int revealed = 0, revealed_covered = 0, predicted_covered = 0;
@@ -98,7 +101,7 @@ TEST_P(FineCalibrationLaw, IntervalsCoverTheTruth) {
     predicted_covered +=
         std::abs(actual.x() - predicted.pose.position.x()) <= 1.96 * std::sqrt(predicted.covariance(0, 0));
   }
-  expect_coverage(revealed_covered, revealed, count, "parameters that the readings reveal");
+  expect_coverage(revealed_covered, revealed, 5 * count, "parameters that the readings reveal");
   expect_coverage(predicted_covered, count, count, "predicted poses");
 }
 
@@ -110,10 +113,12 @@ double distance_uncertainty(const Robot& robot, const Calibration& calibration) 
   return kCoverageFactor * spread.uncertainty(known.covariance).max_distance;
 }
 
-/// Left out, a gross error moves no distance by more than U; kept, it does.
+/// Left out, a gross error moves no distance by more than U; kept, it does. Of every machine: 40 have it at each pose
+/// twice, two at home and beside it.
 TEST_P(FineCalibrationLaw, NamesAGrossErrorFirstAndLosesLittleByIt) {
   int kept_and_worse = 0;
-  for (int number = 0; number < machines(40); ++number) {
+  const int count = machines({.claim = 40, .quick = 2});
+  for (int number = 0; number < count; ++number) {
     MeasuredMachine machine = measured_machine(robot, stations, number, {.noise = kNoise});
     test::state_sigma(machine.measurements, kNoise);
     const Calibration clean = calibrate(robot, machine.measurements);
@@ -129,10 +134,10 @@ TEST_P(FineCalibrationLaw, NamesAGrossErrorFirstAndLosesLittleByIt) {
     };
     const double uncertainty = distance_uncertainty(robot, calibration);
     EXPECT_LT(moved(calibration), uncertainty) << number;
-    const double kept = moved(calibrate(robot, machine.measurements, {.exclude_outliers = false}));
+    const double kept = moved(calibrate(robot, machine.measurements, {.exclude_outliers = false, .diagnose = false}));
     kept_and_worse += kept > uncertainty ? 1 : 0;
   }
-  EXPECT_EQ(kept_and_worse, machines(40));
+  EXPECT_EQ(kept_and_worse, count);
 }
 
 TEST_P(FineCalibrationLaw, TellsSwappedReadings) {
@@ -228,10 +233,11 @@ TEST_P(FineCalibrationLaw, OffsetsMayBeKnownExactly) {
   EXPECT_EQ(calibration.errors()(0, Source::theta_offset), 0.0);
 }
 
-/// Noise stated, or found from the residuals: the answer is nearly the same, and the estimate is right.
+/// Noise stated, or found from the residuals: the answer is nearly the same, and the estimate is right. A machine tells
+/// it to about 12 %: the median of 16 to 4 %, which every fourth degree of freedom lost would show.
 TEST_P(FineCalibrationLaw, FindsTheNoiseThatNobodyStated) {
   std::vector<double> noise;
-  for (int number = 0; number < machines(200); ++number) {
+  for (int number = 0; number < machines({.claim = 200, .quick = 16}); ++number) {
     noise.push_back(calibrate(robot, measured_machine(robot, stations, number, {.noise = 0.030}).measurements).noise);
   }
   EXPECT_NEAR(test::quantile(noise, 0.5), 0.030, 0.003);
@@ -284,12 +290,13 @@ struct Accuracy {
   }
 };
 
-/// The same machines, measured at the same 19 poses.
+/// The same machines, measured at the same 19 poses. 95th percentiles want a thousand; of 16 they are the second
+/// largest, and still as far apart as the methods.
 TEST(CalibrationMethods, BestBeatsThePapers) {
   const Robot robot = catalogue::huang2016();
   const std::vector<Station> stations = fine_stations(robot, 9), held_out = validation_stations(robot);
   Accuracy best, paper;
-  for (int number = 0; number < machines(1000); ++number) {
+  for (int number = 0; number < machines({.claim = 1000, .quick = 16}); ++number) {
     const MeasuredMachine machine = measured_machine(robot, stations, number, {.noise = kNoise});
     best.add(held_out_errors(robot, machine.errors,
                              calibrate(robot, machine.measurements, {.states_use = false}).errors(), held_out));
@@ -305,12 +312,14 @@ TEST(CalibrationMethods, BestBeatsThePapers) {
 }
 
 /// The published machine: 95 % of its virtual twins must be better than half of what the paper measured after
-/// calibration, 0.126 mm and 0.8 deg.
+/// calibration, 0.126 mm and 0.8 deg. 1000 twins tell the percentile to 5 %; of 40 it is the third largest, which a
+/// plan or a fit that is a third worse lifts above. As good a plan takes 500 candidates; the best one takes all.
 TEST(CalibrationMethods, SelectedPosesHalveThePublishedErrors) {
   const Robot robot = catalogue::huang2016();
-  const Selection plan = select_stations(robot, candidate_stations(robot, machines(10000), 1), {.poses = 20});
+  const Selection plan =
+      select_stations(robot, candidate_stations(robot, machines({.claim = 10000, .quick = 500}), 1), {.poses = 20});
   Accuracy best;
-  for (int number = 0; number < machines(1000); ++number) {
+  for (int number = 0; number < machines({.claim = 1000, .quick = 40}); ++number) {
     const SourceErrors truth = test::table4_machine(robot, number);
     const Measurements measurements = test::measure(robot, truth, plan.stations, number, {.noise = kNoise});
     best.add(held_out_errors(robot, truth, calibrate(robot, measurements, {.states_use = false}).errors(),
@@ -348,13 +357,15 @@ TEST(CalibrationMethods, SecondReflectorFindsTilt) {
   EXPECT_LT(after, 0.25 * before);
 }
 
+/// The scatter of 400 machines is known to 4 %, that of 40 to 11 %: correlations that nobody counted make it twice as
+/// large.
 TEST(CalibrationMethods, PaperStatesTheUncertaintyOfCorrelatedDistances) {
   const Robot robot = catalogue::huang2016();
   const std::vector<Station> stations = fine_stations(robot, 9);
   SourceErrors truth;
   truth(0, Source::arm_length) = 0.1;
   std::vector<double> found, claimed;
-  for (int number = 0; number < machines(400); ++number) {
+  for (int number = 0; number < machines({.claim = 400, .quick = 40}); ++number) {
     const Calibration calibration =
         calibrate(robot, test::measure(robot, truth, stations, number, {.noise = kNoise}), {.method = Method::paper});
     for (std::size_t k = 0; k < calibration.parameters.size(); ++k) {
@@ -368,8 +379,8 @@ TEST(CalibrationMethods, PaperStatesTheUncertaintyOfCorrelatedDistances) {
   double mean = 0.0, variance = 0.0;
   for (const double value : found) mean += value / static_cast<double>(found.size());
   for (const double value : found) variance += std::pow(value - mean, 2) / static_cast<double>(found.size() - 1);
-  const double tolerance = 5.0 / std::sqrt(2.0 * static_cast<double>(found.size()));
-  EXPECT_NEAR(test::quantile(claimed, 0.5) / std::sqrt(variance), 1.0, std::max(0.12, tolerance));
+  const double tolerance = 3.4 / std::sqrt(2.0 * static_cast<double>(found.size()));
+  EXPECT_NEAR(test::quantile(claimed, 0.5) / std::sqrt(variance), 1.0, tolerance);
 }
 
 /// Eq. (19) knows no weights, whatever sigmas the distances state.
@@ -411,10 +422,11 @@ TEST(CalibrationMethods, AutomaticStageGoesAsFarAsTheReadingsCarry) {
   EXPECT_EQ(stages(fine_stations(robot, 9)), 2u);
 }
 
+/// A twentieth is accepted by chance, and without the test all: 20 tell these apart, 200 whether it is a twentieth.
 TEST(CalibrationMethods, NoisyNothingIsNotAccepted) {
   const Robot robot = catalogue::huang2016();
   int accepted = 0;
-  const int count = machines(200);
+  const int count = machines({.claim = 200, .quick = 20});
   for (int number = 0; number < count; ++number) {
     Measurements measurements = test::measure(robot, {}, fine_stations(robot, 9), number, {.noise = kNoise});
     test::state_sigma(measurements, kNoise);

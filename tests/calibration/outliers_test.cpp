@@ -56,12 +56,13 @@ TEST_F(Outliers, StatisticIsTheDropOfLeavingItOut) {
 }
 
 /// Ten points of a sound machine, each read once: errors under their priors take up most of what they scatter. A
-/// reading that chance explains is never left out, whether the noise is stated or not.
+/// reading that chance explains is never left out, whether the noise is stated or not: of 100 machines at most one is,
+/// and twelve have a reading of each pose in turn where one that judges by its residual alone leaves several out.
 TEST_F(Outliers, OfFewSoundReadingsThereAreNone) {
   constexpr int kPoses = 10;
   const std::vector<Station> many = select_stations(robot, candidate_stations(robot, 200, 1), {.poses = 20}).stations;
   int left_out = 0;
-  for (int number = 0; number < machines(100); ++number) {
+  for (int number = 0; number < machines({.claim = 100, .quick = 12}); ++number) {
     std::vector<Station> some(many.begin() + number % kPoses, many.begin() + number % kPoses + kPoses);
     measured = measured_machine(robot, some, number, {.noise = kNoise}).measurements;
     if (number % 2 == 0) state_sigma(measured, kNoise);
@@ -73,9 +74,10 @@ TEST_F(Outliers, OfFewSoundReadingsThereAreNone) {
   EXPECT_LE(left_out, 1);
 }
 
-/// Once a gross reading is left out, nothing else is wrong, and nothing else is said.
+/// Once a gross reading is left out, nothing else is wrong, and nothing else is said; once or thrice read, the noise
+/// stated or not, which six machines have all of.
 TEST_F(Outliers, ThatAreLeftOutLeaveNoOtherNote) {
-  for (int number = 0; number < 12; ++number) {
+  for (int number = 0; number < machines({.claim = 12, .quick = 6}); ++number) {
     measured =
         measured_machine(robot, stations, number, {.noise = kNoise, .repeats = 1 + 2 * (number % 2)}).measurements;
     readings()[static_cast<std::size_t>(number) % readings().size()].point.x() += 5.0;

@@ -113,10 +113,11 @@ TEST_P(ValidationLaw, RepeatabilityOfIso9283) {
 }
 
 /// Machines that are off by about as much as noise is: the largest error is where its interval says. Each side holds in
-/// 95 % of machines, 90 are asked. The instrument's scale is off by as much as is stated.
+/// 95 % of machines, 90 are asked of 100, which scatter by 2 %; of 20 three standard deviations less, which half an
+/// interval misses. The instrument's scale is off by as much as is stated.
 TEST_P(ValidationLaw, TheLargestErrorIsWhereItIsSaidToBe) {
   constexpr double kScale = 50e-6;
-  const int count = test::machines(100);
+  const int count = test::machines({.claim = 100, .quick = 20});
   int too_small = 0, too_large = 0, checks = 0;
   for (int number = 1; number <= count; ++number) {
     const std::vector<Station> stations = candidate_stations(robot, 15, static_cast<std::uint64_t>(number));
@@ -140,8 +141,9 @@ TEST_P(ValidationLaw, TheLargestErrorIsWhereItIsSaidToBe) {
       too_large += true_error > check.error + check.uncertainty ? 1 : 0;
     }
   }
-  EXPECT_LE(too_small, 0.1 * checks);
-  EXPECT_LE(too_large, 0.1 * checks);
+  const double most = std::max(0.1, 0.05 + 3.0 * std::sqrt(0.05 * 0.95 / checks)) * checks;
+  EXPECT_LE(too_small, most);
+  EXPECT_LE(too_large, most);
 }
 
 PARACAL_ON_EVERY_ROBOT(ValidationLaw);

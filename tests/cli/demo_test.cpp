@@ -151,8 +151,8 @@ TEST_F(Demo, LeavesAllFilesOrNoFolder) {
   for (const char* fault :
        {"mkdir 1 28", "link 12 28", "link 15 28", "link 22 28", "write 30 28", "open 40 13", "rename 1 28"}) {
     remove_all(folder.path() / "made");
-    const ProgramResult result = run(kDemo, {"SOURCE_DATE_EPOCH=0", preloaded_faults(),
-                                             std::string("PARACAL_FAULT=") + fault});
+    const ProgramResult result =
+        run(kDemo, {"SOURCE_DATE_EPOCH=0", preloaded_faults(), std::string("PARACAL_FAULT=") + fault});
     refused += result.exit_code != kDone;
     if (result.exit_code == kDone) {
       EXPECT_EQ(files_of(folder.path() / "made"), expected) << fault;

@@ -230,8 +230,7 @@ class Injection : public testing::TestWithParam<Injected> {
   }
 
   ProgramResult run_with(const std::string& fault, std::vector<std::string> environment = {}) const {
-    for (const std::string& one : {preloaded_faults(), "PARACAL_FAULT=" + fault,
-                                   std::string("SOURCE_DATE_EPOCH=0")}) {
+    for (const std::string& one : {preloaded_faults(), "PARACAL_FAULT=" + fault, std::string("SOURCE_DATE_EPOCH=0")}) {
       environment.push_back(one);
     }
     return run_program(arguments, here(environment));

@@ -99,8 +99,7 @@ TEST_F(LinuxcncConfiguration, WritesAllFilesOrNoFolder) {
   for (const char* fault : {"mkdir 1 28", "link 1 28", "link 7 28", "write 3 28", "open 5 13", "mkdir 1 -15",
                             "open 4 -15", "link 2 -2", "link 7 -15"}) {
     remove_all(machine());
-    const ProgramResult result =
-        run(kConfigure, {preloaded_faults(), std::string("PARACAL_FAULT=") + fault});
+    const ProgramResult result = run(kConfigure, {preloaded_faults(), std::string("PARACAL_FAULT=") + fault});
     refused += result.exit_code == kWrongUsage;
     ended += result.exit_code < 0;
     if (exists(machine())) {

@@ -26,7 +26,8 @@ const Eigen::Vector3d kOrigin(0, 0, -900);
 
 std::vector<fs::path> programs() {
   std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(test::source_folder() / "tests/io/programs")) paths.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(test::source_folder() / "tests/io/programs"))
+    paths.push_back(entry.path());
   std::ranges::sort(paths);
   return paths;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "paracal/units.hpp"
@@ -80,6 +81,15 @@ std::vector<KlipperSet> klipper_sets() {
   sets.reserve(entries.size());
   for (const json& entry : entries) sets.push_back(set_of(entry));
   return sets;
+}
+
+const PrinterCalibration& calibrated(const KlipperSet& set) {
+  static std::map<std::string, PrinterCalibration> all;
+  auto found = all.find(set.id);
+  if (found == all.end()) {
+    found = all.emplace(set.id, calibrate_printer(set.geometry, set.readings, {.tries_gross = false})).first;
+  }
+  return found->second;
 }
 
 }  // namespace paracal::test

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "paracal/printer/delta_geometry.hpp"
+#include "paracal/printer/printer_calibration.hpp"
 
 namespace paracal::test {
 
@@ -18,5 +19,8 @@ struct KlipperSet {
 };
 
 std::vector<KlipperSet> klipper_sets();
+
+/// What is said of a set, without trying what gross readings would do; once, for tests that ask several things of it.
+const PrinterCalibration& calibrated(const KlipperSet& set);
 
 }  // namespace paracal::test

@@ -144,8 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Plausibility, OfPublishedPrintersIsNotDoubted) {
   for (const KlipperSet& set : test::klipper_sets()) {
     EXPECT_THAT(implausible(set.geometry), testing::IsEmpty()) << set.id;
-    EXPECT_NE(calibrate_printer(set.geometry, set.readings, {.tries_gross = false}).advice, PrinterAdvice::check_input)
-        << set.id;
+    EXPECT_NE(test::calibrated(set).advice, PrinterAdvice::check_input) << set.id;
   }
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <tuple>
 
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/units.hpp"
@@ -31,6 +33,22 @@ PrinterCalibration judged(const VirtualPrinter& printer) {
   return calibrate_printer(printer.saved, printer.readings, {.print_radius = printer.radius, .tries_gross = false});
 }
 
+/// A printer of a world, and what its owner is told. Several tests look at the same ones.
+struct Seen {
+  VirtualPrinter printer;
+  PrinterCalibration found;
+};
+
+const Seen& seen(const PrinterWorld& world, unsigned seed) {
+  static std::deque<std::tuple<PrinterWorld, unsigned, Seen>> all;
+  for (const auto& [of, number, one] : all) {
+    if (of == world && number == seed) return one;
+  }
+  VirtualPrinter printer = virtual_printer(world, seed);
+  PrinterCalibration found = judged(printer);
+  return std::get<2>(all.emplace_back(world, seed, Seen{std::move(printer), std::move(found)}));
+}
+
 /// What came of many printers of a world.
 struct Outcome {
   int advised = 0, advised_and_worse = 0, gains = 0, gains_advised = 0, biased = 0;
@@ -40,8 +58,7 @@ struct Outcome {
 Outcome outcome_of(const PrinterWorld& world, int count) {
   Outcome outcome;
   for (unsigned seed = 1; seed <= static_cast<unsigned>(count); ++seed) {
-    const VirtualPrinter printer = virtual_printer(world, seed);
-    const PrinterCalibration found = judged(printer);
+    const auto& [printer, found] = seen(world, seed);
     const double saved = printer.shape_error(printer.saved), advised = printer.shape_error(found.advised());
     const bool gains = printer.shape_error(found.written.geometry) < 0.7 * saved;
     outcome.advised += is_advised(found);
@@ -61,14 +78,21 @@ double median(std::vector<double> values) {
 }
 
 /// Written down before: of values advised at most one in 20 is worse than what was saved (of 20, at most 3: a twentieth
-/// gives more in one case of 60), and where a third is to be gained, four of five are advised (of 20, at least 12).
+/// gives more in one case of 60; of 6 at most one, in one of 30), and where a third is to be gained, four of five are
+/// advised (of 20, at least 12; of 6 three). Advice that does not look at what it may spoil, or never advises, is seen
+/// with either.
+constexpr test::Machines kPrinters{.claim = 20, .quick = 6};
+
+constexpr int most_worse(int printers) { return printers / 10 + 1; }
+
 class PrinterAdviceIn : public testing::TestWithParam<PrinterWorld> {};
 
 TEST_P(PrinterAdviceIn, IsGivenWhereItHelpsAndDoesNoHarm) {
-  const Outcome outcome = outcome_of(GetParam(), test::machines(20));
+  const int printers = test::machines(kPrinters);
+  const Outcome outcome = outcome_of(GetParam(), printers);
   RecordProperty("outcome", fmt::format("advised {}, worse {}, gains {}, advised of these {}", outcome.advised,
                                         outcome.advised_and_worse, outcome.gains, outcome.gains_advised));
-  EXPECT_LE(outcome.advised_and_worse, 3);
+  EXPECT_LE(outcome.advised_and_worse, most_worse(printers));
   EXPECT_GE(outcome.gains_advised, 0.65 * outcome.gains - 1.0);
 }
 
@@ -81,24 +105,27 @@ INSTANTIATE_TEST_SUITE_P(Worlds, PrinterAdviceIn,
 
 /// Printers that are as good as their firmware makes them: what is advised must not spoil them.
 TEST(PrinterAdvice, KeepsWhatIsGood) {
-  const Outcome heights = outcome_of({.heights = 13, .calibrated_before = true}, test::machines(20));
-  EXPECT_LE(heights.advised_and_worse, 3);
-  const Outcome both = outcome_of({.heights = 7, .distances = 12, .calibrated_before = true}, test::machines(20));
-  EXPECT_LE(both.advised_and_worse, 3);
+  const int printers = test::machines(kPrinters);
+  const Outcome heights = outcome_of({.heights = 13, .calibrated_before = true}, printers);
+  EXPECT_LE(heights.advised_and_worse, most_worse(printers));
+  const Outcome both = outcome_of({.heights = 7, .distances = 12, .calibrated_before = true}, printers);
+  EXPECT_LE(both.advised_and_worse, most_worse(printers));
   // Many heights alone, of rails that no prior expects: flatness can be gained by what it costs in size.
-  const Outcome leaning = outcome_of({.leaning = 4.0, .heights = 41, .calibrated_before = true}, test::machines(20));
+  const Outcome leaning = outcome_of({.leaning = 4.0, .heights = 41, .calibrated_before = true}, printers);
   EXPECT_LE(leaning.advised_and_worse, 1);
 }
 
-/// Walls 0.1 mm too thin on either side. One length: they and the machine's size are one; two lengths: they are told.
+/// Walls 0.1 mm too thin on either side. One length: they and the machine's size are one; two lengths: they are told,
+/// of four of five printers (of 6 of 4), and none that are not there of one in 80.
 TEST(PrinterAdvice, TakesABiasOffWhereTwoLengthsTellIt) {
   PrinterWorld world{.bias = -0.2, .heights = 7, .distances = 12, .two_lengths = true};
-  const Outcome told = outcome_of(world, 15);
-  EXPECT_GE(told.biased, 12);
+  const int printers = test::machines({.claim = 15, .quick = 6});
+  const Outcome told = outcome_of(world, printers);
+  EXPECT_GE(told.biased, test::every_machine() ? 12 : 4);
   EXPECT_LT(median(told.size), 0.4 * median(told.size_of_firmware));
   world.bias = 0.0;
-  const Outcome none = outcome_of(world, 15);
-  EXPECT_LE(none.biased, 1);  // one in 80
+  const Outcome none = outcome_of(world, printers);
+  EXPECT_LE(none.biased, 1);
   EXPECT_LT(median(none.size), 1.1 * median(none.size_of_firmware));
 
   const VirtualPrinter printer = virtual_printer({.heights = 7, .distances = 6}, 1);
@@ -108,11 +135,13 @@ TEST(PrinterAdvice, TakesABiasOffWhereTwoLengthsTellIt) {
   EXPECT_THAT(found.findings, Contains(HasSubstr("measure distances of two lengths")));
 }
 
-/// A bias that is not told from nothing stays on the distances, and in what the size of prints may be off by.
+/// A bias that is not told from nothing stays on the distances, and in what the size of prints may be off by, in all
+/// but one of those printers; a third of the printers are such.
 TEST(PrinterAdvice, ABiasThatIsNotToldStaysOpen) {
   constexpr double kBias = -0.08;  // mm, about two standard deviations of what distances say of it
+  const auto printers = static_cast<unsigned>(test::machines({.claim = 16, .quick = 8}));
   int open = 0, held = 0;
-  for (unsigned seed = 1; seed <= 16; ++seed) {
+  for (unsigned seed = 1; seed <= printers; ++seed) {
     const VirtualPrinter printer =
         virtual_printer({.bias = kBias, .heights = 13, .distances = 24, .two_lengths = true}, seed);
     const PrinterCalibration found = judged(printer);
@@ -131,9 +160,10 @@ TEST(PrinterAdvice, ABiasThatIsNotToldStaysOpen) {
 
 /// Why nothing is advised is said of what was asked, and is so.
 TEST(PrinterAdvice, SaysWhatKeepsTheSavedValues) {
-  int said = 0;
+  const auto printers = static_cast<unsigned>(test::machines({.claim = 8, .quick = 4}));
+  unsigned said = 0;
   for (const bool distances : {false, true}) {
-    for (unsigned seed = 1; seed <= 8; ++seed) {
+    for (unsigned seed = 1; seed <= printers; ++seed) {
       PrinterWorld world{.heights = 13, .distances = distances ? 24 : 0, .two_lengths = true};
       world.bow = seed % 2 == 0 ? 0.15 : 0.0;
       world.calibrated_before = true;
@@ -158,7 +188,7 @@ TEST(PrinterAdvice, SaysWhatKeepsTheSavedValues) {
       EXPECT_FALSE(says("by more than chance"));
     }
   }
-  EXPECT_GE(said, 4);
+  EXPECT_GE(said, printers / 2);
 }
 
 /// Beds that are hollow or domed look like another delta radius, and the distances that contradict it like a bias. What
@@ -189,12 +219,12 @@ TEST(PrinterAdvice, TakesABowedBedForNoBias) {
 }
 
 /// By Phi(D / std D) printers are better as often as they are said to be: of 50 with a chance between, the sum of
-/// chances is within 3 standard deviations of what came.
+/// chances is within 3 standard deviations of what came. Of 10 it still shows chances that are the other way round.
 TEST(PrinterAdvice, ChanceOfBeingBetterIsOne) {
   double sum = 0.0, variance = 0.0, square = 0.0;
   int better = 0;
   test::Random bows(7);  // of beds as the prior has them
-  const int printers = test::machines(50);
+  const int printers = test::machines({.claim = 50, .quick = 10});
   for (unsigned seed = 1; seed <= static_cast<unsigned>(printers); ++seed) {
     const double bow = bows.normal(kBedBow);
     const VirtualPrinter printer =
@@ -242,11 +272,13 @@ TEST(PrinterAdvice, OfFewHeightsIsNeverAccept) {
 }
 
 /// A reading put off by 1 mm (a distance by 0.5 mm) leaves every fit, or is named among those that nobody can check.
+/// Two printers of each world have a height and a distance that are.
 TEST(PrinterAdvice, GrossReadingsAreFoundOrDeclaredUncheckable) {
-  int found_count = 0;
+  const auto printers = static_cast<unsigned>(test::machines({.claim = 4, .quick = 2}));
+  unsigned found_count = 0;
   for (const PrinterWorld& world :
        {PrinterWorld{.heights = 7}, PrinterWorld{.heights = 13}, PrinterWorld{.heights = 7, .distances = 12}}) {
-    for (unsigned seed = 1; seed <= 4; ++seed) {
+    for (unsigned seed = 1; seed <= printers; ++seed) {
       VirtualPrinter printer = virtual_printer(world, seed);
       const std::size_t height = seed % printer.readings.heights.size();
       const bool spoil_distance = world.distances > 0 && seed % 2 == 0;
@@ -266,7 +298,7 @@ TEST(PrinterAdvice, GrossReadingsAreFoundOrDeclaredUncheckable) {
       EXPECT_TRUE(!left_out || judge_as_firmware(found.by_firmware.geometry, printer.readings).cost > 0.1);
     }
   }
-  EXPECT_GE(found_count, 3);  // the others leave too few degrees of freedom to tell
+  EXPECT_GE(found_count, printers / 2 + 1);  // the others leave too few degrees of freedom to tell
 }
 
 TEST(PrinterAdvice, OfItsOwnValuesIsThatNothingIsToBeChanged) {
@@ -284,7 +316,7 @@ TEST(PrinterAdvice, OfItsOwnValuesIsThatNothingIsToBeChanged) {
 TEST(PrinterAdvice, OnPublishedPrintersIsNoWorseThanTheFirmwaresFit) {
   std::vector<double> heights, distances;
   for (const test::KlipperSet& set : test::klipper_sets()) {
-    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+    const PrinterCalibration& found = test::calibrated(set);
     if (!found.tested()) continue;
     const PredictionErrors ours = found.written.held_out, theirs = found.by_firmware.held_out;
     if (found.advice == PrinterAdvice::accept_new) {

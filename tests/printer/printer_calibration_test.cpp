@@ -33,7 +33,7 @@ double median(std::vector<double> values) {
 TEST(PrinterCalibration, NamesTheGrossErrorOfThreePrinters) {
   for (const char* id : {"K09", "K10", "K11"}) {
     const KlipperSet set = set_named(id);
-    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+    const PrinterCalibration& found = calibrated(set);
     EXPECT_THAT(found.findings, Contains(HasSubstr("left out distance distance11_pos1"))) << id;
     EXPECT_NE(found.advice, PrinterAdvice::keep_saved) << id;
     // And it leaves the firmware's fit, too.
@@ -44,7 +44,7 @@ TEST(PrinterCalibration, NamesTheGrossErrorOfThreePrinters) {
 
 TEST(PrinterCalibration, SaysWhenTheSavedValuesDoNotBelongToTheReadings) {
   for (const KlipperSet& set : klipper_sets()) {
-    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+    const PrinterCalibration& found = calibrated(set);
     const auto belongs = std::ranges::none_of(found.findings, [](const std::string& one) {
       return one.find("are not the firmware's fit of these") != std::string::npos;
     });

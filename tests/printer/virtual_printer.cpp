@@ -1,6 +1,9 @@
 #include "printer/virtual_printer.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <ostream>
 
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -100,6 +103,11 @@ double VirtualPrinter::size_error(const DeltaGeometry& values) const {
     sum += ((real(angle) - real(angle + to_radians(180.0))).norm() / (1.2 * radius) - 1.0) / kAround;
   }
   return sum;
+}
+
+void PrintTo(const PrinterWorld& world, std::ostream* out) {
+  *out << fmt::format("{} heights, {} distances, bias {} mm, rails lean {} times, rods unlike by {} mm", world.heights,
+                      world.distances, world.bias, world.leaning, world.unlike_rods);
 }
 
 VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <iosfwd>
+
 #include "paracal/printer/projection.hpp"
 
 namespace paracal::test {
@@ -17,7 +19,11 @@ struct PrinterWorld {
   bool calibrated_before = false;
   bool saved_is_fit = false;  ///< the saved values are the firmware's fit of the very readings
   double bow = 0.0;           ///< of the bed's edge above its centre, mm
+
+  bool operator==(const PrinterWorld&) const = default;
 };
+/// As tests of a world are named.
+void PrintTo(const PrinterWorld& world, std::ostream* out);
 
 /// A linear delta nobody has built.
 struct VirtualPrinter {

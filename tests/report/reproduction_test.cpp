@@ -171,16 +171,24 @@ TEST(Reproduction, Table3IsAllowedItsReadingsAndMissesTheRotations) {
   }
 }
 
-/// Larger than in any twin, and smaller.
+/// Another machine: an offset, a rotation of the other sign, and errors larger than in any twin, and smaller.
+const Reproduction& of_another() {
+  static const Reproduction once = [] {
+    const auto times = [](double factor, const PoseError& error) {
+      return PoseError{factor * error.distance, factor * error.volumetric, factor * error.rotation};
+    };
+    io::PublishedHuang2016 published = io::published_huang2016();
+    published.offsets(0, Source::theta_offset) += to_radians(0.3);
+    published.before[1].error.rotation *= -1.0;
+    published.table5_before = times(4.0, published.table5_before);
+    published.table5_after = times(0.02, published.table5_after);
+    return reproduce_huang2016(published);
+  }();
+  return once;
+}
+
 TEST(Reproduction, Table5RefusesWhatNoTwinShows) {
-  const auto times = [](double factor, const PoseError& error) {
-    return PoseError{factor * error.distance, factor * error.volumetric, factor * error.rotation};
-  };
-  io::PublishedHuang2016 published = io::published_huang2016();
-  published.table5_before = times(4.0, published.table5_before);
-  published.table5_after = times(0.02, published.table5_after);
-  const Reproduction other = reproduce_huang2016(published);
-  for (const ReproductionRow& one : other.rows) {
+  for (const ReproductionRow& one : of_another().rows) {
     if (!one.id.starts_with("table5")) continue;
     EXPECT_EQ(one.judgement.finding, Finding::not_reproduced) << one.id;
   }
@@ -198,14 +206,11 @@ TEST(Reproduction, TwinsAreMeasuredAsTheMachineWas) {
   EXPECT_NEAR(row(reproduction(), "tilt.bottom").ours, 0.757, 0.03);
 }
 
+/// Both are reproduced of the published machine.
 TEST(Reproduction, ADifferentMachineIsNotable) {
-  io::PublishedHuang2016 published = io::published_huang2016();
-  published.offsets(0, Source::theta_offset) += to_radians(0.3);
-  published.before[1].error.rotation *= -1.0;
-  const Reproduction other = reproduce_huang2016(published);
+  const Reproduction& other = of_another();
   EXPECT_EQ(row(other, "offsets.limb1").judgement.finding, Finding::not_reproduced);
   EXPECT_EQ(row(other, "table3.before.P2.d_phi").judgement.finding, Finding::not_reproduced);
-  EXPECT_LT(other.count(Finding::reproduced), reproduction().count(Finding::reproduced));
 }
 
 TEST(PublishedData, DistancesAreTable3) {

@@ -120,10 +120,12 @@ TEST_P(GuidedLaw, WhatPointsOutOfThePlaneMovesNothing) {
 }
 
 /// The law that a calibration is held to, written down before: of 640 machines (few of whose errors show), each read by
-/// points in a frame that nobody knows, 95 % intervals of identified errors hold the truth in 93 to 97 %, and U in use
+/// points in a frame that nobody knows, 95 % intervals of identified errors hold the truth in 93 to 97 % (of 60
+/// machines as much more as shares scatter more, which tells intervals that are a quarter too narrow), and U in use
 /// holds in 90 % and more (three standard deviations of the share less). Nobody states the noise.
 TEST_P(GuidedLaw, IntervalsHoldTheTruth) {
-  const int machines = test::machines(640);
+  const test::Machines wanted{.claim = 640, .quick = 60};
+  const int machines = test::machines(wanted);
   const Measurements points = plan(40);
   int errors = 0, held = 0, used = 0;
   for (int number = 0; number < machines; ++number) {
@@ -140,9 +142,7 @@ TEST_P(GuidedLaw, IntervalsHoldTheTruth) {
   }
   const double share = static_cast<double>(held) / std::max(errors, 1), in_use = static_cast<double>(used) / machines;
   RecordProperty("shares", fmt::format("{} of {} errors: {:.4f}; in use {:.3f}", held, errors, share, in_use));
-  const double fewer = machines < 640 ? 0.03 : 0.0;
-  EXPECT_GT(share, 0.93 - fewer);
-  EXPECT_LT(share, 0.97 + fewer);
+  EXPECT_NEAR(share, 0.95, 0.02 * test::looser(wanted));
   EXPECT_GE(in_use, 0.90 - 3.0 * std::sqrt(0.09 / machines));
 }
 
@@ -275,7 +275,7 @@ std::optional<double> scatter_within(const Calibration& found) {
 /// plane is the noise of 0.01 mm there, in the mean of machines to 5 % or, of few machines (36 degrees of freedom or
 /// more each), to three of its standard errors.
 TEST_P(GuidedLaw, ABentTableIsSaid) {
-  const int machines = test::machines(200);
+  const int machines = test::machines({.claim = 200, .quick = 16});
   const Measurements points = plan(30);
   int said = 0, wrongly = 0, held = 0;
   double within = 0.0;
@@ -299,7 +299,7 @@ TEST_P(GuidedLaw, ABentTableIsSaid) {
 /// whole. Written down before: the noise of 0.01 mm in the plane, in the mean to three standard errors of at least 36
 /// degrees of freedom a machine.
 TEST_P(GuidedLaw, WhatErrorsTakeUpIsNoScatterInThePlane) {
-  const int machines = test::machines(200);
+  const int machines = test::machines({.claim = 200, .quick = 16});
   const Measurements points = plan(30);
   CalibrationOptions options{.tolerances = *robot.tolerances(), .diagnose = false};
   for (double& half_width : options.tolerances->half_width) half_width *= 30.0;

@@ -241,11 +241,13 @@ TEST_P(TemplateLaw, MotionsThatNobodySeesAreMotions) {
 }
 
 /// The law that a calibration is held to, written down before: of 160 machines, each read by motion capture with its
-/// set-up anywhere, 95 % intervals of identified errors hold the truth in 93 to 97 %, and U in use, of positions and of
-/// rotations from home, each holds in 90 % and more (three standard deviations of the share less where fewer are
-/// tried). Nobody states the noise.
+/// set-up anywhere, 95 % intervals of identified errors hold the truth in 93 to 97 % (as much more as shares scatter
+/// more where fewer are tried; of 32 by 4.5 %, which still tells intervals that are a third too narrow or too wide),
+/// and U in use, of positions and of rotations from home, each holds in 90 % and more (three standard deviations of the
+/// share less). Nobody states the noise.
 TEST_P(TemplateLaw, IntervalsHoldTheTruth) {
-  const int machines = test::machines(160);
+  const test::Machines wanted{.claim = 160, .quick = 32};
+  const int machines = test::machines(wanted);
   const Measurements poses = plan(40);
   int errors = 0, held = 0, accepted = 0, used = 0, kept_turn = 0;
   for (int number = 0; number < machines; ++number) {
@@ -271,9 +273,7 @@ TEST_P(TemplateLaw, IntervalsHoldTheTruth) {
   const double share = static_cast<double>(held) / std::max(errors, 1), in_use = static_cast<double>(used) / machines;
   RecordProperty("shares", fmt::format("{} of {} errors: {:.4f}; in use {:.3f}, turned {}; accepted {} of {}", held,
                                        errors, share, in_use, kept_turn, accepted, machines));
-  const double fewer = machines < 100 ? 0.015 : 0.0;
-  EXPECT_GT(share, 0.93 - fewer);
-  EXPECT_LT(share, 0.97 + fewer);
+  EXPECT_NEAR(share, 0.95, 0.02 * test::looser(wanted));
   EXPECT_GE(in_use, 0.90 - 3.0 * std::sqrt(0.09 / machines));
   EXPECT_GE(static_cast<double>(kept_turn) / machines, 0.90 - 3.0 * std::sqrt(0.09 / machines));
 }
@@ -292,13 +292,14 @@ TEST_P(TemplateLaw, SpreadOfRotationsIsTheTurnSinceHome) {
 }
 
 /// Drives that are not even: what they do at one pose they do not do at another. It is told from the noise of the
-/// instrument without a repeat, because it turns the plate as it shifts it.
+/// instrument without a repeat, because it turns the plate as it shifts it. It is told of every machine, of three as of
+/// twelve; of those whose drives are even, in one of 50 by chance.
 TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
   constexpr double kUneven = 0.3;  // mm of the rods' upper ends
   const double ratio = joint_ratio(robot.nominal().limbs[0]);
   const Measurements poses = plan(60);
   int told_uneven = 0, told_even = 0;
-  const int machines = 12;
+  const int machines = test::machines({.claim = 12, .quick = 3});
   for (int number = 0; number < 2 * machines; ++number) {
     const bool uneven = number < machines;
     RandomStream stream(static_cast<std::uint64_t>(number), 6);
@@ -322,20 +323,21 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
     EXPECT_THAT(found.assumed, testing::Not(testing::Contains(HasSubstr("nobody can tell noise"))));
   }
   EXPECT_EQ(told_uneven, machines);
-  EXPECT_LE(told_even, 2);  // one in 50 by chance
+  EXPECT_LE(told_even, std::max(1, machines / 6));
 }
 
 /// U of a compensated pose, position and tilt in the robot's frame, on machines whose drives are not even, which no
 /// error of the model is: 93 to 98 % of what becomes of poses that were not measured lies within it, written down
-/// before; of a tenth of the machines, where shares scatter by 1 %, 90 % and more.
+/// before of 48 machines; of 8, whose shares scatter by 0.8 %, 1.5 % more either way, and not where U leaves something
+/// out.
 TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
   constexpr double kUneven = 0.05;  // mm of the rods' upper ends
   const double ratio = joint_ratio(robot.nominal().limbs[0]);
   const Measurements plan = this->plan(50);
   const std::vector<Station> others = candidate_stations(robot, 30, 13);
-  constexpr int kAll = 48;
-  const int machines = test::machines(kAll);
-  const double fewer = machines < kAll ? 0.03 : 0.0;
+  const test::Machines wanted{.claim = 48, .quick = 8};
+  const int machines = test::machines(wanted);
+  const double fewer = machines < wanted.claim ? 0.015 : 0.0;
   for (const Frame frame : {Frame::unknown, Frame::robot}) {
     int numbers = 0, held = 0;
     for (int number = 0; number < machines; ++number) {

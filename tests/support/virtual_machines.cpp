@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <utility>
@@ -24,14 +25,15 @@ RigidMotion some_frame() {
 
 }  // namespace
 
-int machines(int wanted) {
-#ifdef PARACAL_SANITIZED
-  return wanted / 10;
-#else
-  constexpr int kMany = 100;
-  const bool every = std::getenv("PARACAL_EVERY_MACHINE") != nullptr;
-  return every || wanted < kMany ? wanted : std::max(wanted / 4, kMany / 2);
-#endif
+bool every_machine() {
+  static const bool kEvery = std::getenv("PARACAL_EVERY_MACHINE") != nullptr;
+  return kEvery;
+}
+
+int machines(const Machines& wanted) { return every_machine() ? wanted.claim : wanted.quick; }
+
+double looser(const Machines& wanted) {
+  return std::sqrt(static_cast<double>(wanted.claim) / static_cast<double>(machines(wanted)));
 }
 
 Measurements measure(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations, int number,

@@ -9,9 +9,18 @@
 
 namespace paracal::test {
 
-/// As many machines as a statistical test wants where PARACAL_EVERY_MACHINE is set (tools/check_all.sh). Else of 100
-/// and more a quarter, 50 at least; under sanitizers, where each costs twenty times as much, a tenth.
-int machines(int wanted);
+/// Whether tests make all machines that their claims need, which takes hours (PARACAL_EVERY_MACHINE;
+/// tools/check_all.sh).
+bool every_machine();
+
+/// How many machines a statistical test makes. Each such test says why so many.
+struct Machines {
+  int claim;  ///< as many as its claim needs: made where every_machine()
+  int quick;  ///< the fewest that still fail where what it guards is broken: made elsewhere
+};
+int machines(const Machines& wanted);
+/// By how much more a mean, or a share, scatters over the machines that are made than over as many as the claim needs.
+double looser(const Machines& wanted);
 
 /// A machine out of the robot's tolerances, and what an instrument in a frame of its own reads of it.
 struct MeasuredMachine {
