@@ -60,7 +60,7 @@ KnownMachine known_of(const Calibration& calibration) {
 }
 
 /// @param robot  that it must be of; none: the one that the file carries.
-KnownMachine read(const std::string& path, const std::optional<Robot>& robot) {
+KnownMachine read_calibration(const std::string& path, const std::optional<Robot>& robot) {
   const io::TextFile file = io::read_file(path);
   const Robot of = robot ? *robot : io::robot_of_calibration(file).robot;
   io::CalibratedMachine machine = io::read_calibration(file, of);
@@ -175,7 +175,7 @@ void add_calibration(py::module_& module) {
           "time"_a);
   module.def("calibrate", &calibrated, "robot"_a, "measurements"_a, "keywords"_a);
   module.def("validate", &validated, "machine"_a, "measurements"_a, "keywords"_a);
-  module.def("read_calibration", &read, "path"_a, "robot"_a);
+  module.def("read_calibration", &read_calibration, "path"_a, "robot"_a);
 }
 
 }  // namespace paracal::python

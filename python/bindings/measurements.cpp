@@ -42,8 +42,8 @@ void take_statement(std::optional<io::RobotStatement>& stated, const io::TextFil
   stated = std::move(said);
 }
 
-GivenMeasurements read(const std::vector<GivenTable>& tables, const std::vector<GivenTable>& poses,
-                       const io::ExportStatement& exported, const io::TableStyle& style, const Robot* robot) {
+GivenMeasurements read_tables(const std::vector<GivenTable>& tables, const std::vector<GivenTable>& poses,
+                              const io::ExportStatement& exported, const io::TableStyle& style, const Robot* robot) {
   const std::vector<io::TextFile> files = files_of(tables, style), pose_files = files_of(poses, style);
   GivenMeasurements all;
   for (const io::TextFile& file : files) {
@@ -169,7 +169,7 @@ void add_measurements(py::module_& module) {
       .def(py::init<std::string, std::string, bool>(), "columns"_a, "unit"_a, "by_order"_a);
   py::class_<io::TableStyle>(module, "TableStyle")
       .def(py::init<bool, std::vector<std::string>>(), "decimal_comma"_a, "ignored_columns"_a);
-  module.def("read_measurements", &read, "tables"_a, "poses"_a, "exported"_a, "style"_a, "robot"_a,
+  module.def("read_measurements", &read_tables, "tables"_a, "poses"_a, "exported"_a, "style"_a, "robot"_a,
              py::call_guard<py::gil_scoped_release>());
   module.def("merge", &merged, "parts"_a);
   module.def("read_poses", &pose_table, "table"_a, "style"_a, "robot"_a);

@@ -16,7 +16,7 @@ namespace {
 
 using namespace py::literals;
 
-std::vector<Station> stations_of(const Robot& robot, const std::vector<std::string>& names, const Array& poses) {
+std::vector<Station> planned_stations(const Robot& robot, const std::vector<std::string>& names, const Array& poses) {
   const std::size_t width = pose_width(robot);
   const Rows rows(poses, "poses", width);
   if (names.size() != rows.count()) {
@@ -115,7 +115,7 @@ py::list parameters_of(const Robot& robot, const Promise& promise) {
 py::dict identifiable(const Robot& robot, const std::vector<std::string>& names, const Array& poses,
                       const py::dict& keywords) {
   const Keywords given(keywords);
-  const Measurements plan = planned(robot, stations_of(robot, names, poses), planned_readings(given));
+  const Measurements plan = planned(robot, planned_stations(robot, names, poses), planned_readings(given));
   CalibrationOptions options = calibration_options(robot, given);
   if (plan.series.empty()) options.frame = Frame::unknown;
   const auto promise = [&] {
@@ -175,7 +175,7 @@ GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::
   PlannedReadings readings = planned_readings(given);
   readings.second = instrument.second.has_value();
   instrument.mount = readings.mount;
-  Measurements plan = planned(machine.robot, stations_of(machine.robot, names, poses), readings);
+  Measurements plan = planned(machine.robot, planned_stations(machine.robot, names, poses), readings);
   if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
   if (repeats > 1 && !plan.distances.empty()) {
     throw InvalidArgument("repeats: expected another measure than distances with it");

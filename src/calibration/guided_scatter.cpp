@@ -7,7 +7,6 @@
 
 #include "numerics/distributions.hpp"
 
-
 namespace paracal::detail {
 namespace {
 

@@ -85,7 +85,7 @@ struct StageExplanation {
 /// @param fit  without components, its gross errors left out, or none yet.
 /// @param rounds  after which the last answer is taken.
 StageExplanation explained(const detail::StageFit& without, detail::StageFit fit, const CalibrationOptions& options,
-                      int rounds = 4) {
+                           int rounds = 4) {
   std::vector<Component> components = detail::find_components(fit, options);
   if (components.empty() || !options.exclude_outliers || rounds == 0) return {std::move(fit), std::move(components)};
   const std::vector<bool> kept = fit.kept();

@@ -19,8 +19,7 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostReadingRows
 SmallSquare checked_inverse(const SmallSquare& spread) {
   constexpr double kUncheckable = 1e-6;  // of the reading's own variance
   const SymmetricEigen eigen = symmetric_eigen(spread);
-  const SmallVector inverse =
-      (eigen.values.array() > kUncheckable).select(eigen.values.cwiseInverse(), 0.0);
+  const SmallVector inverse = (eigen.values.array() > kUncheckable).select(eigen.values.cwiseInverse(), 0.0);
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 

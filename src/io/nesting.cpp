@@ -77,8 +77,9 @@ Json parse_json(const TextFile& file) {
     return parse_shallow(file.text);
   } catch (const Json::parse_error& error) {
     throw InputFileError(file.name, error.id == kTooDeepId ? 0 : line_at(file.text, error.byte),
-                         error.id == kTooDeepId ? fmt::format("expected at most {} levels of nesting, got more", kDeepest)
-                                              : "expected JSON, got something else");
+                         error.id == kTooDeepId
+                             ? fmt::format("expected at most {} levels of nesting, got more", kDeepest)
+                             : "expected JSON, got something else");
   } catch (const Json::out_of_range& error) {  // of numbers; it says which in quotation marks, and not where
     const std::string_view message = error.what();
     const std::size_t from = message.find('\'') + 1;

@@ -19,9 +19,7 @@ double students_t_quantile(double tail, double freedom) {
   return quantile(complement(students_t_distribution<>(freedom), tail));
 }
 
-double chi_square_tail(double sum, double freedom) {
-  return cdf(complement(chi_squared_distribution<>(freedom), sum));
-}
+double chi_square_tail(double sum, double freedom) { return cdf(complement(chi_squared_distribution<>(freedom), sum)); }
 
 double chi_square_quantile(double tail, double freedom) {
   return quantile(complement(chi_squared_distribution<>(freedom), tail));

@@ -12,9 +12,9 @@
 namespace paracal::detail {
 namespace {
 
-constexpr std::uint64_t kWeighedChunk = 64;         // machines that are added up together
+constexpr std::uint64_t kWeighedChunk = 64;    // machines that are added up together
 constexpr std::uint64_t kFirstWeighed = 1024;  // machines before the first look at how well the share is known
-constexpr double kGrowth = 3.0;              // of a round over all before it: the first estimates are rough
+constexpr double kGrowth = 3.0;                // of a round over all before it: the first estimates are rough
 
 void add_linear(const WeighedSample::Machines& drawn, Weights& sums) {
   const Eigen::ArrayXd failing = (drawn.used_up > 1.0).select(drawn.weights, 0.0);

@@ -14,11 +14,11 @@ namespace paracal::detail {
 namespace {
 
 constexpr int kMostRounds = 25;
-constexpr double kTrust = 0.22;        // of log T in a round: a quarter, as far as machines drawn at T tell
-constexpr double kSettled = 0.02;      // of log T, and ...
-constexpr double kCostSettled = 2e-3;  // ... of the cost: what drawing anew moves
-constexpr double kShareError = 0.05;   // of the share that is stated
-constexpr double kLimitViolation = 1e-6;    // of a limit that is not by yield
+constexpr double kTrust = 0.22;           // of log T in a round: a quarter, as far as machines drawn at T tell
+constexpr double kSettled = 0.02;         // of log T, and ...
+constexpr double kCostSettled = 2e-3;     // ... of the cost: what drawing anew moves
+constexpr double kShareError = 0.05;      // of the share that is stated
+constexpr double kLimitViolation = 1e-6;  // of a limit that is not by yield
 
 class YieldAllocator {
  public:

@@ -13,14 +13,14 @@
 namespace paracal::test {
 namespace {
 
-constexpr double kStep = 2.0 * std::numbers::pi / (200.0 * 16.0 * 5.0 * 3.75);
-constexpr double kBedRadius = 100.0, kWall = 0.1, kProbe = 0.02, kCalliper = 0.05;
+constexpr double kJointStep = 2.0 * std::numbers::pi / (200.0 * 16.0 * 5.0 * 3.75);
+constexpr double kBedRadius = 100.0, kWall = 0.1, kRotaryProbe = 0.02, kRotaryCalliper = 0.05;
 
 Eigen::Vector3d on_bed(double radius, double degrees) { return Workspace::on_circle(radius, to_radians(degrees), 0.0); }
 
-JointDrops whole_steps(const JointDrops& drops) {
+JointDrops whole_joint_steps(const JointDrops& drops) {
   JointDrops whole{};
-  for (std::size_t i = 0; i < 3; ++i) whole[i] = kStep * std::round(drops[i] / kStep);
+  for (std::size_t i = 0; i < 3; ++i) whole[i] = kJointStep * std::round(drops[i] / kJointStep);
   return whole;
 }
 
@@ -32,18 +32,18 @@ JointDrops touching(const RotaryPrinter& printer, const Machine& machine, const 
     const auto k = static_cast<Eigen::Index>(i);
     drops[i] = printer.machine.homed[k] - joints.joints[k];
   }
-  return whole_steps(drops);
+  return whole_joint_steps(drops);
 }
 
 /// Where the firmware prints a pillar that is meant to stand at a place.
 JointDrops printing(const RotaryPrinter& printer, const Eigen::Vector3d& place) {
-  return whole_steps(*drops_to(printer.saved, place));
+  return whole_joint_steps(*drops_to(printer.saved, place));
 }
 
 void read_heights(RotaryPrinter& printer, const Machine& machine, Random& random) {
   for (int k = 0; k < 13; ++k) {
     const double radius = k == 0 ? 0.0 : k % 2 == 0 ? 0.55 * kBedRadius : kBedRadius;
-    const Eigen::Vector3d noise(0.0, 0.0, random.normal(kProbe));
+    const Eigen::Vector3d noise(0.0, 0.0, random.normal(kRotaryProbe));
     printer.readings.heights.push_back({0.0, touching(printer, machine, on_bed(radius, 30.0 * k) + noise)});
   }
 }
@@ -56,13 +56,13 @@ void measure_distances(RotaryPrinter& printer, const Machine& machine, Random& r
     const Eigen::Vector3d from = on_bed(k < 6 ? 0.0 : 0.8 * kBedRadius, 60.0 * k);
     const Eigen::Vector3d to = on_bed(0.8 * kBedRadius, 60.0 * k + (k < 6 ? 0.0 : 60.0));
     PrintedDistance one{.from = printing(printer, from), .to = printing(printer, to)};
-    one.distance = (real(one.to) - real(one.from)).norm() + kWall + random.normal(kCalliper);
+    one.distance = (real(one.to) - real(one.from)).norm() + kWall + random.normal(kRotaryCalliper);
     printer.readings.distances.push_back(one);
   }
 }
 
 std::string steps(const JointDrops& drops) {
-  return fmt::format("{:.3f},{:.3f},{:.3f}", drops[0] / kStep, drops[1] / kStep, drops[2] / kStep);
+  return fmt::format("{:.3f},{:.3f},{:.3f}", drops[0] / kJointStep, drops[1] / kJointStep, drops[2] / kJointStep);
 }
 
 std::string config_of(const RotaryPrinter& printer) {

@@ -17,11 +17,11 @@
 namespace paracal::test {
 namespace {
 
-constexpr std::uint64_t kErrors = 101, kNoise = 102;
+constexpr std::uint64_t kErrors = 101, kWorldNoise = 102;
 constexpr int kVisits = 3;
 constexpr double kTurnLever = 100.0;  // mm: by what a body is turned where its points are off
 
-RigidMotion some_frame() {
+RigidMotion world_frame() {
   return {Eigen::AngleAxisd(-1.3, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix(), {-900, 2200, 1400}};
 }
 
@@ -96,7 +96,7 @@ class Truth {
 /// Noise of a reading, mm.
 class Noise {
  public:
-  Noise(const World& world, int number) : world_(world), random_(kNoise, static_cast<std::uint64_t>(number)) {}
+  Noise(const World& world, int number) : world_(world), random_(kWorldNoise, static_cast<std::uint64_t>(number)) {}
 
   double operator()() {
     double draw = random_.normal();
@@ -118,7 +118,7 @@ class Noise {
 
 /// What an instrument reads of a body on a plate with six freedoms; of others of a reflector at the plate's origin.
 PointReading read_point(const Robot& robot, const Pose& pose, double scale, Noise& noise) {
-  const RigidMotion frame = some_frame(), body{some_frame().rotation, {30.0, -20.0, 50.0}};
+  const RigidMotion frame = world_frame(), body{world_frame().rotation, {30.0, -20.0, 50.0}};
   const auto three = [&] { return Eigen::Vector3d(noise(), noise(), noise()); };
   PointReading reading;
   Eigen::Vector3d place = pose.position;

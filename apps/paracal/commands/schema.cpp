@@ -26,7 +26,8 @@ void add_schema(Command& program, Session& session) {
                                          "what a result looks like in JSON: its JSON Schema, or the names of all");
   const auto name = std::make_shared<std::string>();
   command->add_option("name", *name, "which result; without it their names")->check(one_of(schema_names()));
-  command->callback([&session, name] { name->empty() ? list_schemas(session) : session.print_json(result_schema(*name)); });
+  command->callback(
+      [&session, name] { name->empty() ? list_schemas(session) : session.print_json(result_schema(*name)); });
 }
 
 }  // namespace paracal::app

@@ -83,8 +83,8 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 
-void write_page(const SensitivityArguments& options, Session& session, const Robot& robot, const SensitivityFindings& found,
-                const Tolerances& tolerances) {
+void write_page(const SensitivityArguments& options, Session& session, const Robot& robot,
+                const SensitivityFindings& found, const Tolerances& tolerances) {
   write_report(*options.report, session, robot,
                {.kind = "sensitivity",
                 .results = {{"sensitivity", sensitivity_json(robot, found)}},

@@ -97,7 +97,8 @@ io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, 
   return json;
 }
 
-void write_page(const ToleranceAllocateArguments& options, Session& session, const Robot& robot, const Allocation& allocation) {
+void write_page(const ToleranceAllocateArguments& options, Session& session, const Robot& robot,
+                const Allocation& allocation) {
   const Characteristic tilt{Quantity::tilt};
   write_report(*options.report, session, robot,
                {.kind = "allocation",

@@ -48,7 +48,8 @@ struct Findings {
   std::vector<LinearityPoint> linearity = {};
 };
 
-std::vector<Requirement> requirements_of(const ToleranceAnalyzeArguments& options, const Robot& robot, const Tolerances& tolerances) {
+std::vector<Requirement> requirements_of(const ToleranceAnalyzeArguments& options, const Robot& robot,
+                                         const Tolerances& tolerances) {
   if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt.value().value_or(kUsualMaxTilt)}};
   return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
 }
