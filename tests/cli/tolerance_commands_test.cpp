@@ -254,22 +254,23 @@ TEST_F(ToleranceCommands, AllocationByYieldKeepsItsShare) {
   const std::string costs =
       "[cost.rod_difference_mm]\nB = 0.02\nlower = 0.002\nupper = 0.2\n[cost.alpha2_deg]\nB = 0.01\nlower = "
       "0.001\nupper = 0.2\n";
-  const std::string limit = "[[requirement]]\nquantity = \"tilt\"\nlimit_rad = 0.001\ncriterion = \"yield\"\n";
+  const std::string limit = "[[requirement]]\nquantity = \"tilt\"\nlimit_rad = 0.0014\ncriterion = \"yield\"\n";
   folder.write("problem.toml", "max_failures = 1e-4\n" + limit + costs);
-  const auto [text, found] = both_from("tolerance allocate --problem problem.toml --toml chosen.toml");
+  const auto [text, found] =
+      both_from("tolerance allocate --robot rotary_delta --problem problem.toml --toml chosen.toml");
   EXPECT_EQ(found.at("status"), "optimal");
   EXPECT_EQ(found.at("requirements")[0].at("criterion"), "yield");
   EXPECT_LE(found.at("failure").at("exact").at("high").get<double>(), 1e-4);
   EXPECT_GT(found.at("failure_price").get<double>(), 0.0);
   EXPECT_THAT(text, AllOf(HasSubstr("breaks a limit:"), HasSubstr("twice as many failures would save")));
-  const json analysis = json_from("tolerance analyze --tolerances chosen.toml --max-tilt 0.001");
+  const json analysis = json_from("tolerance analyze --robot rotary_delta --tolerances chosen.toml --max-tilt 0.0014");
   // The upper end of one interval is the share or a little below; other machines know it to a twentieth, too.
   const double share = analysis.at("failure").at("exact").at("value");
   EXPECT_LT(share, 1.05e-4);
   EXPECT_GT(share, 0.7e-4);
   const auto refused = [&](const std::string& file, const std::string& message) {
     folder.write("problem.toml", file);
-    const ProgramResult result = folder.run("tolerance allocate --problem problem.toml");
+    const ProgramResult result = folder.run("tolerance allocate --robot rotary_delta --problem problem.toml");
     EXPECT_EQ(result.exit_code, kBadInputFile);
     EXPECT_THAT(result.err, HasSubstr(message));
   };
