@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from jsonschema.exceptions import best_match
 
 FOLDER = Path(__file__).resolve().parents[2] / "schema"
 SUFFIX = ".schema.json"
+LONGEST = 6  # the most items that a schema asks for
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,20 @@ def _in_file(place: str) -> str:
     return place if "#" in place else place + "#"
 
 
+def _words(schema: Any) -> set[str]:
+    """Every text that a schema holds, and with these each that may decide which choice a value is of."""
+    if isinstance(schema, dict):
+        return set().union(*map(_words, schema.values()))
+    if isinstance(schema, list):
+        return set().union(*map(_words, schema))
+    return {schema} if isinstance(schema, str) else set()
+
+
 class Schemas:
     def __init__(self, folder: Path = FOLDER) -> None:
         self.files = {path.name: _from_anywhere(json.loads(path.read_text()), path.name) for path in sorted(folder.glob("*" + SUFFIX))}
         self._resolver = RefResolver("", {}, store=self.files)
+        self._said = _words(list(self.files.values()))
 
     def at(self, place: str) -> Any:
         """What stands at "calibration.schema.json#/$defs/stage", or a whole file."""
@@ -53,6 +64,24 @@ class Schemas:
         errors = Draft202012Validator(schema, resolver=self._resolver).iter_errors(value)
         innermost = [best_match([error]) for error in errors]  # of what fits no schema of several, why
         return [f"{error.json_path}: {error.message[:300]}" for error in innermost]
+
+    def brief(self, value: Any) -> Any:
+        """A value whose lists hold one item, beyond the first few, of each kind: keys, types, and texts that schemas know."""
+        return self._brief(value)[0]
+
+    def _brief(self, value: Any) -> tuple[Any, Hashable]:
+        if isinstance(value, dict):
+            parts = {key: self._brief(one) for key, one in value.items()}
+            return {key: one for key, (one, _) in parts.items()}, tuple((key, kind) for key, (_, kind) in parts.items())
+        if not isinstance(value, list):
+            return value, value if isinstance(value, bool) or value in self._said else type(value)
+        kept: list[Any] = []
+        kinds: set[Hashable] = set()
+        for one, kind in map(self._brief, value):
+            if len(kept) < LONGEST or kind not in kinds:
+                kept.append(one)
+            kinds.add(kind)
+        return kept, (min(len(value), LONGEST + 1), frozenset(kinds))
 
     def is_valid(self, schema: dict[str, Any], value: Any) -> bool:
         return bool(Draft202012Validator(schema, resolver=self._resolver).is_valid(value))
