@@ -1,4 +1,5 @@
-// One report of every kind from the built program, for tests and screenshots: samples(PROGRAM, FOLDER) -> paths by name.
+// One report of every kind from the built program, for tests and screenshots: samples(PROGRAM, FOLDER) -> paths by name. Quick ones are of
+// fewer machines, and of poses chosen from fewer.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -27,10 +28,10 @@ function printerConfig(id, radius) {
   return ["[printer]", "kinematics: delta", `delta_radius: ${radius ?? set.delta_radius_mm}`, ...towers, "#*# [delta_calibrate]", ...heights, ...distances, ""].join("\n");
 }
 
-export function samples(program, folder) {
+export function samples(program, folder, quick = false) {
   mkdirSync(folder, { recursive: true });
   const at = (name) => join(folder, name);
-  const run = (...args) => execFileSync(program, args, { cwd: folder, encoding: "utf8", env: { ...process.env, SOURCE_DATE_EPOCH: "1475668800" } });
+  const run = (...args) => execFileSync(program, [...args, ...(quick ? ["--threads", "1"] : [])], { cwd: folder, encoding: "utf8", env: { ...process.env, SOURCE_DATE_EPOCH: "1475668800" } });
   const refused = (...args) => {
     try {
       run(...args);
@@ -38,17 +39,18 @@ export function samples(program, folder) {
       if (verdict.status !== 1) throw verdict;
     }
   };
+  const few = quick ? ["--candidates", "300"] : [], rough = quick ? ["--sigma-error", "0.1", "--failure-error", "0.5"] : ["--max-machines", "20000"];
   const huang = ["--robot", "huang2016"]; // its tables say it themselves
   const machine = ["--seed", "3", "--noise-mm", "0.017", "--frame", "random"];
 
   cpSync(published, at("huang2016"), { recursive: true }); // pages say where their files are, and not on whose disk
   run("calibrate", "--measurements", "huang2016/distances.csv", "--poses", "huang2016/poses.csv", "--out", "published.json", "--report", "published.html");
 
-  run("poses", ...huang, "--optimal", "20", "--seed", "7", "--out", "plan.csv");
+  run("poses", ...huang, "--optimal", "20", ...few, "--seed", "7", "--out", "plan.csv");
   run("simulate", "--poses", "plan.csv", ...machine, "--repeats", "3", "--read-rotation", "--rotation-noise-deg", "0.1", "--out", "measured.csv");
   writeFileSync(at("measured.csv"), withGrossError(readFileSync(at("measured.csv"), "utf8")));
   run("calibrate", "--measurements", "measured.csv", "--out", "calibration.json", "--report", "calibration.html");
-  run("poses", ...huang, "--optimal", "30", "--seed", "8", "--out", "check-plan.csv");
+  run("poses", ...huang, "--optimal", "30", ...few, "--seed", "8", "--out", "check-plan.csv");
   run("simulate", "--poses", "check-plan.csv", ...machine, "--repeats", "2", "--read-rotation", "--rotation-noise-deg", "0.1", "--out", "check.csv");
   run("validate", "--calibration", "calibration.json", "--measurements", "check.csv", "--limit-mm", "0.15", "--report", "validation.html");
   run("report", "--calibration", "calibration.json", "--measurements", "check.csv", "--out", "report.html");
@@ -66,7 +68,7 @@ export function samples(program, folder) {
   writeFileSync(at("two.csv"), "from,to,distance_mm\nP0,P1,501.0\nP0,P2,502.0\n");
   refused("calibrate", "--measurements", "two.csv", "--poses", "huang2016/poses.csv", "--report", "refused.html");
 
-  run("poses", "--robot", "rotary_delta", "--optimal", "12", "--out", "delta-plan.csv");
+  run("poses", "--robot", "rotary_delta", "--optimal", "12", ...few, "--out", "delta-plan.csv");
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", ...machine, "--out", "delta.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "delta.csv", "--out", "delta.json", "--report", "delta.html");
 
@@ -75,7 +77,7 @@ export function samples(program, folder) {
 
   const hexapod = ["--robot", "hexapod.toml"];
   run("robot", "--template", "hexapod", "--out", "hexapod.toml");
-  run("poses", ...hexapod, "--optimal", "24", "--candidates", "500", "--measure", "pose", "--out", "hexapod-plan.csv");
+  run("poses", ...hexapod, "--optimal", "24", "--candidates", quick ? "100" : "500", "--measure", "pose", "--out", "hexapod-plan.csv");
   run("simulate", ...hexapod, "--poses", "hexapod-plan.csv", "--measure", "pose", ...machine, "--rotation-noise-deg", "0.01", "--out", "hexapod.csv");
   run("calibrate", ...hexapod, "--measurements", "hexapod.csv", "--out", "hexapod.json", "--report", "struts.html");
   run("report", ...hexapod, "--calibration", "hexapod.json", "--out", "strutreport.html");
@@ -85,7 +87,7 @@ export function samples(program, folder) {
 
   for (const kind of ["6-rss", "6-pss"]) {
     run("robot", "--template", kind, "--out", `${kind}.toml`);
-    run("poses", "--robot", `${kind}.toml`, "--optimal", "24", "--candidates", "500", "--measure", "pose", "--out", `${kind}-plan.csv`);
+    run("poses", "--robot", `${kind}.toml`, "--optimal", "24", "--candidates", quick ? "100" : "500", "--measure", "pose", "--out", `${kind}-plan.csv`);
     run("simulate", "--robot", `${kind}.toml`, "--poses", `${kind}-plan.csv`, "--measure", "pose", ...machine, "--rotation-noise-deg", "0.01", "--out", `${kind}.csv`);
     run("calibrate", "--robot", `${kind}.toml`, "--measurements", `${kind}.csv`, "--out", `${kind}.json`, "--report", `${kind}.html`);
   }
@@ -101,8 +103,8 @@ export function samples(program, folder) {
 
   run("sensitivity", ...huang, "--out", "sensitivity.txt", "--report", "sensitivity.html");
   run("tolerance", "allocate", ...huang, "--out", "allocation.txt", "--report", "allocation.html", "--toml", "chosen.toml");
-  run("tolerance", "analyze", ...huang, "--tolerances", "chosen.toml", "--max-machines", "20000", "--out", "analysis.txt", "--report", "analysis.html");
-  run("yield", ...huang, "--machines", "300", "--max-distance-mm", "0.15", "--min-yield", "0.9", "--out", "yield.txt", "--report", "yield.html");
+  run("tolerance", "analyze", ...huang, "--tolerances", "chosen.toml", ...rough, "--out", "analysis.txt", "--report", "analysis.html");
+  run("yield", ...huang, "--machines", quick ? "30" : "300", "--max-distance-mm", "0.15", "--min-yield", quick ? "0.5" : "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
   const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation", "6-rss", "6-pss"];

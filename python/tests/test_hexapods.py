@@ -343,7 +343,7 @@ class Calibrated(TestCase):
         self.assertIn("gain 1.5 mm/m", text_shown(pc.Tolerances.of(robot)))
         self.assertIn("plate_z", text_shown(tolerance.sensitivity(robot, relative_error=0.1)))
         self.assertIn("optimal", text_shown(tolerance.allocate(robot, problem=PROBLEM)))
-        self.assertIn("base_z", text_shown(tolerance.analyze(robot, sigma_error=0.2)))
+        self.assertIn("base_z", text_shown(tolerance.analyze(robot, sigma_error=0.2, failure_error=0.5)))
         self.assertIn("points 40", text_shown(self.virtual.measured))
 
     def test_predictions_hold_the_truth(self):
@@ -396,9 +396,9 @@ class Tolerances(TestCase):
             ),
         ):
             theirs = program(
-                "tolerance", "analyze", "--robot", HEXAPOD, "--sigma-error", "0.1", *options
+                "tolerance", "analyze", "--robot", HEXAPOD, *("--sigma-error", "0.1", "--failure-error", "0.5"), *options
             )
-            mine = tolerance.analyze(robot, sigma_error=0.1, **keywords)
+            mine = tolerance.analyze(robot, sigma_error=0.1, failure_error=0.5, **keywords)
             self.assertEqual(mine.machines, theirs["machines"])
             self.assertEqual(mine.yield_, theirs["yield"]["value"])
             self.assertEqual(len(mine.requirements), len(theirs["requirements"]))

@@ -41,7 +41,7 @@ class Notebooks(TestCase):
         self.assertIn("-888", text_shown(plan))
         self.assertIn("are determined by", text_shown(pc.identifiability(robot, plan)))
         self.assertIn("theta_offset 0.02618 rad", text_shown(pc.Tolerances.of(robot)))
-        self.assertIn("yield", text_shown(pc.tolerance.analyze(robot, sigma_error=0.2)))
+        self.assertIn("yield", text_shown(pc.tolerance.analyze(robot, sigma_error=0.2, failure_error=0.5)))
         self.assertIn("optimal", text_shown(pc.tolerance.allocate(robot)))
         self.assertIn(
             "rod_difference", text_shown(pc.tolerance.sensitivity(robot, relative_error=0.1))
@@ -92,7 +92,7 @@ class Frames(TestCase):
             pc.tolerance.sensitivity(robot, relative_error=0.1).to_frame()["mean"],
             list(pc.tolerance.sensitivity(robot, relative_error=0.1).mean.values()),
         )
-        self.assertEqual(pc.tolerance.analyze(robot, sigma_error=0.2).to_frame().index[0], "tilt")
+        self.assertEqual(pc.tolerance.analyze(robot, sigma_error=0.2, failure_error=0.5).to_frame().index[0], "tilt")
         self.assertEqual(pc.identifiability(robot, plan).to_frame().shape[1], 3)
         self.assertEqual(pc.Tolerances.of(robot).to_frame().shape, (14, 3))
 

@@ -51,16 +51,16 @@ class Analysis(TestCase):
         for keywords, options in (
             ({}, []),
             (
-                {"requirements": {"tilt": 2e-3}, "seed": 3, "sigma_error": 0.03},
-                ["--max-tilt", "0.002", "--seed", 3, "--sigma-error", "0.03"],
+                {"requirements": {"tilt": 2e-3}, "seed": 3, "sigma_error": 0.03, "failure_error": 0.2},
+                ["--max-tilt", "0.002", "--seed", 3, "--sigma-error", "0.03", "--failure-error", "0.2"],
             ),
             (
-                {"problem": problem, "sigma_error": 0.05, "confidence": 0.9},
-                ["--problem", problem, "--sigma-error", "0.05", "--confidence", "0.9"],
+                {"problem": problem, "sigma_error": 0.05, "failure_error": 0.5, "confidence": 0.9},
+                ["--problem", problem, "--sigma-error", "0.05", "--failure-error", "0.5", "--confidence", "0.9"],
             ),
             (
-                {"model": "exact", "max_machines": 100, "sigma_error": 0.2},
-                ["--model", "exact", "--max-machines", "100", "--sigma-error", "0.2"],
+                {"model": "exact", "max_machines": 100, "sigma_error": 0.2, "failure_error": 0.5},
+                ["--model", "exact", "--max-machines", "100", "--sigma-error", "0.2", "--failure-error", "0.5"],
             ),
         ):
             theirs = program("tolerance", "analyze", "--robot", robot.name, *options)
@@ -107,8 +107,8 @@ class Analysis(TestCase):
 
     def test_poses_may_be_chosen(self):
         robot = pc.robot("huang2016")
-        here = tolerance.analyze(robot, poses=[[0, 0, -888, 0]], sigma_error=0.2)
-        everywhere = tolerance.analyze(robot, sigma_error=0.2)
+        here = tolerance.analyze(robot, poses=[[0, 0, -888, 0]], sigma_error=0.2, failure_error=0.5)
+        everywhere = tolerance.analyze(robot, sigma_error=0.2, failure_error=0.5)
         # The worst pose counts in both, the rim of the workspace in one alone.
         self.assertLessEqual(
             here.requirements[0]["largest_on_a_machine"]["p99"],
@@ -269,11 +269,10 @@ class Stated(TestCase):
             robot.name,
             "--tolerances",
             path,
-            "--sigma-error",
-            "0.1",
+            *("--sigma-error", "0.1", "--failure-error", "0.5"),
         )
         self.assertEqual(
-            tolerance.analyze(robot, again, sigma_error=0.1).requirements[0]["rss_3sigma"],
+            tolerance.analyze(robot, again, sigma_error=0.1, failure_error=0.5).requirements[0]["rss_3sigma"],
             theirs["rss_3sigma"],
         )
 

@@ -10,7 +10,7 @@ documents=("$@")
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-mkdir "$scratch/bin"
+mkdir "$scratch/bin" "$scratch/kept"
 ln -s "$program" "$scratch/bin/paracal"
 PATH=$scratch/bin:$PATH
 
@@ -36,26 +36,32 @@ fresh_folder() {
   "$root/tools/samples.sh" "$scratch/folder"
 }
 
-# done_before COMMAND: whether it ran for another document, reads no file, and what it writes is there.
-declare -A seen
+# state COMMAND: it, what it is to end with, and the files that it names as they are.
+state() {
+  local word
+  echo "$expected $1"
+  for word in ${1//,/ }; do [[ ! -f $scratch/folder/$word ]] || cat "$scratch/folder/$word"; done
+}
+
+# done_before COMMAND: whether it ran in the same state, maybe for another document; what it left then is put here.
 done_before() {
-  local word last=
-  [[ -n ${seen[$1]:-} ]] || return 1
-  for word in $1; do
-    if [[ $last == --out ]]; then [[ -e $scratch/folder/$word ]] || return 1
-    else [[ ! -e $scratch/folder/$word ]] || return 1; fi
-    last=$word
-  done
+  kept=$scratch/kept/$(state "$1" | sha256sum | cut -d ' ' -f 1)
+  [[ -d $kept ]] && cp -a "$kept/." "$scratch/folder"
 }
 
 ran=0 failures=0
 run() {  # DOCUMENT LINE COMMAND
-  local expected=0 code=0
-  [[ $3 =~ \#.*exit\ code\ ([0-4]) ]] && expected=${BASH_REMATCH[1]}
+  local code=0
+  touch "$scratch/before"
+  sleep 0.01  # so that what it writes is newer
   (cd "$scratch/folder" && bash -c "set -o pipefail; $3") >"$scratch/said" 2>&1 </dev/null || code=$?
   ran=$((ran + 1))
   [[ -z ${VERBOSE:-} ]] || echo "$SECONDS s: $3"
-  ((code == expected)) && return
+  if ((code == expected)); then
+    mkdir "$kept"
+    (cd "$scratch/folder" && find . -type f -newer "$scratch/before" -exec cp -a --parents -t "$kept" {} +)
+    return
+  fi
   failures=$((failures + 1))
   printf '%s:%s: %s\n  expected exit code %s, got %s\n' "${1#"$root"/}" "$2" "$3" "$expected" "$code"
   tail -n 5 "$scratch/said"
@@ -68,8 +74,9 @@ for document in "${documents[@]}"; do
   while IFS=$'\t' read -r line command; do
     plain=${command%%  #*}
     plain=${plain%"${plain##*[! ]}"}
+    expected=0
+    [[ $command =~ \#.*exit\ code\ ([0-4]) ]] && expected=${BASH_REMATCH[1]}
     listed "$plain" || done_before "$plain" || run "$document" "$line" "$command"
-    seen[$plain]=1
   done <<<"$commands"
   # Samples that a document makes again come out as they are.
   for sample in "$root"/samples/*; do

@@ -6,6 +6,9 @@ export const launch = () => chromium.launch({ executablePath: process.env.CHROMI
 /// WebGL in software tells of its slowness; that is not the page's doing.
 const harmless = /GL Driver Message|Automatic fallback to software WebGL|GroupMarkerNotSet/;
 
+/// Waits until every figure and the robot are drawn.
+export const isDrawn = (page) => page.waitForFunction(() => [...document.querySelectorAll(".drawing")].every((one) => one.childElementCount > 0) && [...document.querySelectorAll("#robot-view")].every((one) => one.dataset.frames));
+
 /// A page with its complaints: console messages, exceptions, dialogs, and requests for anything but the file itself.
 export async function open(browser, file, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1200, height: 900 }, ...options });
@@ -17,7 +20,7 @@ export async function open(browser, file, options = {}) {
   page.on("dialog", (dialog) => { complaints.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
   page.on("request", (request) => { if (request.url() !== `file://${file}` && !request.url().startsWith("blob:")) requests.push(request.url()); });
   await page.goto(`file://${file}`);
-  await page.waitForFunction(() => [...document.querySelectorAll(".drawing")].every((one) => one.childElementCount > 0));
+  await isDrawn(page);
   return { page, context, complaints, requests };
 }
 
