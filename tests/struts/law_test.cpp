@@ -328,16 +328,16 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
 
 /// U of a compensated pose, position and tilt in the robot's frame, on machines whose drives are not even, which no
 /// error of the model is: 93 to 98 % of what becomes of poses that were not measured lies within it, written down
-/// before of 48 machines; of 8, whose shares scatter by 0.8 %, 1.5 % more either way, and not where U leaves something
-/// out.
+/// before of 48 machines; of 8, whose numbers hang together, 2 % more either way: not all, and not where U leaves
+/// something out.
 TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
   constexpr double kUneven = 0.05;  // mm of the rods' upper ends
   const double ratio = joint_ratio(robot.nominal().limbs[0]);
   const Measurements plan = this->plan(50);
   const std::vector<Station> others = candidate_stations(robot, 30, 13);
-  const test::Machines wanted{.claim = 48, .quick = 8};
-  const int machines = test::machines(wanted);
-  const double fewer = machines < wanted.claim ? 0.015 : 0.0;
+  const test::Machines count{.claim = 48, .quick = 8};
+  const int machines = test::machines(count);
+  const double fewer = machines < count.claim ? 0.02 : 0.0;
   for (const Frame frame : {Frame::unknown, Frame::robot}) {
     int numbers = 0, held = 0;
     for (int number = 0; number < machines; ++number) {

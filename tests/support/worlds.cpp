@@ -17,7 +17,7 @@
 namespace paracal::test {
 namespace {
 
-constexpr std::uint64_t kErrors = 101, kWorldNoise = 102;
+constexpr std::uint64_t kErrors = 101, kNoiseOfReadings = 102;
 constexpr int kVisits = 3;
 constexpr double kTurnLever = 100.0;  // mm: by what a body is turned where its points are off
 
@@ -96,7 +96,8 @@ class Truth {
 /// Noise of a reading, mm.
 class Noise {
  public:
-  Noise(const World& world, int number) : world_(world), random_(kWorldNoise, static_cast<std::uint64_t>(number)) {}
+  Noise(const World& world, int number)
+      : world_(world), random_(kNoiseOfReadings, static_cast<std::uint64_t>(number)) {}
 
   double operator()() {
     double draw = random_.normal();
