@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "linuxcnc_export.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test::linuxcnc_test {
 namespace {
@@ -33,7 +34,6 @@ license "GPL";
 ;;
 #include "rtapi_math.h"
 #include "kinematics.h"
-#include "support/places.hpp"
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
