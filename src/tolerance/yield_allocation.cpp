@@ -172,7 +172,7 @@ class YieldAllocator {
     std::vector<double> none;
     const double more = std::log(allocation_.failures->best().interval.high) - failing.log_share(x, none);
     const double room = std::log(*problem_.max_failures) - more;
-    search.constraints.push_back([&failing, room](const std::vector<double>& at, std::vector<double>& gradient) {
+    search.constraints.emplace_back([&failing, room](const std::vector<double>& at, std::vector<double>& gradient) {
       return failing.log_share(at, gradient) - room;
     });
     for (const Cut& cut : cuts_) search.constraints.push_back(cut_objective(cut));
