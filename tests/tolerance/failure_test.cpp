@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Eigenvalues>
-#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numbers>
@@ -155,16 +154,15 @@ class FailureLaw : public test::EveryRobot {
 PARACAL_ON_EVERY_ROBOT(FailureLaw);
 PARACAL_ON_HEXAPODS(FailureLaw);
 
-/// Intervals hold the truth as often as they say, down to one in 10^9. Of twelve random numbers for each tail few would
-/// hold it where the weights are wrong, of four none.
+/// Intervals hold the truth as often as they say, down to one in 10^9. Twelve random numbers for each tail, everywhere:
+/// of four, huang2016 would not show weights that leave out the machines drawn as they are.
 TEST_P(FailureLaw, IntervalsHoldTheTailOfTwoComponents) {
   const Eigen::Matrix2d covariance = covariance_of_tilt(aside_);
   const double largest = std::sqrt(covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
-  const auto seeds = static_cast<std::uint64_t>(test::machines({.claim = 12, .quick = 4}));
   int inside = 0, all = 0;
   for (const double z : {3.0, 4.5, 6.2}) {
     const double truth = tail_of_two(covariance, z * largest);
-    for (std::uint64_t seed = 1; seed <= seeds; ++seed, ++all) {
+    for (std::uint64_t seed = 1; seed <= 12; ++seed, ++all) {
       const FailureShare found = failure_share(robot, *robot.tolerances(), {{{Quantity::tilt}, z * largest}}, {aside_},
                                                {.seed = seed, .max_exact = 0});
       ASSERT_EQ(found.status, FailureStatus::settled) << found.reason;
@@ -172,7 +170,7 @@ TEST_P(FailureLaw, IntervalsHoldTheTailOfTwoComponents) {
       expect_agreement(found.linear, truth);
     }
   }
-  EXPECT_GE(inside, boost::math::quantile(boost::math::binomial_distribution<>(all, 0.95), 0.001)) << "of " << all;
+  EXPECT_GE(inside, 29) << "of " << all;  // 36 at 95 %: fewer in 1 of 1000
 }
 
 /// Shares of machines that plain Monte Carlo can count, over the workspace, by the linear model. Every tenth pose makes
