@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "batch_surrogate.hpp"
-#include "mechanism/normal_law.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal {

@@ -79,7 +79,7 @@ class Finder {
   /// A variance that may only grow: half the probability that a chi-square of one degree of freedom is larger
   /// [self-liang1987].
   Component described(const Admitted& one) const {
-    const double chance = normal_tail(std::sqrt(one.drop));
+    const double chance = normal_probability(-std::sqrt(one.drop));
     const double size = one.what.size(fit_);
     std::string text = one.what.say(fit_, size);
     if (!one.equals.empty()) {

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "normal_law.hpp"
 #include "numerics/distributions.hpp"
 
 namespace paracal {

@@ -11,7 +11,6 @@ namespace paracal::detail {
 using boost::math::binomial_distribution, boost::math::chi_squared_distribution, boost::math::complement,
     boost::math::fisher_f_distribution, boost::math::normal_distribution, boost::math::students_t_distribution;
 
-double normal_tail(double z) { return cdf(complement(normal_distribution<>(), z)); }
 double normal_quantile(double probability) { return quantile(normal_distribution<>(), probability); }
 double two_sided_quantile(double confidence) { return normal_quantile(0.5 + 0.5 * confidence); }
 

@@ -3,10 +3,14 @@
 // Private to the library: probabilities of the usual distributions. Boost's are templates that take seconds to compile
 // in every file that uses one; here each is compiled once.
 
+#include <cmath>
+#include <numbers>
+
 namespace paracal::detail {
 
-/// Probability that a standard normal variable is above z, and the z that it is below with a probability.
-double normal_tail(double z);
+/// Probability that a standard normal variable is below z, with all its digits for z far below zero.
+inline double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+/// The z that it is below with a probability.
 double normal_quantile(double probability);
 /// The z with -z to z holding a standard normal variable with a probability of `confidence`.
 double two_sided_quantile(double confidence);

@@ -188,7 +188,7 @@ double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, c
   const Eigen::VectorXd by_errors = grid.by_errors.transpose() * change;
   const double variance = known.covariance.size() > 0 ? 4.0 * by_errors.dot(known.covariance * by_errors) : 0.0;
   if (!(variance > 0.0)) return gain > 0.0 ? 1.0 : gain < 0.0 ? 0.0 : 0.5;
-  return detail::normal_tail(-gain / std::sqrt(variance));
+  return detail::normal_probability(gain / std::sqrt(variance));
 }
 
 double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry) {

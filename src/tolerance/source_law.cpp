@@ -6,7 +6,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "mechanism/normal_law.hpp"
 #include "numerics/distributions.hpp"
 #include "paracal/mechanism/random.hpp"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "mechanism/normal_law.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::detail {
