@@ -8,7 +8,7 @@
 #include <streambuf>
 
 #include "interleaved_timing.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "peak_memory.hpp"
 
 namespace paracal::benchmark {

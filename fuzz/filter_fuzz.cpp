@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "fuzzing.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::fuzz {

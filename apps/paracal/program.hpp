@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "paracal/io/target_filter.hpp"
+#include "paracal/io/file.hpp"
 
 namespace paracal::app {
 

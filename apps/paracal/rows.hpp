@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/spool.hpp"
-#include "paracal/io/target_filter.hpp"
 
 namespace paracal::app {
 

@@ -12,9 +12,9 @@
 #include "inputs.hpp"
 #include "outputs.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/io/tables.hpp"
-#include "paracal/io/target_filter.hpp"
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
 

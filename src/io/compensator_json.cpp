@@ -73,26 +73,4 @@ Json to_json(const SelfTestCase& wanted, Actuator actuator) {
   return {{"pose", to_json(wanted.pose)}, {fmt::format("joints_{}", file_unit(unit)), joints}};
 }
 
-Json to_json(const FilterSummary& summary) {
-  Json passed = Json::array();
-  for (const PassedThrough& one : summary.passed) {
-    passed.push_back(
-        {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}});
-  }
-  Json farthest = Json::array();
-  for (const CorrectedTarget& one : summary.farthest) {
-    farthest.push_back({{"line", one.line},
-                        {"wanted", to_json(one.wanted)},
-                        {"target", to_json(one.target)},
-                        {"distance_mm", one.distance()}});
-  }
-  return {{"lines", summary.lines},
-          {"corrected", summary.corrected},
-          {"lines_added", summary.added},
-          {"passed", passed},
-          {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
-          {"farthest", farthest},
-          {"assumed", summary.assumed}};
-}
-
 }  // namespace paracal::io

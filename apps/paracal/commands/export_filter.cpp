@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "paracal/error.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/spool.hpp"
-#include "paracal/io/target_filter.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
 
@@ -107,6 +107,28 @@ class HeaderSink {
   std::string_view comment_;
   std::vector<std::string> lines_;
 };
+
+io::Json summary_json(const io::FilterSummary& summary) {
+  io::Json passed = io::Json::array();
+  for (const io::PassedThrough& one : summary.passed) {
+    passed.push_back(
+        {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}});
+  }
+  io::Json farthest = io::Json::array();
+  for (const io::CorrectedTarget& one : summary.farthest) {
+    farthest.push_back({{"line", one.line},
+                        {"wanted", io::to_json(one.wanted)},
+                        {"target", io::to_json(one.target)},
+                        {"distance_mm", one.distance()}});
+  }
+  return {{"lines", summary.lines},
+          {"corrected", summary.corrected},
+          {"lines_added", summary.added},
+          {"passed", passed},
+          {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
+          {"farthest", farthest},
+          {"assumed", summary.assumed}};
+}
 
 /// Of a program that is corrected in parts all the same.
 std::string parts_text(const io::FilterSummary& summary) {
@@ -231,7 +253,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   }
   io::Json json{{"target", target}, {"input", in.name}};
   json.update(io::to_json(robot, origin));
-  json.update(io::to_json(summary));
+  json.update(summary_json(summary));
   json["refused"] = is_refused(summary);
   json["origin_mm"] = {gcode.origin.x(), gcode.origin.y(), gcode.origin.z()};
   json["self_test"] = tests_json(tests, robot.actuator());

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "paracal/compensation/export.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "session.hpp"
 
 namespace paracal::app {

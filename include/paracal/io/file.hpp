@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,6 +33,9 @@ struct TextStream {
   std::istream& text;
   TableStyle style = {};
 };
+
+/// Takes a text piece by piece.
+using TextSink = std::function<void(std::string_view)>;
 
 /// @throws InputFileError when the file cannot be opened.
 std::ifstream open_file(const std::filesystem::path& path);

@@ -9,7 +9,6 @@
 #include "paracal/compensation/export.hpp"
 #include "paracal/compensation/self_test.hpp"
 #include "paracal/io/file.hpp"
-#include "paracal/io/target_filter.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
@@ -86,7 +85,6 @@ Json to_json(const CompensatorParameters<double>& parameters);
 Json to_json(const SelfTestCase& wanted, Actuator actuator);
 
 /// lines, corrected, passed: [{reason, count, first_line}]
-Json to_json(const FilterSummary& summary);
 
 /// x_mm, y_mm, z_mm, phi_deg
 /// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, of a plate with six freedoms.

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "columns.hpp"
-#include "letters.hpp"
+#include "io/columns.hpp"
+#include "io/letters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "target_line.hpp"

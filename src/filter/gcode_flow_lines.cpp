@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "columns.hpp"
 #include "gcode_comments.hpp"
 #include "gcode_flow.hpp"
+#include "io/columns.hpp"
 
 namespace paracal::io {
 namespace {

@@ -2,7 +2,7 @@
 #include "gcode_expression.hpp"
 #include "gcode_lines.hpp"
 #include "gcode_modes.hpp"
-#include "letters.hpp"
+#include "io/letters.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {

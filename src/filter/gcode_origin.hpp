@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "target_path.hpp"
 
 namespace paracal::io {

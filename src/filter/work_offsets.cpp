@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "columns.hpp"
+#include "io/columns.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 
 namespace paracal::io {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "canonical_program.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
@@ -26,7 +26,7 @@ const Eigen::Vector3d kOrigin(0, 0, -900);
 
 std::vector<fs::path> programs() {
   std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(test::source_folder() / "tests/io/programs"))
+  for (const auto& entry : fs::directory_iterator(test::source_folder() / "tests/filter/programs"))
     paths.push_back(entry.path());
   std::ranges::sort(paths);
   return paths;

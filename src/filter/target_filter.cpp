@@ -3,8 +3,8 @@
 #include <optional>
 #include <utility>
 
-#include "columns.hpp"
-#include "line_reader.hpp"
+#include "io/columns.hpp"
+#include "io/line_reader.hpp"
 #include "passed_tally.hpp"
 #include "path_division.hpp"
 #include "target_line.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "letters.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

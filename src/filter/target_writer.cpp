@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gcode_block.hpp"
-#include "letters.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "line_reader.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "io/line_reader.hpp"
+#include "paracal/filter/target_filter.hpp"
 #include "target_path.hpp"
 
 namespace paracal::io {

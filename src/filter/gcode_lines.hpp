@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gcode_flow.hpp"
-#include "line_reader.hpp"
+#include "io/line_reader.hpp"
 
 namespace paracal::io {
 

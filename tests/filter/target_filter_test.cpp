@@ -1,6 +1,6 @@
 // Laws of the filters that correct the targets of a stream.
 
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "columns.hpp"
-#include "letters.hpp"
+#include "io/columns.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "columns.hpp"
-#include "letters.hpp"
+#include "io/columns.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

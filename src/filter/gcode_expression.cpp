@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "letters.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

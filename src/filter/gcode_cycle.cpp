@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "letters.hpp"
+#include "io/letters.hpp"
 
 namespace paracal::io {
 namespace {

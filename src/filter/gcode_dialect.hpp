@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "gcode_block.hpp"
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 
 namespace paracal::io {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "paracal/io/target_filter.hpp"
+#include "paracal/filter/target_filter.hpp"
 
 namespace paracal::test {
 

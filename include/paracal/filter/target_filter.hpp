@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,9 +53,6 @@ struct FilterSummary {
     return std::ranges::all_of(passed, [](const PassedThrough& one) { return one.between == 0; });
   }
 };
-
-/// Takes the filtered text piece by piece.
-using TextSink = std::function<void(std::string_view)>;
 
 /// Where the origins of a controller's work coordinate systems lie in the coordinates of its machine.
 struct WorkOffsets {

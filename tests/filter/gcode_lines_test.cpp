@@ -59,7 +59,7 @@ TEST_F(GcodeLines, ArcsBecomeAsManyChordsAsTheirSagittaAsks) {
 
 TEST_F(GcodeLines, AnArcThatNeedsNoCorrectionStays) {
   std::string all;
-  for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() / "tests/io/programs")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() / "tests/filter/programs")) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("o_") || name.find("cycles") != std::string::npos) continue;  // carried out
     std::ifstream in(entry.path(), std::ios::binary);

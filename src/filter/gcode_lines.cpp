@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "columns.hpp"
+#include "io/columns.hpp"
 
 namespace paracal::io {
 namespace {
