@@ -52,7 +52,7 @@ std::string_view find_centre(const ArcWords& words, bool clockwise, const Plane&
 std::string_view make_arc(const ArcWords& words, ArcNormal normal, bool clockwise, TargetPath& path) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   ArcOfPath arc{.plane = {(normal + 1) % 3, (normal + 2) % 3}};
-  if (words.centre[normal]) return kNoCentre;
+  if (words.centre[normal].value_or(0.0) != 0.0) return kNoCentre;  // some post-processors write K0 in G17
   if (!(words.turns >= 1.0 && words.turns <= 1000.0) || words.turns != std::floor(words.turns)) return kTurns;
   const Plane start = in_plane(path.from, arc), end = in_plane(path.to, arc);
   if (const std::string_view wrong = find_centre(words, clockwise, start, end, arc); !wrong.empty()) return wrong;

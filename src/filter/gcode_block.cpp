@@ -52,7 +52,7 @@ class BlockParser {
       case '*':
         return checksum();
       case '#':
-        return assignment();
+        return leave_to_the_controller();
       default:
         return is_letter(next()) && word();
     }
@@ -65,29 +65,17 @@ class BlockParser {
     return true;
   }
 
-  /// [...], with brackets and comments within.
-  bool skip_brackets() {
-    int depth = 0;
-    do {
-      if (next() == '\0') return false;
-      if (next() == '[') ++depth;
-      if (next() == ']') --depth;
-      ++at_;
-    } while (depth > 0);
-    return true;
-  }
-
-  /// #1, ##1, #<name>, #[...]
-  bool skip_parameter() {
-    while (next() == '#') ++at_;
-    if (next() == '<') return skip_past('>');
-    if (next() == '[') return skip_brackets();
+  bool skip_digits() {
     const std::size_t begin = at_;
     while (is_digit(next())) ++at_;
     return at_ > begin;
   }
 
-  bool skip_expression() { return next() == '[' ? skip_brackets() : skip_parameter(); }
+  /// Nothing of the line is read any more.
+  bool leave_to_the_controller() {
+    block_.kind = GcodeBlock::Kind::programmed;
+    return stop();
+  }
 
   std::optional<double> number() {
     const std::size_t begin = at_;
@@ -107,59 +95,38 @@ class BlockParser {
     return result.ec == std::errc{} ? std::optional(value) : std::nullopt;
   }
 
-  /// #1 = 5, #1 = [...], #1 = #2
-  bool assignment() {
-    const std::size_t parameter_begin = at_;
-    if (!skip_parameter()) return false;
-    const std::string_view parameter = text_.substr(parameter_begin, at_ - parameter_begin);
-    skip_blanks();
-    if (next() != '=') return false;
-    ++at_;
-    skip_blanks();
-    const std::size_t value_begin = at_;
-    if (!skip_value()) return false;
-    block_.assignments.emplace_back(parameter, text_.substr(value_begin, at_ - value_begin));
-    return true;
-  }
-
-  /// A number, a parameter, brackets, or a function of them; signed.
-  bool skip_value() {
-    const bool has_sign = next() == '-' || next() == '+';
-    const char first = has_sign && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
-    if (first != '#' && first != '[' && !is_letter(first)) return number().has_value();
-    if (has_sign) ++at_;
-    if (!is_letter(next())) return skip_expression();
-    while (is_letter(next())) ++at_;
-    skip_blanks();
-    if (next() != '[' || !skip_brackets()) return false;
-    skip_blanks();
-    if (next() != '/') return true;  // the second part of ATAN[y]/[x]
-    ++at_;
-    skip_blanks();
-    return skip_brackets();
-  }
-
   /// The rest of the line is a text: RepRap's M117 and M118, messages, and M486, the name of an object.
   static bool takes_text(const GcodeWord& word) {
     constexpr std::array kTexts{117.0, 118.0, 486.0};
     return word.letter == 'M' && word.is_number() && std::ranges::find(kTexts, word.value) != kTexts.end();
   }
 
-  bool word() {
-    GcodeWord word{.letter = upper_case(next()), .at = at_++};
-    if (word.letter == 'O') {
-      if (!std::ranges::all_of(block_.words, [](const GcodeWord& one) { return one.letter == 'N'; })) return false;
-      block_.kind = GcodeBlock::Kind::flow;
-      return stop();
+  /// O1001 alone names the program; other O words are subprograms, jumps and loops.
+  bool program_name() {
+    if (!std::ranges::all_of(block_.words, [](const GcodeWord& one) { return one.letter == 'N'; })) return false;
+    ++at_;
+    skip_blanks();
+    const bool has_number = skip_digits();
+    for (skip_blanks(); next() == '(' && skip_past(')'); skip_blanks()) {
     }
+    const bool is_alone = has_number && (at_ == text_.size() || next() == ';' || next() == '(');
+    block_.kind = is_alone ? GcodeBlock::Kind::name : GcodeBlock::Kind::programmed;
+    return stop();
+  }
+
+  bool word() {
+    GcodeWord word{.letter = upper_case(next()), .at = at_};
+    if (word.letter == 'O') return program_name();
+    ++at_;
     skip_blanks();
     word.begin = at_;
     const bool has_sign = next() == '-' || next() == '+';
     const char first = has_sign && at_ + 1 < text_.size() ? text_[at_ + 1] : next();
-    if (first == '#' || first == '[') {
-      if (has_sign) ++at_;
-      if (!skip_expression()) return false;
-      word.kind = GcodeWord::Kind::expression;
+    if (first == '#' || first == '[' || first == '{') return leave_to_the_controller();
+    if (first == '"') {
+      ++at_;
+      if (!skip_past('"')) return false;
+      word.kind = GcodeWord::Kind::text;
     } else if (has_sign || is_digit(first) || first == '.') {
       const std::optional<double> value = number();
       if (!value) return false;
@@ -209,6 +176,10 @@ constexpr std::array<std::string_view, 18> kSettings{"EXCLUDE_OBJECT",
                                                      "SET_VELOCITY_LIMIT",
                                                      "TEMPERATURE_WAIT"};
 
+/// Fanuc's and RepRapFirmware's jumps, loops and variables.
+constexpr std::array<std::string_view, 9> kFlow{"IF",    "ELIF",     "ELSE", "WHILE", "GOTO",
+                                                "BREAK", "CONTINUE", "VAR",  "GLOBAL"};
+
 /// PRINT_START, in upper case; empty where a line begins with something else.
 std::string macro_at(std::string_view text) {
   const auto in_name = [](char c) { return is_letter(c) || is_digit(c) || c == '_'; };
@@ -221,21 +192,56 @@ std::string macro_at(std::string_view text) {
 
 bool is_among(std::string_view name, const auto& names) { return std::ranges::find(names, name) != names.end(); }
 
+bool is_among(std::string_view text, std::size_t begin, std::size_t end, std::span<const std::string> names) {
+  return !names.empty() && is_among(upper_case(text.substr(begin, end - begin)), names);
+}
+
 }  // namespace
 
 void GcodeBlock::parse(std::string_view line, std::span<const std::string> harmless) {
   kind = Kind::words;
   text = line;
   words.clear();
-  assignments.clear();
   is_optional = false;
   checksum_at = 0;
   const std::string macro = macro_at(line);
   if (!macro.empty()) {
-    kind = is_among(macro, kSettings) || is_among(macro, harmless) ? Kind::setting : Kind::macro;
+    const bool moves_nothing = is_among(macro, kSettings) || is_among(macro, harmless);
+    kind = moves_nothing ? Kind::setting : is_among(macro, kFlow) ? Kind::programmed : Kind::macro;
   } else if (!BlockParser(text, *this).parse()) {
     kind = Kind::malformed;
   }
+  // A code of which somebody said that it moves nothing takes its line along, where it is the line's first.
+  const auto code = std::ranges::find_if(words, [](const GcodeWord& one) { return one.letter != 'N'; });
+  if (kind == Kind::words && code != words.end() && is_among(line, code->at, code->end, harmless)) kind = Kind::setting;
+}
+
+std::string_view foreign_language(std::string_view line) {
+  struct Sign {
+    std::string_view begins, language;
+  };
+  constexpr std::array<Sign, 17> kSigns{{{"&ACCESS", "KUKA's KRL"},
+                                         {"&REL", "KUKA's KRL"},
+                                         {"DEF ", "KUKA's KRL"},
+                                         {"DEFDAT ", "KUKA's KRL"},
+                                         {"PTP ", "KUKA's KRL"},
+                                         {"LIN ", "KUKA's KRL"},
+                                         {"CIRC ", "KUKA's KRL"},
+                                         {"MODULE ", "ABB's RAPID"},
+                                         {"PROC ", "ABB's RAPID"},
+                                         {"%%%", "ABB's RAPID"},
+                                         {"MOVEJ ", "ABB's RAPID"},
+                                         {"MOVEL ", "ABB's RAPID"},
+                                         {"MOVEC ", "ABB's RAPID"},
+                                         {"BEGIN PGM", "Heidenhain's plain language"},
+                                         {"BLK FORM", "Heidenhain's plain language"},
+                                         {"TOOL CALL", "Heidenhain's plain language"},
+                                         {"TOOL DEF", "Heidenhain's plain language"}}};
+  const std::size_t begin = line.find_first_not_of(" \t0123456789");  // Heidenhain numbers its blocks
+  if (begin == std::string_view::npos) return {};
+  const std::string text = upper_case(line.substr(begin, 16));
+  const auto* const sign = std::ranges::find_if(kSigns, [&](const Sign& one) { return text.starts_with(one.begins); });
+  return sign == kSigns.end() ? std::string_view() : sign->language;
 }
 
 unsigned gcode_checksum(std::string_view text) {

@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace paracal::io {
@@ -19,8 +18,9 @@ inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'C'};
 struct GcodeWord {
   enum class Kind : std::uint8_t {
     number,
-    flag,        ///< the letter alone, as in RepRap's G28 X
-    expression,  ///< #1, #<name>, [...]
+    flag,      ///< the letter alone, as in RepRap's G28 X
+    text,      ///< "start.g"
+    doubtful,  ///< a length without a decimal point, where that may count smallest steps
   };
   char letter = '\0';  ///< upper case
   Kind kind = Kind::flag;
@@ -35,17 +35,17 @@ struct GcodeWord {
 struct GcodeBlock {
   enum class Kind : std::uint8_t {
     words,
-    malformed,  ///< no controller takes it, or its checksum is wrong
-    flow,       ///< an O word: subprograms, jumps, loops
-    setting,    ///< a command of Klipper's own that moves nothing, or a macro of which that was said
-    macro,      ///< another of Klipper's commands or the owner's
+    malformed,   ///< no controller takes it, or its checksum is wrong
+    programmed,  ///< O words, parameters, expressions: what it does is known only to who runs it
+    name,        ///< O1001, of the program
+    setting,     ///< a command of Klipper's own that moves nothing, or a word of which that was said
+    macro,       ///< another of Klipper's commands or the owner's
   };
   Kind kind = Kind::words;
   std::string_view text = {};  ///< as long as what was parsed lives
   std::vector<GcodeWord> words;
-  std::vector<std::pair<std::string_view, std::string_view>> assignments;  ///< #1 and 5 of #1 = 5
-  bool is_optional = false;                                                ///< block delete: '/'
-  std::size_t checksum_at = 0;                                             ///< of RepRap's '*'; 0: none
+  bool is_optional = false;     ///< block delete: '/'
+  std::size_t checksum_at = 0;  ///< of RepRap's '*'; 0: none
 
   /// The first word with this letter; null without one.
   const GcodeWord* word(char letter) const {
@@ -58,9 +58,12 @@ struct GcodeBlock {
   }
 
   /// @param line  without its end. Vectors are reused.
-  /// @param harmless  macros that move nothing, in upper case.
+  /// @param harmless  macros and codes that move nothing, in upper case: SNAP, G187, M905.
   void parse(std::string_view line, std::span<const std::string> harmless = {});
 };
+
+/// The language of a robot controller whose programs are often taken for G-code; empty where a line is of none.
+std::string_view foreign_language(std::string_view line);
 
 /// RepRap: exclusive or of the bytes before '*'.
 unsigned gcode_checksum(std::string_view text);

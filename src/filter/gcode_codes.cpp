@@ -7,28 +7,35 @@
 namespace paracal::io {
 namespace {
 
+constexpr std::string_view kSpline = "a spline", kDiameter = "diameters (G7)", kPolar = "polar coordinates (G16)",
+                           kRadius = "a path offset by the cutter's radius (G41, G42)",
+                           kAddedLength = "a tool length added to another (G43.2)",
+                           kNegativeLength = "a tool length that is subtracted (G44)", kScaled = "a scaled path (G51)",
+                           kMirrored = "a mirrored path (G51.1)", kSubprogram = "a subprogram (G65)",
+                           kTurned = "a turned path (G68)";
+
 constexpr std::array kCodes{
     Code{0, Effect::rapid},
     Code{10, Effect::straight},
     Code{20, Effect::clockwise},
     Code{30, Effect::anticlockwise},
     Code{40, Effect::dwell},
-    Code{50, Effect::spline},
-    Code{51, Effect::spline},
-    Code{52, Effect::spline},
-    Code{53, Effect::spline},
-    Code{70, Effect::transform, kDiameter},
-    Code{80, Effect::no_transform, kDiameter},
+    Code{50, Effect::refused, {}, kSpline},
+    Code{51, Effect::refused, {}, kSpline},
+    Code{52, Effect::refused, {}, kSpline},
+    Code{53, Effect::refused, {}, kSpline},
+    Code{70, Effect::refused, {}, kDiameter},
+    Code{80, Effect::none},
     Code{90, Effect::none},
-    Code{100, Effect::shift_if_stated},
+    Code{100, Effect::define},
     Code{110, Effect::none},
-    Code{150, Effect::no_transform, kPolar},
-    Code{160, Effect::transform, kPolar},
-    Code{170, Effect::plane, 0, 2},
+    Code{150, Effect::none},
+    Code{160, Effect::refused, {}, kPolar},
+    Code{170, Effect::plane, 2},
     Code{171, Effect::plane},
-    Code{180, Effect::plane, 0, 1},
+    Code{180, Effect::plane, 1},
     Code{181, Effect::plane},
-    Code{190, Effect::plane, 0, 0},
+    Code{190, Effect::plane, 0},
     Code{191, Effect::plane},
     Code{200, Effect::inch},
     Code{210, Effect::mm},
@@ -44,21 +51,21 @@ constexpr std::array kCodes{
     Code{383, Effect::probe},
     Code{384, Effect::probe},
     Code{385, Effect::probe},
-    Code{400, Effect::no_transform, kRadius},
-    Code{410, Effect::transform, kRadius},
-    Code{411, Effect::transform, kRadius},
-    Code{420, Effect::transform, kRadius},
-    Code{421, Effect::transform, kRadius},
+    Code{400, Effect::none},
+    Code{410, Effect::refused, {}, kRadius},
+    Code{411, Effect::refused, {}, kRadius},
+    Code{420, Effect::refused, {}, kRadius},
+    Code{421, Effect::refused, {}, kRadius},
     Code{430, Effect::tool_length},
     Code{431, Effect::tool_length_by_axes},
-    Code{432, Effect::tool_length_by_axes},
-    Code{440, Effect::tool_length},
+    Code{432, Effect::refused, {}, kAddedLength},
+    Code{440, Effect::refused, {}, kNegativeLength},
     Code{490, Effect::no_tool_length},
-    Code{500, Effect::no_transform, kScale},
-    Code{501, Effect::no_transform, kMirror},
-    Code{510, Effect::transform_by_axes, kScale},
-    Code{511, Effect::transform_by_axes, kMirror},
-    Code{520, Effect::shift_by_axes},
+    Code{500, Effect::none},
+    Code{501, Effect::none},
+    Code{510, Effect::refused, {}, kScaled},
+    Code{511, Effect::refused, {}, kMirrored},
+    Code{520, Effect::local_shift},
     Code{530, Effect::in_machine},
     Code{540, Effect::system},
     Code{550, Effect::system},
@@ -69,14 +76,18 @@ constexpr std::array kCodes{
     Code{591, Effect::system},
     Code{592, Effect::system},
     Code{593, Effect::system},
-    Code{600, Effect::save_place},
-    Code{610, Effect::path_mode},
-    Code{611, Effect::path_mode},
-    Code{640, Effect::path_mode},
-    Code{650, Effect::flow},
-    Code{680, Effect::transform_by_axes, kTurn},
-    Code{690, Effect::no_transform, kTurn},
+    Code{600, Effect::saved_place},
+    Code{610, Effect::saved_place},
+    Code{611, Effect::none},
+    Code{640, Effect::none},
+    Code{650, Effect::refused, {}, kSubprogram},
+    Code{680, Effect::refused, {}, kTurned},
+    Code{690, Effect::none},
+    Code{700, Effect::inch_if_bare},
+    Code{710, Effect::mm_if_bare},
+    Code{720, Effect::cycle},
     Code{730, Effect::cycle},
+    Code{740, Effect::cycle},
     Code{760, Effect::cycle},
     Code{800, Effect::no_motion},
     Code{810, Effect::cycle},
@@ -93,16 +104,16 @@ constexpr std::array kCodes{
     Code{910, Effect::incremental},
     Code{911, Effect::centre_from_start},
     Code{920, Effect::shift_axes},
-    Code{921, Effect::shift},
-    Code{922, Effect::shift},
-    Code{923, Effect::shift},
+    Code{921, Effect::no_shift},
+    Code{922, Effect::no_shift},
+    Code{923, Effect::restored_shift},
     Code{930, Effect::inverse_time},
     Code{940, Effect::feed_per_time},
-    Code{950, Effect::feed_per_time},
+    Code{950, Effect::feed_per_turn},
     Code{960, Effect::none},
     Code{970, Effect::none},
-    Code{980, Effect::return_to_start},
-    Code{990, Effect::return_to_clearance},
+    Code{980, Effect::none},
+    Code{990, Effect::none},
 };
 static_assert(std::ranges::is_sorted(kCodes, {}, &Code::tenths));
 
@@ -117,6 +128,7 @@ int stage_of(Effect effect) {
   switch (effect) {
     case Effect::inverse_time:
     case Effect::feed_per_time:
+    case Effect::feed_per_turn:
       return 0;
     case Effect::dwell:
       return 2;
@@ -124,32 +136,26 @@ int stage_of(Effect effect) {
       return 3;
     case Effect::inch:
     case Effect::mm:
+    case Effect::inch_if_bare:
+    case Effect::mm_if_bare:
       return 4;
-    case Effect::transform:
-    case Effect::transform_by_axes:
-    case Effect::no_transform:
-      return 5;
     case Effect::tool_length:
     case Effect::tool_length_by_axes:
     case Effect::no_tool_length:
       return 6;
     case Effect::system:
       return 7;
-    case Effect::path_mode:
-      return 8;
     case Effect::absolute:
     case Effect::incremental:
     case Effect::centre_is_place:
     case Effect::centre_from_start:
       return 9;
-    case Effect::return_to_start:
-    case Effect::return_to_clearance:
-      return 10;
     case Effect::home:
-    case Effect::shift:
-    case Effect::shift_by_axes:
-    case Effect::shift_if_stated:
+    case Effect::define:
     case Effect::shift_axes:
+    case Effect::no_shift:
+    case Effect::restored_shift:
+    case Effect::local_shift:
       return 11;
     default:
       return 12;  // motions, and what none of this asks for
@@ -182,9 +188,10 @@ MEffect effect_of_m(int tenths) {
       return MEffect::end_of_modes_if_bare;
     case 60:
       return MEffect::tool_change;
+    case 970:
     case 980:
     case 990:
-      return MEffect::flow;
+      return MEffect::subprogram;
     case 180:  // RepRap
     case 840:
       return MEffect::motors_off;

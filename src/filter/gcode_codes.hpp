@@ -1,63 +1,59 @@
 #pragma once
 
-// Private to io: what the codes of G-code do to targets.
+// Private to the filter: what the codes of G-code do to targets.
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 namespace paracal::io {
 
 /// What a G code does to targets.
 enum class Effect : std::uint8_t {
-  none,  ///< spindle modes, speeds
+  none,  ///< spindle modes, speeds, path modes, the end of offsets that no program has begun
   rapid,
   straight,
   clockwise,
   anticlockwise,
-  spline,
   plane,
   centre_is_place,  ///< of arcs
   centre_from_start,
   inverse_time,
   feed_per_time,
-  cycle,
-  path_mode,
-  save_place,
-  return_to_start,  ///< of cycles
-  return_to_clearance,
+  feed_per_turn,
+  cycle,  ///< drilling; levelling for printers
   no_motion,
   probe,
   thread,
-  home,   ///< homing, stored places, levelling
-  dwell,  ///< in X for some controllers, if it has no P
+  home,         ///< homing, levelling
+  saved_place,  ///< of printers: G61 goes back to it
+  dwell,        ///< in X for some controllers, if it has no P
   absolute,
   incremental,
   inch,
   mm,
+  inch_if_bare,  ///< Mach3's; a lathe's cycle where it has other words
+  mm_if_bare,
   in_machine,
   system,
-  tool_length,
-  tool_length_by_axes,  ///< axis words say by how much
+  tool_length,          ///< G43
+  tool_length_by_axes,  ///< G43.1: axis words say how long
   no_tool_length,
-  shift,
-  shift_by_axes,
-  shift_if_stated,  ///< G10: RepRap's retraction, if it has neither L nor P
-  shift_axes,       ///< G92: of the extruder alone, if it has E and no axis
-  flow,
-  transform,
-  transform_by_axes,  ///< axis words say about what
-  no_transform,
+  define,      ///< G10
+  shift_axes,  ///< G92: of the extruder alone, if it has E and no axis
+  no_shift,
+  restored_shift,  ///< G92.3
+  local_shift,     ///< G52
+  refused,
 };
 
 struct Code {
   int tenths;  ///< 10 times the code
   Effect effect;
-  unsigned transform = 0;                  ///< bit
   std::optional<std::size_t> normal = {};  ///< axis of a plane
+  std::string_view refusal = {};           ///< what it is, where it is refused
 };
-
-inline constexpr unsigned kRadius = 1, kTurn = 2, kScale = 4, kMirror = 8, kPolar = 16, kDiameter = 32;
 
 /// 10 times the code; -1 for what no code is.
 int tenths_of(double code);
@@ -77,7 +73,7 @@ enum class MEffect : std::uint8_t {
   end_of_modes,          ///< modes that are kept or restored
   end_of_modes_if_bare,  ///< with words it is RepRap's and says how far the print is
   tool_change,
-  flow,
+  subprogram,  ///< a macro for RepRapFirmware
   absolute_extrusion,
   relative_extrusion,
   motors_off,

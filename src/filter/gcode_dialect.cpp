@@ -5,42 +5,37 @@ namespace paracal::io {
 DialectTraits traits_of(GcodeDialect dialect) {
   switch (dialect) {
     case GcodeDialect::any:
-      return {};
+      return {.defines_in_steps = true};
     case GcodeDialect::linuxcnc:
       return {.tool_offsets = ToolOffsets::rs274,
               .turns = TurnsRule::turns,
-              .saved_places = SavedPlaces::none,
               .prepares_tools = true,
               .zero_is_current = true};
     case GcodeDialect::klipper:
       return {.extruder = ExtruderRule::either,
               .tool_offsets = ToolOffsets::none,
               .turns = TurnsRule::unknown,
-              .has_one_code = true,
-              .has_cycles = false};
+              .is_printer = true};
     case GcodeDialect::marlin:
       return {.extruder = ExtruderRule::last_counts,
               .tool_offsets = ToolOffsets::none,
               .turns = TurnsRule::more_turns,
-              .saved_places = SavedPlaces::always,
-              .has_one_code = true,
-              .has_cycles = false};
+              .is_printer = true};
     case GcodeDialect::reprapfirmware:
       return {.extruder = ExtruderRule::codes_alone,
               .tool_offsets = ToolOffsets::reprap,
               .turns = TurnsRule::unknown,
+              .is_printer = true,
               .has_special_moves_by_s = true,
-              .has_one_code = true,
-              .has_cycles = false,
               .zero_is_current = true,
               .runs_as_written = true};
     case GcodeDialect::fanuc_like:
       return {.tool_offsets = ToolOffsets::rs274,
               .turns = TurnsRule::unknown,
-              .saved_places = SavedPlaces::none,
               .prepares_tools = true,
-              .has_cycles = false,
-              .counts_without_points = true};
+              .defines_in_steps = true,
+              .counts_without_points = true,
+              .feeds_all_axes = true};
   }
   return {};
 }
@@ -53,7 +48,7 @@ bool doubt_lengths_without_points(GcodeBlock& block) {
     const bool is_length = kLengths.find(word.letter) != std::string_view::npos;
     const bool is_bare = text.find_first_not_of(kDigits) == std::string_view::npos;
     if (!word.is_number() || !is_length || !is_bare || word.value == 0.0) continue;
-    word.kind = GcodeWord::Kind::expression;
+    word.kind = GcodeWord::Kind::doubtful;
     has_any = true;
   }
   return has_any;

@@ -33,25 +33,20 @@ enum class TurnsRule : std::uint8_t {
   unknown,
 };
 
-/// What G60 and G61 are.
-enum class SavedPlaces : std::uint8_t {
-  by_g60,  ///< a place is saved, and gone back to, in programs that have G60; else G61 is a path mode
-  none,    ///< G61 is a path mode
-  always,
-};
-
 struct DialectTraits {
   ExtruderRule extruder = ExtruderRule::unknown;
   ToolOffsets tool_offsets = ToolOffsets::unknown;
   TurnsRule turns = TurnsRule::unless_extruding;
-  SavedPlaces saved_places = SavedPlaces::by_g60;
+  /// A firmware: a line has one code, whose letters are numbers of that; G0 moves at feed, there is no G93, planes and
+  /// centres are those of G17 and G91.1.
+  bool is_printer = false;
   bool has_special_moves_by_s = false;  ///< G1 S1 to S3, as G1 H1 to H3
   bool prepares_tools = false;          ///< T chooses, M6 changes
-  bool has_one_code = false;            ///< a line's first; its letters are numbers of that
-  bool has_cycles = true;               ///< LinuxCNC's canned cycles
   bool zero_is_current = false;         ///< the system P0 of G10 L2
+  bool defines_in_steps = false;        ///< G91 G10 L2 adds, or may
   bool runs_as_written = false;         ///< codes of a line in the order of its words, not in that of RS-274
   bool counts_without_points = false;   ///< lengths without a decimal point are numbers of smallest steps
+  bool feeds_all_axes = false;          ///< F counts along C, too, deg as mm
 };
 
 DialectTraits traits_of(GcodeDialect dialect);

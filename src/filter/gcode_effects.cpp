@@ -11,78 +11,118 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 
-constexpr std::string_view kForeignCycle = "a canned cycle in a dialect that does not have LinuxCNC's";
+constexpr std::string_view kCycle = "a canned cycle (drilling)", kUnknown = "a G code that is not known here",
+                           kDefinition = "G10 other than L2 P of a system, without a turn R";
+constexpr std::string_view kCompute = "let the post-processor compute the path",
+                           kHarmless = "--harmless G187, say, if the code moves nothing and leaves coordinates alone",
+                           kDefine = "set the offset before the program runs", kTable = "--tools FILE with its length";
 
 /// G54 to G59, G59.1 to G59.3: from 1.
 std::size_t system_of(int tenths) {
   return static_cast<std::size_t>(tenths % 10 == 0 ? tenths / 10 - 53 : tenths % 10 + 6);
 }
 
+bool is_whole(const GcodeWord* word, double least, double most) {
+  return word != nullptr && word->is_number() && word->value >= least && word->value <= most &&
+         word->value == std::floor(word->value);
+}
+
 }  // namespace
-
-void GcodeModes::shift_origin() {
-  origin_.move();
-  lose_all(Loss::origin);
-}
-
-void GcodeModes::forget_systems() {
-  origin_.forget_offsets();
-  lose_all(Loss::origin);
-}
 
 double GcodeModes::in_mm(std::size_t axis, const GcodeWord& word) const {
   return word.value * (axis == kRotation ? 1.0 : *mm_per_unit_);
 }
 
-/// Places into the frame that holds from now on.
-void GcodeModes::carry(const GcodeOrigin::Change& change) {
-  if (!change) return lose_all(Loss::origin);
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    if (place_[axis]) *place_[axis] += (*change)[axis];
-  }
-}
-
-/// G10 L2 P.
-void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
-  const GcodeWord *const kind = block.word('L'), *const system = block.word('P');
-  const double least = traits_.zero_is_current ? 0.0 : 1.0;
-  const bool names_system = kind != nullptr && kind->is_number() && kind->value == 2.0 && system != nullptr &&
-                            system->is_number() && system->value >= least && system->value <= WorkOffsets::kSystems &&
-                            system->value == std::floor(system->value);
-  const bool is_known =
-      names_system && !block.has_letter("R") && mm_per_unit_ && !axes.has_expression && !axes.has_flag;
-  if (!is_known) return forget_systems();
-  Places stated;
+GcodeOrigin::Stated GcodeModes::in_mm(const Axes& axes) const {
+  GcodeOrigin::Stated stated;
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
     if (axes.word[axis] != nullptr) stated[axis] = in_mm(axis, *axes.word[axis]);
   }
+  return stated;
+}
+
+/// Places into the frame that holds from now on.
+void GcodeModes::carry(const GcodeOrigin::Change& change, Loss loss) {
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    if (!place_[axis]) continue;
+    if (change[axis]) {
+      *place_[axis] += *change[axis];
+    } else if (axis != kRotation || rotation_ == Rotation::stated) {
+      place_[axis].reset();
+      lost_[axis] = loss;
+    }
+  }
+}
+
+void GcodeModes::move_origin(const Axes& axes) {
+  std::array<bool, kAxes> moved{};
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) moved[axis] = axes.count == 0 || axes.word[axis] != nullptr;
+  carry(origin_.move(moved), Loss::origin);
+}
+
+/// G10
+void GcodeModes::define(const GcodeBlock& block, const Axes& axes, Request& request) {
+  request.takes_axes = true;
+  if (sets_tool_temperature(block, traits_)) return;
+  if (traits_.tool_offsets == ToolOffsets::reprap && !block.has_letter("L")) return move_origin({});  // of a tool
+  define_system(block, axes);
+}
+
+void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
+  const GcodeWord *const kind = block.word('L'), *const system = block.word('P'), *const turn = block.word('R');
+  const bool names_system =
+      is_whole(kind, 2.0, 2.0) && is_whole(system, traits_.zero_is_current ? 0.0 : 1.0, WorkOffsets::kSystems);
+  const bool turns = turn != nullptr && !(turn->is_number() && turn->value == 0.0);
+  const bool is_added = traits_.defines_in_steps && distance_ != Distance::absolute;
+  if (!names_system || turns || is_added || !mm_per_unit_ || axes.has_doubt || axes.has_flag) {
+    throw RefusedProgram(kDefinition, kDefine);
+  }
+  GcodeOrigin::Stated stated = in_mm(axes);
   if (axis_count_ < kAxes) stated[kRotation] = 0.0;
-  carry(origin_.define_system(static_cast<std::size_t>(system->value), stated));
+  carry(origin_.define_system(static_cast<std::size_t>(system->value), stated), Loss::origin);
+}
+
+/// G43, with H or of the tool that was changed last.
+void GcodeModes::take_tool_length(const GcodeBlock& block) {
+  const GcodeWord* const word = block.word('H');
+  constexpr double kMostTool = 1e6;
+  const bool is_stated = is_whole(word, 1.0, kMostTool);
+  const std::optional<int> tool = is_stated ? std::optional(static_cast<int>(word->value)) : tool_;
+  if (word != nullptr && !is_stated) throw RefusedProgram("G43 with an H that names no tool", kTable);
+  const auto change = origin_.take_length_of(tool);
+  if (!change) throw RefusedProgram("the length of a tool that the table of --tools does not have", kTable);
+  carry(*change, Loss::tool_length);
 }
 
 /// Where the place is known its new name is, too.
 void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   request.takes_axes = true;
-  bool is_known = origin_.is_fixed() && origin_.is_first() && mm_per_unit_ && transforms_ == 0 && axes.count > 0;
+  if (!mm_per_unit_ || axes.has_flag || axes.has_doubt || axes.count == 0) return move_origin(axes);
+  bool is_known = origin_.is_fixed();
+  const GcodeOrigin::Change shift = origin_.shift();
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
-    const GcodeWord* const word = axes.word[axis];
-    is_known &= word == nullptr || (word->is_number() && place_[axis]);
+    is_known &= axes.word[axis] == nullptr || (place_[axis] && shift[axis]);
   }
   request.calls_here = is_known;
-  if (!is_known) shift_origin();
+  if (is_known) return;
+  const GcodeOrigin::Stated stated = in_mm(axes);
+  carry(origin_.call(place_, stated), Loss::origin);
+  if (origin_.is_fixed()) return;
+  for (std::size_t axis = 0; axis < axis_count_; ++axis) {  // the frame begins here
+    if (stated[axis]) place_[axis] = *stated[axis] + origin_.shift()[axis].value_or(0.0);
+  }
 }
 
 void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, Request& request) {
   const auto start_motion = [&](Motion motion) {
-    if (request.motion) request.refused = kMalformed;
+    request.is_malformed |= request.motion.has_value();
     request.motion = motion_ = motion;
     lost_rewritten_mode_ = false;
+    has_moved_ = true;
   };
   const Code* const code = find_code(tenths);
-  if (code == nullptr) {
-    request.refused = kUnknownCode;
-    return;
-  }
+  if (code == nullptr) throw RefusedProgram(kUnknown, kHarmless);
+  const bool is_bare = !block.has_letter("PQ");
   switch (code->effect) {
     case Effect::none:
       return;
@@ -94,8 +134,6 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return start_motion(Motion::clockwise);
     case Effect::anticlockwise:
       return start_motion(Motion::anticlockwise);
-    case Effect::spline:
-      return start_motion(Motion::spline);
     case Effect::plane:
       normal_ = code->normal;
       return;
@@ -106,32 +144,20 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       centre_is_place_ = false;
       return;
     case Effect::inverse_time:
-      inverse_time_ = true;
-      return;
+      return feed_.set_mode(GcodeFeed::Mode::inverse_time);
     case Effect::feed_per_time:
-      inverse_time_ = false;
-      return;
+    case Effect::feed_per_turn:
+      return feed_.set_mode(GcodeFeed::Mode::per_time);
     case Effect::cycle:
-      if (!traits_.has_cycles) {
-        request.refused = kForeignCycle;
-        return;
-      }
-      cycle_.choose(tenths, motion_ == Motion::cycle);
-      return start_motion(Motion::cycle);
-    case Effect::save_place:
-      saves_places_ = traits_.saved_places != SavedPlaces::none && axes.count == 0;
-      if (!saves_places_) request.refused = kUnknownCode;
+      if (!traits_.is_printer) throw RefusedProgram(kCycle, kExpand);
+      [[fallthrough]];  // levelling
+    case Effect::home:
+      request.goes_elsewhere = request.takes_axes = request.is_idle = true;
       return;
-    case Effect::path_mode:
-      if (tenths == 610 && (saves_places_ || traits_.saved_places == SavedPlaces::always)) {
-        request.goes_elsewhere = request.takes_axes = true;
-        return;
-      }
-      return cycle_.choose_path_mode(block, tenths);
-    case Effect::return_to_start:
-      return cycle_.choose_return(false);
-    case Effect::return_to_clearance:
-      return cycle_.choose_return(true);
+    case Effect::saved_place:
+      if (!traits_.is_printer && tenths == 600) throw RefusedProgram(kUnknown, kHarmless);
+      request.goes_elsewhere = request.takes_axes = request.is_idle = traits_.is_printer && tenths == 610;
+      return;
     case Effect::no_motion:
       lost_rewritten_mode_ = false;
       if (!request.motion) motion_ = Motion::none;  // beside another it says nothing
@@ -141,18 +167,22 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.goes_elsewhere = true;
       request.is_thread = code->effect == Effect::thread;
       return start_motion(Motion::unknown);
-    case Effect::home:
-      request.goes_elsewhere = request.takes_axes = true;
-      return;
     case Effect::dwell:
       request.takes_axes = !block.has_letter("P");
       return;
     case Effect::absolute:
       distance_ = Distance::absolute;
+      relies_on_macro_ = false;
       return extruder_.set_distance(false);
     case Effect::incremental:
       distance_ = Distance::incremental;
+      relies_on_macro_ = false;
       return extruder_.set_distance(true);
+    case Effect::inch_if_bare:
+    case Effect::mm_if_bare:
+      if (!is_bare) throw RefusedProgram(kCycle, kExpand);
+      mm_per_unit_ = code->effect == Effect::mm_if_bare ? 1.0 : kMmPerInch;
+      return;
     case Effect::inch:
       mm_per_unit_ = kMmPerInch;
       return;
@@ -163,45 +193,34 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.in_machine = true;
       return;
     case Effect::system:
-      return carry(origin_.choose_system(system_of(tenths)));
-    case Effect::tool_length_by_axes:
-      request.takes_axes = true;
-      [[fallthrough]];
+      return carry(origin_.choose_system(system_of(tenths), !has_moved_), Loss::origin);
     case Effect::tool_length:
       request.has_tool_length = true;
-      origin_.compensate_tool(true);
-      return lose_all(Loss::origin);
-    case Effect::no_tool_length:
-      return origin_.compensate_tool(false);
-    case Effect::shift_if_stated:
-      if (!block.has_letter("LP")) return;
+      return take_tool_length(block);
+    case Effect::tool_length_by_axes:
       request.takes_axes = true;
-      if (sets_tool_temperature(block, traits_)) return;
-      return define_system(block, axes);
+      if (!mm_per_unit_ || axes.has_flag || axes.has_doubt)
+        throw RefusedProgram("a tool length without a number", kTable);
+      return carry(origin_.take_length(in_mm(axes)), Loss::tool_length);
+    case Effect::no_tool_length:
+      return carry(origin_.drop_length(), Loss::tool_length);
+    case Effect::define:
+      return define(block, axes, request);
     case Effect::shift_axes:
       for (const GcodeWord& word : block.words) {
         if (word.letter == 'E') extruder_.call(word);
       }
       if (axes.count == 0 && block.has_letter("ABCEUVW")) return;
       return call_here_or_shift(axes, request);
-    case Effect::shift_by_axes:
+    case Effect::no_shift:
+      return carry(origin_.drop_shift(), Loss::origin);
+    case Effect::local_shift:
       request.takes_axes = true;
       [[fallthrough]];
-    case Effect::shift:
-      return shift_origin();
-    case Effect::flow:
-      request.refused = kFlow;
-      return;
-    case Effect::transform_by_axes:
-      request.takes_axes = true;
-      [[fallthrough]];
-    case Effect::transform:
-      transforms_ |= code->transform;
-      return lose_all(Loss::transform);
-    case Effect::no_transform:
-      if ((transforms_ & code->transform) != 0) lose_all(Loss::transform);
-      transforms_ &= ~code->transform;
-      return;
+    case Effect::restored_shift:
+      return move_origin(axes);
+    case Effect::refused:
+      throw RefusedProgram(code->refusal, kCompute);
   }
 }
 

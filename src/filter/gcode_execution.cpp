@@ -10,6 +10,8 @@
 namespace paracal::io {
 namespace {
 
+constexpr std::string_view kSubprogram = "a subprogram (M97, M98, M99)";
+
 int stage_of(const GcodeWord& word) {
   if (word.letter == 'M') return kStageOfM;
   const Code* const code = word.is_number() ? find_code(tenths_of(word.value)) : nullptr;
@@ -39,21 +41,22 @@ void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) 
       if (!block.has_letter("PRCD")) forget();
       return;
     case MEffect::tool_change:
+      tool_ = prepared_tool_;
       request.then_lost = Loss::tool;
       return lose_all(Loss::tool);
     case MEffect::motors_off:
       request.then_lost = Loss::motors;
       request.is_setting = true;
       return;
-    case MEffect::flow:
-      request.refused = kFlow;
-      request.ends_subprogram = tenths == 990;
+    case MEffect::subprogram:
+      if (!traits_.is_printer) throw RefusedProgram(kSubprogram, kExpand);
+      request.is_macro = true;
       return;
     case MEffect::setting:
       request.is_setting = true;
       return;
     case MEffect::shift:
-      return shift_origin();
+      return move_origin({});
   }
 }
 
@@ -67,18 +70,24 @@ void GcodeModes::put_in_order(const GcodeBlock& block) {
   std::ranges::stable_sort(codes_, {}, [](const GcodeWord* word) { return stage_of(*word); });
 }
 
+/// T: firmwares change the tool at once.
+void GcodeModes::choose_tool(const GcodeBlock& block, Request& request) {
+  const GcodeWord* const tool = block.word('T');
+  if (tool == nullptr || !names_tool(block, traits_)) return;
+  prepared_tool_ = tool->is_number() ? std::optional(static_cast<int>(std::lround(tool->value))) : std::nullopt;
+  if (traits_.prepares_tools) return;
+  tool_ = prepared_tool_;
+  request.then_lost = Loss::tool;
+  lose_all(Loss::tool);
+}
+
 GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {
-  Request request;
-  if (axes.has_duplicate) request.refused = kMalformed;
-  const bool changes_tool = !traits_.prepares_tools && names_tool(block, traits_);  // RepRap does at once
-  if (changes_tool) {
-    request.then_lost = Loss::tool;
-    lose_all(Loss::tool);
-  }
+  Request request{.is_malformed = axes.has_duplicate};
+  choose_tool(block, request);
   put_in_order(block);
   for (const GcodeWord* word : codes_) {
     if (!word->is_number()) {
-      request.refused = word->kind == GcodeWord::Kind::expression ? kExpression : kMalformed;
+      request.is_malformed = true;
       continue;
     }
     const int tenths = tenths_of(word->value);

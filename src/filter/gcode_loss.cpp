@@ -12,14 +12,13 @@ namespace {
 
 /// Behind the letter of the axis, in the order of Loss.
 constexpr std::array<std::string_view, 8> kCauses{
-    "has not been stated yet (--start)",
+    "has not been stated yet (--start=X,Y,Z, if the program never does)",
     "is not known since the tool was changed (T, M6)",
     "is not known since motors were switched off (M18, M84) or moved singly (H)",
     "is not known since homing, probing or a stored place (G28 to G30, G33, G38, G61)",
-    "is not known since the origin moved (G10, G43, G49, G52, G54 to G59.3, G92, M206)",
-    "is not known since the path was offset, turned or scaled, or no longer (G7, G16, G41, G51, G68)",
-    "is not known since something that may have done anything (a macro, a subprogram, M2, /, a code or line not known "
-    "here)",
+    "is not known since the origin moved (G10, G52, G54 to G59.3, G92, M206)",
+    "is not known since the length of the tool changed (G43, G49; --tools)",
+    "is not known since something that may have done anything (a macro, M2, /, a line not known here)",
     "is not known since a line that could not be corrected",
 };
 

@@ -14,7 +14,7 @@ enum class Loss : std::uint8_t {
   motors,
   elsewhere,  ///< a motion that ends where the program does not say
   origin,
-  transform,
+  tool_length,
   unread,  ///< what may do anything
   passed,  ///< a line that stated it could not be corrected
 };

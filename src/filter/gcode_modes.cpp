@@ -14,8 +14,9 @@ constexpr std::string_view kLateRotation = "C is stated after motions for which 
 GcodeModes::GcodeModes(std::size_t axis_count, const GcodeOptions& options)
     : axis_count_(axis_count),
       traits_(traits_of(options.dialect)),
+      feed_(traits_.feeds_all_axes, traits_.is_printer),
       extruder_(traits_.extruder),
-      origin_(options.offsets) {
+      origin_(options.offsets, options.tools) {
   passed_.fill(true);
   if (!options.start && axis_count == kAxes) rotation_ = Rotation::unstated;
   lose_all(Loss::unstated);
@@ -24,18 +25,18 @@ GcodeModes::GcodeModes(std::size_t axis_count, const GcodeOptions& options)
   for (std::size_t axis = 0; axis < axis_count; ++axis) place_[axis] = start[axis];
 }
 
+/// Macros of printers restore what they change, or leave a printer on which no print works: absolute, in mm.
 void GcodeModes::forget() {
-  forgotten_ = true;
-  lost_rewritten_mode_ |= (arcs_are_lines_ && is_arc(motion_)) || (cycle_.is_expanded() && motion_ == Motion::cycle);
-  cycle_.forget();
+  lost_rewritten_mode_ |= arcs_are_lines_ && is_arc(motion_);
   motion_ = Motion::unknown;
-  distance_ = Distance::unknown;
+  extruder_.forget();
+  feed_.forget(traits_.is_printer ? GcodeFeed::Mode::per_time : GcodeFeed::Mode::unknown);
+  lose_all(Loss::unread);
+  if (distance_ != Distance::absolute || !traits_.is_printer) distance_ = Distance::unknown;
+  if (traits_.is_printer) return;
   mm_per_unit_.reset();
   normal_.reset();
   centre_is_place_.reset();
-  inverse_time_.reset();
-  extruder_.forget();
-  lose_all(Loss::unread);
 }
 
 void GcodeModes::lose(const Axes& axes) {
@@ -59,9 +60,9 @@ GcodeModes::Axes GcodeModes::axes_of(const GcodeBlock& block) const {
     const auto axis = static_cast<std::size_t>(std::ranges::find(kAxisLetters, word.letter) - kAxisLetters.begin());
     if (axis >= axis_count_) continue;
     axes.has_duplicate |= axes.word[axis] != nullptr;
-    axes.has_flag |= word.kind == GcodeWord::Kind::flag;
+    axes.has_flag |= word.kind == GcodeWord::Kind::flag || word.kind == GcodeWord::Kind::text;
     axes.has_number |= word.kind == GcodeWord::Kind::number;
-    axes.has_expression |= word.kind == GcodeWord::Kind::expression;
+    axes.has_doubt |= word.kind == GcodeWord::Kind::doubtful;
     axes.word[axis] = &word;
     ++axes.count;
   }
@@ -69,21 +70,37 @@ GcodeModes::Axes GcodeModes::axes_of(const GcodeBlock& block) const {
 }
 
 std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
-  if (block.kind == GcodeBlock::Kind::setting) return {};
-  if (block.kind != GcodeBlock::Kind::words) {
-    forget();
-    target.is_work = block.kind != GcodeBlock::Kind::macro;
-    return block.kind == GcodeBlock::Kind::flow ? kFlow : block.kind == GcodeBlock::Kind::macro ? kMacro : kMalformed;
+  feed_.begin_line();
+  target.feed = feed_.of_line(false, mm_per_unit_);  // it may move at what is in force
+  switch (block.kind) {
+    case GcodeBlock::Kind::setting:
+      return {};
+    case GcodeBlock::Kind::name:
+      if (has_moved_) throw RefusedProgram("an O word behind the first motion, a subprogram", kExpand);
+      return {};
+    case GcodeBlock::Kind::programmed:
+      throw RefusedProgram("an O word, a jump, a parameter or an expression", kExpand);
+    case GcodeBlock::Kind::macro:
+      return take_macro();
+    case GcodeBlock::Kind::malformed:
+      forget();
+      target.weight = TargetLine::Weight::work;
+      return kMalformed;
+    case GcodeBlock::Kind::words:
+      break;
   }
   const Axes axes = axes_of(block);
   const std::string_view late = take_rotation(axes);
   if (block.is_optional) return take_optional(block, axes, target);
   Request request = apply_codes(block, axes);
-  if (!request.refused.empty()) {
-    target.is_work = may_be_work(block, axes, request, motion_);
+  if (request.is_macro) return take_macro();
+  if (request.is_malformed) {
+    target.weight = TargetLine::Weight::work;
     forget();
-    return request.refused;
+    return kMalformed;
   }
+  feed_.take(block, mm_per_unit_);
+  target.feed = feed_.of_line(false, mm_per_unit_);
   std::string_view passed = move(block, axes, request, target);
   if (!late.empty()) passed = late;
   restate_arc(block, request, !passed.empty(), target);
@@ -92,12 +109,10 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   return passed;
 }
 
-/// Of a line of which not all is known.
-bool GcodeModes::may_be_work(const GcodeBlock& block, const Axes& axes, const Request& request, Motion motion) {
-  if (request.goes_elsewhere || request.ends_subprogram) return request.is_thread;
-  const bool is_harmless = request.refused.empty() || request.refused == kUnknownCode;
-  const bool states_way = axes.count > 0 || block.has_letter("IJKR");
-  return !is_harmless || (states_way && is_work(block, axes, motion));
+std::string_view GcodeModes::take_macro() {
+  forget();
+  relies_on_macro_ = traits_.is_printer;
+  return kMacro;
 }
 
 /// The first C of a program: what it was before is not known.
@@ -111,16 +126,22 @@ std::string_view GcodeModes::take_rotation(const Axes& axes) {
 
 /// The operator decides whether it counts.
 std::string_view GcodeModes::take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target) {
-  if (axes.count == 0 && !block.has_letter("GMT")) return {};
+  if (axes.count == 0 && !block.has_letter("GMTF")) return {};
   const GcodeOrigin origin = origin_;
-  const unsigned transforms = transforms_;
   const Request request = apply_codes(block, axes);
-  if (!(origin_ == origin) || request.calls_here) forget_systems();
-  transforms_ |= transforms;
-  target.is_work = may_be_work(block, axes, request, motion_);
+  if (!(origin_ == origin) || request.calls_here) origin_.forget();
+  const bool states_way = axes.count > 0 || block.has_letter("IJKR");
+  target.weight = states_way ? weight_of(block, axes, request.motion.value_or(motion_)) : TargetLine::Weight::approach;
   forget();
-  return axes.count > 0 || target.is_work || !request.refused.empty() || request.goes_elsewhere ? kOptional
-                                                                                                : std::string_view();
+  return states_way || request.goes_elsewhere || request.is_malformed ? kOptional : std::string_view();
+}
+
+/// Approach and retreat are rapid, or go along Z alone.
+TargetLine::Weight GcodeModes::weight_of(const GcodeBlock& block, const Axes& axes, Motion motion) {
+  using Weight = TargetLine::Weight;
+  const bool is_across = axes.count > (axes.word[2] != nullptr ? 1U : 0U);
+  if (motion == Motion::rapid) return block.has_letter("E") && is_across ? Weight::work : Weight::idle;
+  return is_arc(motion) || is_across ? Weight::work : Weight::approach;
 }
 
 }  // namespace paracal::io

@@ -27,7 +27,7 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& req
     const std::size_t axis = kCentreLetters.find(word.letter);
     const bool is_of_arc = axis != std::string_view::npos || word.letter == 'R';
     if (!is_of_arc) continue;
-    if (!word.is_number()) return kExpression;
+    if (!word.is_number()) return kWithoutPoint;
     const double length = word.value * *mm_per_unit_;
     if (word.letter == 'R') words.radius = length;
     if (axis != std::string_view::npos)
@@ -40,7 +40,7 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& req
 std::string_view GcodeModes::take_turns(const GcodeBlock& block, ArcWords& words) const {
   const GcodeWord* const word = block.word('P');
   if (word == nullptr) return {};
-  if (!word->is_number()) return kExpression;
+  if (!word->is_number()) return kWithoutPoint;
   const bool is_known = traits_.turns != TurnsRule::unknown && !(traits_.turns == TurnsRule::unless_extruding &&
                                                                  block.has_letter("E") && !takes_output(block));
   if (!is_known) return kForeignTurns;
@@ -55,14 +55,12 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
   line.extrusion = extrusion.value_or(ExtrusionOfLine{});
   if (block.checksum_at != 0) line.hindrance = kNumbered;
   if (block.has_letter(axis_count_ < kAxes ? "ABCUVW" : "ABUVW")) line.hindrance = kOtherAxes;
-  if (inverse_time_ != false) line.hindrance = kInverseTime;
   if (!extrusion) line.hindrance = kExtrusion;
   const std::string_view of_arc = shares_turns(block) ? "IJKR" : "IJKRP";
   std::size_t arc_words = 0;
   const auto first = std::ranges::find_if(block.words, [](const GcodeWord& word) { return word.letter != 'N'; });
   if (line.motion.is_empty() && first != block.words.end()) line.motion = {first->at, first->at};
   for (const GcodeWord& word : block.words) {
-    if (word.letter == 'F') line.feed = {word.at, word.end};
     if (of_arc.find(word.letter) != std::string_view::npos && arc_words < line.arc_words.size()) {
       line.arc_words[arc_words++] = {word.at, word.end};
     }

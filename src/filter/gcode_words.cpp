@@ -12,14 +12,14 @@ bool names_tool(const GcodeBlock& block, const DialectTraits& traits) {
     if (word.letter != 'G' && word.letter != 'M') continue;
     const int tenths = word.is_number() ? tenths_of(word.value) : -1;
     const bool takes_it = word.letter == 'M' ? takes_axis_words(tenths) : tenths == 100;
-    if (takes_it || traits.has_one_code) return false;
+    if (takes_it || traits.is_printer) return false;
   }
   return false;
 }
 
 bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits) {
   if (block.has_letter("L") || traits.tool_offsets == ToolOffsets::rs274) return false;
-  if (traits.tool_offsets == ToolOffsets::none) return true;
+  if (traits.tool_offsets == ToolOffsets::none || !block.has_letter("P")) return true;
   const bool is_certain = traits.tool_offsets == ToolOffsets::reprap || block.has_letter("S");
   return is_certain && !block.has_letter("XYZABCUVW");
 }

@@ -10,7 +10,7 @@ namespace paracal::io {
 /// T names a tool; it is no number of a firmware's code, as in M204 P1000 T2000 or M104 T0 S190.
 bool names_tool(const GcodeBlock& block, const DialectTraits& traits);
 
-/// G10 without L states temperatures of a RepRap's tool, no offset, or is Marlin's or Klipper's retraction.
+/// G10 without L states temperatures of a RepRap's tool, no offset, or is a retraction.
 bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits);
 
 /// P states turns of an arc, and something of another code, too, as LinuxCNC has it: G64 P1, M62 P1.

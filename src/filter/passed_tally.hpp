@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "paracal/filter/target_filter.hpp"
+#include "target_line.hpp"
 
 namespace paracal::io {
 
 /// Counts what is passed through.
 class PassedTally {
  public:
-  void pass(std::string_view reason, std::int64_t line);
+  /// @param weight  work breaks off; what is idle stands between no targets.
+  void pass(std::string_view reason, std::int64_t line, TargetLine::Weight weight);
   /// What was passed since the last corrected target stands between two.
   void correct();
-  /// What was passed last is no approach or retreat: as if it stood between corrected targets.
-  void break_off();
   /// In the order of their first lines.
   std::vector<PassedThrough> sorted() const;
 
@@ -26,6 +26,8 @@ class PassedTally {
   struct Since {
     std::int64_t count = 0, first_line = 0;
   };
+
+  void break_off();
 
   std::vector<PassedThrough> passed_;
   std::vector<Since> since_;  ///< of each of these

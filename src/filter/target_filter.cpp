@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <utility>
 
@@ -14,6 +13,8 @@ namespace paracal::io {
 namespace {
 
 constexpr std::string_view kLineTooLong = "a line longer than 64 KiB";
+constexpr const char* kUnknownFeed =
+    "motions whose feed the program does not state (F) may take another time: the correction changes their length";
 constexpr std::string_view kUnreachable = "out of reach or singular";
 
 /// Targets that are corrected together.
@@ -104,7 +105,7 @@ class Passage {
   struct Passed {
     std::string_view reason;
     std::size_t index;  ///< of lines_
-    bool breaks;
+    TargetLine::Weight weight;
   };
 
   void take(const Line& line, TargetFormat& format) {
@@ -115,23 +116,12 @@ class Passage {
       passed = kLineTooLong;
     } else if (line.part == Line::Part::whole) {
       passed = format.read(without_end(line.text), stated);
-      if (take_instead(line, format)) return;
       if (stated.kind != TargetLine::Kind::none) stated_.push_back(stated);
     }
-    if (!passed.empty()) passed_.push_back({passed, lines_.size(), stated.breaks || stated.is_work});
-    lines_.push_back(line);
-  }
-
-  /// The lines that stand for one.
-  bool take_instead(const Line& line, TargetFormat& format) {
-    std::vector<std::string> instead = format.instead();
-    const std::string_view end = line.text.substr(without_end(line.text).size());
-    for (std::string& text : instead) {
-      text += end.empty() && &text != &instead.back() ? "\n" : end;
-      take({held_.emplace_back(std::move(text)), Line::Part::whole, line.number}, format);
+    if (!passed.empty()) {
+      passed_.push_back({passed, lines_.size(), stated.breaks ? TargetLine::Weight::work : stated.weight});
     }
-    if (!instead.empty()) filtering_.summary.added += static_cast<std::int64_t>(instead.size()) - 1;
-    return !instead.empty();
+    lines_.push_back(line);
   }
 
   static void add_places(const TargetLine& line, std::uint32_t pieces, std::vector<AxisValues>& places) {
@@ -143,8 +133,7 @@ class Passage {
 
   void pass_before(std::size_t index) {
     for (; pass_ < passed_.size() && passed_[pass_].index < index; ++pass_) {
-      filtering_.tally.pass(passed_[pass_].reason, lines_[passed_[pass_].index].number);
-      if (passed_[pass_].breaks) filtering_.tally.break_off();
+      filtering_.tally.pass(passed_[pass_].reason, lines_[passed_[pass_].index].number, passed_[pass_].weight);
     }
   }
 
@@ -161,9 +150,13 @@ class Passage {
         filtering_.writer.call(content, line);
         break;
       default:
-        filtering_.writer.pass(content, line);
+        pass(line, content, end);
     }
     filtering_.text += end;
+  }
+
+  void pass(const TargetLine& line, std::string_view content, std::string_view end) {
+    filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.pass(content, end, line));
   }
 
   void write_target(const TargetLine& line, const PathDivision::Cut& cut, std::string_view content,
@@ -175,18 +168,21 @@ class Passage {
     }
     const bool is_reached = reached_.size() == cut.pieces;
     if (!is_reached || !cut.hindrance.empty()) {
-      filtering_.tally.pass(is_reached ? cut.hindrance : kUnreachable, line.number);
-      if (line.is_work) filtering_.tally.break_off();
+      filtering_.tally.pass(is_reached ? cut.hindrance : kUnreachable, line.number, weight_of_left(line, is_reached));
     }
-    if (!is_reached || (line.path.is_arc() && !cut.hindrance.empty())) return filtering_.writer.pass(content, line);
+    if (!is_reached || (line.path.is_arc() && !cut.hindrance.empty())) return pass(line, content, end);
     filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.write(content, end, line, reached_));
     filtering_.account.add(line, reached_.back());
     filtering_.tally.correct();
   }
 
+  /// A rapid that the plate could not follow has been stated: the program wants to be there.
+  static TargetLine::Weight weight_of_left(const TargetLine& line, bool is_reached) {
+    return is_reached || line.weight == TargetLine::Weight::work ? line.weight : TargetLine::Weight::approach;
+  }
+
   Filtering& filtering_;
   std::vector<Line> lines_;
-  std::deque<std::string> held_;  ///< texts of lines that stand for others
   std::vector<TargetLine> stated_;
   std::vector<Passed> passed_;
   std::size_t next_ = 0, pass_ = 0, next_target_ = 0;  ///< of lines_, passed_, targets_
@@ -208,6 +204,7 @@ FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, 
   filtering.summary.lines = in.count();
   filtering.summary.passed = filtering.tally.sorted();
   filtering.summary.assumed = format.assumed();
+  if (filtering.writer.has_unknown_feed()) filtering.summary.assumed.emplace_back(kUnknownFeed);
   return filtering.summary;
 }
 

@@ -4,7 +4,9 @@
 // numbers of a target stand; what is common corrects the targets of many lines at once and writes their numbers.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,13 +39,32 @@ struct ExtrusionOfLine {
   bool is_relative = false;  ///< M83
 };
 
+/// The feed on a line of G-code.
+struct FeedOfLine {
+  enum class Rule : std::uint8_t { unknown, per_time, inverse_time };
+  Rule rule = Rule::unknown;
+  bool is_governed = false;           ///< the line moves at feed
+  bool counts_all_axes = false;       ///< F counts along C, too, deg as mm
+  bool is_stated_by_motions = false;  ///< F alone is no line: G1 F600
+  std::optional<double> value = {};   ///< in force for the program, in the unit of the line
+  StatedNumber stated = {};
+
+  /// What F counts of a motion: its length in mm, or how far C turns where X, Y and Z rest, in deg; of both the whole
+  /// where all axes count.
+  double counted(double along, double turned, double mm_per_unit) const {
+    constexpr double kAtRest = 1e-6;  // mm: for controllers this is no motion
+    const double length = along / mm_per_unit;
+    return counts_all_axes ? std::hypot(length, turned) : along > kAtRest ? length : turned;
+  }
+  bool restates() const { return rule == Rule::per_time && value.has_value(); }
+};
+
 /// What is to be known of a line of G-code that becomes several lines.
 struct DividedLine {
   std::string_view hindrance = {};  ///< why it cannot; else empty
   TextRange motion = {};            ///< the word G0 to G3; empty, where it would stand, if the mode holds
   bool is_rapid = false;
   std::array<TextRange, 5> arc_words = {};  ///< I, J, K, R, P, as they stand; empty ones are none
-  TextRange feed = {};
   ExtrusionOfLine extrusion = {};
   bool stands_last = false;  ///< its other words act after the motion: M0, M2
 };
@@ -54,7 +75,7 @@ struct TargetLine {
     none,
     target,
     here,  ///< its numbers say what the place that the controller holds is called from now on: G92
-    left,  ///< passed through; but for the word of its motion, if what it would find in force is another
+    left,  ///< passed through; but for its motion and its feed, if what it would find in force is another
   };
   Kind kind = Kind::none;
   std::size_t index = 0;    ///< among the lines that are read together
@@ -76,9 +97,13 @@ struct TargetLine {
   /// It is passed through, and what it does now is not what it did in the program, whether a corrected target follows
   /// or not.
   bool breaks = false;
-  /// At feed across the part, extruding, drilling, or what may be that: more than approach and retreat. Passed through
-  /// it makes a program one that is corrected in parts, wherever it stands.
-  bool is_work = false;
+  enum class Weight : std::uint8_t {
+    idle,      ///< rapid, homing, a tool change: touches nothing
+    approach,  ///< or retreat, at the ends of a program; between corrected targets more: along Z at feed, a macro
+    work,      ///< at feed across the part, extruding, or what may be that
+  };
+  Weight weight = Weight::approach;
+  FeedOfLine feed = {};
   DividedLine divided = {};
 };
 
@@ -95,8 +120,6 @@ class TargetFormat {
   /// @param target  has its number; gets what the line states.
   /// @returns why not, if it may hold a target and none is stated; else empty.
   virtual std::string_view read(std::string_view text, TargetLine& target) = 0;
-  /// Lines, without ends, that stand for the one that was read last; to be read next. None: it stands for itself.
-  virtual std::vector<std::string> instead() { return {}; }
   /// A line too long to be read.
   virtual void skip() {}
   /// @throws InputFileError when something was missing.

@@ -27,6 +27,9 @@ struct Decimals {
 
 constexpr Decimals kExtrusionDecimals{5, 7};
 
+constexpr double kSameTime = 0.01;  ///< a feed is stated anew where a block would take more or less by this share
+constexpr int kDigitsOfFeed = 5;    ///< far more than the time of a block needs
+
 Decimals decimals_for(std::size_t axis, double mm_per_unit) {
   if (axis == kRotation) return {5, 7};
   return mm_per_unit == 1.0 ? Decimals{4, 7} : Decimals{6, 8};
@@ -57,6 +60,17 @@ double append_number(std::string& to, double value, int decimals) {
   return written;
 }
 
+/// F with as many decimals as it takes.
+void append_feed(std::string& to, double feed) {
+  const int whole = feed > 0.0 ? static_cast<int>(std::floor(std::log10(feed))) + 1 : 1;
+  append_number(to, feed, std::clamp(kDigitsOfFeed - whole, 0, 8));
+  if (to.find('.', to.size() - std::min<std::size_t>(to.size(), 12)) == std::string::npos) return;
+  while (to.ends_with('0')) to.pop_back();
+  if (to.ends_with('.')) to.pop_back();
+}
+
+bool takes_as_long(double feed, double other) { return std::abs(feed - other) <= kSameTime * std::abs(other); }
+
 char in_case_of(char letter, const TargetLine& line) {
   return static_cast<char>(letter + (line.in_lower_case ? 'a' - 'A' : 0));
 }
@@ -79,7 +93,7 @@ double as_place(std::size_t axis, double stated, double from, const TargetLine& 
 
 }  // namespace
 
-/// One of the pieces of a way, from the end of the one before to its target.
+/// One of the pieces of a path, from the end of the one before to its target.
 struct TargetWriter::Piece {
   const AxisValues& target;
   std::size_t number, count;  ///< from 0
@@ -99,16 +113,17 @@ std::size_t TargetWriter::write(std::string_view text, std::string_view end, con
                                 std::span<const AxisValues> targets) {
   for (std::size_t axis = 0; axis < axis_count_; ++axis) told_[axis] = held(axis, line);
   if (line.path.is_arc() && changes_nothing(line, targets)) {
+    const std::size_t added = restore_feed(end, line);
     out_ += text;
     told_ = line.path.to;
-    return 0;
+    return added;
   }
   const std::size_t own = line.divided.stands_last ? targets.size() - 1 : 0;
   const std::string_view line_end = end.empty() ? "\n" : end;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const Piece piece{targets[k], k, targets.size()};
     if (k > own) out_ += line_end;
-    k == own ? edit_line(text, line, piece) : append_piece(text, line, piece, k == 0);
+    k == own ? edit_line(text, line, piece) : append_piece(text, line, piece);
     if (k < own) out_ += line_end;
   }
   return targets.size() - 1;
@@ -129,7 +144,19 @@ void TargetWriter::call(std::string_view text, const TargetLine& line) {
   apply(text, line);
 }
 
-void TargetWriter::pass(std::string_view text, const TargetLine& line) {
+std::size_t TargetWriter::restore_feed(std::string_view end, const TargetLine& line) {
+  const bool restates = told_feed_ && !line.feed.stated.is_stated() && line.feed.restates();
+  if (restates) {
+    out_ += line.feed.is_stated_by_motions ? "G1 F" : "F";
+    append_feed(out_, *line.feed.value);
+    out_ += end.empty() ? "\n" : end;
+  }
+  told_feed_.reset();
+  return restates ? 1 : 0;
+}
+
+std::size_t TargetWriter::pass(std::string_view text, std::string_view end, const TargetLine& line) {
+  const std::size_t added = restore_feed(end, line);
   if (!line.restated.empty()) {
     begin_edit(line.divided.motion.begin, line.divided.motion.begin);
     edited_ += in_case_of('G', line);
@@ -137,12 +164,12 @@ void TargetWriter::pass(std::string_view text, const TargetLine& line) {
     end_edit();
   }
   apply(text, line);
-  if (line.kind != TargetLine::Kind::target) return;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (std::size_t axis = 0; axis < axis_count_ && line.kind == TargetLine::Kind::target; ++axis) {
     told_[axis] = held(axis, line);
     if (!line.stated[axis].is_stated()) continue;
     told_[axis] = line.is_incremental ? told_[axis] + (line.path.to[axis] - line.path.from[axis]) : line.path.to[axis];
   }
+  return added;
 }
 
 double TargetWriter::held(std::size_t axis, const TargetLine& line) const {
@@ -171,10 +198,11 @@ bool TargetWriter::is_moved(std::size_t axis, const AxisValues& target, const Ta
 }
 
 void TargetWriter::edit_line(std::string_view text, const TargetLine& line, const Piece& piece) {
+  const AxisValues from = told_;
   if (line.path.is_arc()) drop_arc(line);
   edit_axes(text, line, piece.target);
   if (piece.count > 1) edit_extrusion(text, line, piece);
-  if (piece.number > 0) drop_feed(text, line);
+  edit_feed(text, line, piece, from);
   apply(text, line);
 }
 
@@ -216,13 +244,66 @@ void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, cons
   }
 }
 
-/// The first piece has told it.
-void TargetWriter::drop_feed(std::string_view text, const TargetLine& line) {
-  TextRange feed = line.divided.feed;
-  if (feed.is_empty()) return;
-  while (feed.begin > 0 && is_blank(text[feed.begin - 1])) --feed.begin;
-  begin_edit(feed.begin, feed.end);
-  end_edit();
+/// What F counts: mm or inch along X, Y and Z, else deg of C; all of them alike for some.
+double TargetWriter::length_of(const AxisValues& from, const AxisValues& to, const TargetLine& line) const {
+  const TargetPath straight{.from = from, .to = to};
+  const double along = straight.length(),
+               turned = axis_count_ == kAxes ? std::abs(to[kRotation] - from[kRotation]) : 0.0;
+  return line.feed.counted(along, turned, line.mm_per_unit);
+}
+
+/// The feed with which a piece takes its share of the block's time; nothing where that is not known.
+std::optional<double> TargetWriter::feed_of(const TargetLine& line, const Piece& piece, const AxisValues& from) {
+  const FeedOfLine& feed = line.feed;
+  if (!feed.is_governed || !line.starts_known) return feed.value;
+  const auto count = static_cast<double>(piece.count);
+  if (feed.rule == FeedOfLine::Rule::inverse_time)
+    return feed.value ? std::optional(*feed.value * count) : std::nullopt;
+  const double turned = axis_count_ == kAxes ? std::abs(line.path.to[kRotation] - line.path.from[kRotation]) : 0.0;
+  const double before = feed.counted(line.path.length(), turned, line.mm_per_unit);
+  const double after = length_of(from, told_, line);
+  if (before == 0.0 || after == 0.0) return feed.value;
+  const double ratio = after * count / before;
+  has_unknown_feed_ |= !feed.value && !takes_as_long(ratio, 1.0);
+  return feed.value ? std::optional(takes_as_long(ratio, 1.0) ? *feed.value : *feed.value * ratio) : std::nullopt;
+}
+
+/// The F that a piece must state; nothing where what is in force will do.
+std::optional<double> TargetWriter::word_of_feed(const TargetLine& line, const Piece& piece, const AxisValues& from) {
+  const FeedOfLine& feed = line.feed;
+  const std::optional<double> wanted = feed_of(line, piece, from);
+  const bool is_stated = piece.number == 0 && feed.stated.is_stated();
+  const auto as_stated = is_stated ? std::optional(feed.stated.value) : std::nullopt;
+  if (is_stated) told_feed_.reset();
+  if (!wanted || !feed.is_governed) return as_stated;
+  const bool wants_programs = *wanted == *feed.value;
+  if (feed.rule == FeedOfLine::Rule::inverse_time) return wants_programs ? as_stated : wanted;
+  const bool will_do = wants_programs ? !told_feed_ : takes_as_long(*wanted, told_feed_.value_or(*feed.value));
+  if (will_do) return as_stated;
+  told_feed_ = wants_programs ? std::nullopt : wanted;
+  return wanted;
+}
+
+void TargetWriter::edit_feed(std::string_view text, const TargetLine& line, const Piece& piece,
+                             const AxisValues& from) {
+  const StatedNumber& stated = line.feed.stated;
+  const std::optional<double> word = word_of_feed(line, piece, from);
+  if (word && stated.is_stated()) {
+    if (*word == stated.value) return;
+    begin_edit(stated.begin, stated.end);
+    append_feed(edited_, *word);
+    end_edit();
+  } else if (word) {
+    begin_edit(line.insert_at, line.insert_at);
+    append_word(edited_, 'F', line);
+    append_feed(edited_, *word);
+    end_edit();
+  } else if (stated.is_stated()) {  // an earlier piece has told it
+    std::size_t begin = text.find_last_of("fF", stated.begin);
+    while (begin > 0 && is_blank(text[begin - 1])) --begin;
+    begin_edit(begin, stated.end);
+    end_edit();
+  }
 }
 
 void TargetWriter::edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece) {
@@ -240,8 +321,9 @@ void TargetWriter::append_extrusion(std::string& to, std::string_view text, cons
   append_number(to, piece.extrusion(extrusion, decimals), decimals);
 }
 
-/// A line of its own for a piece of the way.
-void TargetWriter::append_piece(std::string_view text, const TargetLine& line, const Piece& piece, bool with_feed) {
+/// A line of its own for a piece of the path.
+void TargetWriter::append_piece(std::string_view text, const TargetLine& line, const Piece& piece) {
+  const AxisValues from = told_;
   out_ += in_case_of('G', line);
   out_ += line.divided.is_rapid ? '0' : '1';
   for (std::size_t axis = 0; axis < axis_count_; ++axis) {
@@ -255,10 +337,9 @@ void TargetWriter::append_piece(std::string_view text, const TargetLine& line, c
     append_word(out_, 'E', line);
     append_extrusion(out_, text, line, piece);
   }
-  const TextRange feed = line.divided.feed;
-  if (with_feed && !feed.is_empty()) {
-    if (line.with_blank) out_ += ' ';
-    out_.append(text, feed.begin, feed.end - feed.begin);
+  if (const std::optional<double> feed = word_of_feed(line, piece, from)) {
+    append_word(out_, 'F', line);
+    append_feed(out_, *feed);
   }
 }
 

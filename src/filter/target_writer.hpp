@@ -2,6 +2,7 @@
 
 // Private to io: lines with corrected targets.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,8 +26,11 @@ class TargetWriter {
                     std::span<const AxisValues> targets);
   /// A line that calls the place it finds by other numbers: the controller stands where it was told.
   void call(std::string_view text, const TargetLine& line);
-  /// A line that is passed through.
-  void pass(std::string_view text, const TargetLine& line);
+  /// Whether a motion is longer or shorter than it was, and so takes another time: nobody knows its feed.
+  bool has_unknown_feed() const { return has_unknown_feed_; }
+  /// A line that is passed through, behind one that states the program's feed where another is in force.
+  /// @returns how many lines there are more than before.
+  std::size_t pass(std::string_view text, std::string_view end, const TargetLine& line);
 
  private:
   struct Edit {
@@ -35,13 +39,17 @@ class TargetWriter {
   };
   struct Piece;
 
+  std::size_t restore_feed(std::string_view end, const TargetLine& line);
   void edit_line(std::string_view text, const TargetLine& line, const Piece& piece);
   void drop_arc(const TargetLine& line);
   void edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target);
-  void drop_feed(std::string_view text, const TargetLine& line);
+  double length_of(const AxisValues& from, const AxisValues& to, const TargetLine& line) const;
+  std::optional<double> feed_of(const TargetLine& line, const Piece& piece, const AxisValues& from);
+  std::optional<double> word_of_feed(const TargetLine& line, const Piece& piece, const AxisValues& from);
+  void edit_feed(std::string_view text, const TargetLine& line, const Piece& piece, const AxisValues& from);
   void edit_extrusion(std::string_view text, const TargetLine& line, const Piece& piece);
   static void append_extrusion(std::string& to, std::string_view text, const TargetLine& line, const Piece& piece);
-  void append_piece(std::string_view text, const TargetLine& line, const Piece& piece, bool with_feed);
+  void append_piece(std::string_view text, const TargetLine& line, const Piece& piece);
   void begin_edit(std::size_t begin, std::size_t end);
   void end_edit();
   void apply(std::string_view text, const TargetLine& line);
@@ -53,6 +61,8 @@ class TargetWriter {
   std::string& out_;
   std::size_t axis_count_;
   AxisValues told_{};
+  std::optional<double> told_feed_ = {};  ///< nothing: that which the program has stated
+  bool has_unknown_feed_ = false;
   std::vector<Edit> edits_;  ///< in order of their places
   std::string edited_;       ///< their texts
 };

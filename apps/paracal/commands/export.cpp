@@ -106,8 +106,8 @@ void run(const ExportArguments& options, Session& session) {
   }
   if (!options.filter.is_empty()) {
     throw WrongUsage(
-        "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --harmless, --partial, --check and "
-        "--header: expected with --target gcode or csv alone");
+        "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless, --harmless-words, "
+        "--in-place, --partial, --check and --header: expected with --target gcode or csv alone");
   }
   if (folder) return export_configuration(*folder, robot, errors, origin, session);
   options.target == "json" ? export_json(robot, errors, origin, session)
@@ -171,9 +171,17 @@ void add_export(Command& program, Session& session) {
   add_dialect_option(*command, options->filter.dialect);
   command->add_option("--work-offsets", options->filter.work_offsets,
                       "gcode: LinuxCNC's parameter file (linuxcnc.var, in mm), which says where G54 to G59.3 lie");
+  command->add_option("--tools", options->filter.tools,
+                      "gcode: LinuxCNC's tool table (tool.tbl, in mm) with the lengths that G43 adds; --origin is then "
+                      "that of a tool without length");
   command->add_option("--harmless", options->filter.harmless,
-                      "gcode: a macro that leaves plate, origin and modes as they are, such as TIMELAPSE_TAKE_FRAME; "
-                      "may be given again");
+                      "gcode: a macro or code that leaves plate, origin and modes as they are, such as "
+                      "TIMELAPSE_TAKE_FRAME or G187; may be given again");
+  command->add_option("--harmless-words", options->filter.harmless_words,
+                      "gcode: a file of such words, one a line; # begins a comment");
+  command->add_flag("--in-place", options->filter.in_place,
+                    "gcode, csv: replace the input file, as a slicer's post-processing script does; exit code 0 where "
+                    "only approach and retreat stay uncorrected");
   command->add_flag("--check", options->filter.check,
                     "gcode, csv: write no text, but what would happen and which targets move farthest; exit code 1 "
                     "where the file would be refused or left in parts");

@@ -34,9 +34,36 @@ io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot)
   }
   if (options.chord_mm) gcode.chord = *options.chord_mm;
   gcode.harmless = options.harmless;
+  if (!options.harmless_words.empty()) {
+    for (std::string& word : io::read_harmless_words(io::read_file(options.harmless_words))) {
+      gcode.harmless.push_back(std::move(word));
+    }
+  }
   gcode.dialect = options.dialect.value_or(io::GcodeDialect::any);
   if (!options.work_offsets.empty()) gcode.offsets = io::read_work_offsets(io::read_file(options.work_offsets));
+  if (!options.tools.empty()) gcode.tools = io::read_tool_table(io::read_file(options.tools));
   return gcode;
+}
+
+/// @throws WrongUsage for options that contradict each other.
+void check_options(const FilterOptions& options, bool is_gcode, const Session& session) {
+  if (options.check && (options.partial || options.header || options.in_place)) {
+    throw WrongUsage("--check: expected without --partial, --header and --in-place: it writes no text");
+  }
+  if (options.in_place && (options.input.empty() || options.input == "-" || !session.out().empty())) {
+    throw WrongUsage("--in-place: expected with --input FILE and without --out");
+  }
+  if (options.chord_mm && !(*options.chord_mm > 0.0 && std::isfinite(*options.chord_mm))) {
+    throw WrongUsage(fmt::format("--chord-mm: expected a length above 0, got {}", *options.chord_mm));
+  }
+  if (session.json() && session.out().empty() && !options.check && !options.in_place) {
+    throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
+  }
+  if (!is_gcode && !options.is_of_tables()) {
+    throw WrongUsage(
+        "--origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless and --harmless-words: expected "
+        "with --target gcode alone");
+  }
 }
 
 /// What the controller must be told for some poses, to try the chain of program, post-processor and controller.
@@ -139,15 +166,16 @@ std::string parts_text(const io::FilterSummary& summary) {
   }
   if (count == 0) return {};
   return fmt::format(
-      "  corrected in parts: {} lines, the first in line {}, are left where they count: there the plate jumps by the "
-      "correction, or the machine works without it\n",
+      "  corrected in parts: {} lines, the first in line {}, are left where they count: there the machine works "
+      "without "
+      "the correction\n",
       count, first);
 }
 
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
   if (summary.added > 0) {
-    text += fmt::format("  {} lines added: arcs in chords, divided lines, cycles\n", summary.added);
+    text += fmt::format("  {} lines added: arcs in chords, divided lines, feeds\n", summary.added);
   }
   for (const std::string& one : summary.assumed) text += fmt::format("  assumed: {}\n", one);
   if (summary.outside > 0) {
@@ -214,20 +242,8 @@ std::string checked_text(const std::string& name, const io::FilterSummary& summa
 
 void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
                  const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
-  if (options.check && (options.partial || options.header)) {
-    throw WrongUsage("--check: expected without --partial and --header: it writes no text");
-  }
-  if (options.chord_mm && !(*options.chord_mm > 0.0 && std::isfinite(*options.chord_mm))) {
-    throw WrongUsage(fmt::format("--chord-mm: expected a length above 0, got {}", *options.chord_mm));
-  }
-  if (session.json() && session.out().empty() && !options.check) {
-    throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
-  }
   const bool is_gcode = target == "gcode";
-  if (!is_gcode && !options.is_of_tables()) {
-    throw WrongUsage(
-        "--origin, --start, --chord-mm, --dialect, --work-offsets and --harmless: expected with --target gcode alone");
-  }
+  check_options(options, is_gcode, session);
   io::GcodeOptions gcode = gcode_options(options, robot);
   gcode.threads = session.threads();
   const TargetCorrection correction(robot, errors);
@@ -241,7 +257,11 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
   io::Spool spool;
   io::TextSink sink = [&spool](std::string_view text) { spool.write(text); };
-  if (options.partial) sink = session.result_sink();
+  const auto result_sink = [&] {
+    if (!options.in_place) return session.result_sink();
+    return io::TextSink([&into = session.outputs.begin(options.input)](std::string_view text) { into.write(text); });
+  };
+  if (options.partial) sink = result_sink();
   if (options.check) sink = [](std::string_view) {};
   if (options.header) sink = HeaderSink(sink, is_gcode ? ";" : "#", header_lines(robot, origin, tests));
 
@@ -249,7 +269,7 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
                                              : io::filter_pose_table(in, sink, correction, session.threads());
   if (!options.partial && !options.check) {
     require_whole(in.name, summary);
-    spool.read(session.result_sink());
+    spool.read(result_sink());
   }
   io::Json json{{"target", target}, {"input", in.name}};
   json.update(io::to_json(robot, origin));
@@ -264,7 +284,9 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   } else {
     session.say_when_done(summary_text(in.name, summary) + parts_text(summary));
   }
-  if (!summary.complete()) session.exit_code = kVerdictIsNo;
+  // A slicer takes anything but 0 for a failure.
+  const bool is_done = summary.complete() || (options.in_place && summary.whole());
+  if (!is_done) session.exit_code = kVerdictIsNo;
 }
 
 }  // namespace paracal::app

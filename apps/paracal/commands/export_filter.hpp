@@ -30,15 +30,19 @@ struct FilterOptions {
   bool partial = false;  ///< what cannot be corrected stays as it is; without it the whole file is refused
   bool check = false;    ///< nothing is written but what would happen
   std::optional<double> chord_mm = {};
-  std::vector<std::string> harmless = {};  ///< macros
+  bool in_place = false;                   ///< the file is replaced by its corrected text
+  std::vector<std::string> harmless = {};  ///< macros and codes
+  std::string harmless_words = {};         ///< a file of them
   std::optional<io::GcodeDialect> dialect = {};
   std::string work_offsets = {};  ///< LinuxCNC's parameter file
+  std::string tools = {};         ///< LinuxCNC's tool table
 
   /// Whether none of them speaks of programs alone.
   bool is_of_tables() const {
-    return origin.empty() && start.empty() && !chord_mm && harmless.empty() && work_offsets.empty() && !dialect;
+    return origin.empty() && start.empty() && !chord_mm && harmless.empty() && harmless_words.empty() &&
+           work_offsets.empty() && tools.empty() && !dialect;
   }
-  bool is_empty() const { return input.empty() && !header && !partial && !check && is_of_tables(); }
+  bool is_empty() const { return input.empty() && !header && !partial && !check && !in_place && is_of_tables(); }
 };
 
 /// Corrects the targets of a file on its way to --out or standard output, and says what it did.

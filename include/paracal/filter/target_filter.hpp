@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,9 +20,8 @@ struct PassedThrough {
   std::string_view reason;
   std::int64_t count = 0;
   std::int64_t first_line = 0;  ///< from 1
-  /// How many of them stand among corrected targets, and the first: between two, where the plate jumps by the
-  /// correction, or on the way to a motion of the program's work (at feed across the part, extruding, drilling) that is
-  /// left.
+  /// How many of them count, and the first: at feed between two corrected targets, where the plate jumps by the
+  /// correction, or a motion of the program's work (at feed across the part, extruding).
   std::int64_t between = 0, first_between = 0;
 };
 
@@ -38,7 +38,7 @@ struct CorrectedTarget {
 struct FilterSummary {
   std::int64_t lines = 0;
   std::int64_t corrected = 0;  ///< targets that are now the corrected ones
-  std::int64_t added = 0;      ///< lines: pieces of ways that one straight line between corrected ends would leave
+  std::int64_t added = 0;  ///< lines: pieces of paths that one straight line between corrected ends would leave, feeds
   std::vector<PassedThrough> passed;
   /// Corrected targets outside of the robot's workspace, and the line of the first.
   std::int64_t outside = 0, first_outside = 0;
@@ -47,8 +47,8 @@ struct FilterSummary {
   std::vector<std::string> assumed;  ///< what was taken for granted, in words
 
   bool complete() const { return passed.empty(); }
-  /// Nothing stands as it was between corrected targets; before the first and after the last approach and retreat may:
-  /// homing, macros, G0, an axis Z alone.
+  /// What stands as it was is approach and retreat alone: homing, rapids, tool changes; before the first corrected
+  /// target and after the last macros and motions along Z, too.
   bool whole() const {
     return std::ranges::all_of(passed, [](const PassedThrough& one) { return one.between == 0; });
   }
@@ -70,6 +70,17 @@ struct WorkOffsets {
 /// @throws InputFileError when a line is no such pair, or what it states makes no sense.
 WorkOffsets read_work_offsets(const TextFile& file);
 
+/// Offsets of tools by their numbers: X, Y, Z in mm and C in deg.
+using ToolTable = std::map<int, std::array<double, 4>>;
+
+/// LinuxCNC's tool table (tool.tbl), in mm: T1 P1 Z50.2 D6 ;comment. Axes that are not stated are 0.
+/// @throws InputFileError for other lines, and for a tool that comes twice.
+ToolTable read_tool_table(const TextFile& file);
+
+/// Words that move nothing, one a line: macros (TIMELAPSE_TAKE_FRAME) and codes (G187, M905); # begins a comment.
+/// @throws InputFileError for lines of several words, and for codes that move axes.
+std::vector<std::string> read_harmless_words(const TextFile& file);
+
 /// Who is to read a program, as far as controllers read programs differently.
 enum class GcodeDialect : std::uint8_t {
   any,  ///< what they do not agree on is not known
@@ -87,18 +98,22 @@ struct GcodeOptions {
   /// How far the plate may leave an arc or a straight line between corrected targets, mm.
   double chord = 0.01;
   GcodeDialect dialect = GcodeDialect::any;
-  /// Macros and commands of the firmware that leave the plate, the origin and modes as they are.
+  /// Macros and codes that leave the plate, the origin and modes as they are.
   std::vector<std::string> harmless = {};
+  /// With it `origin` is that of a tool without length, and G43 adds the tool's; without it that of the first tool.
+  std::optional<ToolTable> tools = {};
   /// G54 to G59.3 and G53 are corrected as far as these, or the program (G10 L2), say where they lie.
-  WorkOffsets offsets = {.is_shifted = true};
+  /// Where they do not, no G92 is taken to hold before the first line.
+  WorkOffsets offsets = {};
   unsigned threads = 0;  ///< of the correction; 0: one a core. The text does not depend on it.
 };
 
 /// G-code (RS-274, RepRap) with X, Y, Z and C (phi, deg) of its motions G0 to G3 replaced by the corrected target; arcs
-/// become chords, lines along which the correction bends are divided; everything else is left byte for byte. What
-/// cannot be corrected without guessing is passed through and counted; docs/controllers.md has the list. Memory does
-/// not grow with the file.
-/// @throws InputFileError when `in` cannot be read to its end.
+/// become chords, lines along which the correction bends are divided; F is stated anew where a block would take another
+/// time; everything else is left byte for byte. What cannot be corrected without guessing is passed through and
+/// counted; docs/controllers.md has the list. Memory does not grow with the file.
+/// @throws InputFileError when `in` cannot be read to its end, and with the line for what no filter may rewrite: O
+/// words, parameters, expressions, canned cycles, turned, scaled or offset paths, offsets set on the way.
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                            const GcodeOptions& options = {});
 

@@ -1,0 +1,18 @@
+( Made using CamBam )
+( part )
+G21 G90 G91.1 G64 G40
+G0 Z3.0
+( T0 : 3.0 )
+T0 M6
+( Profile1 )
+G17
+M3 S1000
+G0 X-11.5 Y0.0
+G0 Z1.0
+G1 F300.0 Z-1.0
+G2 F800.0 X0.0 Y11.5 I11.5 J0.0
+G2 X11.5 Y0.0 I0.0 J-11.5
+G1 X-11.5 Y0.0
+G0 Z3.0
+M5
+M30

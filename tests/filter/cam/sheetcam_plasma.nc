@@ -1,0 +1,17 @@
+(Filename: part.tap)
+(Post processor: Grbl plasma without height control)
+(Date: 27/11/2026)
+G21 (Units: Metric)
+G90 G91.1 G40
+F1
+M05
+G00 X-20.0000 Y4.5000
+M03
+G04 P0.5
+F2400.0
+G01 X-16.0000 Y4.5000
+G03 X-12.0000 Y8.5000 I0.0000 J4.0000
+G01 X-12.0000 Y30.0000
+M05
+G00 X0.0000 Y0.0000
+M30

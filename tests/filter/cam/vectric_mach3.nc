@@ -1,0 +1,29 @@
+( sign )
+( File created: Friday, November 27, 2026 - 10:00 AM)
+( for Mach2/3 from Vectric )
+( Material Size)
+( X= 60.000, Y= 40.000, Z= 6.000)
+()
+(Toolpaths used in this file:)
+(Profile 1)
+(Tools used in this file: )
+(1 = End Mill {3 mm})
+N110G00G21G17G90G40G49G80
+N120G71G91.1
+N130T1M06
+N140 (End Mill {3 mm})
+N150G00G43Z10.000H1
+N160S15000M03
+N170(Toolpath:- Profile 1)
+N180()
+N190G94
+N200X0.000Y0.000F1200.0
+N210G00X-20.500Y-15.500Z3.000
+N220G1Z-1.000F400.0
+N230G1Y15.500F1200.0
+N240G2X-20.000Y16.000I0.500J0.000
+N250G1X20.000
+N260G00Z10.000
+N270M09
+N280M30
+%
