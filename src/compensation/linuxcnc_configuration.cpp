@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -44,24 +46,65 @@ double shown_joint(const Robot& robot, double joint) {
   return robot.actuator() == Actuator::linear ? joint : to_degrees(joint);
 }
 
-/// What the workspace asks of each joint, as far as the machine reaches. While rods hang down a joint rises with the
-/// plate, so the extremes lie on the workspace's ends, where a rod is square to them or at their rims.
-std::vector<Travel> joint_travels(const Robot& robot, const CompensatorParameters<double>& parameters,
-                                  const Joints& home) {
+std::optional<CompensatorJoints<double>> joints_at(const CompensatorParameters<double>& parameters, const Pose& pose) {
+  CompensatorJoints<double> joints{};
+  const auto status = compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints);
+  return status == CompensationStatus::ok ? std::optional(joints) : std::nullopt;
+}
+
+/// Calls take(pose, joints) on circles at the ends of the workspace, as far as the machine reaches. While rods hang
+/// down a joint rises with the plate, so extremes lie there, where a rod is square to them or at their rims.
+void on_the_ends(const Robot& robot, const CompensatorParameters<double>& parameters, const auto& take) {
   constexpr int kCircles = 16, kPointsPerCircle = 72;
-  std::vector<Travel> travels;
-  for (const double joint : home) travels.push_back({joint, joint});
   for (int circle = 0; circle <= kCircles; ++circle) {
     Workspace inner = robot.workspace();
     inner.radius *= static_cast<double>(circle) / kCircles;
     for (const Pose& pose : inner.rim(kPointsPerCircle)) {
-      CompensatorJoints<double> joints{};
-      const auto status = compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints);
-      if (status != CompensationStatus::ok) continue;
-      for (std::size_t i = 0; i < travels.size(); ++i) travels[i].reach(joints[i]);
+      if (const auto joints = joints_at(parameters, pose)) take(pose, *joints);
     }
   }
+}
+
+/// What the workspace asks of each joint.
+std::vector<Travel> joint_travels(const Robot& robot, const CompensatorParameters<double>& parameters,
+                                  const Joints& home) {
+  std::vector<Travel> travels;
+  for (const double joint : home) travels.push_back({joint, joint});
+  on_the_ends(robot, parameters, [&](const Pose&, const CompensatorJoints<double>& joints) {
+    for (std::size_t i = 0; i < travels.size(); ++i) travels[i].reach(joints[i]);
+  });
   return travels;
+}
+
+/// The joint that moves fastest while the plate moves and turns as fast as it may, in whatever direction, deg/s or
+/// mm/s: |dq/dr| v + |dq/dphi| w.
+double fastest_joint(const Robot& robot, const CompensatorParameters<double>& parameters) {
+  constexpr double kStep = 0.01;  // mm and, for a lever of 100 mm, 1e-4 rad
+  constexpr double kTurn = 1e-4;  // rad
+  double fastest = 0.0;
+  on_the_ends(robot, parameters, [&](const Pose& pose, const CompensatorJoints<double>& joints) {
+    Eigen::Matrix3Xd by_place = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(robot.limb_count()));
+    Eigen::VectorXd by_turn = Eigen::VectorXd::Zero(by_place.cols());
+    for (int axis = 0; axis < 4; ++axis) {
+      Pose moved = pose;
+      axis < 3 ? moved.position[axis] += kStep : moved.rotation += robot.slide() ? kTurn : 0.0;
+      const auto there = joints_at(parameters, moved);
+      for (Eigen::Index i = 0; there && i < by_place.cols(); ++i) {
+        const double change = (*there)[static_cast<std::size_t>(i)] - joints[static_cast<std::size_t>(i)];
+        axis < 3 ? by_place(axis, i) = change / kStep : by_turn[i] = change / kTurn;
+      }
+    }
+    const Eigen::VectorXd speeds =
+        kLinearSpeed * by_place.colwise().norm().transpose() + to_radians(kTurningSpeed) * by_turn.cwiseAbs();
+    fastest = std::max(fastest, shown_joint(robot, speeds.maxCoeff()));
+  });
+  return fastest;
+}
+
+/// By how much the sample speeds of the axes are reduced so that no joint is asked for more than its own; two digits.
+double share_of_speeds(const Robot& robot, const SourceErrors& errors) {
+  const double share = joint_sample(robot).speed / fastest_joint(robot, compensator_parameters<double>(robot, errors));
+  return std::min(1.0, std::floor(100.0 * share) / 100.0);
 }
 
 /// As people type it.
@@ -77,12 +120,13 @@ std::string axis(char letter, const Travel& travel, double sample_speed) {
   return filled_template("linuxcnc_axis.ini", values);
 }
 
-std::string axes(const Robot& robot) {
+std::string axes(const Robot& robot, double share) {
   const Workspace& whole = robot.workspace();
   const Travel level{-whole.radius, whole.radius}, height{whole.top_z - whole.height, whole.top_z};
-  std::string text = axis('X', level, kLinearSpeed) + axis('Y', level, kLinearSpeed) + axis('Z', height, kLinearSpeed);
+  const double linear = share * kLinearSpeed;
+  std::string text = axis('X', level, linear) + axis('Y', level, linear) + axis('Z', height, linear);
   if (!robot.slide()) return text;
-  return text + axis('C', {to_degrees(whole.min_rotation), to_degrees(whole.max_rotation)}, kTurningSpeed);
+  return text + axis('C', {to_degrees(whole.min_rotation), to_degrees(whole.max_rotation)}, share * kTurningSpeed);
 }
 
 std::string joint(const Robot& robot, std::size_t number, const Travel& travel, double home) {
@@ -143,7 +187,13 @@ std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, co
   const JointSample sample = joint_sample(robot);
   Values values = head(robot, origin);
   values.emplace_back("COORDINATES", robot.slide() ? "XYZC" : "XYZ");
-  values.emplace_back("AXES", axes(robot));
+  const double share = share_of_speeds(robot, errors);
+  values.emplace_back("AXES", axes(robot, share));
+  values.emplace_back("LINEAR_SPEED", number(share * kLinearSpeed));
+  values.emplace_back("LINEAR_ACCELERATION", number(10.0 * share * kLinearSpeed));
+  values.emplace_back("TURNING_SPEED", number(share * kTurningSpeed));
+  values.emplace_back("TURNING_ACCELERATION", number(10.0 * share * kTurningSpeed));
+  values.emplace_back("DEFAULT_SPEED", number(std::min(100.0, share * kLinearSpeed)));
   values.emplace_back("JOINTS", joints(robot, errors));
   values.emplace_back("LOOPS", motor_loops(robot));
   values.emplace_back("MARGIN", number(sample.margin));

@@ -4,6 +4,7 @@
 
 #include "io/columns.hpp"
 #include "io/line_reader.hpp"
+#include "joint_loads.hpp"
 #include "passed_tally.hpp"
 #include "path_division.hpp"
 #include "target_line.hpp"
@@ -68,6 +69,7 @@ struct Filtering {
   TargetWriter writer;  ///< of as many axes as limbs
   FilterSummary summary = {};
   TargetAccount account{correction.robot(), settings.origin, summary};
+  JointLoads loads{correction, settings.origin, summary};
   PassedTally tally = {};
 };
 
@@ -173,6 +175,7 @@ class Passage {
     if (!is_reached || (line.path.is_arc() && !cut.hindrance.empty())) return pass(line, content, end);
     filtering_.summary.added += static_cast<std::int64_t>(filtering_.writer.write(content, end, line, reached_));
     filtering_.account.add(line, reached_.back());
+    filtering_.loads.add(line);
     filtering_.tally.correct();
   }
 

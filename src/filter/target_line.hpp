@@ -105,6 +105,16 @@ struct TargetLine {
   Weight weight = Weight::approach;
   FeedOfLine feed = {};
   DividedLine divided = {};
+
+  double turned() const { return std::abs(path.to[kRotation] - path.from[kRotation]); }
+  /// How long it takes at its feed; nothing where that is not known.
+  std::optional<double> seconds() const {
+    constexpr double kMinute = 60.0;  // s
+    const double length = feed.counted(path.length(), turned(), mm_per_unit);
+    const bool is_known = feed.is_governed && starts_known && feed.value && *feed.value > 0.0 && length > 0.0;
+    if (!is_known) return std::nullopt;
+    return kMinute * (feed.rule == FeedOfLine::Rule::inverse_time ? 1.0 : length) / *feed.value;
+  }
 };
 
 /// What differs between formats.

@@ -259,8 +259,7 @@ std::optional<double> TargetWriter::feed_of(const TargetLine& line, const Piece&
   const auto count = static_cast<double>(piece.count);
   if (feed.rule == FeedOfLine::Rule::inverse_time)
     return feed.value ? std::optional(*feed.value * count) : std::nullopt;
-  const double turned = axis_count_ == kAxes ? std::abs(line.path.to[kRotation] - line.path.from[kRotation]) : 0.0;
-  const double before = feed.counted(line.path.length(), turned, line.mm_per_unit);
+  const double before = feed.counted(line.path.length(), line.turned(), line.mm_per_unit);
   const double after = length_of(from, told_, line);
   if (before == 0.0 || after == 0.0) return feed.value;
   const double ratio = after * count / before;

@@ -75,6 +75,9 @@ Json to_json(const Robot& robot) {
   if (!robot.controller_origin().isZero(0.0)) {
     json["controller"] = {{"origin_mm", json_array(robot.controller_origin())}};
   }
+  if (const auto& limits = robot.joint_limits()) {
+    for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator())) json["joints"][key] = value;
+  }
   for (const auto& limb : intended_values(robot)) {
     Json values = Json::object();
     for (const auto& [key, numbers] : limb) {

@@ -30,6 +30,20 @@ std::string file_key(Source source, Actuator actuator) {
                      inside == Unit::mm_per_m ? "mm_per_m" : paracal::file_unit(inside));
 }
 
+std::string joint_speed_key(Actuator actuator) {
+  return fmt::format("max_speed_{}_per_s", file_unit(joint_unit(actuator)));
+}
+
+std::string joint_acceleration_key(Actuator actuator) {
+  return fmt::format("max_acceleration_{}_per_s2", file_unit(joint_unit(actuator)));
+}
+
+std::array<std::pair<std::string, double>, 2> joint_limits_in_file(const JointLimits& limits, Actuator actuator) {
+  const auto value = [&](double limit) { return swings_arm(actuator) ? tidy_degrees(limit) : limit; };
+  return {{{joint_speed_key(actuator), value(limits.speed)},
+           {joint_acceleration_key(actuator), value(limits.acceleration)}}};
+}
+
 std::vector<Source> leading_sources(Actuator actuator) {
   std::vector<Source> sources;
   for (const Source source : sources_of(actuator)) {

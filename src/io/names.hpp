@@ -2,11 +2,14 @@
 
 // Private to io: names and units as they stand in files.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 #include "paracal/mechanism/tolerances.hpp"
 #include "paracal/units.hpp"
@@ -20,6 +23,11 @@ std::string_view actuator_name(Actuator actuator);
 
 /// "deg" or "mm".
 std::string_view file_unit(Source source, Actuator actuator);
+
+/// A robot's [joints] in a file: "max_speed_deg_per_s" or "max_speed_mm_per_s", and so on, with their values.
+std::array<std::pair<std::string, double>, 2> joint_limits_in_file(const JointLimits& limits, Actuator actuator);
+std::string joint_speed_key(Actuator actuator);
+std::string joint_acceleration_key(Actuator actuator);
 
 /// Factor from mm or rad to that unit.
 double file_factor(Source source, Actuator actuator);

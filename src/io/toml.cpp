@@ -111,6 +111,14 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
     robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
     controller->refuse_others();
   }
+  if (auto joints = root.optional_table("joints")) {
+    const Actuator actuator = robot.geometry.actuator;
+    const auto limit = [&](const std::string& key) {
+      return from_file_unit(joint_unit(actuator), joints->number(key));
+    };
+    robot.joint_limits = {limit(joint_speed_key(actuator)), limit(joint_acceleration_key(actuator))};
+    joints->refuse_others();
+  }
   root.refuse_others();
   return robot;
 }
@@ -177,6 +185,11 @@ std::string robot_toml(const Robot& robot) {
   if (workspace.max_tilt > 0.0) fmt::format_to(out, "tilt_deg = {}\n", tidy_degrees(workspace.max_tilt));
   if (!robot.controller_origin().isZero(0.0)) {
     fmt::format_to(out, "\n[controller]\norigin_mm = {}\n", array(robot.controller_origin()));
+  }
+  if (const auto& limits = robot.joint_limits()) {
+    text += "\n[joints]\n";
+    for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator()))
+      fmt::format_to(out, "{} = {}\n", key, value);
   }
   for (const auto& limb : intended_values(robot)) text.append("\n").append(limb_toml(limb));
   if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.actuator()));

@@ -201,6 +201,11 @@ Machine checked_nominal(RobotDescription& description) {
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
   check_intended(description);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
+  const auto is_limit = [](double value) { return value > 0.0 && std::isfinite(value); };
+  if (const auto& limits = description.joint_limits;
+      limits && !(is_limit(limits->speed) && is_limit(limits->acceleration))) {
+    throw InvalidArgument("joints: expected a largest speed and a largest acceleration above 0");
+  }
   Machine nominal = build(description, SourceErrors{});
   check_reach(nominal, description.workspace);
   if (nominal.on_single_rods()) detail::check_hold(nominal, description.geometry, description.workspace);

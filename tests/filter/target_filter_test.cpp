@@ -484,6 +484,51 @@ TEST_F(Gcode, ToolsHaveTheLengthsOfTheirTable) {
   }
 }
 
+/// Speed and acceleration against differences of the joints that a controller takes along the block, many times finer.
+TEST_F(Gcode, JointLoadsAreThoseAlongTheBlock) {
+  RobotDescription described = robot.description();
+  described.joint_limits = {to_radians(30.0), to_radians(500.0)};
+  const Robot limited(described);
+  const TargetCorrection of_limited{limited, test::table4_machine(robot, 1)};
+  const Filtered result =
+      filtered_gcode("G0 X-200 Y0 Z-888 C0\nG1 X200 Y100 C30 F24000\nG0 X0\nG93 G1 Y0 F60\n", of_limited);
+  ASSERT_THAT(result.summary.hardest, SizeIs(2));  // no rapid
+  EXPECT_EQ(result.summary.over_limit, 1);
+  EXPECT_EQ(result.summary.first_over_limit, 2);
+  const JointLoad& load = result.summary.hardest.front();
+  EXPECT_EQ(load.line, 2);
+  constexpr int kSteps = 400;
+  const double seconds = std::hypot(400.0, 100.0) / 400.0, per_step = kSteps / seconds;
+  std::vector<CompensatorJoints<double>> joints(kSteps + 1);
+  for (int k = 0; k <= kSteps; ++k) {
+    const double t = static_cast<double>(k) / kSteps;
+    ASSERT_EQ(of_limited.compensator().compensate({-200 + 400 * t, 100 * t, -888, to_radians(30 * t)},
+                                                  joints[static_cast<std::size_t>(k)]),
+              CompensationStatus::ok);
+  }
+  double of_limit = 0.0, speed_then = 0.0, acceleration_then = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    double speed = 0.0, acceleration = 0.0;
+    for (std::size_t k = 1; k < kSteps; ++k) {
+      speed = std::max(speed, std::abs(joints[k + 1][i] - joints[k][i]) * per_step);
+      acceleration = std::max(acceleration,
+                              std::abs(joints[k + 1][i] - 2 * joints[k][i] + joints[k - 1][i]) * per_step * per_step);
+    }
+    const double share = std::max(speed / to_radians(30.0), acceleration / to_radians(500.0));
+    if (share < of_limit) continue;
+    of_limit = share;
+    speed_then = speed;
+    acceleration_then = acceleration;
+  }
+  EXPECT_NEAR(load.of_limit / of_limit, 1.0, 0.1);
+  EXPECT_NEAR(load.speed / speed_then, 1.0, 0.1);
+  EXPECT_NEAR(load.acceleration / acceleration_then, 1.0, 0.15);
+  EXPECT_EQ(result.summary.hardest.back().line, 4);
+  const double last = std::max(result.summary.hardest.back().speed, 1e-9);  // 50 to 0 mm in a second, as G93 has it
+  EXPECT_GT(last, to_radians(1.0));
+  EXPECT_LT(last, to_radians(30.0));
+}
+
 TEST_F(Gcode, HarmlessWordsAreOneALine) {
   EXPECT_THAT(read_harmless_words({"words.txt", "# ours\nsnap # a photo\n\nM905\nG187\n"}),
               testing::ElementsAre("SNAP", "M905", "G187"));

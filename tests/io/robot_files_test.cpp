@@ -82,6 +82,9 @@ TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
   refused("\n[[limb]]\nrod_mean_mm = nan\n[[limb]]\n[[limb]]\n", "rod_mean");
   refused("\n[controller]\norigin_mm = [0, 1]\n", "origin_mm");
   refused("\n[controller]\n", "origin_mm");
+  refused("\n[joints]\nmax_speed_deg_per_s = 90\n", "max_acceleration_deg_per_s2");
+  refused("\n[joints]\nmax_speed_mm_per_s = 90\nmax_acceleration_mm_per_s2 = 9\n", "max_speed_deg_per_s");
+  refused("\n[joints]\nmax_speed_deg_per_s = 0\nmax_acceleration_deg_per_s2 = 9\n", "above 0");
 }
 
 TEST(RobotFile, RefusesMoreLimbsThanAnyRobotHas) {

@@ -25,6 +25,7 @@ RobotDescription unlike_limbs() {
     robot.intended(limb, Source::alpha0) = to_radians(6.0 * k);
   }
   robot.controller_origin = {3.0, -2.0, -1100.0};
+  robot.joint_limits = {to_radians(200.0), to_radians(4000.0)};
   return robot;
 }
 

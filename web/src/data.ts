@@ -27,6 +27,7 @@ export interface Robot {
   plate?: Plate;
   workspace: Workspace;
   controller?: Controller;
+  joints?: JointLimits;
   limb?: (Strut | SingleRodOnAnArm | SingleRodOnARail | IntendedLimb)[];
   tolerances?: HalfWidths;
 }
@@ -54,6 +55,12 @@ export interface Workspace {
 }
 export interface Controller {
   origin_mm: Vector;
+}
+export interface JointLimits {
+  max_speed_deg_per_s?: number;
+  max_acceleration_deg_per_s2?: number;
+  max_speed_mm_per_s?: number;
+  max_acceleration_mm_per_s2?: number;
 }
 export interface Strut {
   kind: "strut";

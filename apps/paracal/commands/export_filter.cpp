@@ -135,7 +135,20 @@ class HeaderSink {
   std::vector<std::string> lines_;
 };
 
-io::Json summary_json(const io::FilterSummary& summary) {
+io::Json loads_json(const io::FilterSummary& summary, Actuator actuator) {
+  const Unit unit = joint_unit(actuator);
+  io::Json loads = io::Json::array();
+  for (const io::JointLoad& one : summary.hardest) {
+    loads.push_back({{"line", one.line},
+                     {"joint", one.joint},
+                     {fmt::format("speed_{}_per_s", file_unit(unit)), to_file_unit(unit, one.speed)},
+                     {fmt::format("acceleration_{}_per_s2", file_unit(unit)), to_file_unit(unit, one.acceleration)},
+                     {"of_limit", one.of_limit}});
+  }
+  return loads;
+}
+
+io::Json summary_json(const io::FilterSummary& summary, Actuator actuator) {
   io::Json passed = io::Json::array();
   for (const io::PassedThrough& one : summary.passed) {
     passed.push_back(
@@ -154,6 +167,8 @@ io::Json summary_json(const io::FilterSummary& summary) {
           {"passed", passed},
           {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
           {"farthest", farthest},
+          {"joints_over_limit", {{"count", summary.over_limit}, {"first_line", summary.first_over_limit}}},
+          {"hardest_blocks", loads_json(summary, actuator)},
           {"assumed", summary.assumed}};
 }
 
@@ -181,6 +196,12 @@ std::string summary_text(const std::string& name, const io::FilterSummary& summa
   if (summary.outside > 0) {
     text += fmt::format("  {} targets outside of the workspace, first in line {}: is --origin right?\n",
                         summary.outside, summary.first_outside);
+  }
+  if (summary.over_limit > 0) {
+    text += fmt::format(
+        "  warning: {} blocks ask a joint for more than [joints] allows, first in line {}: lower F there "
+        "(--check lists the ten hardest)\n",
+        summary.over_limit, summary.first_over_limit);
   }
   for (const io::PassedThrough& one : summary.passed) {
     text += fmt::format("  passed through: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
@@ -230,11 +251,24 @@ void require_whole(const std::string& name, const io::FilterSummary& summary) {
                   first.reason, count(first), is_between ? " among targets that can" : "", others, summary.corrected));
 }
 
-std::string checked_text(const std::string& name, const io::FilterSummary& summary) {
+/// The blocks that ask the most of a joint.
+std::string hardest_text(const io::FilterSummary& summary, Actuator actuator) {
+  const Unit unit = joint_unit(actuator);
+  std::string text = fmt::format("blocks that ask the most of a joint, {0}/s and {0}/s^2:\n", file_unit(unit));
+  text += fmt::format("{:>8} {:>6} {:>12} {:>13} {:>12}\n", "line", "joint", "speed", "acceleration", "of its limit");
+  for (const io::JointLoad& one : summary.hardest) {
+    text += fmt::format("{:>8} {:>6} {:>12.1f} {:>13.0f} {:>10.0f} %\n", one.line, one.joint,
+                        to_file_unit(unit, one.speed), to_file_unit(unit, one.acceleration), 100.0 * one.of_limit);
+  }
+  return text;
+}
+
+std::string checked_text(const std::string& name, const io::FilterSummary& summary, Actuator actuator) {
   std::string text = summary_text(name, summary);
   if (is_refused(summary)) {
     text += "without --partial this file is refused: no target, or not each that counts, can be corrected\n";
   }
+  if (!summary.hardest.empty()) text += hardest_text(summary, actuator);
   return summary.farthest.empty() ? text : text + farthest_text(summary);
 }
 
@@ -273,12 +307,12 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   }
   io::Json json{{"target", target}, {"input", in.name}};
   json.update(io::to_json(robot, origin));
-  json.update(summary_json(summary));
+  json.update(summary_json(summary, robot.actuator()));
   json["refused"] = is_refused(summary);
   json["origin_mm"] = {gcode.origin.x(), gcode.origin.y(), gcode.origin.z()};
   json["self_test"] = tests_json(tests, robot.actuator());
   if (options.check) {
-    session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary));
+    session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary, robot.actuator()));
   } else if (session.json()) {
     session.print_summary(json_text(json));
   } else {

@@ -34,6 +34,14 @@ struct CorrectedTarget {
   double distance() const { return (target.position - wanted.position).norm(); }
 };
 
+/// What a block asks of the joint that it asks the most of, for its limits.
+struct JointLoad {
+  std::int64_t line = 0;                   ///< from 1
+  std::size_t joint = 1;                   ///< from 1
+  double speed = 0.0, acceleration = 0.0;  ///< largest along the block, rad/s and rad/s^2 or mm/s and mm/s^2
+  double of_limit = 0.0;                   ///< the larger of both as a part of its limit
+};
+
 /// What a filter did.
 struct FilterSummary {
   std::int64_t lines = 0;
@@ -44,6 +52,10 @@ struct FilterSummary {
   std::int64_t outside = 0, first_outside = 0;
   /// The ten that the correction moves farthest, that one first.
   std::vector<CorrectedTarget> farthest;
+  /// Of a robot with joint limits: blocks at feed that ask for more, the line of the first, and the ten that ask the
+  /// most, the hardest first.
+  std::int64_t over_limit = 0, first_over_limit = 0;
+  std::vector<JointLoad> hardest;
   std::vector<std::string> assumed;  ///< what was taken for granted, in words
 
   bool complete() const { return passed.empty(); }

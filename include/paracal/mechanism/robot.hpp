@@ -61,6 +61,13 @@ struct Slide {
   double pinion_radius = 0.0;  ///< r_g, mm
 };
 
+/// What drives and mechanics bear, rad/s and rad/s^2 or mm/s and mm/s^2.
+struct JointLimits {
+  double speed = 0.0, acceleration = 0.0;
+
+  bool operator==(const JointLimits&) const = default;
+};
+
 /// Everything a robot is before it is checked. `slide` empty means a rigid plate (Delta).
 struct RobotDescription {
   std::string name;
@@ -73,6 +80,8 @@ struct RobotDescription {
   SourceErrors intended = {};
   /// Where the controller's coordinates, and so a program's, begin in the base frame, mm.
   Eigen::Vector3d controller_origin = Eigen::Vector3d::Zero();
+  /// Of every joint, where they are known.
+  std::optional<JointLimits> joint_limits = {};
 };
 
 /// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
@@ -92,6 +101,7 @@ class Robot {
   const std::optional<Tolerances>& tolerances() const { return description_.tolerances; }
   const SourceErrors& intended() const { return description_.intended; }
   const Eigen::Vector3d& controller_origin() const { return description_.controller_origin; }
+  const std::optional<JointLimits>& joint_limits() const { return description_.joint_limits; }
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const;

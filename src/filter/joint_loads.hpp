@@ -1,0 +1,37 @@
+#pragma once
+
+// Private to the filter: what the blocks of a program ask of the joints.
+
+#include <optional>
+#include <vector>
+
+#include "target_line.hpp"
+
+namespace paracal::io {
+
+/// Speed and acceleration of the joints along each block at its feed,
+///
+///   q' = dq/dt,  q'' = d2q/dt2,  with q(t) of the identified machine at kSteps + 1 even times of the block.
+///
+/// Ramps and corners between blocks belong to the controller.
+class JointLoads {
+ public:
+  JointLoads(const TargetCorrection& correction, const Eigen::Vector3d& origin, FilterSummary& summary)
+      : correction_(correction), origin_(origin), summary_(summary), limits_(correction.robot().joint_limits()) {}
+
+  /// A corrected block. One that does not move at a known feed from a known place asks for nothing known.
+  void add(const TargetLine& line);
+
+ private:
+  static constexpr int kSteps = 8;  ///< a third of the way between two of them is straight for any path in a workspace
+  static constexpr std::size_t kHardest = 10;
+
+  std::optional<JointLoad> load_of(const TargetLine& line, double seconds) const;
+
+  const TargetCorrection& correction_;
+  const Eigen::Vector3d& origin_;
+  FilterSummary& summary_;
+  std::optional<JointLimits> limits_;
+};
+
+}  // namespace paracal::io
