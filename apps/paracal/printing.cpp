@@ -143,15 +143,23 @@ Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& 
       .add_flag("--apply", options.apply,
                 "with --printer: show what changes in the printer.cfg, change it, and keep what it was beside it")
       ->needs(file);
+  command
+      .add_flag(
+          "--accept-shift", options.accept_shift,
+          "with --printer: a common shift of all heights is the bed's, and the new values follow it; without this "
+          "a shift above 0.5 mm is stated and not followed")
+      ->needs(file);
   return file;
 }
 
 namespace {
 
 /// Complaints of numbers that cannot be meant name the file that they came from.
-PrinterCalibration calibrate(const PrinterState& printer, const std::string& file) {
+PrinterCalibration calibrate(const PrinterState& printer, const PrinterOptions& options) {
+  const std::string& file = options.printer.name;
   try {
-    return calibrate_printer(printer.geometry, printer.readings, {.print_radius = printer.print_radius});
+    return calibrate_printer(printer.geometry, printer.readings,
+                             {.print_radius = printer.print_radius, .accepts_shift = options.accept_shift});
   } catch (const InvalidArgument& complaint) {
     throw InputFileError(file, 0, complaint.what());
   } catch (const Unreachable& complaint) {
@@ -188,8 +196,7 @@ std::string kept_name(const std::string& file) {
 std::string write_configuration(const PrinterOptions& options, const PrinterState& printer,
                                 const PrinterCalibration& found, Session& session) {
   if (options.config.empty() && !options.apply) return {};
-  const bool advised = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::take_firmware;
-  if (!advised) return "\nnothing is advised, so no configuration is written\n";
+  if (!found.is_advised()) return "\nnothing is advised, so no configuration is written\n";
   const std::string changed = io::klipper_config(printer.text, found.advised());
   if (!options.config.empty()) session.outputs.write(options.config, changed);
   if (!options.apply) return fmt::format("\nwritten: {}\n", options.config);
@@ -204,10 +211,13 @@ std::string write_configuration(const PrinterOptions& options, const PrinterStat
 }
 
 void check_configuration_options(const PrinterOptions& options, const Session& session) {
-  if (options.apply && !session.out().empty()) {
+  for (const auto& [is_given, option] :
+       {std::pair{options.apply, "--apply"}, {options.accept_shift, "--accept-shift"}}) {
+    if (!is_given || session.out().empty()) continue;
     throw WrongUsage(
-        "--apply: expected no --out with it: a calibration counts its errors from the values that the firmware has; "
-        "apply, then calibrate again");
+        fmt::format("{}: expected no --out with it: a calibration counts its errors from the values that the firmware "
+                    "has; {}, then calibrate again",
+                    option, options.apply ? "apply" : "put the new values into the firmware"));
   }
   const char* name = options.apply ? "--apply" : "--config";
   if (!options.apply && options.config.empty()) return;
@@ -228,7 +238,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
     throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
   }
-  PrinterCalibration found = calibrate(printer, options.printer.name);
+  PrinterCalibration found = calibrate(printer, options);
   found.findings.insert(found.findings.begin(), printer.notes.begin(), printer.notes.end());
   const std::string parameters = parameters_text(write, found.advised());
   found.calibration.files = printer.files;
@@ -243,13 +253,13 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
     write_calibration_page(page, session, found.calibration, json,
                            {.arrows = arrows_of(found, printer.readings), .plan = false});
   }
-  if (found.advice != PrinterAdvice::accept_new) session.exit_code = kVerdictIsNo;
+  const bool is_met = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::accept_shift;
+  if (!is_met) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);
   if (session.json()) return;
   std::string text;
   for (const std::string& finding : found.findings) text += fmt::format("- {}\n", finding);
-  const bool advised = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::take_firmware;
-  if (advised) text.append("\n").append(parameters);
+  if (found.is_advised()) text.append("\n").append(parameters);
   text += written;
   session.print_summary(text);
 }

@@ -43,9 +43,10 @@ struct PrinterOptions {
   std::string write;          ///< empty: as the printer's firmware
   std::string config;         ///< file for the whole changed configuration; empty: none
   bool apply = false;         ///< change the configuration itself, and keep what it was beside it
+  bool accept_shift = false;  ///< a common shift of all heights is the bed's
 };
 
-/// --printer, --firmware, --readings, --write, --config and --apply.
+/// --printer, --firmware, --readings, --write, --config, --apply and --accept-shift.
 /// @returns --printer.
 Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs);
 

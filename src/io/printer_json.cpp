@@ -61,6 +61,13 @@ Json bed_json(const BedFlatness& bed) {
           {"edge_std_mm", bed.edge_std}, {"radius_mm", bed.radius}, {"or_bias_mm", bed.or_bias}};
 }
 
+Json shift_json(const CommonShift& shift) {
+  return {{"is_stated", shift.is_stated},
+          {"is_accepted", shift.is_accepted},
+          {"likely_causes", shift.likely_causes()},
+          {"position_endstop_mm", shift.endstop}};
+}
+
 }  // namespace
 
 Json to_json(const PrinterCalibration& found) {
@@ -81,6 +88,8 @@ Json to_json(const PrinterCalibration& found) {
           {"expected_shape_saved_mm", found.expected_shape},
           {"size", size_json(found.size)},
           {"bed", bed_json(found.bed)},
+          {"common_shift_mm", found.shift.value},
+          {"common_shift", shift_json(found.shift)},
           {"uncheckable", found.uncheckable}};
 }
 

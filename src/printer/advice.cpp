@@ -1,6 +1,7 @@
 #include "advice.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,7 @@
 namespace paracal {
 namespace {
 
-using detail::better, detail::is_enough_of_heights, detail::kCertain;
+using detail::better, detail::is_enough_of_heights, detail::kCertain, detail::lowers_nozzle;
 
 /// As errors of held-out readings are told: "heights 0.123 mm, distances 0.045 mm".
 std::string in_words(const PredictionErrors& errors, bool has_distances) {
@@ -36,6 +37,28 @@ class Findings {
   void say(std::string_view text) { found_.findings.emplace_back(text); }
   bool has_distances() const { return !readings_.distances.empty(); }
   std::size_t count() const { return readings_.heights.size() + readings_.distances.size(); }
+
+  /// What all heights have in common: stated with what may be behind it and how to find out.
+  void common_shift() {
+    const CommonShift& shift = found_.shift;
+    if (!shift.is_stated) return;
+    say(
+        fmt::format("all heights are off by {:+.1f} mm alike: by them the bed stands {:.1f} mm {}: position_endstop "
+                    "{:.1f} {:.1f} {:.1f} (homed height of each tower, mm)",
+                    shift.value, std::abs(shift.value), shift.value > 0.0 ? "higher" : "lower", shift.endstop[0],
+                    shift.endstop[1], shift.endstop[2]));
+    say(fmt::format("likely causes of the common shift: {}", fmt::join(shift.likely_causes(), "; ")));
+    if (shift.is_accepted) {
+      return say("the common shift is accepted (--accept-shift): below, the saved values are those with it");
+    }
+    say(fmt::format(
+        "the common shift is not part of the new values, which leave the bed's centre at the height that the saved "
+        "values give it. To find its cause, lower the nozzle slowly onto a sheet of paper at the bed's centre. Where "
+        "the firmware then shows Z near 0, state the trigger height of the probe (column height_mm, of Klipper "
+        "z_offset). Where it shows Z "
+        "near {:+.1f}, the bed stands there: add --accept-shift",
+        shift.value));
+  }
 
   void saved_values(bool same) {
     constexpr double kBelongs = 1.01;                          // of the optimum's cost
@@ -176,6 +199,10 @@ class Findings {
           heights ? saved.height : saved.distance);
     }
     if (few) return "so few heights hardly test values";
+    if (lowers_nozzle(ours, found_)) {
+      return fmt::format("the new values move the nozzle down by more than {:.1f} mm at the bed's centre",
+                         CommonShift::kLargestUnasked);
+    }
     if (!is_enough_of_heights(ours, found_)) {
       return "heights alone hardly tell the size of prints, and the new values do not explain them so much better that "
              "it would not matter";
@@ -220,6 +247,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
   Findings findings(readings, result);
   if (!implausible.empty()) {
     for (const std::string& one : implausible) findings.say(one);
+    findings.common_shift();
     result.advice = PrinterAdvice::check_input;
     return findings.say("warning: your file or your readings are wrong; nothing is advised before that is found");
   }
@@ -230,6 +258,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
            by.head<3>().abs().maxCoeff() > kSame || by.tail<8>().abs().maxCoeff() > kSame;
   };
   const bool same = !differs(result.written.geometry);
+  findings.common_shift();
   findings.saved_values(same);
   findings.what_can_be_told();
   const std::size_t gross = std::ranges::count(result.calibration.lengths, true, &LengthResidual::excluded);
@@ -245,6 +274,10 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
           "better than it");
     default:
       break;
+  }
+  if (result.shift.is_accepted) {
+    result.advice = PrinterAdvice::accept_shift;
+    return findings.say("accept the saved values with the common shift: nothing shows that another shape is better");
   }
   if (same) return findings.say("nothing to change: the saved values are those of this calibration");
   findings.say(
@@ -264,6 +297,8 @@ std::string_view name(PrinterAdvice advice) {
       return "take_firmware";
     case PrinterAdvice::check_input:
       return "check_input";
+    case PrinterAdvice::accept_shift:
+      return "accept_shift";
     case PrinterAdvice::keep_saved:
       break;
   }

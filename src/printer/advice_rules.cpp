@@ -21,9 +21,14 @@ bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibrati
   return !found.measurements.distances.empty() || values.gain.value >= kMuch;
 }
 
+bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& found) {
+  return !(common_shift(found.saved.geometry, values.geometry) >= -CommonShift::kLargestUnasked);
+}
+
 bool better(const PrinterCandidate& values, const PrinterCalibration& found) {
   constexpr double kLikely = 0.8;
-  if (!found.tested() || values.some_kind_worse || !is_enough_of_heights(values, found)) return false;
+  if (!found.tested() || values.some_kind_worse || lowers_nozzle(values, found) || !is_enough_of_heights(values, found))
+    return false;
   const double likely = found.measurements.distances.empty() || found.bed.is_bowed ? kCertain : kLikely;
   return (values.least_chance() >= kCertain && values.gain.value > 0.0) ||
          (values.least_chance() >= likely && values.gain.low > 0.0);
@@ -34,7 +39,8 @@ namespace {
 /// Seven heights cannot test a fit of six numbers: there the whole calibration, which its priors hold, must predict
 /// what it has not seen better than the saved values do.
 bool better_of_few(const PrinterCalibration& found) {
-  return found.tested() && found.by_firmware.least_chance() >= kCertain && found.written.gain.low > 0.0;
+  return found.tested() && !lowers_nozzle(found.by_firmware, found) && found.by_firmware.least_chance() >= kCertain &&
+         found.written.gain.low > 0.0;
 }
 
 }  // namespace

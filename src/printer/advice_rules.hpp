@@ -14,6 +14,9 @@ inline constexpr double kCertain = 0.95;
 /// square error of held-out heights falling by 5 parts in 6 (a factor of 2.4), are heights enough.
 bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibration& found);
 
+/// Values that move the nozzle at the bed's centre down by more than anybody has asked for.
+bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& found);
+
 /// Better than the saved values by more than chance: by what the calibration knows and by the readings that were held
 /// out; either may be certain alone if the other does not contradict. Heights that were held out say nothing of the
 /// size of prints, and those of a bowed bed the wrong thing: what is known has to be certain of that by itself.

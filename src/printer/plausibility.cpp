@@ -130,6 +130,8 @@ std::vector<std::string> implausible(const DeltaGeometry& geometry, const Printe
 
 namespace {
 
+constexpr double kSteps = 0.2;  // of what the file leaves must be left by steps of another size
+
 /// Two heights of one place that differ by more than any probe.
 std::optional<std::string> contradiction(const DeltaGeometry& saved, const DeltaReadings& readings, double worst) {
   constexpr double kOnePlace = 0.5;   // mm
@@ -171,8 +173,8 @@ std::vector<std::string> complaints_of(const DeltaGeometry& saved, const DeltaFi
 /// What a wrong line in the file, or readings in another order, would explain.
 std::optional<std::string> likely_cause(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaFit& fit,
                                         bool is_wrong, const PrinterLimits& limits) {
-  constexpr double kSteps = 0.2, kOrder = 0.5;  // of what the file leaves must be left
-  constexpr double kNotable = 2.0;              // times what the fit leaves
+  constexpr double kOrder = 0.5;    // of what the file leaves must be left
+  constexpr double kNotable = 2.0;  // times what the fit leaves
   const double left = misfit(saved, readings), best = std::hypot(fit.rms_height, fit.rms_distance);
   if (is_wrong || left > limits.worst_saved) {
     if (auto steps = wrong_steps(saved, readings, std::min(kSteps * left, 5.0 * limits.worst_height))) return steps;
@@ -194,6 +196,10 @@ std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaRead
     complaints.insert(complaints.begin(), std::move(*cause));
   }
   return complaints;
+}
+
+bool has_wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaReadings& shifted) {
+  return wrong_steps(saved, readings, kSteps * misfit(saved, shifted)).has_value();
 }
 
 }  // namespace paracal

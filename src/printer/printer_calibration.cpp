@@ -124,6 +124,11 @@ void reject(const std::vector<std::string>& wrong, Calibration& calibration) {
 
 }  // namespace
 
+bool PrinterCalibration::is_advised() const {
+  return advice == PrinterAdvice::accept_new || advice == PrinterAdvice::take_firmware ||
+         advice == PrinterAdvice::accept_shift;
+}
+
 const DeltaGeometry& PrinterCalibration::advised() const {
   switch (advice) {
     case PrinterAdvice::accept_new:
@@ -135,8 +140,26 @@ const DeltaGeometry& PrinterCalibration::advised() const {
   }
 }
 
-PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
-                                     const PrinterCalibrationOptions& options) {
+namespace {
+
+/// What all heights have in common by the firmware's fit, gross readings left out, unless steps of another size would
+/// explain it better than the shift does.
+CommonShift find_shift(const DeltaGeometry& saved, const DeltaReadings& readings) {
+  const CommonShift none{.endstop = saved.endstop};
+  const auto fit = detail::fit_printer(saved, readings, {});
+  if (!fit || !fit->firmware.ok()) return none;
+  const DeltaReadings good = without_gross(readings, fit->calibration);
+  const double value = common_shift(saved, fit_as_firmware(saved, good).geometry);
+  if (!std::isfinite(value)) return none;
+  const bool is_large = std::abs(value) > CommonShift::kLargestUnasked;
+  return {.value = value,
+          .is_stated = is_large && !has_wrong_steps(saved, good, without_shift(good, value)),
+          .endstop = with_bed_higher(saved, value).endstop};
+}
+
+/// With the readings as they are.
+PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                     const PrinterCalibrationOptions& options, const CommonShift& shift) {
   const double radius = options.print_radius > 0.0 ? options.print_radius : covered_radius(saved, readings);
   const detail::ReadingTrial trial = detail::try_readings(saved, readings, radius);
   const detail::PrinterFitOptions sought{.seeks_bias = trial.bias_is_there, .bow_radius = trial.bow_radius()};
@@ -172,12 +195,28 @@ PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaRead
       .accuracy_before = accuracy_of(known, saved),
       .size = size,
       .bed = trial.bed,
+      .shift = shift,
       .uncheckable = options.tries_gross ? unnoticed(saved, readings, sought) : std::vector<std::string>{},
       .findings = {}};
   const std::vector<std::string> wrong = all_implausible(saved, good, checked);
   detail::advise(readings, wrong, result);
   if (!wrong.empty()) reject(wrong, result.calibration);
   return result;
+}
+
+}  // namespace
+
+PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                     const PrinterCalibrationOptions& options) {
+  CommonShift shift = find_shift(saved, readings);
+  if (!shift.is_stated) return calibrate_as_read(saved, readings, options, shift);
+  if (options.accepts_shift) {
+    shift.is_accepted = true;
+    PrinterCalibration found = calibrate_as_read(with_bed_higher(saved, shift.value), readings, options, shift);
+    if (found.advice != PrinterAdvice::check_input) return found;
+    shift.is_accepted = false;  // nothing is built on a wrong file
+  }
+  return calibrate_as_read(saved, without_shift(readings, shift.value), options, shift);
 }
 
 }  // namespace paracal

@@ -106,6 +106,65 @@ TEST_F(PrinterCommand, WritesNoCalibrationOfValuesThatItReplaces) {
   EXPECT_EQ(folder.read("printer.cfg"), outdated());
 }
 
+/// Every endstop of a configuration so much higher than it is.
+std::string with_endstops_higher(std::string text, double by) {
+  const std::string key = "position_endstop = ";
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+    const std::size_t begin = at + key.size(), end = text.find('\n', begin);
+    text.replace(begin, end - begin, fmt::format("{:.6f}", std::stod(text.substr(begin, end - begin)) + by));
+  }
+  return text;
+}
+
+/// The bed stands 32 mm higher than the file has it: stated, and followed by no line that is printed or written unless
+/// the owner says so. Written down before: what is advised without that moves no endstop by more than 0.5 mm.
+TEST_F(PrinterCommand, FollowsACommonShiftOnlyWhereItIsAccepted) {
+  const std::string saved = with_endstops_higher(outdated(), 32.0);
+  folder.write("printer.cfg", saved);
+  const json apart = json_of(folder.run("calibrate --printer printer.cfg --json"))["printer"];
+  EXPECT_EQ(apart["advice"], "accept_new");
+  EXPECT_NEAR(apart["common_shift_mm"].get<double>(), 32.0, 0.5);
+  EXPECT_EQ(apart["common_shift"]["is_stated"], true);
+  EXPECT_EQ(apart["common_shift"]["is_accepted"], false);
+  EXPECT_EQ(apart["common_shift"]["likely_causes"].size(), 3u);
+  const json accepted = json_of(folder.run("calibrate --printer printer.cfg --accept-shift --json"))["printer"];
+  EXPECT_EQ(accepted["common_shift"]["is_accepted"], true);
+  for (std::size_t tower = 0; tower < 3; ++tower) {
+    const auto endstop = [&](const json& geometry) { return geometry["position_endstop_mm"][tower].get<double>(); };
+    EXPECT_NEAR(endstop(apart["new"]), endstop(apart["saved"]["geometry"]), 0.5);
+    EXPECT_NEAR(endstop(accepted["new"]), endstop(apart["new"]) - 32.0, 0.5);
+    EXPECT_NEAR(endstop(accepted["new"]), endstop(apart["common_shift"]), 0.5);
+  }
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg --apply");
+  EXPECT_THAT(result.out, HasSubstr("mm alike: by them the bed stands 32."));
+  EXPECT_THAT(result.out, HasSubstr("add --accept-shift"));
+  const std::string written = folder.read("printer.cfg");
+  const auto last_endstop = [](const std::string& text) {
+    return std::stod(text.substr(text.rfind("position_endstop = ") + 19));
+  };
+  EXPECT_NEAR(last_endstop(written), last_endstop(saved), 0.5);
+  folder.write("again.cfg", saved);
+  EXPECT_EQ(folder.run("calibrate --printer again.cfg --accept-shift --config new.cfg").exit_code, kDone);
+  EXPECT_NEAR(last_endstop(folder.read("new.cfg")), last_endstop(outdated()), 0.5);
+  const ProgramResult kept = folder.run("calibrate --printer again.cfg --accept-shift --out calibration.json");
+  EXPECT_EQ(kept.exit_code, kWrongUsage);
+  EXPECT_THAT(kept.err, HasSubstr("--accept-shift: expected no --out with it"));
+}
+
+/// Where nothing of the shape is to be changed the saved values follow the shift all the same, and nothing else does.
+TEST_F(PrinterCommand, AnAcceptedShiftMovesTheSavedValues) {
+  folder.write("printer.cfg", with_endstops_higher(config("K18"), -3.0));
+  const ProgramResult apart = folder.run("calibrate --printer printer.cfg --config none.cfg");
+  EXPECT_EQ(apart.exit_code, kVerdictIsNo);
+  EXPECT_THAT(apart.out, HasSubstr("all heights are off by -3.0 mm alike"));
+  EXPECT_THAT(apart.out, HasSubstr("likely causes of the common shift: the trigger height of the probe"));
+  EXPECT_EQ(folder.names(), std::set<std::string>{"printer.cfg"});
+  const ProgramResult accepted = folder.run("calibrate --printer printer.cfg --accept-shift");
+  EXPECT_EQ(accepted.exit_code, kDone);
+  EXPECT_THAT(accepted.out, HasSubstr("accept the saved values with the common shift"));
+  EXPECT_THAT(accepted.out, HasSubstr("#*# [stepper_c]"));
+}
+
 TEST_F(PrinterCommand, SaysWhichLineIsInForce) {
   std::string text = outdated();
   text.insert(text.find("max_velocity"), "delta_radius: 161.0\n");

@@ -111,11 +111,6 @@ INSTANTIATE_TEST_SUITE_P(
               "towers"},
         Wrong{"tower 8 deg off", "K18", [](KlipperSet& set) { set.geometry.tower_angle[1] += to_radians(8.0); },
               "tower B stands +7.9 deg from where towers stand"},
-        Wrong{"endstops 60 mm too high", "K34",
-              [](KlipperSet& set) {
-                for (double& endstop : set.geometry.endstop) endstop += 60.0;
-              },
-              "an endstop of"},
         Wrong{"an endstop 30 mm too high", "K47", [](KlipperSet& set) { set.geometry.endstop[2] += 30.0; },
               "further apart than towers are built"},
         Wrong{"distances in inches", "K18",

@@ -289,7 +289,9 @@ TEST(PrinterCalibration, OfRotaryDeltasPredictsBetterThanTheFirmwaresFit) {
   std::vector<double> heights, distances, shapes;
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const test::RotaryPrinter made = test::rotary_printer(seed);
-    const PrinterCalibration found = calibrate_printer(made.saved, made.readings, {.tries_gross = false});
+    // Its endstops are off, too, by a millimetre and more: the bed does stand there.
+    const PrinterCalibration found =
+        calibrate_printer(made.saved, made.readings, {.tries_gross = false, .accepts_shift = true});
     EXPECT_EQ(found.firmware.parameters, 7);
     heights.push_back(found.written.held_out.height / found.by_firmware.held_out.height);
     distances.push_back(found.written.held_out.distance / found.by_firmware.held_out.distance);

@@ -349,7 +349,7 @@ export interface InputFile {
   sha256: string;
 }
 export interface Printer {
-  advice: "accept_new" | "take_firmware" | "keep_saved" | "check_input";
+  advice: "accept_new" | "take_firmware" | "keep_saved" | "accept_shift" | "check_input";
   findings: string[];
   saved: DeltaFit;
   firmware: DeltaFit;
@@ -365,6 +365,8 @@ export interface Printer {
   expected_shape_saved_mm: number;
   size: PrintSize;
   bed: BedFlatness;
+  common_shift_mm: number;
+  common_shift: CommonShift;
   uncheckable: string[];
   lines: string;
 }
@@ -425,6 +427,12 @@ export interface BedFlatness {
   edge_std_mm: number;
   radius_mm: number;
   or_bias_mm: number;
+}
+export interface CommonShift {
+  is_stated: boolean;
+  is_accepted: boolean;
+  likely_causes: string[];
+  position_endstop_mm: Vector;
 }
 export interface Validation {
   accepted: boolean;

@@ -20,7 +20,7 @@ export const strings = {
   verdict: {
     yes: { calibration: "Calibration accepted", validation: "Machine within its limits", allocation: "Tolerances found", analysis: "Limits kept at 3 sigma", yield: "Yield of the batch", reached: (share: string) => `Yield of ${share} proven`, sensitivity: "Sensitivity" },
     printer: {
-      says: { accept_new: "Accept the new values", take_firmware: "Take the firmware's own fit", keep_saved: "Keep the saved values", check_input: "Your file or your readings are wrong" },
+      says: { accept_new: "Accept the new values", take_firmware: "Take the firmware's own fit", keep_saved: "Keep the saved values", accept_shift: "Accept the saved values with the common shift", check_input: "Your file or your readings are wrong" },
       sentence: "What the printer's firmware should be told, from the readings that it left in its configuration.",
       shape: "Shape of prints, expected, root mean square",
       lost: (rms: string) => `By all that is known of the machine and what is not; the firmware has no parameter for ${rms} mm of it.`,

@@ -33,4 +33,10 @@ std::vector<std::string> implausible(const DeltaGeometry& geometry, const Printe
 std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaFit& fit,
                                      const PrinterLimits& limits = {});
 
+/// Whether steps of another size (of all towers or of one) suit the file much better than a common shift of all heights
+/// does.
+/// @param readings  as they were read.
+/// @param shifted   the same without the shift.
+bool has_wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaReadings& shifted);
+
 }  // namespace paracal

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "paracal/printer/common_shift.hpp"
 #include "paracal/printer/held_out.hpp"
 #include "paracal/printer/projection.hpp"
 
@@ -15,6 +16,7 @@ enum class PrinterAdvice : std::uint8_t {
   accept_new,     ///< the projected geometry should replace the saved one
   take_firmware,  ///< the firmware's own fit should: it is better than the saved one, and ours no better than it
   keep_saved,     ///< nothing is better than the saved one by more than chance
+  accept_shift,   ///< likewise, but for the common shift of all heights, which the owner accepts
   check_input,    ///< the file or the readings are wrong: nothing is advised
 };
 
@@ -55,7 +57,8 @@ struct PrintSize {
 
 /// A printer calibrated from what its owner measured, beside the firmware's own fit.
 struct PrinterCalibration {
-  DeltaFit saved;             ///< the geometry that the firmware has, judged by its cost
+  /// The geometry that the firmware has, judged by its cost; with a common shift that is accepted, as all values are.
+  DeltaFit saved;
   DeltaFit firmware;          ///< the optimum of that cost
   Measurements measurements;  ///< the readings, as the calibration took them
   Calibration calibration;
@@ -70,19 +73,25 @@ struct PrinterCalibration {
   DeltaAccuracy accuracy_before;  ///< of the saved geometry, if the calibration is right
   PrintSize size;
   BedFlatness bed;
+  /// Of all heights. Where it is stated and not accepted, all else is that of readings without it.
+  CommonShift shift;
   std::vector<std::string> uncheckable;  ///< readings that could be wrong by 1 mm (a distance 0.5) unnoticed
   std::vector<std::string> findings;     ///< in plain words: what could be told, what could not, what to do
   PrinterAdvice advice = PrinterAdvice::keep_saved;
 
   bool tested() const { return groups > 0; }
 
+  /// Whether other values than the saved ones are.
+  bool is_advised() const;
+
   /// The geometry that the advice is for.
   const DeltaGeometry& advised() const;
 };
 
 struct PrinterCalibrationOptions {
-  double print_radius = 0.0;  ///< of the bed, mm; 0: as far out as the readings were taken
-  bool tries_gross = true;    ///< put every reading off in turn to see whether it would be noticed: most of the time
+  double print_radius = 0.0;   ///< of the bed, mm; 0: as far out as the readings were taken
+  bool tries_gross = true;     ///< put every reading off in turn to see whether it would be noticed: most of the time
+  bool accepts_shift = false;  ///< a common shift of all heights is the bed's
 };
 
 /// Calibrates with all errors of the machine, projects the answer onto what the controller holds, and judges the values
@@ -93,6 +102,10 @@ struct PrinterCalibrationOptions {
 /// Values are advised where they are better than the saved ones by more than chance, and on no kind of readings worse:
 /// see better() in advice.hpp. Gross readings leave every fit. Heights alone of fewer than 13 places never make new
 /// values.
+///
+/// A common shift of all heights above 0.5 mm is taken off them first, and no values are advised that move the nozzle
+/// at the bed's centre down by more, unless the owner accepts it: then the bed has been moved, the saved values count
+/// with it, and so do all others.
 /// @throws InvalidArgument without heights, or for readings that no machine with this geometry takes.
 PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
                                      const PrinterCalibrationOptions& options = {});

@@ -43,7 +43,7 @@ export function printer({ results }: Report): Section | null {
   const errors = Object.entries(text.errorNames).map(([key, name]) => [name, ...[found.accuracy_saved, found.accuracy_new].map((accuracy) => fixed(accuracy[key as keyof DeltaAccuracy], 3))]);
   return section("printer", strings.nav.printer, text.heading, text.intro,
     table(text.columns, rowsOf([found.saved.geometry, found.judged_firmware.geometry, found.new]), text.heading, [1, 2, 3]),
-    ...(found.advice === "accept_new" || found.advice === "take_firmware" ? [h("h3", {}, text.lines), h("pre", { class: "command", tabindex: "0" }, found.lines)] : []),
+    ...(found.advice !== "keep_saved" && found.advice !== "check_input" ? [h("h3", {}, text.lines), h("pre", { class: "command", tabindex: "0" }, found.lines)] : []),
     h("h3", {}, text.judged),
     h("p", {}, text.judgedIntro),
     table(text.columns, judged(found), text.judged, [1, 2, 3]),

@@ -12,12 +12,13 @@ function predicted(name: string, saved: number, ours: number, firmware: number):
 
 export function ofPrinter(printer: Printer): Verdict {
   const { left_out_saved: saved, left_out: ours, left_out_firmware: firmware } = printer;
+  const isAccepted = printer.advice === "accept_new" || printer.advice === "accept_shift";
   const lost = printer.accuracy_new.shape_rms_mm;
   return {
-    yes: printer.advice === "accept_new",
+    yes: isAccepted,
     says: text.says[printer.advice],
     sentence: text.sentence,
-    reasons: printer.advice === "accept_new" ? [] : printer.findings.slice(-1),
+    reasons: isAccepted ? [] : printer.findings.slice(-1),
     cards: [
       card(text.shape, [from(digits(printer.expected_shape_saved_mm, 2)), digits(printer.judged_new.expected_shape_mm, 2), unitOf("mm")], [text.saved, text.lost(digits(lost, 2))]),
       ...(ours && firmware && saved
