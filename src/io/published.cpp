@@ -70,6 +70,7 @@ PublishedHuang2016 published_huang2016() {
           .before = table3("before"),
           .after = table3("after"),
           .table2 = table2(),
+          .figures = {},
           .table4 = table4(),
           .table5_before = table5("before"),
           .table5_after = table5("after")};

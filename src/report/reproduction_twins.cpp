@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "paracal/units.hpp"
 #include "reproduction_rows.hpp"
@@ -10,17 +11,16 @@
 namespace paracal::report::detail {
 namespace {
 
-constexpr int kTwins = 399;                 // 10 below and 10 above the central 95 % for one more
-constexpr int kTilted = 2000;               // no fit, so more of them: the share that is asked for is small
-constexpr double kPublishedTilt = 0.86e-3;  // rad: 0.086/100  [huang2016, sections 5.1 and 6]
+constexpr int kTwins = 399;    // 10 below and 10 above the central 95 % for one more
+constexpr int kTilted = 2000;  // no fit, so more of them: the share that is asked for is small
 
 std::vector<double> scaled(std::vector<double> values, double scale) {
   for (double& value : values) value *= scale;
   return values;
 }
 
-/// Found again: the median of what the paper's method finds on machines that have Table 4's errors. Of e_y1 and e_y2
-/// only the difference can be found (docs/paper-slips.md, 2.3).
+/// Found again, not reproduced: the median of what the paper's method finds on machines that have Table 4's errors. Of
+/// e_y1 and e_y2 only the difference can be found (docs/paper-slips.md, 2.3).
 class Table4 {
  public:
   Table4(const Robot& robot, const SourceErrors& paper, const Twins& twins, Rows& rows)
@@ -59,7 +59,7 @@ class Table4 {
   }
 
   static Judgement judged(double paper, const std::vector<double>& found, int printed = 1) {
-    return judge(paper, median(found), printed * rounding(3), median_interval(found));
+    return found_again(judge(paper, median(found), printed * rounding(3), median_interval(found)));
   }
 
   /// The tolerance says how much its finding scatters all the same.
@@ -90,48 +90,56 @@ void add_table5(const char* state, const PoseError& paper, const Largest& twins,
       1);
 }
 
-Proportion share(const std::vector<Place>& places, double rim, int layer) {
+Proportion share(const std::vector<Place>& places, double rim, io::Layer layer) {
   const auto there = std::ranges::count_if(
-      places, [&](const Place& place) { return place.layer == layer && place.radius > 0.99 * rim; });
+      places, [&](const Place& place) { return place.layer == static_cast<int>(layer) && place.radius > 0.99 * rim; });
   return proportion(static_cast<std::uint64_t>(there), places.size(), kConfidence);
 }
 
 /// The published machine did so: 1 of 1.
-void add_share(Table& table, const char* id, const char* words, const Proportion& share) {
-  table.add(id, words, "1", 1.0, share.value, judge_share(share));
+void add_share(Table& table, const char* id, std::string words, const Proportion& share) {
+  table.add(id, std::move(words), "1", 1.0, share.value, judge_share(share));
+}
+
+std::string_view name(io::Layer layer) {
+  return layer == io::Layer::top ? "top" : layer == io::Layer::middle ? "middle" : "bottom";
 }
 
 /// Figure 9 shows where the largest errors of one machine stand.
-void add_figure9(const Robot& robot, const Largest& twins, Rows& rows) {
+void add_figure9(const Robot& robot, const io::PublishedHuang2016::Figures& published, const Largest& twins,
+                 Rows& rows) {
   Table table(rows, "Figure 9: share of twins worst where the paper's machine was");
-  const double rim = robot.workspace().radius;
-  add_share(table, "figure9.a", "distance error, bottom rim", share(twins.of_distance, rim, Place::kBottom));
-  add_share(table, "figure9.b", "volumetric error, bottom rim", share(twins.of_volumetric, rim, Place::kBottom));
-  add_share(table, "figure9.c", "rotational error, top rim", share(twins.of_rotation, rim, Place::kTop));
+  const auto add = [&](const char* id, const char* error, const std::vector<Place>& places, io::Layer layer) {
+    add_share(table, id, fmt::format("{} error, {} rim", error, name(layer)),
+              share(places, robot.workspace().radius, layer));
+  };
+  add("figure9.a", "distance", twins.of_distance, published.distance);
+  add("figure9.b", "volumetric", twins.of_volumetric, published.volumetric);
+  add("figure9.c", "rotational", twins.of_rotation, published.rotation);
 }
 
 /// The concluding tilt and where it was found, among machines within Table 2's tolerances.
-void add_tilt(const Robot& robot, const Tilts& tilts, Rows& rows) {
-  const auto reached = std::ranges::count_if(tilts.bottom, [](double tilt) { return tilt >= kPublishedTilt; });
+void add_tilt(const Robot& robot, const io::PublishedHuang2016::Figures& published, const Tilts& tilts, Rows& rows) {
+  const auto reached = std::ranges::count_if(tilts.bottom, [&](double tilt) { return tilt >= published.tilt; });
   Table table(rows, "Tilt within Table 2's tolerances: share of twins as the paper's machine",
               fmt::format("half of the twins stay below {:.3f}/100; readings of tilt are not allowed for, since the "
                           "distance between the paper's two reflectors is not printed",
                           100.0 * median(tilts.bottom)));
-  add_share(table, "tilt.reached", "tilt of 0.086/100 reached in the bottom layer",
+  add_share(table, "tilt.reached", fmt::format("tilt of {:.3f}/100 reached in the bottom layer", 1e2 * published.tilt),
             proportion(static_cast<std::uint64_t>(reached), tilts.bottom.size(), kConfidence));
-  add_share(table, "tilt.bottom", "largest tilt of all layers, bottom rim",
-            share(tilts.largest, robot.workspace().radius, Place::kBottom));
+  add_share(table, "tilt.bottom", fmt::format("largest tilt of all layers, {} rim", name(published.tilted_most)),
+            share(tilts.largest, robot.workspace().radius, published.tilted_most));
 }
 
 }  // namespace
 
 void add_twins(const Robot& robot, const io::PublishedHuang2016& published, Rows& rows) {
-  add_tilt(robot, tilt_twins(robot, published.table4, kTilted), rows);
+  add_tilt(robot, published.figures, tilt_twins(robot, published.table4, kTilted), rows);
   const Twins twins = calibrate_twins(robot, published.table4, kTwins);
   Table4(robot, published.table4, twins, rows).add_rows();
   add_table5("before", published.table5_before, twins.before, rows);
   add_table5("after", published.table5_after, twins.after, rows);
-  add_figure9(robot, twins.after, rows);
+  add_figure9(robot, published.figures, twins.after, rows);
 }
 
 }  // namespace paracal::report::detail

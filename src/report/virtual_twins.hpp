@@ -12,10 +12,10 @@ namespace paracal::report::detail {
 
 /// Where a largest error stands.
 struct Place {
-  int layer = 0;        ///< 0 top, 1 middle, 2 bottom
+  int layer = 0;        ///< 0 top, 1 middle, 2 bottom: as io::Layer
   double radius = 0.0;  ///< mm
 
-  static constexpr int kTop = 0, kBottom = 2;
+  static constexpr int kBottom = 2;
 };
 
 /// The largest errors over the 120 validation poses as an instrument reads them, a machine an entry.

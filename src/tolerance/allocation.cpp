@@ -203,6 +203,17 @@ void check_least(const EqualInfluence& problem, double tightest, Allocation& all
                                   of_sigma ? "sigma" : "tolerance", reached, *problem.least);
 }
 
+/// Means and maxima of the local sensitivities, as a bound takes them.
+GlobalSensitivity sensitivity_for(Bound bound, const Robot& robot, Characteristic tilt) {
+  if (bound == Bound::sum_of_maxima) return mean_sensitivity(robot, tilt, cartesian_grid(robot));
+  if (bound == Bound::true_maximum) return global_sensitivity(robot, tilt, kQuick);
+  GlobalSensitivity global = global_sensitivity(robot, tilt);
+  std::vector<WeightedPose> surface;  // where the maxima are, and no point of the rule
+  for (const Pose& pose : polar_grid(robot, {}, false)) surface.push_back({pose, 1.0});
+  global.largest = global.largest.max(mean_sensitivity(robot, tilt, surface).largest);
+  return global;
+}
+
 }  // namespace
 
 std::string_view name(AllocationStatus status) {
@@ -225,16 +236,14 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
     throw InvalidArgument(fmt::format("largest tilt: expected a number above 0 rad, got {}", problem.max_tilt));
   }
   const Characteristic tilt{Quantity::tilt};
-  const GlobalSensitivity global = problem.bound == Bound::sum_of_maxima
-                                       ? mean_sensitivity(robot, tilt, cartesian_grid(robot))
-                                       : global_sensitivity(robot, tilt, kQuick);
+  const GlobalSensitivity global = sensitivity_for(problem.bound, robot, tilt);
   const PerSource units = paper_units(robot), mean = global.mean * units;
   // Half-widths of equal influence in the paper's units, the tightest 1; of the tilt group (nothing else tilts).
   const PerSource ratio = mean.maxCoeff() / mean;
   const Tolerances at_one = with_tilt_group(problem.rest, ratio * units);
   ValueAtPose worst = worst_spread(robot, tilt, at_one, Spread::statistical);
   const double tilt_at_one =
-      problem.bound == Bound::sum_of_maxima ? 3.0 * sigma_of(global.largest.square(), variances(at_one)) : worst.value;
+      problem.bound == Bound::true_maximum ? worst.value : 3.0 * sigma_of(global.largest.square(), variances(at_one));
   const double tightest = problem.max_tilt / tilt_at_one;  // tilt grows in proportion
   worst.value *= tightest;
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};

@@ -321,7 +321,8 @@ TEST(ReproduceCommand, Keys) {
   const json result = json_of(run_program({"reproduce", "huang2016", "--json"}));
   ASSERT_TRUE(has_keys(result, "paper rule rows counts"));
   EXPECT_THAT(result.at("rule"), Not(IsEmpty()));
-  std::map<std::string, int> counts{{"reproduced", 0}, {"not reproduced", 0}, {"cannot be tested", 0}};
+  std::map<std::string, int> counts{
+      {"reproduced", 0}, {"not contradicted", 0}, {"not reproduced", 0}, {"cannot be tested", 0}};
   for (const json& row : result.at("rows")) {
     ASSERT_TRUE(has_keys(row, "id table quantity unit paper ours tolerance ok verdict reason"));
     const auto verdict = row["verdict"].get<std::string>();
@@ -333,6 +334,7 @@ TEST(ReproduceCommand, Keys) {
   }
   for (const auto& [verdict, count] : counts) EXPECT_GT(count, 0) << verdict;
   EXPECT_EQ(result["counts"]["reproduced"], counts["reproduced"]);
+  EXPECT_EQ(result["counts"]["not_contradicted"], counts["not contradicted"]);
   EXPECT_EQ(result["counts"]["not_reproduced"], counts["not reproduced"]);
   EXPECT_EQ(result["counts"]["cannot_be_tested"], counts["cannot be tested"]);
 }
@@ -345,13 +347,16 @@ TEST(ReproduceCommand, CountsWhatItPrints) {
   std::string last;
   std::istringstream lines(result.out);
   for (std::string line; std::getline(lines, line); last = line) {
-    for (const char* verdict : {"reproduced", "not reproduced", "cannot be tested"}) {
+    for (const char* verdict : {"reproduced", "not contradicted", "not reproduced", "cannot be tested"}) {
       if (line.starts_with("  ") && line.ends_with(std::string("  ") + verdict)) ++printed[verdict];
     }
   }
-  const int all = printed["reproduced"] + printed["not reproduced"] + printed["cannot be tested"];
-  EXPECT_EQ(last, fmt::format("{} published numbers: {} reproduced, {} not reproduced, {} cannot be tested", all,
-                              printed["reproduced"], printed["not reproduced"], printed["cannot be tested"]));
+  const int all =
+      printed["reproduced"] + printed["not contradicted"] + printed["not reproduced"] + printed["cannot be tested"];
+  EXPECT_EQ(last, fmt::format("{} published numbers: {} reproduced, {} not contradicted, {} not reproduced, {} cannot "
+                              "be tested",
+                              all, printed["reproduced"], printed["not contradicted"], printed["not reproduced"],
+                              printed["cannot be tested"]));
   EXPECT_THAT(result.out, HasSubstr("half a unit of the last printed digit"));
   EXPECT_THAT(result.out, HasSubstr("why not all: "));
 }

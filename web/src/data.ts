@@ -782,11 +782,12 @@ export interface Row {
   ours: number;
   tolerance: number;
   ok: boolean;
-  verdict: "reproduced" | "not reproduced" | "cannot be tested";
+  verdict: "reproduced" | "not contradicted" | "not reproduced" | "cannot be tested";
   reason: string;
 }
 export interface Counts {
   reproduced: number;
+  not_contradicted: number;
   not_reproduced: number;
   cannot_be_tested: number;
 }

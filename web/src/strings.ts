@@ -74,7 +74,7 @@ export const strings = {
     worst: "Largest 3 sigma in the workspace",
     at: (x: string, y: string, z: string) => `at x ${x}, y ${y}, z ${z} mm`,
     reproduced: (good: number, all: number) => `${good} of ${all} published numbers reproduced`,
-    counts: (bad: number, untested: number) => `${bad} are not reproduced and ${untested} cannot be tested, each with its reason, all by one rule.`,
+    counts: (open: number, bad: number, untested: number) => `${open} are not contradicted, ${bad} are not reproduced and ${untested} cannot be tested, each with its reason, all by one rule.`,
   },
   robot: {
     heading: "The robot and its errors",
@@ -223,7 +223,7 @@ export const strings = {
   },
   rows: {
     heading: "Published numbers beside ours",
-    drawn: ["offsets", "table3.before", "table3.after", "table2", "table4", "table5.before", "table5.after", "figure5", "figure9", "tilt"],
+    drawn: ["offsets", "table3.before", "table3.after", "table2", "volume", "table4", "table5.before", "table5.after", "figure5", "figure9", "tilt"],
     axes: { figure5: "rank", figure9: "share of the twins, 1", tilt: "share of the twins, 1" } as Record<string, string>,
     intro: "Figures 6 to 8 stand below as we draw them; their numbers are in the table. One rule, the same for every number:",
     shows: (good: number, all: number) => `${good} of ${all} reproduced. Circle: paper, with the tolerance as a bar; dot: ours.`,

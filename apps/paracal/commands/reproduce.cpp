@@ -53,9 +53,11 @@ std::string table(const Reproduction& reproduction) {
   std::string text = "published numbers beside ours, by one rule:\n";
   for (const std::string& sentence : report::rule_in_words()) text += "- " + sentence + "\n";
   return text + rows_text(reproduction.rows) +
-         fmt::format("\n{} published numbers: {} reproduced, {} not reproduced, {} cannot be tested\n",
-                     reproduction.rows.size(), reproduction.count(Finding::reproduced),
-                     reproduction.count(Finding::not_reproduced), reproduction.count(Finding::cannot_be_tested));
+         fmt::format(
+             "\n{} published numbers: {} reproduced, {} not contradicted, {} not reproduced, {} cannot be tested\n",
+             reproduction.rows.size(), reproduction.count(Finding::reproduced),
+             reproduction.count(Finding::not_contradicted), reproduction.count(Finding::not_reproduced),
+             reproduction.count(Finding::cannot_be_tested));
 }
 
 io::Json row_json(const ReproductionRow& row) {
@@ -79,6 +81,7 @@ io::Json result_json(const std::string& paper, const Reproduction& reproduction)
           {"rows", std::move(rows)},
           {"counts",
            {{"reproduced", reproduction.count(Finding::reproduced)},
+            {"not_contradicted", reproduction.count(Finding::not_contradicted)},
             {"not_reproduced", reproduction.count(Finding::not_reproduced)},
             {"cannot_be_tested", reproduction.count(Finding::cannot_be_tested)}}}};
 }

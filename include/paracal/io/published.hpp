@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal::io {
+
+/// Of the validation poses of [huang2016].
+enum class Layer : std::uint8_t { top, middle, bottom };
 
 /// The published measurements of the robot of [huang2016]; data/huang2016 says where each number stands in the paper.
 struct PublishedHuang2016 {
@@ -22,6 +26,19 @@ struct PublishedHuang2016 {
   std::vector<Table3Row> before, after;  ///< Table 3, relative to home
 
   std::array<double, kTiltSourceCount> table2;  ///< optimized tolerances of the tilt group, rad
+
+  /// What figures show and the text says of them.
+  struct Figures {
+    std::array<Source, 3> most_tilting{Source::rod_difference, Source::alpha2, Source::alpha03};  ///< 5, the most first
+    double radius = 500.0,
+           depth = -1013.0;                 ///< 6: where the tilt is largest in the bottom layer, and of all layers, mm
+    int rough_points = 6, fine_points = 9;  ///< 7 and 8
+    /// 9: on whose rim the largest errors stand after calibration.
+    Layer distance = Layer::bottom, volumetric = Layer::bottom, rotation = Layer::top;
+    double tilt = 0.86e-3;              ///< largest, rad: 0.086/100 in sections 5.1 and 6
+    Layer tilted_most = Layer::bottom;  ///< on whose rim
+  };
+  Figures figures = {};
 
   SourceErrors table4;                    ///< identified source errors; zero where Eq. (15) sets them to zero
   PoseError table5_before, table5_after;  ///< largest errors over the validation poses

@@ -15,15 +15,18 @@ namespace paracal::report {
 ///             + sqrt(n) times what one reading may be off         n readings in the quantity, e.g. 2 for a difference
 ///             + from ours to the end of its 95 % interval         where ours comes from a sample of virtual machines
 ///
-/// A yes or no of one machine (where its largest error stands) is reproduced when a machine like it is not rarer than 1
-/// in 20: the same 95 %.
+/// A yes or no of one machine (where its largest error stands) is reproduced when most machines like it say so, at 95 %
+/// confidence. Where only 1 in 20 does, it is not contradicted.
+///
+/// A row counts as reproduced only where it could have failed: with another published number it would have.
 enum class Finding : std::uint8_t {
   reproduced,        ///< within the tolerance, which a zero or the other sign would not be
+  not_contradicted,  ///< likewise, but ours is made from the published number, or machines of many kinds would pass
   not_reproduced,    ///< off by more than the tolerance
   cannot_be_tested,  ///< anything else; the reason says what is missing
 };
 
-/// "reproduced", "not reproduced", "cannot be tested".
+/// "reproduced", "not contradicted", "not reproduced", "cannot be tested".
 std::string_view name(Finding finding);
 
 /// What the rule says, a sentence each, for whoever prints rows.
@@ -68,6 +71,9 @@ Judgement judge(double paper, double ours, double allowed);
 
 /// A published number of which we know only that it cannot be below `least`: refuted or not, but never reproduced.
 Judgement judge_least(double paper, double least, double allowed);
+
+/// Of a number of ours that was made from the published one: it is found again or not, but never reproduced.
+Judgement found_again(Judgement judgement);
 
 /// A yes of the published machine beside the share of virtual machines that say so.
 Judgement judge_share(const Proportion& share);

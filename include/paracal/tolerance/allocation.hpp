@@ -44,6 +44,8 @@ struct [[nodiscard]] Allocation {
 enum class Bound : std::uint8_t {
   sum_of_maxima,  ///< sqrt(sum_k max over poses of (mu_k sigma_k)^2), means and maxima over the Cartesian grid: it
                   ///< reproduces Table 2
+  sum_by_volume,  ///< the same with means by quadrature over the volume, as [huang2016, section 3.1] writes them, and
+                  ///< maxima over the whole workspace at phi = 0
   true_maximum,   ///< max over the workspace of sqrt(sum_k mu_k^2 sigma_k^2), means by quadrature: about 10 % wider
 };
 

@@ -32,5 +32,5 @@ export function ofYield({ machines, partial, passed, min_yield: asked, yield: sh
 
 /// A finding, not a verdict on the machine or the program: numbers that do not come out are results too.
 export function ofReproduction({ rows, counts }: Reproduction): Verdict {
-  return { yes: null, says: text.reproduced(counts.reproduced, rows.length), sentence: text.counts(counts.not_reproduced, counts.cannot_be_tested), cards: [] };
+  return { yes: null, says: text.reproduced(counts.reproduced, rows.length), sentence: text.counts(counts.not_contradicted, counts.not_reproduced, counts.cannot_be_tested), cards: [] };
 }
