@@ -27,8 +27,8 @@ bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& fou
 
 bool better(const PrinterCandidate& values, const PrinterCalibration& found) {
   constexpr double kLikely = 0.8;
-  if (!found.tested() || values.some_kind_worse || lowers_nozzle(values, found) || !is_enough_of_heights(values, found))
-    return false;
+  if (lowers_nozzle(values, found)) return false;
+  if (!found.tested() || values.some_kind_worse || !is_enough_of_heights(values, found)) return false;
   const double likely = found.measurements.distances.empty() || found.bed.is_bowed ? kCertain : kLikely;
   return (values.least_chance() >= kCertain && values.gain.value > 0.0) ||
          (values.least_chance() >= likely && values.gain.low > 0.0);
@@ -39,8 +39,8 @@ namespace {
 /// Seven heights cannot test a fit of six numbers: there the whole calibration, which its priors hold, must predict
 /// what it has not seen better than the saved values do.
 bool better_of_few(const PrinterCalibration& found) {
-  return found.tested() && !lowers_nozzle(found.by_firmware, found) && found.by_firmware.least_chance() >= kCertain &&
-         found.written.gain.low > 0.0;
+  if (!found.tested() || lowers_nozzle(found.by_firmware, found)) return false;
+  return found.by_firmware.least_chance() >= kCertain && found.written.gain.low > 0.0;
 }
 
 }  // namespace

@@ -250,6 +250,50 @@ TEST(ErrorSpread, ScrapHasNoErrorAndDoesNotPass) {
   }
   EXPECT_NEAR(ErrorSpread(made.tally, {.kind = ErrorKind::distance}).quantile(0.5), median, 0.02 * median);
   EXPECT_NEAR(yield(made.tally, 0.95).value, 0.9 * yield_before, 0.05);
+  // Not even at best: the end of the interval is lower by the same share.
+  const Proportion passes = yield(made.tally, 0.95);
+  const Proportion within = ErrorSpread(made.tally, {.used_up = true}).share_within(1.0, 0.95);
+  EXPECT_NEAR(passes.interval.high / within.interval.high, passes.value / within.value, 1e-12);
+  EXPECT_LT(passes.interval.high, 0.97);
+}
+
+/// A tally of 10,000 machines of which the pairs alone were made: all of linear value 1, but for 100 of value 5.
+Tally two_strata(std::size_t pairs_above, double ratio_above) {
+  Tally tally;
+  SurrogateTally& surrogate = tally.surrogate.emplace();
+  surrogate.machines = 10'000;
+  const auto linear = [](bool above) { return above ? 5.0 : 1.0; };
+  for (std::uint64_t m = 0; m < surrogate.machines; ++m) {
+    surrogate.after[ErrorKind::distance].add(linear(m < 100));
+  }
+  const auto add = [&](bool above, double ratio, double chance) {
+    MachinePair pair;
+    pair.machine = surrogate.pairs.size();
+    pair.chance = chance;
+    pair.outcome.fate = Fate::accepted;
+    pair.first_order_after[ErrorKind::distance] = linear(above);
+    pair.outcome.after[ErrorKind::distance] = ratio * linear(above);
+    tally.add(pair.outcome);
+    surrogate.pairs.push_back(pair);
+  };
+  for (int k = 0; k < 99; ++k) add(false, 1.0, 0.01);
+  for (std::size_t k = 0; k < pairs_above; ++k) add(true, ratio_above, 0.1);
+  return tally;
+}
+
+/// Ten pairs tell what corrects a stratum, fewer join the one below, whose ratios then outweigh theirs.
+TEST(ErrorSpread, TenPairsTellTheRatiosOfAStratum) {
+  const auto top = [](std::size_t pairs) {
+    return ErrorSpread(two_strata(pairs, 3.0), {.kind = ErrorKind::distance}).quantile(0.995);
+  };
+  EXPECT_NEAR(top(10), 15.0, 0.1);
+  EXPECT_NEAR(top(9), 5.0, 0.05);
+}
+
+/// Whatever the chances were, a stratum has as many machines as it had.
+TEST(ErrorSpread, AStratumHasItsMachines) {
+  const Histogram counts = ErrorSpread(two_strata(20, 3.0), {.kind = ErrorKind::distance}).counts();
+  EXPECT_NEAR(static_cast<double>(counts.total()), 1e4, 1.0);
 }
 
 // ---- which machines are made both ways
@@ -274,6 +318,25 @@ TEST(BatchSurrogate, TheFirstMachinesAndRareOnesAreMadeBothWays) {
   EXPECT_EQ(batch.surrogate->chance(99'999, rare), 1.0);
   EXPECT_NEAR(batch.surrogate->chance(1'000'000, rare), 0.1 / (0.001 * 1000.0), 1e-9);
   for (std::size_t k = 1; k < ends.size(); ++k) EXPECT_GT(ends[k][ErrorKind::tilt], ends[k - 1][ErrorKind::tilt]);
+}
+
+/// Pairs stand for as many machines as one over their chance; a chance that was not theirs is a wrong share.
+TEST(BatchSurrogate, PairsAreChosenByTheChanceThatTheyState) {
+  const Batch batch = paper_batch();
+  constexpr MachineRange kRange{20'000, 7'000};
+  double expected = 0.0, variance = 0.0;
+  const std::vector<Surrogate::Values> values =
+      batch.surrogate->surrogate().machines(batch.seed, kRange.first, kRange.count);
+  for (std::uint64_t k = 0; k < kRange.count; ++k) {
+    const double chance = batch.surrogate->chance(kRange.first + k, values[k].after);
+    expected += chance;
+    variance += chance * (1.0 - chance);
+  }
+  const Tally tally = run_chunk(batch, kRange, 2, kNeverStop).value();
+  EXPECT_NEAR(static_cast<double>(tally.surrogate->pairs.size()), expected, 3.0 * std::sqrt(variance));
+  for (const MachinePair& pair : tally.surrogate->pairs) {
+    EXPECT_EQ(pair.chance, batch.surrogate->chance(pair.machine, pair.first_order_after));
+  }
 }
 
 TEST(BatchSurrogate, IsForFitsThatItFollows) {

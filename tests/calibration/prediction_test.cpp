@@ -8,6 +8,7 @@
 
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/base_motion.hpp"
 #include "support/robots.hpp"
 
 namespace paracal::prediction_test {
@@ -112,6 +113,30 @@ TEST_P(SpreadLaw, JointsOfBothPosesCount) {
   EXPECT_GT(use.aligned.U, std::max(each[0].aligned, each[1].aligned));
   if (robot.slide()) {
     EXPECT_NEAR(use.rotation->U, 1.96 * rotation, 0.1 * 1.96 * rotation);
+  }
+}
+
+/// A machine that is turned as a whole is right wherever an instrument looks from: nothing is left once it is aligned.
+TEST_P(SpreadLaw, NothingIsLeftOfAMachineThatIsTurned) {
+  std::vector<Station> around = fine_stations(robot, 5);
+  for (Station& one : around) one.commanded.rotation = 0.0;  // a slide's axis is exact: no base turns it
+  KnownErrors turned;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    for (const Source source : sources_of(robot.actuator())) turned.parameters.push_back({limb, source});
+  }
+  const PoseSpread over{robot, {}, turned.parameters, around};
+  const double lever = robot.workspace().radius;
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr double kTurn = 1e-3;
+    const SourceErrors errors = turned_base(robot, kTurn * Eigen::Vector3d::Unit(axis));
+    Eigen::VectorXd values(std::ssize(turned.parameters));
+    for (Eigen::Index k = 0; k < values.size(); ++k) {
+      const SoughtSource& one = turned.parameters[static_cast<std::size_t>(k)];
+      values(k) = errors(one.limb, one.source);
+    }
+    for (const PoseStd& one : over.each(values * values.transpose())) {
+      EXPECT_LT(one.aligned, 0.02 * kTurn * lever) << axis;
+    }
   }
 }
 

@@ -60,6 +60,7 @@ TEST(Uncertainty, OfAllAndOfSeveralParts) {
   EXPECT_NEAR(known.expanded_of_all(1, 1.0), 0.5 * 2.0, 1e-3);
   EXPECT_NEAR(told.expanded_of_all(1, 1.0), 0.5 * kAt12, 0.005);
   EXPECT_NEAR(known.expanded_of_all(1, 3.0), 0.5 * std::sqrt(8.02), 2e-3);
+  EXPECT_NEAR(told.expanded_of_all(1, 3.0), 0.5 * std::sqrt(3.0 * 3.618), 2e-3);
   EXPECT_NEAR(known.expanded_of_all(20, 1.0), 0.5 * 3.0451, 1e-3);
   EXPECT_NEAR(told.expanded_of_all(20, 1.0), 0.5 * 3.846, 2e-3);
   EXPECT_EQ(known.expanded_of_all(0, 3.0), 0.0);
@@ -67,6 +68,18 @@ TEST(Uncertainty, OfAllAndOfSeveralParts) {
   EXPECT_NEAR(told.with(0.5).dof, 4.0 * 12.0, 1e-9);
   EXPECT_NEAR(told.with(0.0).dof, 12.0, 1e-12);
   EXPECT_TRUE(std::isinf(detail::Uncertainty{0.0, 12.0}.with(0.5).dof));
+}
+
+constexpr double kFourOfThree = 3.3209;  // root of chi-square of three coordinates, of the largest of four, 95.45 %
+
+/// The length of an error in space varies as three coordinates do: by so much it may be less than it was read.
+TEST_F(Visits, ALengthInSpaceHasThreeCoordinates) {
+  for (std::size_t k = 0; k < 4; ++k) visit(k, Eigen::Vector3d(0.0, 0.0, k == 2 ? 4.0 : 0.0));
+  options.noise = {.point = 0.12};
+  options.noise_is_known = true;
+  const LimitCheck check = checked().checks.at(1);
+  EXPECT_GT(check.at_least, 0.1);
+  EXPECT_NEAR(check.error - check.at_least, kFourOfThree * 0.12, 1e-3 * 0.12);
 }
 
 /// s^2 = sum of squares / (n - 1) = 2 off^2; of the mean of two s / sqrt(2) = off.
@@ -208,6 +221,21 @@ TEST_P(VisitsLaw, OfABodyAreMissed) {
   const Validation told = validate(robot, {}, stated, options);
   EXPECT_NEAR(told.checks.at(1).uncertainty, 2.0 * 1e-4, 1e-12);
   EXPECT_THAT(told.notes, Not(testing::Contains(HasSubstr("rotations"))));
+}
+
+/// Nor has an orientation fewer coordinates than three.
+TEST_P(VisitsLaw, AnOrientationHasThreeCoordinates) {
+  constexpr double kTurn = 1e-5;
+  RandomStream random(6);
+  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  std::vector<Station> four = fine_stations(robot, 3);
+  four.resize(4);
+  Measurements read = test::measure(robot, errors, four, 6, {.noise = 1e-3, .reads_orientation = true});
+  for (PointReading& one : read.series[0].readings) one.orientation_sigma = kTurn;
+  const ValidationOptions options{.body = BodyPlace::plate, .limits = {.rotation = 1.0}};
+  const LimitCheck check = validate(robot, {}, read, options).checks.at(0);
+  EXPECT_GT(check.at_least, 0.0);
+  EXPECT_NEAR(check.error - check.at_least, kFourOfThree * kTurn, 1e-3 * kTurn);
 }
 
 PARACAL_ON_EVERY_ROBOT(VisitsLaw);

@@ -114,7 +114,7 @@ TEST(ReproductionRule, WhatIsFoundAgainIsNotReproduced) {
 }
 
 /// None of 71 may still be 1 in 20, for 0.95^71 = 0.026; none of 72 may not: 0.0249. Of 100 more than half are at 95 %
-/// sure to be so from 60 on [clopper1934: 0.4972 of 60, 0.5072 of 61].
+/// sure to be so from 61 on [clopper-pearson1934].
 TEST(ReproductionRule, ASharePassesWhereItIsThatOfMost) {
   EXPECT_EQ(judge_share(proportion(61, 100, kConfidence)).finding, Finding::reproduced);
   EXPECT_EQ(judge_share(proportion(59, 100, kConfidence)).finding, Finding::not_contradicted);

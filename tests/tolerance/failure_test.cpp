@@ -125,6 +125,22 @@ TEST(FailureShare, OfOneComponentIsTheNormalTail) {
   }
 }
 
+/// Parts so good that both models take the same machines for failures: the exact share is the linear one, and as well
+/// known.
+TEST(FailureShare, IsKnownAsTheLinearOneWhereTheModelsAgree) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances tolerances = *robot.tolerances();
+  for (double& half_width : tolerances.half_width) half_width *= 1e-3;
+  const Pose pose{{300.0, -100.0, -950.0}, 0.5};
+  const SourceRows rows = LinearModel(robot).rows(pose, {Quantity::twist});
+  const double sigma = sigma_of(squared_sensitivities(rows), variances(tolerances));
+  const FailureShare found = failure_share(robot, tolerances, {{{Quantity::twist}, 3.0 * sigma}}, {pose},
+                                           {.relative_error = 0.2, .max_exact = 2000});
+  ASSERT_TRUE(found.exact) << found.reason;
+  EXPECT_NEAR(found.exact->value / found.linear.value, 1.0, 0.02);
+  EXPECT_NEAR(log_error(*found.exact) / log_error(found.linear), 1.0, 0.2);
+}
+
 /// Of two components with principal standard deviations s, t:
 ///
 ///   P(|y| > L) = mean over phi of exp(-L^2 / (2 (s^2 cos^2 phi + t^2 sin^2 phi)))

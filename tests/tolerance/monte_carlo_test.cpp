@@ -149,6 +149,20 @@ TEST(MonteCarlo, YieldGoesWithTheLimit) {
   EXPECT_GT(yield(6e-4), yield(4e-4));
 }
 
+/// Machines that do not close have no error: mean square at a pose is that of the others, as their histogram has it.
+TEST(MonteCarlo, SpreadIsThatOfMachinesThatClose) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances tolerances = *robot.tolerances();
+  for (double& half_width : tolerances.half_width) half_width *= 150.0;  // of which many machines do not close
+  const MonteCarlo drawn =
+      monte_carlo(robot, tolerances, {{{Quantity::position}, 1e3}}, {{robot.workspace().centre(), 0.0}},
+                  {.model = Model::exact, .sigma_error = 1e-9, .max_machines = 2000});
+  ASSERT_GT(drawn.not_closed, drawn.machines / 10);
+  const RequirementStatistics& one = drawn.requirements[0];
+  const double rms = std::hypot(one.largest.mean(), one.largest.std());
+  EXPECT_NEAR(std::hypot(one.at_worst().mean, one.at_worst().sigma) / rms, 1.0, 0.01);
+}
+
 TEST(MonteCarlo, StopsWhenAskedAndSaysSo) {
   const Robot robot = catalogue::huang2016();
   const MonteCarlo drawn =

@@ -31,7 +31,7 @@ const kMarks = {
 };
 const kMarksOf = [
   [/^(residual|normal|validated|parameters|observability)/, "dots", 1],
-  [/^(offsets|table|figure\d|tilt)/, "dots", 2], // paper and ours
+  [/^(offsets|table|volume|figure\d|tilt)/, "dots", 2], // paper and ours
   [/^(map|sigma|correlations)/, "cells", 1],
   [/^(pareto|global|allocated)/, "bars", 1],
   [/^(batch|machines)/, "rects", 1],
