@@ -7,12 +7,17 @@
 namespace paracal::app {
 namespace {
 
+/// A value as it is printed at some depth of an object, all lines but the first indented.
+std::string indented(const io::Json& json, std::string_view indent) {
+  std::string text;
+  for (const char c : json_text(json)) c == '\n' ? text.append("\n").append(indent) : text += c;
+  return text.erase(text.size() - indent.size() - 1);  // the end of the last line
+}
+
 /// A value as it is printed within an array of an object.
 std::string in_array(const io::Json& json) {
   constexpr std::string_view kIndent = "    ";
-  std::string text(kIndent);
-  for (const char c : json_text(json)) c == '\n' ? text.append("\n").append(kIndent) : text += c;
-  return text.erase(text.size() - kIndent.size() - 1);  // the end of the last line
+  return std::string(kIndent) + indented(json, kIndent);
 }
 
 }  // namespace
@@ -58,7 +63,7 @@ void RowOutput::finish(const io::Json& rest) {
       write("\n  ]");
       before = ",\n";
     }
-    for (const auto& [key, value] : rest.items()) write(fmt::format(",\n  \"{}\": {}", key, value.dump()));
+    for (const auto& [key, value] : rest.items()) write(fmt::format(",\n  \"{}\": {}", key, indented(value, "  ")));
     write("\n}\n");
   }
   pass_on();

@@ -19,16 +19,17 @@ void add_limit_options(Command& command, LimitOptions& options) {
   command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
 }
 
-ValidationOptions ValidatingOptions::options(const Measurements& measurements) const {
+ValidationOptions ValidatingOptions::options(const CommandedReadings& read) const {
   return {.noise = measuring.noise(),
-          .noise_is_known = measuring.states_noise_of(measurements),
+          .noise_is_known = measuring.states_noise_of(read.measurements),
           .rotation_noise_is_known = measuring.sigma_deg.has_value(),
           .scale_std = 1e-6 * measuring.scale_ppm,
           .reflectors = reflectors,
           .frame = measuring.frame_kind(),
           .body = measuring.body_kind(),
           .rotation_zero = measuring.rotation_kind(),
-          .limits = limits.limits()};
+          .limits = limits.limits(),
+          .controller = read.controller};
 }
 
 std::vector<std::string> ValidatingOptions::own(const io::CalibratedMachine& machine,
@@ -39,6 +40,7 @@ std::vector<std::string> ValidatingOptions::own(const io::CalibratedMachine& mac
 Option* add_validating_options(Command& command, ValidatingOptions& options) {
   command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
   Option* measurements = add_measuring_options(command, options.measuring);
+  add_controller_options(command, options.controller);
   add_mount_option(command, options.reflectors);
   add_limit_options(command, options.limits);
   return measurements;

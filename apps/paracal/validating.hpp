@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "controller.hpp"
 #include "inputs.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/validation.hpp"
@@ -24,12 +25,16 @@ void add_limit_options(Command& command, LimitOptions& options);
 /// What commands that judge a calibration by measurements ask for.
 struct ValidatingOptions {
   MeasuringOptions measuring;
+  ControllerOptions controller;
   std::string calibration;
   LimitOptions limits;
   ReflectorMount reflectors = ReflectorMount::plate;
 
   RobotSources robot_sources() const { return {.calibrations = {calibration}, .tables = measuring.tables()}; }
-  ValidationOptions options(const Measurements& measurements) const;
+  CommandedReadings read(const io::CalibratedMachine& machine, const Robot& robot) const {
+    return read_commanded(measuring, controller, machine.controller, robot);
+  }
+  ValidationOptions options(const CommandedReadings& read) const;
   /// Of the files of readings, those that the calibration was made from: they confirm nothing.
   std::vector<std::string> own(const io::CalibratedMachine& machine, const Measurements& measurements) const;
 };

@@ -8,6 +8,8 @@
 #include "paracal/batch/production.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/calibration/calibration.hpp"
+#include "paracal/calibration/controller_joints.hpp"
+#include "paracal/calibration/controller_model.hpp"
 #include "paracal/calibration/diagnosis.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"

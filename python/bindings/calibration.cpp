@@ -56,7 +56,7 @@ py::list null_space_of(const std::vector<NullDirection>& directions) {
 }
 
 KnownMachine known_of(const Calibration& calibration) {
-  return {calibration.robot, known_errors(calibration), calibration.files};
+  return {calibration.robot, known_errors(calibration), calibration.files, calibration.options.controller};
 }
 
 /// @param robot  that it must be of; none: the one that the file carries.
@@ -64,15 +64,18 @@ KnownMachine read_calibration(const std::string& path, const std::optional<Robot
   const io::TextFile file = io::read_file(path);
   const Robot of = robot ? *robot : io::robot_of_calibration(file).robot;
   io::CalibratedMachine machine = io::read_calibration(file, of);
-  return {of, machine.known(), std::move(machine.inputs)};
+  return {of, machine.known(), std::move(machine.inputs), std::move(machine.controller)};
 }
 
 /// The JSON object of `paracal validate --json`.
 std::string validated(const KnownMachine& machine, const GivenMeasurements& given, const py::dict& keywords) {
   require_robot(machine.robot, given);
-  const ValidationOptions options = validation_options(Keywords(keywords));
+  ValidationOptions options = validation_options(Keywords(keywords));
+  options.controller = machine.controller;
   const py::gil_scoped_release released;
-  Validation found = validate(machine.robot, machine.known, given.readings, options);
+  const auto& controller = machine.controller.robot;
+  const Measurements readings = controller ? commanded_by(*controller, given.readings) : given.readings;
+  Validation found = validate(machine.robot, machine.known, readings, options);
   for (const std::string& file : io::used_before(machine.inputs, given.readings, given.tables)) {
     found.accepted = false;
     found.reasons.push_back(io::confirms_nothing(file));

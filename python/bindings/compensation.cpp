@@ -69,7 +69,8 @@ py::tuple compensated(const KnownMachine& machine, const Array& poses, const py:
   }
   {
     const py::gil_scoped_release released;
-    const PoseCorrector corrected = pose_corrector(machine.robot, machine.known, way);
+    const PoseCorrector corrected =
+        pose_corrector(machine.robot, machine.known, way, machine.controller.computes_with(machine.robot));
     const AnswerRows rows(machine.robot, to);
     for (std::size_t k = 0; k < n; ++k) rows.write(corrected(pose_of(wanted[k], width)), k);
   }

@@ -35,6 +35,7 @@ struct KnownMachine {
   Robot robot;
   KnownErrors known;
   std::vector<InputFile> inputs = {};  ///< that it was calibrated from
+  ControllerModel controller = {};     ///< that commanded what it was calibrated from
 };
 
 /// The robot that is asked for, which the tables must be of.

@@ -93,6 +93,10 @@ std::vector<Dimension> dimensions(const Robot& robot) {
   return all;
 }
 
+Dimension pinion_radius() {
+  return {"pinion_radius_mm", false, [](RobotDescription& r) -> double& { return r.slide->pinion_radius; }};
+}
+
 SourceErrors larger_robot(const Robot& robot) {
   SourceErrors larger;
   for (const Dimension& one : dimensions_of_all_limbs(robot)) {

@@ -24,6 +24,9 @@ std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot);
 /// each limb; of limbs with one rod their lengths.
 std::vector<Dimension> dimensions(const Robot& robot);
 
+/// pinion_radius_mm, of a plate with a slide.
+Dimension pinion_radius();
+
 /// What errors have in common where all these are larger by their own size, per unit.
 SourceErrors larger_robot(const Robot& robot);
 

@@ -221,6 +221,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   state_guided_scatter(observation, after->placed(), found, calibration);
   add_components(calibration);
   add_assumptions(fit, calibration);
+  add_controller(measurements, calibration);
   state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
   judge(answer, is_determined(fit, calibration), calibration);

@@ -133,6 +133,7 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
     throw InvalidArgument("validation: expected at least one reading, got none");
   }
   Validation validation = judged(robot, known, measurements, options);
+  validation.assumed = controller_assumptions(with_readings(options.controller, measurements), robot);
   if (const auto mount = likelier_mount(robot, known, measurements, options, validation.after.max_orientation)) {
     validation.accepted = false;
     validation.reasons.insert(validation.reasons.begin(),

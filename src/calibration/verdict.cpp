@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
@@ -71,6 +73,12 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   if (held > 0) {
     assume(fmt::format("{} other errors are held at nominal; their tolerances are in every uncertainty", held));
   }
+}
+
+void add_controller(const Measurements& measurements, Calibration& calibration) {
+  ControllerModel& controller = calibration.options.controller;
+  controller = with_readings(std::move(controller), measurements);
+  std::ranges::move(controller_assumptions(controller, calibration.robot), std::back_inserter(calibration.assumed));
 }
 
 void state_use(const StageFit& fit, Calibration& calibration) {

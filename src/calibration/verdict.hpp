@@ -10,6 +10,9 @@ namespace paracal::detail {
 /// What no reading showed and nobody stated.
 void add_assumptions(const StageFit& fit, Calibration& calibration);
 
+/// What is known of the controller that commanded the joints, among the options, and what had to be assumed of it.
+void add_controller(const Measurements& measurements, Calibration& calibration);
+
 /// U over the workspace against its limits; none of a fit that did not settle, whose covariance belongs to no answer.
 void state_use(const StageFit& fit, Calibration& calibration);
 

@@ -63,8 +63,7 @@ std::optional<Mistake> wrong_pinion(const Input& given) {
   constexpr double kAlike = 0.01, kFarOff = 10.0;
   constexpr int kSteps = 3;
   if (!given.robot.slide()) return std::nullopt;
-  const Dimension pinion{"pinion_radius_mm", false,
-                         [](RobotDescription& r) -> double& { return r.slide->pinion_radius; }};
+  const Dimension pinion = pinion_radius();
   auto ratio = rotation_ratio(given, {});
   if (!ratio || *ratio < 1.0 / kFarOff || *ratio > kFarOff || std::abs(*ratio - 1.0) < kAlike) return std::nullopt;
   double radius = given.robot.slide()->pinion_radius / *ratio;

@@ -67,6 +67,17 @@ std::string filled_template(std::string_view name, const Values& values) {
   return result.append(text);
 }
 
+namespace {
+
+/// Further lines of a comment, each behind what begins its lines.
+std::string remarks(const ExportOrigin& origin, std::string_view begin) {
+  std::string text;
+  for (const std::string& one : origin.remarks) text.append("\n").append(begin).append(harmless(one));
+  return text;
+}
+
+}  // namespace
+
 Values head(const Robot& robot, const ExportOrigin& origin) {
   const bool in_mm = joint_unit(robot.actuator()) == Unit::mm;
   return {{"PROGRAM", fmt::format("paracal {}", version())},
@@ -74,6 +85,10 @@ Values head(const Robot& robot, const ExportOrigin& origin) {
           {"CALIBRATION", harmless(origin.calibration)},
           {"SHA256", origin.sha256},
           {"DATE", origin.date},
+          {"C_REMARKS", remarks(origin, " *   ")},
+          {"ST_REMARKS", remarks(origin, "   ")},
+          {"HAL_REMARKS", remarks(origin, "#   ")},
+          {"PLAIN_REMARKS", remarks(origin, "")},
           {"LIMBS", std::to_string(robot.limb_count())},
           {"LAST_JOINT", std::to_string(robot.limb_count() - 1)},
           {"JOINT_UNIT", in_mm ? "mm" : "rad"},

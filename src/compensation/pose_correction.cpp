@@ -7,7 +7,8 @@
 namespace paracal {
 namespace {
 
-PoseCorrector of_level_plate(const Robot& robot, const KnownErrors& known, CompensationWay way) {
+PoseCorrector of_level_plate(const Robot& robot, const KnownErrors& known, CompensationWay way,
+                             const Robot& controller) {
   const Compensator<double> compensator(compensator_parameters(robot, known.errors), way);
   std::optional<CompensatorCovariance<double>> covariance;
   if (known.covariance.size() > 0) {
@@ -20,7 +21,7 @@ PoseCorrector of_level_plate(const Robot& robot, const KnownErrors& known, Compe
     found.status = compensator.compensate(pose, joints, &found.tilt);
     if (found.status != CompensationStatus::ok) return found;
     found.joints = compensated_joints(robot, joints);
-    found.target = corrected_target(robot, found.joints, wanted);
+    found.target = corrected_target(controller, found.joints, wanted);
     CompensatorUncertainty<double> U;
     if (covariance && stated_uncertainty(compensator.parameters(), *covariance, pose, U) == CompensationStatus::ok) {
       found.uncertainty = {{U.x, U.y, U.z}, U.phi};
@@ -34,7 +35,7 @@ CompensationStatus status_of(InverseStatus status) {
   return status == InverseStatus::unreachable ? CompensationStatus::unreachable : CompensationStatus::singular;
 }
 
-PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known) {
+PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known, const Robot& controller) {
   const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
   return [=, actual = build(robot, known.errors), parameters = known.parameters](const Pose& wanted) {
     CorrectedPose found;
@@ -44,7 +45,7 @@ PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known) {
     found.status = status_of(solution.status);
     if (!solution.ok()) return found;
     found.joints = solution.joints;
-    found.target = corrected_target(robot, found.joints, wanted);
+    found.target = corrected_target(controller, found.joints, wanted);
     if (const auto U = plate_uncertainty(actual, plate_at(actual, wanted), found.joints, parameters, covariance)) {
       found.uncertainty = {U->head<3>(), 0.0, U->tail<3>()};
     }
@@ -54,11 +55,16 @@ PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known) {
 
 }  // namespace
 
-PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {
-  if (!robot.on_single_rods()) return of_level_plate(robot, known, way);
-  if (way == CompensationWay::exact) return of_six_freedoms(robot, known);
+PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
+                             const Robot& controller) {
+  if (!robot.on_single_rods()) return of_level_plate(robot, known, way, controller);
+  if (way == CompensationWay::exact) return of_six_freedoms(robot, known, controller);
   throw InvalidArgument(
       "way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
+}
+
+PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {
+  return pose_corrector(robot, known, way, robot);
 }
 
 }  // namespace paracal

@@ -13,8 +13,22 @@
 
 namespace paracal {
 
+namespace {
+
+/// The machine's parameters with the controller's robot as the nominal one, which the exact way does not use.
+CompensatorParameters<double> parameters_for(const Robot& robot, const SourceErrors& errors, const Robot& controller) {
+  CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
+  parameters.nominal = compensator_parameters(controller, {}).nominal;
+  return parameters;
+}
+
+}  // namespace
+
 TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors)
-    : robot_(robot), compensator_(compensator_parameters(robot, errors)) {}
+    : TargetCorrection(robot, errors, robot) {}
+
+TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller)
+    : robot_(robot), controller_(controller), compensator_(parameters_for(robot, errors, controller)) {}
 
 std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
   std::optional<Pose> target;
@@ -39,7 +53,7 @@ void TargetCorrection::correct(std::span<const Pose> wanted, std::span<std::opti
 std::optional<Pose> TargetCorrection::by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const {
   CompensatorJoints<double> joints{};
   if (compensator_.compensate(pose, joints) != CompensationStatus::ok) return std::nullopt;
-  return corrected_target(robot_, compensated_joints(robot_, joints), wanted);
+  return corrected_target(controller_, compensated_joints(robot_, joints), wanted);
 }
 
 void TargetCorrection::targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets,

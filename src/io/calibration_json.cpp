@@ -197,6 +197,13 @@ void add_set_ups(const Calibration& calibration, Json& json) {
   }
 }
 
+/// {joints, source, robot}
+Json controller_json(const ControllerModel& controller) {
+  return {{"joints", name(controller.evidence)},
+          {"source", controller.source.empty() ? Json(nullptr) : Json(controller.source)},
+          {"robot", controller.robot ? to_json(*controller.robot) : Json(nullptr)}};
+}
+
 }  // namespace
 
 std::string utc(std::int64_t time) {
@@ -238,6 +245,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"assumed", calibration.assumed},
       {"components", components_json(calibration)},
       {"robot", to_json(calibration.robot)},
+      {"controller", controller_json(calibration.options.controller)},
       {"parameters", parameters_json(calibration)},
       {"covariance", covariance_json(calibration, calibration.covariance)},
       {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},

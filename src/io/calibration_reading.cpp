@@ -158,6 +158,19 @@ void require_same_robot(const JsonNode& calibrated, const Robot& robot) {
   if (found) calibrated.refuse(fmt::format("expected a calibration of the robot with {}", *found));
 }
 
+/// What turned poses into joints. Files of before say nothing of it, and it was assumed.
+ControllerModel read_controller(const JsonNode& calibration, const std::string& file) {
+  const auto node = calibration.find("controller");
+  if (!node) return {};
+  const JsonNode joints = node->at("joints");
+  const auto evidence = controller_evidence(joints.text());
+  if (!evidence) joints.refuse_as("\"assumed\", \"readings\", \"confirmed\" or \"stated\"");
+  ControllerModel controller{.evidence = *evidence};
+  if (const auto source = node->find("source")) controller.source = source->text();
+  if (const auto robot = node->find("robot")) controller.robot = robot_in(*robot, file);
+  return controller;
+}
+
 }  // namespace
 
 KnownErrors CalibratedMachine::known() const {
@@ -181,6 +194,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       machine.inputs.push_back({input.at("file").text(), input.at("sha256").text()});
     }
   }
+  machine.controller = read_controller(calibration, file.name);
   read_parameters(calibration.at("parameters"), robot, machine);
   machine.covariance = read_covariance(calibration, "covariance", machine.parameters, actuator);
   machine.noise_covariance = read_covariance(calibration, "covariance_of_noise", machine.parameters, actuator);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 #include "names.hpp"
 #include "paracal/units.hpp"
@@ -56,6 +57,20 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
     coordinates(static_cast<Eigen::Index>(i)) = from_file_unit(joint_unit(joints.actuator), value);
   }
   return coordinates;
+}
+
+bool states_joints(const CsvTable& table, std::size_t row, const JointSpace& joints) {
+  const auto names = std::span(joint_names(joints.actuator)).first(joints.count);
+  return std::ranges::any_of(names, [&](std::string_view column) { return !table.text(row, column).empty(); });
+}
+
+double half_last_digit(std::string_view number) {
+  const std::size_t end = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view mantissa = number.substr(0, end);
+  const double exponent = end < number.size() ? finite_number(number.substr(end + 1)).value_or(0.0) : 0.0;
+  const std::size_t point = mantissa.find_last_of(".,");
+  const auto decimals = point == std::string_view::npos ? 0.0 : static_cast<double>(mantissa.size() - point - 1);
+  return 0.5 * std::pow(10.0, exponent - decimals);
 }
 
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns, const JointSpace& joints) {

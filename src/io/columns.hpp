@@ -25,6 +25,12 @@ JointSpace joint_columns(const CsvTable& table, const JointSpace& joints);
 
 Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints);
 
+/// Whether a row states joints: some of its fields in these columns are not blank.
+bool states_joints(const CsvTable& table, std::size_t row, const JointSpace& joints);
+
+/// Half of the last digit of a number as it is written: 0.005 of "12.34", 5 of "1.2e2".
+double half_last_digit(std::string_view number);
+
 /// Where a table states a pose.
 struct PoseColumns {
   std::string_view x, y, z, phi;

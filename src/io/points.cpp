@@ -58,7 +58,9 @@ class StationList {
     if (is_new) {
       stations_.push_back(station);
     } else {
-      refuse_change(table, row, station, stations_[index], line);
+      Station& first = stations_[index];
+      if (!first.believed) first.believed = station.believed;  // one visit's row is enough
+      refuse_change(table, row, station, first, line);
     }
     return index;
   }
@@ -72,7 +74,7 @@ class StationList {
       table.fail(row, fmt::format("expected pose {} at {} as in line {}, got {}", station.name, expected, line, got));
     };
     if (!is_same(station.commanded, first.commanded)) refuse(text_of(first.commanded), text_of(station.commanded));
-    if (is_same(station.believed, first.believed)) return;
+    if (!station.believed || is_same(station.believed, first.believed)) return;
     refuse(text_of(*first.believed, actuator_), text_of(*station.believed, actuator_));
   }
 
@@ -87,7 +89,8 @@ Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joi
   const bool joints_alone =
       joints.count > 0 && !has_any(table, std::array{kCommandedPose.x, kCommandedPose.y, kCommandedPose.z});
   Station station{pose_name(table, row), joints_alone ? kNotStated : pose_of(table, row, kCommandedPose, joints)};
-  if (joints.count > 0) station.believed = joints_of(table, row, joints);
+  const bool states = joints_alone || (joints.count > 0 && states_joints(table, row, joints));
+  if (states) station.believed = joints_of(table, row, joints);
   return station;
 }
 

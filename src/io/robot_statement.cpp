@@ -140,14 +140,18 @@ std::optional<RobotStatement> robot_of_table(const TextFile& file) {
   return found;
 }
 
+Robot robot_in(const JsonNode& node, const std::string& file) {
+  try {
+    return robot_of(file, toml_of_object(node.json(), 0));
+  } catch (const InvalidArgument& complaint) {
+    node.refuse(complaint.what());
+  }
+}
+
 RobotStatement robot_of_calibration(const TextFile& file) {
   const Json json = parse_json(file);
   const JsonNode robot = JsonNode(file, json, "a calibration").object_at("robot");
-  try {
-    return {.robot = robot_of(file.name, toml_of_object(robot.json(), 0)), .by = file.name, .line = robot.line()};
-  } catch (const InvalidArgument& complaint) {
-    robot.refuse(complaint.what());
-  }
+  return {.robot = robot_in(robot, file.name), .by = file.name, .line = robot.line()};
 }
 
 int line_at(std::string_view text, std::size_t byte) {

@@ -6,12 +6,17 @@
 #include <string>
 #include <string_view>
 
+#include "json_node.hpp"
 #include "paracal/io/json.hpp"
 
 namespace paracal::io {
 
 /// As difference(), of robots as they stand in JSON.
 std::optional<std::string> robot_difference(const Json& expected, const Json& got);
+
+/// The robot that a part of a file describes under the keys of a robot file.
+/// @throws InputFileError for one that makes no sense.
+Robot robot_in(const JsonNode& node, const std::string& file);
 
 /// Line of a byte of a text, from 1.
 int line_at(std::string_view text, std::size_t byte);

@@ -82,7 +82,7 @@ class PoseRows {
   Station read(const CsvTable& table, std::size_t row) {
     Station station{row_name(table, row), pose_of(table, row, columns_, joints_)};
     require_new(table, row, station.name);
-    if (present_.count > 0) station.believed = joints_of(table, row, present_);
+    if (present_.count > 0 && states_joints(table, row, present_)) station.believed = joints_of(table, row, present_);
     return station;
   }
 
@@ -109,6 +109,16 @@ class PoseRows {
   std::size_t names_;  ///< 0: none
   std::unordered_map<std::string, int> lines_;
 };
+
+/// Half of the last digit of each joint, rad or mm.
+Joints rounding_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
+  Joints rounding(static_cast<Eigen::Index>(joints.count));
+  for (std::size_t i = 0; i < joints.count; ++i) {
+    const double digit = half_last_digit(table.text(row, joint_names(joints.actuator)[i]));
+    rounding(static_cast<Eigen::Index>(i)) = from_file_unit(joint_unit(joints.actuator), digit);
+  }
+  return rounding;
+}
 
 void allow_joints(const CsvTable& table, const JointSpace& joints) {
   table.allow_only(with_joint_columns({"pose"}, joints));
@@ -154,6 +164,20 @@ void read_poses(CsvStream& table, const JointSpace& joints, const std::function<
     if (!rows) rows.emplace(*row, joints, kNamesCompared);
     take(rows->read(*row, 0));
   }
+}
+
+std::vector<DisplayedJoints> read_displayed_joints(const TextFile& file, const JointSpace& joints) {
+  constexpr std::size_t kMayComeAgain = 0;  // as rows of visits do
+  const CsvTable table(file);
+  PoseRows rows(table, joints, kMayComeAgain);
+  std::vector<DisplayedJoints> displayed;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    const Station station = rows.read(table, row);
+    if (!station.believed) continue;
+    displayed.push_back(
+        {station.name, station.commanded, *station.believed, rounding_of(table, row, joints), table.line(row)});
+  }
+  return displayed;
 }
 
 std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints) {

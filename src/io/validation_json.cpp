@@ -77,11 +77,17 @@ Json readings_json(const Validation& validation) {
 }  // namespace
 
 Json to_json(const Validation& validation) {
-  Json json{{"accepted", validation.accepted},         {"reasons", validation.reasons},
-            {"before", to_json(validation.before)},    {"after", to_json(validation.after)},
-            {"iso9283", iso_json(validation.iso9283)}, {"checks", Json::array()},
-            {"poses", poses_json(validation)},         {"readings", readings_json(validation)},
-            {"agreement", agreement_json(validation)}, {"notes", validation.notes}};
+  Json json{{"accepted", validation.accepted},
+            {"reasons", validation.reasons},
+            {"before", to_json(validation.before)},
+            {"after", to_json(validation.after)},
+            {"iso9283", iso_json(validation.iso9283)},
+            {"checks", Json::array()},
+            {"poses", poses_json(validation)},
+            {"readings", readings_json(validation)},
+            {"agreement", agreement_json(validation)},
+            {"notes", validation.notes},
+            {"assumed", validation.assumed}};
   for (const LimitCheck& check : validation.checks) {
     json["checks"].push_back({{"quantity", check.quantity},
                               {"error", check.error},

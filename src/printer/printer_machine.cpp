@@ -166,6 +166,7 @@ CalibrationOptions printer_options(const PrinterMachine& printer, const DeltaRea
   options.plane_slope = 0.5e-3;
   options.common = printer_common_errors(printer.robot, !readings.distances.empty());
   options.expected = printer.design;
+  options.controller = {.evidence = ControllerEvidence::stated, .source = "the firmware's settings"};
   return options;
 }
 

@@ -129,6 +129,7 @@ export interface Calibration {
   assumed: Assumed;
   components: Component[];
   robot: Robot;
+  controller: CommandingController;
   parameters: Parameter[];
   covariance: number[][] | null;
   covariance_of_noise: number[][] | null;
@@ -177,6 +178,11 @@ export interface Component {
   drop: number;
   chance: number;
   told: boolean;
+}
+export interface CommandingController {
+  joints: "assumed" | "readings" | "confirmed" | "stated";
+  source: string | null;
+  robot: Robot | null;
 }
 export interface Parameter {
   name: string;
@@ -445,6 +451,7 @@ export interface Validation {
   readings: CheckedReading[];
   agreement: Agreement | null;
   notes: string[];
+  assumed: Assumed;
 }
 export interface Iso9283 {
   max_AP_mm: number;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "calibration_page.hpp"
+#include "controller.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/source_selection.hpp"
@@ -21,6 +22,7 @@ constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
 
 struct CalibrateArguments {
   MeasuringOptions measuring;
+  ControllerOptions controller;
   std::string stage = "auto", method = "best", tolerances;
   LimitOptions limits;
   PrinterOptions printer;
@@ -101,8 +103,10 @@ void run(const CalibrateArguments& options, Session& session) {
   }
   if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
   const Robot robot = session.robot({.tables = options.measuring.tables()});
-  const Measurements measurements = options.measuring.read(robot);
+  const auto [measurements, controller] =
+      read_commanded(options.measuring, options.controller, stated_controller(options.controller, robot), robot);
   CalibrationOptions wanted = calibration_options(options, robot);
+  wanted.controller = controller;
   if (measurements.series.empty()) wanted.frame = Frame::unknown;  // distances have none
   const Calibration calibration = calibrate(robot, measurements, wanted);
   const io::Json file = io::to_json(calibration, now());
@@ -131,6 +135,8 @@ void add_calibrate(Command& program, Session& session) {
   add_measuring_options(*command, options->measuring);
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);
+  add_controller_options(*command, options->controller);
+  add_controller_robot_option(*command, options->controller);
   add_limit_options(*command, options->limits);
   add_printer_options(*command, options->printer, session.outputs)->excludes(measurements);
   command->add_flag("--sigma-known", options->measuring.sigma_known,

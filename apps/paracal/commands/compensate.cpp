@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "controller.hpp"
 #include "paracal/compensation/pose_correction.hpp"
 #include "paracal/units.hpp"
 #include "rows.hpp"
@@ -22,6 +23,7 @@ const std::map<std::string, CompensationWay> kWays{{"exact", CompensationWay::ex
 struct CompensateArguments {
   std::string poses;
   std::string calibration, errors;
+  ControllerOptions controller;
   std::string way = "exact";
   bool targets = false;
   bool json_lines = false;
@@ -37,7 +39,11 @@ io::CalibratedMachine known_machine(const CompensateArguments& options, const Ro
   if (options.calibration.empty() == options.errors.empty()) {
     throw WrongUsage("expected either --calibration or --errors");
   }
-  if (!options.errors.empty()) return {.errors = read_errors(robot, options.errors)};
+  if (!options.errors.empty()) {
+    ControllerModel controller{.evidence = ControllerEvidence::stated};  // errors of the machine, whoever commands it
+    if (is_calibration(options.errors)) controller = io::read_calibration(look_into(options.errors), robot).controller;
+    return {.errors = read_errors(robot, options.errors), .controller = std::move(controller)};
+  }
   return io::read_calibration(input_file(options.calibration), robot);
 }
 
@@ -108,7 +114,7 @@ PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& mach
     throw WrongUsage(
         "--way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
   }
-  return pose_corrector(robot, machine.known(), kWays.at(way));
+  return pose_corrector(robot, machine.known(), kWays.at(way), machine.controller.computes_with(robot));
 }
 
 /// A target may be missing where nobody prints it by itself: some joints of a machine that is off are no nominal one's.
@@ -129,12 +135,24 @@ std::string table_row(const CompensateArguments& options, const Robot& robot, co
                          : io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
 }
 
+/// What joints depend on, as comments of their table; targets depend on none of it.
+std::string controller_comments(const CompensateArguments& options, const std::vector<std::string>& assumed,
+                                const Robot& robot, const ControllerModel& controller) {
+  if (options.targets) return {};
+  std::string text = assumed_lines(assumed, "#");
+  for (const std::string& line : comparison_lines(robot, controller)) text += "# " + line + "\n";
+  return text;
+}
+
 void run(const CompensateArguments& options, Session& session) {
   RowInput poses(options.poses, options.style);
   RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
-  const io::CalibratedMachine machine = known_machine(options, robot);
+  io::CalibratedMachine machine = known_machine(options, robot);
+  machine.controller = checked_controller(options.controller, machine.controller, robot, options.style);
+  const ControllerModel& controller = machine.controller;
+  const std::vector<std::string> assumed = controller_assumptions(controller, robot);
   const PoseCorrector corrector = corrector_of(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
@@ -144,8 +162,8 @@ void run(const CompensateArguments& options, Session& session) {
     largest.add(row.corrected.uncertainty);
     rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });
   });
-  rows.head(largest.line() + table_header(options, robot));
-  rows.finish({{"way", options.way}});
+  rows.head(largest.line() + controller_comments(options, assumed, robot, controller) + table_header(options, robot));
+  rows.finish({{"way", options.way}, {"assumed", assumed}, {"nominal_joints", comparison_json(robot, controller)}});
 }
 
 }  // namespace
@@ -162,6 +180,7 @@ void add_compensate(Command& program, Session& session) {
       ->shows_default();
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV), for a controller that computes with the nominal robot");
+  add_controller_options(*command, options->controller);
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);
   command->callback([&session, options] { run(*options, session); });

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "controller.hpp"
 #include "export_filter.hpp"
 #include "output_folder.hpp"
 #include "paracal/compensation/parameters.hpp"
@@ -19,6 +20,7 @@ namespace {
 struct ExportArguments {
   std::string calibration;
   std::string target;
+  ControllerOptions controller = {};
   std::optional<std::string> folder = {};  ///< of a whole configuration; without it the exported text alone
   FilterOptions filter;
 };
@@ -33,40 +35,74 @@ const std::map<std::string, TextTarget> kTexts{{"c99", {c99_header}},
                                                {"st", {.write = structured_text, .for_six_freedoms = false}},
                                                {"genhexkins", {genhexkins}}};
 
+/// What joints depend on: who computed those of the calibration, and joints to compare.
+struct JointTruth {
+  const Robot& robot;
+  const ControllerModel& controller;
+
+  std::vector<std::string> assumed() const { return controller_assumptions(controller, robot); }
+
+  /// Lines for the head of an exported text.
+  std::vector<std::string> remarks() const {
+    std::vector<std::string> lines;
+    const auto add = [&](std::string_view label, const std::string& text) {
+      lines.push_back(fmt::format("{:<13}{}", label, text));
+    };
+    for (const std::string& one : assumed()) add("assumed", one);
+    for (const std::string& one : comparison_lines(robot, controller)) add("compare", one);
+    return lines;
+  }
+
+  void add_to(io::Json& json) const {
+    json["assumed"] = assumed();
+    json["nominal_joints"] = comparison_json(robot, controller);
+  }
+};
+
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
-                 Session& session) {
+                 const JointTruth& truth, Session& session) {
   const std::string text = kTexts.at(target).write(robot, errors, origin);
   if (!session.json()) return session.print(text);
   io::Json json{{"target", target}};
   json.update(io::to_json(robot, origin));
+  truth.add_to(json);
   json["text"] = text;
   session.print_json(json);
 }
 
+std::string listed(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += "  " + line + "\n";
+  return text;
+}
+
 /// The folder of a controller's whole configuration, and what is to be done in it.
 void export_configuration(const OutputFolder& folder, const Robot& robot, const SourceErrors& errors,
-                          const ExportOrigin& origin, Session& session) {
+                          const ExportOrigin& origin, const JointTruth& truth, Session& session) {
   const std::map<std::string, std::string> files = linuxcnc_configuration(robot, errors, origin);
   const std::string name = folder.path().string();
   if (session.json()) {
     io::Json json{{"target", "linuxcnc"}};
     json.update(io::to_json(robot, origin));
+    truth.add_to(json);
     json["folder"] = name;
     for (const auto& [file, text] : files) json["files"].push_back(file);
     session.print_json(json);
   } else {
-    session.print(
-        fmt::format("{} files are in {}; README.md there says what to change.\nTo start it: cd {} && sudo "
-                    "halcompile --install paracal_kins.comp && linuxcnc paracal.ini\n",
-                    files.size(), name, shell_word(name)));
+    session.print(fmt::format("{} files are in {}; README.md there says what to change.\nTo start it: cd {} && sudo "
+                              "halcompile --install paracal_kins.comp && linuxcnc paracal.ini\n",
+                              files.size(), name, shell_word(name)) +
+                  assumed_lines(truth.assumed()) + listed(comparison_lines(truth.robot, truth.controller)));
   }
   folder.write(files);
 }
 
-void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
+void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, const JointTruth& truth,
+                 Session& session) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));
+  truth.add_to(json);
   json.update(io::to_json(parameters));
   for (const SelfTestCase& wanted : self_test(robot, parameters)) {
     json["self_test"].push_back(io::to_json(wanted, robot.actuator()));
@@ -97,21 +133,26 @@ void run(const ExportArguments& options, Session& session) {
   const Robot robot = session.robot({.calibrations = {options.calibration}});
   if (!knows_robot(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
-  const SourceErrors errors = io::read_calibration(file, robot).errors;
-  const ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
-                            .sha256 = io::sha256(file),
-                            .date = io::utc(now())};
+  const io::CalibratedMachine machine = io::read_calibration(file, robot);
+  const SourceErrors& errors = machine.errors;
+  ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
+                      .sha256 = io::sha256(file),
+                      .date = io::utc(now())};
+  const ControllerModel controller = checked_controller(options.controller, machine.controller, robot, {});
   if (options.target == "gcode" || options.target == "csv") {
-    return filter_file(options.target, options.filter, robot, errors, origin, session);
+    return filter_file(options.target, options.filter, {robot, errors, controller.computes_with(robot)}, origin,
+                       session);
   }
   if (!options.filter.is_empty()) {
     throw WrongUsage(
         "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless, --harmless-words, "
         "--in-place, --partial, --check and --header: expected with --target gcode or csv alone");
   }
-  if (folder) return export_configuration(*folder, robot, errors, origin, session);
-  options.target == "json" ? export_json(robot, errors, origin, session)
-                           : export_text(options.target, robot, errors, origin, session);
+  const JointTruth truth{robot, controller};
+  origin.remarks = truth.remarks();
+  if (folder) return export_configuration(*folder, robot, errors, origin, truth, session);
+  options.target == "json" ? export_json(robot, errors, origin, truth, session)
+                           : export_text(options.target, robot, errors, origin, truth, session);
 }
 
 void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& dialect) {
@@ -135,6 +176,7 @@ void add_export(Command& program, Session& session) {
                                          "the compensator for a controller, or files with corrected targets");
   const auto options = std::make_shared<ExportArguments>();
   command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
+  add_controller_options(*command, options->controller);
   command
       ->add_option(
           "--target", options->target,

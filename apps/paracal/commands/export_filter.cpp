@@ -274,13 +274,13 @@ std::string checked_text(const std::string& name, const io::FilterSummary& summa
 
 }  // namespace
 
-void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
-                 const SourceErrors& errors, const ExportOrigin& origin, Session& session) {
+void filter_file(const std::string& target, const FilterOptions& options, const TargetCorrection& correction,
+                 const ExportOrigin& origin, Session& session) {
+  const Robot& robot = correction.robot();
   const bool is_gcode = target == "gcode";
   check_options(options, is_gcode, session);
   io::GcodeOptions gcode = gcode_options(options, robot);
   gcode.threads = session.threads();
-  const TargetCorrection correction(robot, errors);
   const std::vector<TargetTest> tests = target_tests(correction);
 
   const bool is_standard_input = options.input.empty() || options.input == "-";

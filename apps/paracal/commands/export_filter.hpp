@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "paracal/compensation/export.hpp"
+#include "paracal/compensation/target_correction.hpp"
 #include "paracal/filter/target_filter.hpp"
 #include "session.hpp"
 
@@ -47,7 +48,7 @@ struct FilterOptions {
 
 /// Corrects the targets of a file on its way to --out or standard output, and says what it did.
 /// @throws InputFileError where some cannot be corrected, before anything is written, unless options take parts.
-void filter_file(const std::string& target, const FilterOptions& options, const Robot& robot,
-                 const SourceErrors& errors, const ExportOrigin& origin, Session& session);
+void filter_file(const std::string& target, const FilterOptions& options, const TargetCorrection& correction,
+                 const ExportOrigin& origin, Session& session);
 
 }  // namespace paracal::app

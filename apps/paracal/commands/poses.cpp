@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "controller.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
@@ -79,7 +80,7 @@ void run_paper_plan(const PosesArguments& options, Session& session) {
     fmt::format_to(std::back_inserter(text), "# n = {:<3} O2 = {:.5f}  change {:.2f} %\n", point.n, point.indices.O2,
                    100.0 * point.change);
   }
-  session.print(text + io::station_table(plan.stations));
+  session.print(text + joints_request(robot) + io::station_table(plan.stations));
 }
 
 bool is_finite(const std::vector<double>& numbers) {
@@ -182,7 +183,7 @@ void run_selection(const PosesArguments& options, Session& session) {
         std::back_inserter(text), "# {:>3} poses: distance {:.3f} mm, aligned {:.3f} mm, rotation {:.3f} deg\n", k + 2,
         selection.curve[k].max_distance, selection.curve[k].max_aligned, to_degrees(selection.curve[k].max_rotation));
   }
-  session.print(text + assumed_lines(assumed, "#") + io::station_table(selection.stations));
+  session.print(text + assumed_lines(assumed, "#") + joints_request(robot) + io::station_table(selection.stations));
 }
 
 }  // namespace

@@ -22,11 +22,12 @@ void run(const ValidatingOptions& options, Session& session) {
   std::vector<Station> stations = validation_stations(robot);
   std::vector<InputFile> inputs{{file.name, io::sha256(file)}};
   if (!options.measuring.files.empty()) {
-    const Measurements measurements = options.measuring.read(robot);
+    const CommandedReadings read = options.read(machine, robot);
+    const Measurements& measurements = read.measurements;
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());
     stations = measurements.stations;
     if (options.own(machine, measurements).empty()) {
-      const Validation validation = validate(robot, known, measurements, options.options(measurements));
+      const Validation validation = validate(robot, known, measurements, options.options(read));
       if (!validation.accepted) session.exit_code = kVerdictIsNo;
       content.results["validation"] = io::to_json(validation);
       arrows = report::measured_arrows(validation);

@@ -19,6 +19,7 @@ std::string text_of(const Validation& validation) {
   const auto out = std::back_inserter(text);
   for (const std::string& reason : validation.reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : validation.notes) fmt::format_to(out, "  note: {}\n", note);
+  text += assumed_lines(validation.assumed);
   if (validation.agreement) {
     const Agreement& one = *validation.agreement;
     const std::string verdict =
@@ -71,8 +72,9 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const Robot robot = session.robot(options.robot_sources());
   const io::CalibratedMachine machine = io::read_calibration(input_file(options.calibration), robot);
   const KnownErrors known = machine.known();
-  const Measurements measurements = options.measuring.read(robot);
-  Validation validation = validate(robot, known, measurements, options.options(measurements));
+  const CommandedReadings read = options.read(machine, robot);
+  const Measurements& measurements = read.measurements;
+  Validation validation = validate(robot, known, measurements, options.options(read));
   for (const std::string& file : options.own(machine, measurements)) {
     validation.accepted = false;
     validation.reasons.push_back(io::confirms_nothing(file));

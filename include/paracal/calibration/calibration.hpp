@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "paracal/calibration/controller_model.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/pose_error.hpp"
@@ -124,6 +125,9 @@ struct CalibrationOptions {
   double outlier_chance = 1e-4;            ///< that a fit without gross errors loses a reading
   double largest_chance = 0.05;            ///< accept when noise alone improves the fit this much with less probability
   bool diagnose = true;  ///< where the fit is doubtful, seek what is wrong with the input (diagnosis.hpp)
+  /// What commanded the joints of stations that state none. `robot`, where it is set, is the caller's to apply:
+  /// commanded_by().
+  ControllerModel controller = {};
 };
 
 /// One source error that a fit seeks. Without a prior the readings alone decide.

@@ -62,6 +62,7 @@ struct ValidationOptions {
   BodyPlace body = BodyPlace::unknown;
   RotationZero rotation_zero = RotationZero::unknown;
   AcceptanceLimits limits = {};
+  ControllerModel controller = {};  ///< as CalibrationOptions::controller
 };
 
 /// One validated pose, in the robot's frame: home is the first.
@@ -114,8 +115,9 @@ struct [[nodiscard]] Validation {
   /// All limits kept for certain; without limits: the largest aligned error (of distances or lengths where no points
   /// were read) shrank by more than its uncertainty, and the readings do not contradict the calibration's.
   bool accepted = false;
-  std::vector<std::string> reasons;  ///< why not
-  std::vector<std::string> notes;    ///< what a careful reader should know
+  std::vector<std::string> reasons;       ///< why not
+  std::vector<std::string> notes;         ///< what a careful reader should know
+  std::vector<std::string> assumed = {};  ///< what no reading showed and nobody stated
 };
 
 /// Measures a calibration on poses that it has not seen, by whatever was read there.

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
@@ -10,9 +11,10 @@ namespace paracal {
 
 /// Where the errors of an export come from, to be found again from the controller.
 struct ExportOrigin {
-  std::string calibration;  ///< file name
-  std::string sha256;       ///< of that file
-  std::string date;         ///< of the export, ISO 8601
+  std::string calibration;                ///< file name
+  std::string sha256;                     ///< of that file
+  std::string date;                       ///< of the export, ISO 8601
+  std::vector<std::string> remarks = {};  ///< lines for its head: what was assumed, joints to compare
 };
 
 /// Text, as a file's name, that cannot end a comment or a string of any target.

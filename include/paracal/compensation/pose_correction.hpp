@@ -33,7 +33,11 @@ using PoseCorrector = std::function<CorrectedPose(const Pose& wanted)>;
 
 /// By the compensator where the plate stays level, by the inverse kinematics of the machine with its errors where it
 /// has six freedoms.
+/// @param controller  whose nominal inverse takes the targets.
 /// @throws InvalidArgument for a linear way of a plate with six freedoms: these are of one that stays level.
+PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
+                             const Robot& controller);
+/// The same of a controller that computes with that robot.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known,
                              CompensationWay way = CompensationWay::exact);
 

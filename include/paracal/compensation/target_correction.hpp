@@ -17,6 +17,8 @@ namespace paracal {
 class TargetCorrection {
  public:
   TargetCorrection(const Robot& robot, const SourceErrors& errors);
+  /// The same for a controller that computes with another robot's dimensions.
+  TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller);
 
   const Robot& robot() const { return robot_; }
   const Compensator<double>& compensator() const { return compensator_; }
@@ -34,7 +36,7 @@ class TargetCorrection {
   void correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const;
   std::optional<Pose> by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const;
 
-  Robot robot_;
+  Robot robot_, controller_;
   Compensator<double> compensator_;
 };
 

@@ -99,6 +99,7 @@ struct CalibratedMachine {
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
   double joint_std = 0.0;                                      ///< as Calibration::joint_std, rad or mm
   std::vector<InputFile> inputs = {};                          ///< that it was made from
+  ControllerModel controller = {};                             ///< what turned its commanded poses into joints
 
   /// What predictions are made from; no parameters where no covariance was stated.
   KnownErrors known() const;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "paracal/calibration/controller_joints.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/io/csv_stream.hpp"
 #include "paracal/io/file.hpp"
@@ -27,6 +28,11 @@ struct NamedJoints {
 /// @param joints  where joint columns stand, they must be these.
 /// @throws InputFileError for anything else, or a name that comes twice.
 std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints = {});
+
+/// Rows of a pose table, or of points with the poses commanded, that state the joints which a controller displays
+/// there, with the rounding of the numbers as they are written. Rows whose joints are all blank are passed over.
+/// @throws InputFileError as read_poses(); a name may come again.
+std::vector<DisplayedJoints> read_displayed_joints(const TextFile& file, const JointSpace& joints);
 
 /// Joint table (CSV): q1_deg, q2_deg, ... (of rails q1_mm, ...) for every limb, optional pose.
 std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints);

@@ -3,7 +3,7 @@
  *   robot        $ROBOT$
  *   calibration  $CALIBRATION$
  *   SHA-256      $SHA256$
- *   date         $DATE$
+ *   date         $DATE$$C_REMARKS$
  *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame: origin at the base centre, z up
  *   way          exact: inverse of the identified machine with all its errors
  *   operations   $OPERATIONS$

@@ -7,7 +7,7 @@ Joint angles that bring the identified machine to a pose, all its errors correct
 robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
-date         $DATE$
+date         $DATE$$PLAIN_REMARKS$
 units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot: origin at the base centre, z up
 joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move
 

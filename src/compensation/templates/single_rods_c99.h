@@ -3,7 +3,7 @@
  *   robot        $ROBOT$
  *   calibration  $CALIBRATION$
  *   SHA-256      $SHA256$
- *   date         $DATE$
+ *   date         $DATE$$C_REMARKS$
  *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame, z up: x, y, z of the plate's origin, then tilt_x,
  *                tilt_y, tilt_z, by which the plate is turned R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)
  *   way          exact: inverse of the identified machine with all its errors, in closed form

@@ -95,7 +95,7 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined, 
       ...useCards(calibration?.use ?? null),
       ...(iso.poses.length > 0 ? [card(text.iso, [`AP ${digits(iso.max_AP_mm)}`, unitOf("mm")], [text.isoMore(digits(iso.max_RP_mm, 2), digits(iso.max_AD_mm), digits(iso.max_RD_mm, 2))])] : []),
     ],
-    notes: [...validation.notes, ...agreementOf(validation), ...(calibration ? notesOf(calibration) : [])],
+    notes: [...validation.notes, ...agreementOf(validation), ...(calibration ? notesOf(calibration) : assumptions(validation.assumed))],
   };
 }
 

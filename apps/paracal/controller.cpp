@@ -1,0 +1,226 @@
+#include "controller.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "inputs.hpp"
+#include "paracal/error.hpp"
+#include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
+#include "session.hpp"
+
+namespace paracal::app {
+namespace {
+
+std::string joint_text(double joint, Actuator actuator) {
+  const Unit unit = joint_unit(actuator);
+  return fmt::format("{:.4f} {}", to_file_unit(unit, joint), file_unit(unit));
+}
+
+std::string place_text(const Pose& pose) {
+  constexpr double kNothing = 1e-9;  // mm: what a cosine leaves of zero
+  const Eigen::Vector3d r = (pose.position.array().abs() < kNothing).select(0.0, pose.position);
+  std::string text = fmt::format("({:g}, {:g}, {:g}) mm", r.x(), r.y(), r.z());
+  if (pose.rotation != 0.0) text += fmt::format(" at {:g} deg", to_degrees(pose.rotation));
+  if (!pose.tilt.isZero(0.0)) {
+    const Eigen::Vector3d tilt = to_degrees(1.0) * pose.tilt;
+    text += fmt::format(" tilted by ({:g}, {:g}, {:g}) deg", tilt.x(), tilt.y(), tilt.z());
+  }
+  return text;
+}
+
+/// What would explain the joints, and what to do.
+std::string explained(const ControllerCheck& check) {
+  if (check.explanations.empty()) {
+    return "No single dimension, zero, sign or origin explains it: compare every dimension in the controller with the "
+           "robot file";
+  }
+  if (check.explanations.size() == 1) {
+    return fmt::format(
+        "This explains it: {}. Correct the robot file, or calibrate with --controller FILE, a robot "
+        "file with what the controller has",
+        check.explanations.front());
+  }
+  const std::string each = fmt::format("Each of these alone explains it: {}", fmt::join(check.explanations, "; "));
+  if (!check.deciding) return each + ". Write the joints with more digits: they tell which";
+  return fmt::format("{}. These poses cannot decide: add the joints at another one, such as {}", each,
+                     place_text(*check.deciding));
+}
+
+std::string disagreement(const Robot& robot, const ControllerCheck& check,
+                         const std::vector<DisplayedJoints>& displayed) {
+  const DisplayedJoints& row = displayed[*check.differs];
+  const auto limb = static_cast<Eigen::Index>(check.limb);
+  return fmt::format("expected q{} = {} at pose {}, as a controller with {} computes it, found {}. {}", check.limb + 1,
+                     joint_text(check.expected, robot.actuator()), row.name, dimensions_in_words(robot),
+                     joint_text(row.joints(limb), robot.actuator()), explained(check));
+}
+
+/// @throws InputFileError for joints that are not the robot's.
+void require_agreement(const Robot& robot, const std::string& file, const std::vector<DisplayedJoints>& displayed) {
+  const ControllerCheck check = check_controller(robot, displayed);
+  if (check.agrees()) return;
+  throw InputFileError(file, displayed[*check.differs].line, disagreement(robot, check, displayed));
+}
+
+std::string first_joint_column(const Robot& robot) {
+  return joint_unit(robot.actuator()) == Unit::mm ? "q1_mm" : "q1_deg";
+}
+
+/// Those of the files that may state joints beside commanded poses.
+std::vector<io::TextFile> tables_with_joints(const MeasuringOptions& measuring, const Robot& robot) {
+  std::vector<io::TextFile> tables;
+  const auto add = [&](const std::string& name, bool commands) {
+    io::TextFile file = look_into(name);
+    file.style = measuring.style;
+    const auto has = [&](std::string_view column) { return file.text.find(column) != std::string::npos; };
+    if (has(first_joint_column(robot)) && (commands || has("x_cmd_mm"))) tables.push_back(std::move(file));
+  };
+  for (const std::string& name : measuring.files) add(name, false);
+  for (const std::string& name : measuring.poses) add(name, true);
+  return tables;
+}
+
+bool states_joints(const Station& station) { return station.believed.has_value(); }
+
+/// Joints that all rows state count as they stand; where other dimensions of the controller explain them, its targets
+/// are others. What nothing explains is for the diagnosis of the fit: joints in rad, limbs in another order.
+void note_other_joints(const std::vector<io::TextFile>& tables, const Robot& controller, Measurements& measurements) {
+  for (const io::TextFile& table : tables) {
+    const auto displayed = io::read_displayed_joints(table, controller.joint_space());
+    if (displayed.empty()) continue;
+    try {
+      const ControllerCheck check = check_controller(controller, displayed);
+      if (check.agrees() || check.explanations.empty()) continue;
+      measurements.notes.push_back(
+          fmt::format("{}, line {}: the joints are not those that {} gives for the commanded pose. Joints of "
+                      "compensation are right, corrected targets are not: state the controller's dimensions "
+                      "(--controller)",
+                      table.name, displayed[*check.differs].line, dimensions_in_words(controller)));
+    } catch (const Unreachable&) {
+      continue;  // a pose that nobody needs: its joints are there
+    }
+  }
+}
+
+/// Where some rows state joints and others do not, those that do show the dimensions. Rounded as they are, they then
+/// count no more: what the dimensions give is better.
+void settle(const std::vector<io::TextFile>& tables, const Robot& robot, CommandedReadings& read) {
+  std::vector<Station>& stations = read.measurements.stations;
+  if (std::ranges::none_of(stations, states_joints)) return;
+  if (std::ranges::all_of(stations, states_joints)) {
+    return note_other_joints(tables, read.controller.computes_with(robot), read.measurements);
+  }
+  bool is_shown = false;
+  for (const io::TextFile& table : tables) {
+    const auto displayed = io::read_displayed_joints(table, robot.joint_space());
+    if (displayed.empty()) continue;
+    require_agreement(read.controller.computes_with(robot), table.name, displayed);
+    is_shown = true;
+  }
+  if (!is_shown) return;
+  if (read.controller.evidence == ControllerEvidence::assumed) read.controller.evidence = ControllerEvidence::readings;
+  for (Station& station : stations) station.believed.reset();
+}
+
+}  // namespace
+
+void add_controller_options(Command& command, ControllerOptions& options) {
+  command.add_option("--controller-joints", options.joints,
+                     "poses with the joints that the controller displays there (CSV: x_mm,y_mm,z_mm[,phi_deg],q1_deg, "
+                     "... or q1_mm, ...): whether it computes with the dimensions of the robot file");
+}
+
+void add_controller_robot_option(Command& command, ControllerOptions& options) {
+  command.add_option("--controller", options.robot,
+                     "robot file (TOML) with the dimensions that the controller computes joints with, where they are "
+                     "not those of --robot");
+}
+
+ControllerModel stated_controller(const ControllerOptions& options, const Robot& robot) {
+  if (options.robot.empty()) return {};
+  Robot controller = io::read_robot(input_file(options.robot));
+  const auto joints = [](const Robot& one) {
+    return fmt::format("{} joints in {}{}", one.limb_count(), file_unit(joint_unit(one.actuator())),
+                       one.slide() ? ", a plate that turns" : "");
+  };
+  if (joints(controller) != joints(robot) || controller.actuator() != robot.actuator()) {
+    throw InputFileError(options.robot, 0,
+                         fmt::format("expected a controller of {}, with {}, found {}: describe the same kind of robot",
+                                     robot.name(), joints(robot), joints(controller)));
+  }
+  return {.evidence = ControllerEvidence::stated,
+          .source = std::filesystem::path(options.robot).filename().string(),
+          .robot = std::move(controller)};
+}
+
+ControllerModel checked_controller(const ControllerOptions& options, ControllerModel known, const Robot& robot,
+                                   const io::TableStyle& style) {
+  if (options.joints.empty()) return known;
+  const io::TextFile file = input_table(options.joints, style);
+  const std::vector<DisplayedJoints> displayed = io::read_displayed_joints(file, robot.joint_space());
+  if (displayed.empty()) {
+    throw InputFileError(file.name, 0,
+                         fmt::format("expected columns {}, ... with the joints that the controller displays, found no "
+                                     "row that states them: add them beside the poses",
+                                     first_joint_column(robot)));
+  }
+  require_agreement(known.computes_with(robot), file.name, displayed);
+  if (known.evidence != ControllerEvidence::assumed) return known;
+  known.evidence = ControllerEvidence::confirmed;
+  known.source = fmt::format("{} {} of {}", displayed.size(), displayed.size() == 1 ? "pose" : "poses",
+                             std::filesystem::path(file.name).filename().string());
+  return known;
+}
+
+CommandedReadings read_commanded(const MeasuringOptions& measuring, const ControllerOptions& options,
+                                 ControllerModel known, const Robot& robot) {
+  known = checked_controller(options, std::move(known), robot, measuring.style);
+  const std::vector<io::TextFile> tables = tables_with_joints(measuring, robot);
+  CommandedReadings read{measuring.read(known.computes_with(robot)), std::move(known)};
+  settle(tables, robot, read);
+  if (read.controller.robot) read.measurements = commanded_by(*read.controller.robot, std::move(read.measurements));
+  return read;
+}
+
+std::string joints_request(const Robot& robot) {
+  return fmt::format(
+      "# ask the controller for its joints at one of these poses, near the rim, and write them into that row of the\n"
+      "# measurements ({}, ...; blank in the other rows): they show with which dimensions it computes\n",
+      first_joint_column(robot));
+}
+
+std::vector<ComparisonPose> comparison(const Robot& robot, const ControllerModel& controller) {
+  std::vector<ComparisonPose> poses = comparison_poses(robot);
+  for (ComparisonPose& one : poses) one.joints = believed_joints(controller.computes_with(robot), {one.name, one.pose});
+  return poses;
+}
+
+std::vector<std::string> comparison_lines(const Robot& robot, const ControllerModel& controller) {
+  const Unit unit = joint_unit(robot.actuator());
+  std::vector<std::string> lines;
+  for (const ComparisonPose& one : comparison(robot, controller)) {
+    std::vector<std::string> joints;
+    for (const double joint : one.joints) joints.push_back(fmt::format("{:.4f}", to_file_unit(unit, joint)));
+    lines.push_back(fmt::format("nominal joints at {}, {}: {} {}", one.name, place_text(one.pose),
+                                fmt::join(joints, ", "), file_unit(unit)));
+  }
+  return lines;
+}
+
+io::Json comparison_json(const Robot& robot, const ControllerModel& controller) {
+  io::Json json = io::Json::array();
+  for (const ComparisonPose& one : comparison(robot, controller)) {
+    io::Json entry = joints_json({one.name, one.joints}, robot.actuator());
+    entry["pose"] = io::to_json(one.pose, robot.commands_tilt());
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+}  // namespace paracal::app

@@ -1,0 +1,204 @@
+// Joints that a controller displays, against the dimensions of a robot file.
+
+#include "paracal/calibration/controller_joints.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "paracal/calibration/controller_model.hpp"
+#include "paracal/error.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/units.hpp"
+#include "support/robots.hpp"
+
+namespace paracal::controller_joints_test {
+namespace {
+
+using testing::AllOf, testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::SizeIs,
+    testing::StartsWith;
+
+using Change = std::function<void(RobotDescription&)>;
+
+/// A controller whose dimensions are those of a robot but for one change.
+Robot changed(const Robot& robot, const Change& change) {
+  RobotDescription description = robot.description();
+  description.workspace.radius *= 0.5;  // shorter rods reach less
+  description.tolerances = tolerances_of(robot);
+  change(description);
+  return Robot(std::move(description));
+}
+
+Change longer_rod(double mm) {
+  return [mm](RobotDescription& one) { one.geometry.rod += mm; };
+}
+
+/// What a display with so many decimals (deg or mm) shows.
+DisplayedJoints displayed(const Robot& controller, const Pose& pose, int decimals = 4) {
+  const Unit unit = joint_unit(controller.actuator());
+  const double digit = std::pow(10.0, -decimals);
+  DisplayedJoints one{"P", pose, inverse(controller.nominal(), pose).joints, {}, 2};
+  one.rounding = Joints::Constant(one.joints.size(), from_file_unit(unit, 0.5 * digit));
+  for (double& joint : one.joints) joint = from_file_unit(unit, digit * std::round(to_file_unit(unit, joint) / digit));
+  return one;
+}
+
+Pose home(const Robot& robot) { return {robot.workspace().centre()}; }
+Pose towards(const Robot& robot, double azimuth) {
+  const Workspace& workspace = robot.workspace();
+  return {Workspace::on_circle(0.45 * workspace.radius, azimuth, workspace.centre().z())};
+}
+
+class ControllerJoints : public test::EveryRobot {};
+
+TEST_P(ControllerJoints, OfTheSameDimensionsAgreeWithinTheirRounding) {
+  for (const int decimals : {0, 1, 2, 3, 4}) {
+    EXPECT_TRUE(check_controller(
+                    robot, {displayed(robot, home(robot), decimals), displayed(robot, towards(robot, 0.3), decimals)})
+                    .agrees())
+        << decimals;
+  }
+}
+
+/// The machine of the case: rods 10 mm longer in the file than in the controller.
+TEST_P(ControllerJoints, AtHomeAndOnTheRimNameTheRod) {
+  const Robot controller = changed(robot, longer_rod(-10.0));
+  const ControllerCheck check =
+      check_controller(robot, {displayed(controller, home(robot)), displayed(controller, towards(robot, 0.3))});
+  ASSERT_FALSE(check.agrees());
+  EXPECT_EQ(*check.differs, 0u);
+  const double rod = robot.geometry().rod;
+  EXPECT_THAT(check.explanations, ElementsAre(fmt::format("rod {:.2f} mm instead of {:g} mm", rod - 10.0, rod)));
+  EXPECT_FALSE(check.deciding);
+}
+
+/// And the pose that is asked for decides.
+TEST_P(ControllerJoints, AtHomeAloneDoNotDecide) {
+  const Robot controller = changed(robot, longer_rod(-10.0));
+  const DisplayedJoints at_home = displayed(controller, home(robot));
+  const ControllerCheck check = check_controller(robot, {at_home});
+  EXPECT_THAT(check.explanations, Contains(StartsWith("rod ")));
+  EXPECT_THAT(check.explanations, Contains(HasSubstr("plate radius ")));
+  EXPECT_THAT(check.explanations, Contains(HasSubstr("origin at z")));
+  ASSERT_TRUE(check.deciding);
+  Pose nearer = *check.deciding;  // that the shorter rods reach
+  nearer.position.head<2>() *= 0.5;
+  EXPECT_THAT(check_controller(robot, {at_home, displayed(controller, nearer)}).explanations,
+              ElementsAre(StartsWith("rod ")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, ControllerJoints, testing::Values("huang2016", "rotary_delta", "linear_delta"),
+                         test::robot_name);
+
+class OneController : public testing::Test {
+ protected:
+  std::vector<std::string> explained(const std::function<Joints(const Pose&)>& joints) const {
+    std::vector<DisplayedJoints> all;
+    for (const Pose& pose : {home(robot), towards(robot, 0.0), towards(robot, 2.0)}) {
+      DisplayedJoints one = displayed(robot, pose, 6);
+      one.joints = joints(pose);
+      all.push_back(one);
+    }
+    return check_controller(robot, all).explanations;
+  }
+  Joints of(const Robot& controller, const Pose& pose) const { return inverse(controller.nominal(), pose).joints; }
+
+  const Robot robot = test::robot_named("rotary_delta");
+};
+
+TEST_F(OneController, WithAnotherOriginIsToldWhere) {
+  EXPECT_THAT(explained([&](const Pose& pose) { return of(robot, {pose.position + Eigen::Vector3d(3, -2, 5)}); }),
+              ElementsAre("origin at (3.00, -2.00, 5.00) mm in the robot file's frame"));
+  EXPECT_THAT(explained([&](const Pose& pose) { return of(robot, {pose.position + Eigen::Vector3d(0, 0, 5)}); }),
+              ElementsAre("origin at z 5.00 mm in the robot file's frame"));
+}
+
+TEST_F(OneController, WithOtherJointsIsToldWhich) {
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return -of(robot, pose); }),
+              ElementsAre("joints counted the other way: multiply them by -1"));
+  const Robot shorter = changed(robot, longer_rod(-10.0));
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return -of(shorter, pose); }),
+              ElementsAre(StartsWith("joints counted the other way, and rod ")));
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return of(robot, pose).array() + to_radians(2.0); }),
+              ElementsAre("the zero of all joints: the controller shows 2.000 deg more"));
+}
+
+/// Only the difference of the two radii enters the joints.
+TEST_F(OneController, WithAnotherRadiusIsToldBoth) {
+  const double base = robot.geometry().base_radius, plate = robot.geometry().plate_radius;
+  const Robot controller = changed(robot, [](RobotDescription& one) { one.geometry.base_radius += 4.0; });
+  EXPECT_THAT(explained([&](const Pose& pose) { return of(controller, pose); }),
+              ElementsAre(fmt::format("base radius {:.2f} mm instead of {:g} mm or, with the same joints everywhere, "
+                                      "plate radius {:.2f} mm instead of {:g} mm",
+                                      base + 4.0, base, plate - 4.0, plate)));
+}
+
+TEST_F(OneController, WithTwoOtherDimensionsIsNotExplained) {
+  const Robot controller = changed(robot, [](RobotDescription& one) {
+    one.geometry.rod += 7.0;
+    one.geometry.arm -= 4.0;
+  });
+  EXPECT_THAT(explained([&](const Pose& pose) { return of(controller, pose); }), IsEmpty());
+}
+
+TEST_F(OneController, DiffersByMoreThanTheRoundingAndNoLess) {
+  DisplayedJoints one = displayed(robot, home(robot), 2);
+  one.joints = of(robot, one.pose);
+  const double half = one.rounding(1);
+  one.joints(1) += 0.98 * half;
+  EXPECT_TRUE(check_controller(robot, {one}).agrees());
+  one.joints(1) += 0.1 * half;
+  const ControllerCheck check = check_controller(robot, {one});
+  ASSERT_FALSE(check.agrees());
+  EXPECT_EQ(check.limb, 1u);
+  EXPECT_DOUBLE_EQ(check.expected, of(robot, one.pose)(1));
+}
+
+TEST_F(OneController, IsRefusedWithoutPosesOrWithOtherLimbs) {
+  EXPECT_THROW((void)check_controller(robot, {}), InvalidArgument);
+  DisplayedJoints one = displayed(robot, home(robot));
+  one.joints.conservativeResize(2);
+  EXPECT_THROW((void)check_controller(robot, {one}), InvalidArgument);
+}
+
+TEST_F(OneController, ShowsJointsAtHomeAndOnTheRim) {
+  const std::vector<ComparisonPose> poses = comparison_poses(robot);
+  ASSERT_THAT(poses, SizeIs(3));
+  EXPECT_EQ(poses[0].pose.position, robot.workspace().centre());
+  for (const std::size_t k : {1u, 2u}) {
+    EXPECT_DOUBLE_EQ(poses[k].pose.position.head<2>().norm(), robot.workspace().radius);
+    EXPECT_EQ(poses[k].joints, of(robot, poses[k].pose));
+  }
+}
+
+TEST_F(OneController, IsAssumedUntilItIsKnown) {
+  EXPECT_THAT(controller_assumptions({}, robot),
+              ElementsAre(AllOf(StartsWith("the controller computes joints with rod "), HasSubstr("plate radius"),
+                                HasSubstr("--controller-joints"))));
+  EXPECT_THAT(controller_assumptions({.evidence = ControllerEvidence::confirmed, .source = "2 poses of j.csv"}, robot),
+              ElementsAre(StartsWith("confirmed by 2 poses of j.csv: the controller computes joints with rod ")));
+  for (const ControllerEvidence known : {ControllerEvidence::readings, ControllerEvidence::stated}) {
+    EXPECT_THAT(controller_assumptions({.evidence = known}, robot), IsEmpty());
+    EXPECT_EQ(controller_evidence(name(known)), known);
+  }
+  EXPECT_EQ(controller_evidence("guessed"), std::nullopt);
+}
+
+TEST_F(OneController, IsReadWhereAllStationsStateJoints) {
+  Measurements measurements{.stations = {{"A", home(robot), of(robot, home(robot))}, {"B", towards(robot, 0.0)}}};
+  EXPECT_EQ(with_readings({}, measurements).evidence, ControllerEvidence::assumed);
+  measurements.stations.pop_back();
+  EXPECT_EQ(with_readings({}, measurements).evidence, ControllerEvidence::readings);
+}
+
+TEST_F(OneController, CommandsItsOwnJoints) {
+  const Robot controller = changed(robot, longer_rod(-10.0));
+  const Measurements commanded = commanded_by(controller, {.stations = {{"A", home(robot)}}});
+  EXPECT_EQ(*commanded.stations[0].believed, of(controller, home(robot)));
+}
+
+}  // namespace
+}  // namespace paracal::controller_joints_test
