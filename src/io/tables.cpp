@@ -73,6 +73,13 @@ class PoseRows {
                                          "tilt_x_deg",
                                          "tilt_y_deg",
                                          "tilt_z_deg",
+                                         "U_x_mm",  // of targets that compensate prints
+                                         "U_y_mm",
+                                         "U_z_mm",
+                                         "U_phi_deg",
+                                         "U_tilt_x_deg",
+                                         "U_tilt_y_deg",
+                                         "U_tilt_z_deg",
                                          "tilt_x_cmd_deg",
                                          "tilt_y_cmd_deg",
                                          "tilt_z_cmd_deg"},

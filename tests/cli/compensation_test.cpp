@@ -82,6 +82,30 @@ TEST_F(CompensateCommand, TheNominalInverseOfTheTargetsGivesTheJoints) {
   expect_near(json_from("inverse --poses targets.csv").at("joints_deg"), json_from(kCompensate).at("joints_deg"), 1e-9);
 }
 
+/// Where the calibration knows it, each target has its U beside it, as in JSON; the table is still one of poses.
+TEST_F(CompensateCommand, TargetsHaveTheirU) {
+  EXPECT_EQ(folder.run("poses --out plan.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run("simulate --poses plan.csv --machine 3 --noise-mm 0.02 --out read.csv").exit_code, kDone);
+  EXPECT_EQ(folder.run("calibrate --measurements read.csv --out fitted.json").exit_code, kDone);
+  const std::string compensate = "compensate --calibration fitted.json --poses poses.csv";
+  EXPECT_EQ(folder.run(compensate + " --targets --out targets.csv").exit_code, kDone);
+  const std::string table = folder.read("targets.csv");
+  const std::size_t header = table.find("\npose,x_mm,y_mm,z_mm,phi_deg,U_x_mm,U_y_mm,U_z_mm,U_phi_deg\nhome,");
+  ASSERT_NE(header, std::string::npos) << table;
+  std::array<double, 8> numbers{};
+  ASSERT_EQ(
+      std::sscanf(table.c_str() + table.find("home,", header), "home,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &numbers[0],
+                  &numbers[1], &numbers[2], &numbers[3], &numbers[4], &numbers[5], &numbers[6], &numbers[7]),
+      8);
+  const json stated = json_from(compensate).at("uncertainty").at(0);
+  constexpr double kThreeDigits = 6e-3;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(numbers[4 + axis] / stated.at("U_mm").at(axis).get<double>(), 1.0, kThreeDigits);
+  }
+  EXPECT_NEAR(numbers[7] / stated.at("U_deg").get<double>(), 1.0, kThreeDigits);
+  EXPECT_EQ(folder.run("inverse --poses targets.csv").exit_code, kDone);
+}
+
 // ---- broken input
 
 BrokenInput broken(std::string name, const NamedText& file, std::string command, int exit_code,

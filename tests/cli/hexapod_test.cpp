@@ -78,7 +78,9 @@ TEST_F(Hexapod, SaysTargetsWithTiltAndHowSureTheyAre) {
   EXPECT_TRUE(has_keys(found.at("uncertainty")[0], "U_mm U_tilt_deg"));
   for (const json& U : found.at("uncertainty")[0].at("U_tilt_deg")) EXPECT_GT(U.get<double>(), 0.0);
   const ProgramResult targets = run("compensate --robot h.toml --calibration c.json --poses p.csv --targets");
-  EXPECT_THAT(targets.out, HasSubstr("pose,x_mm,y_mm,z_mm,phi_deg,tilt_x_deg,tilt_y_deg,tilt_z_deg\n"));
+  EXPECT_THAT(targets.out,
+              HasSubstr("pose,x_mm,y_mm,z_mm,phi_deg,tilt_x_deg,tilt_y_deg,tilt_z_deg,U_x_mm,U_y_mm,U_z_mm,"
+                        "U_tilt_x_deg,U_tilt_y_deg,U_tilt_z_deg\n"));
   EXPECT_THAT(targets.out, HasSubstr(" mm, tilt "));
 }
 

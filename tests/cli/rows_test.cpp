@@ -112,9 +112,10 @@ TEST_F(Rows, TablesSayTheSame) {
   const json object = json::parse(done(kCompensate + " --json"));
   for (const char* const options : {"", " --targets"}) {
     const std::string table = done(kCompensate + options);
-    EXPECT_THAT(table, AllOf(StartsWith("# U of these poses in the robot's frame (95 %), largest: x "),
-                             HasSubstr(*options == '\0' ? "\npose,q1_deg,q2_deg,q3_deg,q4_deg\n1,"
-                                                        : "\npose,x_mm,y_mm,z_mm,phi_deg\n1,")));
+    EXPECT_THAT(
+        table, AllOf(StartsWith("# U of these poses in the robot's frame (95 %), largest: x "),
+                     HasSubstr(*options == '\0' ? "\npose,q1_deg,q2_deg,q3_deg,q4_deg\n1,"
+                                                : "\npose,x_mm,y_mm,z_mm,phi_deg,U_x_mm,U_y_mm,U_z_mm,U_phi_deg\n1,")));
     const std::vector<std::string> lines = lines_of(table);
     const std::size_t above = *options == '\0' ? 6 : 2;  // what joints depend on, U and the header
     ASSERT_EQ(lines.size(), kRows + above);
@@ -123,8 +124,14 @@ TEST_F(Rows, TablesSayTheSame) {
       const auto [a, b, c, d] = *options == '\0'
                                     ? std::array{joints[0], joints[1], joints[2], joints[3]}
                                     : std::array{target["x_mm"], target["y_mm"], target["z_mm"], target["phi_deg"]};
-      ASSERT_EQ(lines[k + above], fmt::format("{},{},{},{},{}", k + 1, a.get<double>(), b.get<double>(),
-                                              c.get<double>(), d.get<double>()));
+      std::string expected =
+          fmt::format("{},{},{},{},{}", k + 1, a.get<double>(), b.get<double>(), c.get<double>(), d.get<double>());
+      if (*options != '\0') {
+        const json& U = object["uncertainty"][k];
+        for (const json& one : U["U_mm"]) expected += fmt::format(",{:.3g}", one.get<double>());
+        expected += fmt::format(",{:.3g}", U["U_deg"].get<double>());
+      }
+      ASSERT_EQ(lines[k + above], expected);
     }
     double largest = 0.0;
     for (const json& one : object["uncertainty"]) largest = std::max(largest, one["U_mm"][0].get<double>());

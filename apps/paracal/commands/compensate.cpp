@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -126,13 +127,33 @@ Compensated compensated(const PoseCorrector& corrector, const Station& station, 
   return {station.name, std::move(found)};
 }
 
-std::string table_header(const CompensateArguments& options, const Robot& robot) {
-  return options.targets ? io::pose_table_header(robot.commands_tilt()) : io::joint_table_header(robot.joint_space());
+std::string without_line_end(std::string line) {
+  line.pop_back();
+  return line;
 }
 
-std::string table_row(const CompensateArguments& options, const Robot& robot, const Compensated& row) {
-  return options.targets ? io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt())
-                         : io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
+/// @param knows_u  every target has its U, in columns behind it.
+std::string table_header(const CompensateArguments& options, const Robot& robot, bool knows_u) {
+  if (!options.targets) return io::joint_table_header(robot.joint_space());
+  std::string header = io::pose_table_header(robot.commands_tilt());
+  if (!knows_u) return header;
+  const char* const turns = robot.commands_tilt() ? "U_tilt_x_deg,U_tilt_y_deg,U_tilt_z_deg" : "U_phi_deg";
+  return fmt::format("{},U_x_mm,U_y_mm,U_z_mm,{}\n", without_line_end(header), turns);
+}
+
+/// A pose of which no U is known leaves its columns empty.
+std::string table_row(const CompensateArguments& options, const Robot& robot, const Compensated& row, bool knows_u) {
+  if (!options.targets) return io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
+  const std::string target = io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt());
+  const auto& stated = row.corrected.uncertainty;
+  if (!knows_u) return target;
+  std::string text = without_line_end(target);
+  if (!stated) return text.append(robot.commands_tilt() ? 6 : 4, ',') + '\n';
+  const auto append = [&text](double u) { fmt::format_to(std::back_inserter(text), ",{:.3g}", u); };
+  for (const double u : stated->position) append(u);
+  if (!stated->tilt) append(to_degrees(stated->rotation));
+  for (int axis = 0; stated->tilt && axis < 3; ++axis) append(to_degrees((*stated->tilt)[axis]));
+  return text + '\n';
 }
 
 /// What joints depend on, as comments of their table; targets depend on none of it.
@@ -156,13 +177,15 @@ void run(const CompensateArguments& options, Session& session) {
   const PoseCorrector corrector = corrector_of(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
+  const bool knows_u = machine.covariance.size() > 0;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
     if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
     const Compensated row = compensated(corrector, station, options.targets);
     largest.add(row.corrected.uncertainty);
-    rows.add([&] { return table_row(options, robot, row); }, [&] { return json_of(row, robot); });
+    rows.add([&] { return table_row(options, robot, row, knows_u); }, [&] { return json_of(row, robot); });
   });
-  rows.head(largest.line() + controller_comments(options, assumed, robot, controller) + table_header(options, robot));
+  rows.head(largest.line() + controller_comments(options, assumed, robot, controller) +
+            table_header(options, robot, knows_u));
   rows.finish({{"way", options.way}, {"assumed", assumed}, {"nominal_joints", comparison_json(robot, controller)}});
 }
 
