@@ -25,7 +25,8 @@ struct Decimals {
   int of(std::string_view number) const { return std::clamp(decimals_of(number), least, most); }
 };
 
-constexpr Decimals kExtrusionDecimals{5, 7};
+/// Of pieces of a line: the filament a mm is that of the line to 1e-9.
+constexpr Decimals kExtrusionDecimals{9, 9};
 
 constexpr double kSameTime = 0.01;  ///< a feed is stated anew where a block would take more or less by this share
 constexpr int kDigitsOfFeed = 5;    ///< far more than the time of a block needs
@@ -35,7 +36,7 @@ Decimals decimals_for(std::size_t axis, double mm_per_unit) {
   return mm_per_unit == 1.0 ? Decimals{4, 7} : Decimals{6, 8};
 }
 
-constexpr std::array kPower{1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
+constexpr std::array kPower{1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
 double unit_of(std::size_t axis, const TargetLine& line) { return axis == kRotation ? 1.0 : line.mm_per_unit; }
 
