@@ -270,7 +270,7 @@ std::vector<Explained> merged(const std::vector<Explained>& all, const std::vect
   std::vector<Explained> groups;
   for (const Explained& one : all) {
     const auto same = std::ranges::find_if(groups, [&](const Explained& group) {
-      return std::ranges::all_of(poses, [&](const Pose& pose) { return apart(group, one, pose, tolerance) < kTold; });
+      return std::ranges::all_of(poses, [&](const Pose& pose) { return apart(one, group, pose, tolerance) < kTold; });
     });
     if (same == groups.end()) {
       groups.push_back(one);

@@ -144,7 +144,7 @@ std::string table_header(const CompensateArguments& options, const Robot& robot,
 /// A pose of which no U is known leaves its columns empty.
 std::string table_row(const CompensateArguments& options, const Robot& robot, const Compensated& row, bool knows_u) {
   if (!options.targets) return io::joint_table_row({row.name, row.corrected.joints}, robot.actuator());
-  const std::string target = io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt());
+  std::string target = io::pose_table_row({row.name, *row.corrected.target}, robot.commands_tilt());
   const auto& stated = row.corrected.uncertainty;
   if (!knows_u) return target;
   std::string text = without_line_end(target);
