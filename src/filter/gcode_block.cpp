@@ -45,6 +45,9 @@ class BlockParser {
         return is_first && stop();
       case '(':
         return skip_past(')');
+      case '"':  // M32 "part.g"
+        ++at_;
+        return !is_first && skip_past('"');
       case '/':
         ++at_;
         block_.is_optional = true;

@@ -168,6 +168,8 @@ const Code* find_code(int tenths) {
 }
 
 MEffect effect_of_m(int tenths) {
+  constexpr int kFirstMacro = 8100, kLastMacro = 8190;  // Marlin's
+  if (tenths >= kFirstMacro && tenths <= kLastMacro) return MEffect::subprogram;
   switch (tenths) {
     case 0:
     case 10:
@@ -188,6 +190,7 @@ MEffect effect_of_m(int tenths) {
       return MEffect::end_of_modes_if_bare;
     case 60:
       return MEffect::tool_change;
+    case 320:  // another file of a printer's
     case 970:
     case 980:
     case 990:

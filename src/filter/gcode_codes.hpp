@@ -73,7 +73,7 @@ enum class MEffect : std::uint8_t {
   end_of_modes,          ///< modes that are kept or restored
   end_of_modes_if_bare,  ///< with words it is RepRap's and says how far the print is
   tool_change,
-  subprogram,  ///< a macro for RepRapFirmware
+  subprogram,  ///< a macro for printers
   absolute_extrusion,
   relative_extrusion,
   motors_off,

@@ -10,7 +10,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kSubprogram = "a subprogram (M97, M98, M99)";
+constexpr std::string_view kSubprogram = "a subprogram (M32, M97 to M99, M810 to M819)";
 
 int stage_of(const GcodeWord& word) {
   if (word.letter == 'M') return kStageOfM;

@@ -85,7 +85,7 @@ class GcodeModes {
     bool has_tool_length = false;  ///< H is of G43
     bool is_thread = false;        ///< goes elsewhere, and cuts
     bool has_m_code = false;
-    bool is_macro = false;               ///< M98 of RepRapFirmware
+    bool is_macro = false;               ///< M98, M810 of printers
     bool is_setting = false;             ///< of M codes whose axis words are numbers of the firmware's, not places
     bool acts_after = false;             ///< M0, M2
     bool in_machine = false;             ///< G53

@@ -387,6 +387,30 @@ TEST_F(GcodeLines, ToolsAreToldFromNumbersOfCodes) {
   EXPECT_EQ(keeping("G10"), "yxyyyx");
 }
 
+/// Macros of printers begin and end a print. What they leave is taken for absolute and mm, and that is said, unless the
+/// program states it; E, F and places it must state.
+TEST_F(GcodeLines, MacrosOfPrintersAreApproachAndRetreat) {
+  using enum GcodeDialect;
+  const std::string print = "M83\nG1 Z-900 F600\nG1 X0 Y0\nG1 X300 E3\n";
+  for (const auto& [macro, dialect] : {std::pair{"START_PRINT BED=60", klipper},
+                                       {"M98 P\"start.g\"", reprapfirmware},
+                                       {"M810", marlin},
+                                       {"M32 \"start.g\"", reprapfirmware}}) {
+    const std::string line = macro + std::string("\n");
+    const Filtered result = of(line + print + line, {.dialect = dialect});
+    EXPECT_TRUE(result.summary.whole()) << macro;
+    EXPECT_EQ(result.summary.corrected, 2) << macro;
+    EXPECT_EQ(result.passed("a macro (--harmless"), 2) << macro;
+    EXPECT_THAT(result.summary.assumed, Contains(HasSubstr("macros leave absolute coordinates in mm"))) << macro;
+    EXPECT_THAT(of(line + "G90\n" + print, {.dialect = dialect}).summary.assumed, Not(Contains(HasSubstr("macros"))))
+        << macro;
+    EXPECT_FALSE(of(print + line + print, {.dialect = dialect}).summary.whole()) << macro;  // between targets
+    EXPECT_TRUE(of("G91\n" + line + print, {.dialect = dialect}).has("unclear")) << macro;
+  }
+  EXPECT_TRUE(of("START\n" + print).has("unclear"));  // of no printer nothing is known
+  EXPECT_THROW(of("M98 P\"start.g\"\n" + print), InputFileError);
+}
+
 /// P of an output or a path mode stays where an arc becomes lines; it states turns all the same, as LinuxCNC has it. E
 /// of an output is not shared among pieces.
 TEST_F(GcodeLines, WordsOfOtherCodesStay) {
