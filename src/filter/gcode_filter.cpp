@@ -20,7 +20,7 @@ class Gcode : public TargetFormat {
         doubts_lengths_(traits_of(options.dialect).counts_without_points),
         has_tools_(options.tools.has_value()),
         modes_(axis_count, options) {
-    for (const std::string& name : options.harmless) harmless_.push_back(upper_case(name));
+    for (const std::string& one : options.harmless) harmless_.push_back(upper_case(one));
   }
 
   std::string_view read(std::string_view text, TargetLine& target) override {

@@ -230,6 +230,7 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"arc_not_reached", "G2 X5 Y5 I1 J2", "does not reach", "G1 Z-900", ""},
         Passed{"arc_without_centre", "G2 X5 Y5", "without a centre", "G1 Z-900", ""},
         Passed{"arc_of_another_plane", "G2 X5 Y5 K5", "without a centre", "G1 Z-900", ""},
+        Passed{"arc_with_a_centre_off_its_plane", "G2 X5 Y5 I2.5 J2.5 K5", "without a centre", "G1 Z-900", ""},
         Passed{"arc_with_both", "G2 X5 Y5 I5 R5", "a centre and a radius", "G1 Z-900", ""},
         Passed{"arc_half_a_turn", "G2 X5 Y5 R5 P1.5", "turns", "G1 Z-900", ""},
         Passed{"arc_in_no_plane", "G17.1 G2 X5 Y5 R5", "which plane", "G1 Z-900", ""},
@@ -491,18 +492,18 @@ TEST_F(Gcode, JointLoadsAreThoseAlongTheBlock) {
   const Robot limited(described);
   const TargetCorrection of_limited{limited, test::table4_machine(robot, 1)};
   const Filtered result =
-      filtered_gcode("G0 X-200 Y0 Z-888 C0\nG1 X200 Y100 C30 F24000\nG0 X0\nG93 G1 Y0 F60\n", of_limited);
+      filtered_gcode("G0 X-150 Y150 Z-888 C0\nG1 X150 Y-150 C30 F24000\nG0 X0\nG93 G1 Y0 F60\n", of_limited);
   ASSERT_THAT(result.summary.hardest, SizeIs(2));  // no rapid
   EXPECT_EQ(result.summary.over_limit, 1);
   EXPECT_EQ(result.summary.first_over_limit, 2);
   const JointLoad& load = result.summary.hardest.front();
   EXPECT_EQ(load.line, 2);
   constexpr int kSteps = 400;
-  const double seconds = std::hypot(400.0, 100.0) / 400.0, per_step = kSteps / seconds;
+  const double seconds = std::hypot(300.0, 300.0) / 400.0, per_step = kSteps / seconds;
   std::vector<CompensatorJoints<double>> joints(kSteps + 1);
   for (int k = 0; k <= kSteps; ++k) {
     const double t = static_cast<double>(k) / kSteps;
-    ASSERT_EQ(of_limited.compensator().compensate({-200 + 400 * t, 100 * t, -888, to_radians(30 * t)},
+    ASSERT_EQ(of_limited.compensator().compensate({-150 + 300 * t, 150 - 300 * t, -888, to_radians(30 * t)},
                                                   joints[static_cast<std::size_t>(k)]),
               CompensationStatus::ok);
   }
@@ -524,7 +525,7 @@ TEST_F(Gcode, JointLoadsAreThoseAlongTheBlock) {
   EXPECT_NEAR(load.speed / speed_then, 1.0, 0.1);
   EXPECT_NEAR(load.acceleration / acceleration_then, 1.0, 0.15);
   EXPECT_EQ(result.summary.hardest.back().line, 4);
-  const double last = std::max(result.summary.hardest.back().speed, 1e-9);  // 50 to 0 mm in a second, as G93 has it
+  const double last = std::max(result.summary.hardest.back().speed, 1e-9);  // 150 mm in a second, as G93 has it
   EXPECT_GT(last, to_radians(1.0));
   EXPECT_LT(last, to_radians(30.0));
 }
@@ -547,6 +548,7 @@ TEST_F(Gcode, ALineOutOfReachIsToldAsItStands) {
   const std::string home = words({{0, 0, -888}});
   const std::string x = home.substr(0, home.find(' '));
   EXPECT_EQ(after_start("G1 X4000\nG1 X0\n").text, "G0 " + home + "\nG1 X4000\nG1 " + x + "\n");
+  EXPECT_EQ(after_start("G91 G1 X4000\nG1 X-4000\n").text, "G0 " + home + "\nG91 G1 X4000\nG1 X-4000\n");
 }
 
 TEST_F(Gcode, ALongLineIsPassedInPieces) {
