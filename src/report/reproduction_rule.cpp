@@ -55,15 +55,16 @@ std::string_view name(Finding finding) {
 }
 
 std::vector<std::string> rule_in_words() {
-  return {fmt::format("tolerance = half a unit of the last printed digit + sqrt(n) x {} mm or {} deg, where n readings "
-                      "of the published machine make the quantity + the 95 % interval of ours, where it comes from "
-                      "virtual twins",
-                      kPositionReading, kRotationReading),
-          "a published machine beside its twins lies within the central 95 % of them; a median has its 95 % interval",
-          "a yes or no of the published machine is reproduced when most twins say so, at 95 % confidence; it is not "
-          "contradicted when at least 1 in 20 does",
-          "a number that comes out again of twins made from it is not contradicted: it could not have failed",
-          "a row that a zero or the other sign would pass as well cannot be tested"};
+  return {
+      fmt::format("tolerance = half a unit of the last printed digit + sqrt(n) x {} mm or {} deg, where n readings "
+                  "of the published machine make the quantity + the 95 % interval of ours, where it comes from "
+                  "virtual twins",
+                  kPositionReading, kRotationReading),
+      "a published machine beside its twins lies within the central 95 % of them; a median has its 95 % interval",
+      std::string("a yes or no of the published machine is reproduced when most twins say so, at 95 % confidence; ") +
+          "it is not contradicted when at least 1 in 20 does",
+      "a number that comes out again of twins made from it is not contradicted: it could not have failed",
+      "a row that a zero or the other sign would pass as well cannot be tested"};
 }
 
 double rounding(int decimals) { return 0.5 * std::pow(10.0, -decimals); }
