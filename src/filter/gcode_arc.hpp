@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: arcs of G-code, G2 and G3.
+// Private to the filter: arcs of G-code, G2 and G3.
 
 #include <array>
 #include <optional>

@@ -1,9 +1,10 @@
 #pragma once
 
-// Private to io: one line of G-code as words. RS-274/NGC and what RepRap firmware adds to it.
+// Private to the filter: one line of G-code as words. RS-274/NGC and what RepRap firmware adds to it.
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -11,6 +12,9 @@
 #include <vector>
 
 namespace paracal::io {
+
+/// No controller has as many tools.
+inline constexpr double kMostTool = 1e6;
 
 inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'C'};
 
@@ -29,6 +33,9 @@ struct GcodeWord {
   std::size_t begin = 0, end = 0;  ///< of the number
 
   bool is_number() const { return kind == Kind::number; }
+  bool is_whole(double least, double most) const {
+    return is_number() && value >= least && value <= most && value == std::floor(value);
+  }
 };
 
 /// A line as the controller takes it apart; comments (...) and ;... are passed over.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: what controllers read differently.
+// Private to the filter: what controllers read differently.
 
 #include <cstdint>
 

@@ -1,7 +1,5 @@
 // What G codes do to what a controller remembers.
 
-#include <cmath>
-
 #include "gcode_codes.hpp"
 #include "gcode_modes.hpp"
 #include "gcode_words.hpp"
@@ -20,11 +18,6 @@ constexpr std::string_view kCompute = "let the post-processor compute the path",
 /// G54 to G59, G59.1 to G59.3: from 1.
 std::size_t system_of(int tenths) {
   return static_cast<std::size_t>(tenths % 10 == 0 ? tenths / 10 - 53 : tenths % 10 + 6);
-}
-
-bool is_whole(const GcodeWord* word, double least, double most) {
-  return word != nullptr && word->is_number() && word->value >= least && word->value <= most &&
-         word->value == std::floor(word->value);
 }
 
 }  // namespace
@@ -70,8 +63,8 @@ void GcodeModes::define(const GcodeBlock& block, const Axes& axes, Request& requ
 
 void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
   const GcodeWord *const kind = block.word('L'), *const system = block.word('P'), *const turn = block.word('R');
-  const bool names_system =
-      is_whole(kind, 2.0, 2.0) && is_whole(system, traits_.zero_is_current ? 0.0 : 1.0, WorkOffsets::kSystems);
+  const bool names_system = kind != nullptr && kind->is_whole(2.0, 2.0) && system != nullptr &&
+                            system->is_whole(traits_.zero_is_current ? 0.0 : 1.0, WorkOffsets::kSystems);
   const bool turns = turn != nullptr && !(turn->is_number() && turn->value == 0.0);
   const bool is_added = traits_.defines_in_steps && distance_ != Distance::absolute;
   if (!names_system || turns || is_added || !mm_per_unit_ || axes.has_doubt || axes.has_flag) {
@@ -85,8 +78,7 @@ void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
 /// G43, with H or of the tool that was changed last.
 void GcodeModes::take_tool_length(const GcodeBlock& block) {
   const GcodeWord* const word = block.word('H');
-  constexpr double kMostTool = 1e6;
-  const bool is_stated = is_whole(word, 1.0, kMostTool);
+  const bool is_stated = word != nullptr && word->is_whole(1.0, kMostTool);
   const std::optional<int> tool = is_stated ? std::optional(static_cast<int>(word->value)) : tool_;
   if (word != nullptr && !is_stated) throw RefusedProgram("G43 with an H that names no tool", kTable);
   const auto change = origin_.take_length_of(tool);

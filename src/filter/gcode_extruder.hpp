@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: the extruder of a printer, in G-code.
+// Private to the filter: the extruder of a printer, in G-code.
 
 #include <optional>
 

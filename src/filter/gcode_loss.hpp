@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: why the place of an axis is not known.
+// Private to the filter: why the place of an axis is not known.
 
 #include <cstddef>
 #include <cstdint>

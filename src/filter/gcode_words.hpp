@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: whose a word is, where it can belong to several codes of its line.
+// Private to the filter: whose a word is, where it can belong to several codes of its line.
 
 #include "gcode_block.hpp"
 #include "gcode_dialect.hpp"
@@ -16,8 +16,7 @@ bool sets_tool_temperature(const GcodeBlock& block, const DialectTraits& traits)
 /// P states turns of an arc, and something of another code, too, as LinuxCNC has it: G64 P1, M62 P1.
 bool shares_turns(const GcodeBlock& block);
 
-/// A straight motion of single motors, or up to an endstop: RepRapFirmware's H1 to H4; H of another kind is no axis'
-/// way.
+/// A straight motion of single motors, or up to an endstop: RepRapFirmware's H1 to H4, S1 to S3.
 /// @param has_tool_length  H is of G43.
 bool moves_motors(const GcodeBlock& block, bool has_tool_length, const DialectTraits& traits);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: what a filter left as it was.
+// Private to the filter: what a filter left as it was.
 
 #include <cstdint>
 #include <string_view>

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to io: into how many pieces a way is cut, so that the straight lines which the controller draws between
-// corrected targets keep the machine on it.
+// Private to the filter: into how many pieces a path is cut, so that the straight lines which the controller draws
+// between corrected targets keep the machine on it.
 
 #include <cstdint>
 #include <span>
@@ -16,9 +16,9 @@ namespace paracal::io {
 std::vector<std::optional<AxisValues>> corrected(const TargetCorrection& correction, const FilterSettings& settings,
                                                  std::span<const AxisValues> places);
 
-/// Cuts ways into pieces of even length.
+/// Cuts paths into pieces of even length.
 ///
-/// A piece that ends where it should still leaves its way between its ends: an arc by its sagitta, any way by how far
+/// A piece that ends where it should still leaves its path between its ends: an arc by its sagitta, any path by how far
 /// the correction c(t) = target - wanted bends,
 ///
 ///   max over t of |c(t) - ((1 - t) c(0) + t c(1))|,

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to io: the part that filters of targets share, whatever the format. A format reads lines and says where
-// numbers of a target stand; what is common corrects the targets of many lines at once and writes their numbers.
+// Private to the filter: the part that filters of targets share, whatever the format. A format reads lines and says
+// where numbers of a target stand; what is common corrects the targets of many lines at once and writes their numbers.
 
 #include <array>
 #include <cmath>

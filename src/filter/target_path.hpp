@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: the way that the plate takes from one target to the next.
+// Private to the filter: the path that the plate takes from one target to the next.
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: lines with corrected targets.
+// Private to the filter: lines with corrected targets.
 
 #include <optional>
 #include <span>

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "gcode_block.hpp"
 #include "gcode_codes.hpp"
@@ -43,9 +43,7 @@ ToolTable read_tool_table(const TextFile& file) {
     block.parse(line);
     if (is_row(block) && block.words.empty()) continue;
     const GcodeWord* const tool = block.word('T');
-    constexpr double kMostTool = 1e6;
-    const bool is_tool =
-        tool != nullptr && tool->value >= 0.0 && tool->value <= kMostTool && tool->value == std::floor(tool->value);
+    const bool is_tool = tool != nullptr && tool->is_whole(0.0, kMostTool);
     if (!is_row(block) || !is_tool) {
       throw InputFileError(
           file.name, number,

@@ -1,4 +1,4 @@
-// What the line of a motion says of its way: its arc, and what dividing it takes.
+// What the line of a motion says of its path: its arc, and what dividing it takes.
 
 #include <algorithm>
 #include <array>
