@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|python|package|test|live|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
+# Installs what is missing: setup.sh [run|python|package|test|disks|live|site]. The Debian packages of packages.txt, of the group and those above it (site: its own
 # alone); then, for test and live, the npm packages that web/package-lock.json pins. Quiet, and quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 group=${1:-test}
-grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test, live or site, got $group" >&2; exit 2; }
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test, disks, live or site, got $group" >&2; exit 2; }
 mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/ && (done || last != "[site]")' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do

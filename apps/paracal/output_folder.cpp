@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "outputs.hpp"
 #include "paracal/io/signals_wait.hpp"
+#include "paracal/io/store.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -39,9 +39,9 @@ void OutputFolder::write(const std::map<std::string, std::string>& files) const 
   const io::SignalsWait together;  // a folder without its files is neither
   const bool is_new = fs::create_directory(path_);
   try {
-    Outputs outputs;  // gone before the folder goes: until then it may hold what has no name yet
-    for (const auto& [name, text] : files) outputs.write(path_ / name, text);
-    outputs.commit();
+    io::Store store;  // gone before the folder goes: until then it may hold what has no name yet
+    for (const auto& [name, text] : files) store.write(path_ / name, text);
+    store.commit();
   } catch (...) {
     std::error_code ignored;
     if (is_new) fs::remove(path_, ignored);

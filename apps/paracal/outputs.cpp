@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "paracal/io/signals_wait.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -78,19 +77,6 @@ void Outputs::keep_off(const std::vector<std::string>& read) const {
       if (is_same_file(output->values().front(), file)) refuse(output->name(), file, "read");
     }
   }
-}
-
-void Outputs::commit() {
-  const io::SignalsWait together;
-  for (io::OutputFile& file : written_) file.settle();
-  std::size_t done = 0;
-  try {
-    for (; done < written_.size(); ++done) written_[done].commit();
-  } catch (...) {
-    while (done > 0) written_[--done].undo();
-    throw;
-  }
-  written_.clear();
 }
 
 }  // namespace paracal::app

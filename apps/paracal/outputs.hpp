@@ -1,12 +1,10 @@
 #pragma once
 
-#include <deque>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "arguments.hpp"
-#include "paracal/io/file.hpp"
+#include "paracal/io/store.hpp"
 
 namespace paracal::app {
 
@@ -25,18 +23,12 @@ class Outputs {
   /// @throws WrongUsage
   void keep_off(const std::vector<std::string>& read) const;
 
-  /// @throws Error when the file cannot be written.
-  void write(const std::string& file, std::string_view text) { begin(file).write(text); }
-  /// For a file that is written piece by piece.
-  io::OutputFile& begin(const std::string& file) { return written_.emplace_back(file); }
-  /// Puts all into their places; none where one cannot be.
-  void commit();
+  io::Store store;
 
  private:
   bool is_output(const Option& option) const;
 
   std::vector<const Option*> options_;
-  std::deque<io::OutputFile> written_;
 };
 
 }  // namespace paracal::app

@@ -181,14 +181,13 @@ std::string changed_lines(const std::string& before, const std::string& after) {
 }
 
 /// printer-20261122_221500.cfg beside printer.cfg, as the firmware itself names what it keeps.
-std::string kept_name(const std::string& file) {
-  const std::filesystem::path path(file);
+std::filesystem::path kept_path(const std::filesystem::path& path) {
   const std::time_t seconds = now();
   std::tm utc{};
   gmtime_r(&seconds, &utc);
   std::array<char, 32> stamp{};
   std::strftime(stamp.data(), stamp.size(), "-%Y%m%d_%H%M%S", &utc);
-  return (path.parent_path() / (path.stem().string() + stamp.data() + path.extension().string())).string();
+  return path.parent_path() / (path.stem().string() + stamp.data() + path.extension().string());
 }
 
 /// Writes the configuration with the advised values, where it is asked for and anything is advised.
@@ -198,16 +197,19 @@ std::string write_configuration(const PrinterOptions& options, const PrinterStat
   if (options.config.empty() && !options.apply) return {};
   if (!found.is_advised()) return "\nnothing is advised, so no configuration is written\n";
   const std::string changed = io::klipper_config(printer.text, found.advised());
-  if (!options.config.empty()) session.outputs.write(options.config, changed);
-  if (!options.apply) return fmt::format("\nwritten: {}\n", options.config);
-  const std::string kept = kept_name(options.printer.name);
-  if (std::filesystem::exists(kept)) {
-    throw WrongUsage(fmt::format("--apply: {}: expected no file where the old configuration is to be kept", kept));
+  const std::string encoded = io::encoded(changed, printer.text.encoding);
+  if (!options.config.empty()) session.outputs.store.write(options.config, encoded);
+  if (!options.apply) {
+    session.say_when_done(fmt::format("written: {}\n", options.config));
+    return {};
   }
-  session.outputs.write(kept, printer.text.text);
-  session.outputs.write(options.printer.name, changed);
-  return fmt::format("\n{}changed: {}; what it was: {}; restart the firmware\n",
-                     changed_lines(printer.text.text, changed), options.printer.name, kept);
+  std::filesystem::path file = options.printer.name;
+  if (is_symlink(file)) file = canonical(file);  // what it was is kept beside it
+  const std::filesystem::path kept = kept_path(file);
+  session.outputs.store.write(file, encoded, {.sha256 = io::sha256(printer.text), .kept_as = kept.filename()});
+  session.say_when_done(
+      fmt::format("changed: {}; what it was: {}; restart the firmware\n", options.printer.name, kept.string()));
+  return "\n" + changed_lines(printer.text.text, changed);
 }
 
 void check_configuration_options(const PrinterOptions& options, const Session& session) {

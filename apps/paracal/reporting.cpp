@@ -42,7 +42,7 @@ io::Json report_data(const Session& session, const Robot& robot, const ReportCon
 std::string report_page(const io::Json& data) { return report::page(detail::report_page().front().text, data); }
 
 void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content) {
-  session.outputs.write(file, report_page(report_data(session, robot, content)));
+  session.outputs.store.write(file, report_page(report_data(session, robot, content)));
 }
 
 }  // namespace paracal::app

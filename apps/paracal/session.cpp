@@ -176,7 +176,7 @@ io::Json joints_json(const io::NamedJoints& row, Actuator actuator) {
 
 io::TextSink Session::result_sink() {
   if (out_.empty()) return standard_output_;
-  return [&file = outputs.begin(out_)](std::string_view text) { file.write(text); };
+  return outputs.store.begin(out_);
 }
 
 void Session::print(std::string_view text) { result_sink()(text); }
@@ -230,7 +230,7 @@ std::string json_text(const io::Json& json) { return dumped(json, 2); }
 std::string json_line(const io::Json& json) { return dumped(json, -1); }
 
 void Session::finish() {
-  outputs.commit();
+  outputs.store.commit();
   std::fputs(last_words_.c_str(), stderr);  // wants no memory: what is done can no longer fail
 }
 

@@ -46,6 +46,7 @@
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/io/signals_wait.hpp"
 #include "paracal/io/spool.hpp"
+#include "paracal/io/store.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/drive.hpp"

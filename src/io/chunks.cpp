@@ -11,7 +11,7 @@
 #include "nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
-#include "paracal/io/signals_wait.hpp"
+#include "paracal/io/store.hpp"
 #include "tally_json.hpp"
 
 namespace paracal::io {
@@ -85,12 +85,7 @@ class ChunkFolder {
     if (error) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
     const std::filesystem::path header = path_ / "batch.json";
     // Of several batches that begin in one folder at once, one comes first.
-    if (!std::filesystem::exists(header)) {
-      const SignalsWait whole;
-      OutputFile file(header);
-      file.write(description.dump(2) + "\n");
-      if (file.commit_new()) return;
-    }
+    if (!std::filesystem::exists(header) && write_new_file(header, description.dump(2) + "\n")) return;
     require_same(read_file(header), description);
   }
 

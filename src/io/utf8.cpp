@@ -117,13 +117,6 @@ namespace {
 /// The byte-order marks of UTF-16: no UTF-8 text begins with either.
 constexpr std::string_view kLittleEndianMark = "\xFF\xFE", kBigEndianMark = "\xFE\xFF";
 
-/// Which UTF-16 a text is that begins with these bytes; empty: none.
-std::optional<bool> is_big_endian(std::string_view begin) {
-  if (begin.starts_with(kLittleEndianMark)) return false;
-  if (begin.starts_with(kBigEndianMark)) return true;
-  return std::nullopt;
-}
-
 /// Decodes what it reads, a piece at a time.
 class DecodingBuffer : public std::streambuf {
  public:
@@ -165,6 +158,34 @@ class DecodedStream : public std::istream {
 };
 
 }  // namespace
+
+std::optional<bool> is_big_endian(std::string_view bytes) {
+  if (bytes.starts_with(kLittleEndianMark)) return false;
+  if (bytes.starts_with(kBigEndianMark)) return true;
+  return std::nullopt;
+}
+
+std::string as_utf16(std::string_view text, bool big_endian) {
+  std::string bytes(big_endian ? kBigEndianMark : kLittleEndianMark);
+  const auto add_unit = [&](std::uint32_t unit) {
+    const std::array pair{static_cast<char>(unit >> 8), static_cast<char>(unit & 0xFF)};
+    bytes += pair[big_endian ? 0 : 1];
+    bytes += pair[big_endian ? 1 : 0];
+  };
+  while (!text.empty()) {
+    const std::size_t length = std::max(length_of_character(text), std::size_t{1});
+    std::uint32_t code = byte_of(text[0]) & (length == 1 ? 0x7FU : 0x7FU >> length);
+    for (std::size_t k = 1; k < length; ++k) code = code << 6 | (byte_of(text[k]) & 0x3FU);
+    text.remove_prefix(length);
+    if (code < 0x10000) {
+      add_unit(code);
+    } else {
+      add_unit(0xD800U + ((code - 0x10000) >> 10));
+      add_unit(0xDC00U + ((code - 0x10000) & 0x3FFU));
+    }
+  }
+  return bytes;
+}
 
 std::optional<std::string> decoded(std::string_view bytes) {
   const auto big_endian = is_big_endian(bytes);

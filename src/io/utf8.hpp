@@ -41,6 +41,12 @@ class Utf16Decoder {
   std::uint16_t leading_ = 0;  ///< of a pair of surrogates; 0: none
 };
 
+/// Which UTF-16 a text is that begins with its byte-order mark; empty: none.
+std::optional<bool> is_big_endian(std::string_view bytes);
+
+/// UTF-8 as UTF-16 with its byte-order mark.
+std::string as_utf16(std::string_view text, bool big_endian);
+
 /// A text that begins with a byte-order mark of UTF-16, as UTF-8; empty for any other.
 /// @throws InvalidArgument as Utf16Decoder.
 std::optional<std::string> decoded(std::string_view bytes);

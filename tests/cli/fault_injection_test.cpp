@@ -1,6 +1,7 @@
 // Every command, with every call that can fail failing once: it ends with a code of the contract and one message, and
 // leaves inputs and earlier outputs as they were, and nothing else; what it says is done is what an undisturbed run
-// does. The same where the folder of its outputs goes away, and where its standard output cannot be written. And every
+// does. All this on the disk that is here and on a plain one (fault_shim.cpp); what a signal breaks off is done again.
+// The same where the folder of its outputs goes away, and where its standard output cannot be written. And every
 // command, interrupted before any such call: all its outputs are there, or none. The end says how often all that held.
 // With PARACAL_EVERY_MACHINE every call fails; else one of each kind, drawn by a seed that is another one for each
 // commit. PARACAL_FAULT_SEED=N repeats a run.
@@ -19,7 +20,9 @@
 #include <random>
 #include <set>
 #include <sstream>
+#include <tuple>
 
+#include "fault_shim.hpp"
 #include "printer/klipper_sets.hpp"
 #include "run_program.hpp"
 #include "support/places.hpp"
@@ -116,6 +119,7 @@ const std::vector<Injected> kCommands{
     {"simulate --poses plan.csv --truth truth.toml --out out.csv"},
     {"calibrate --measurements points.csv --tolerances tolerances.toml --out out.json --report out.html"},
     {"calibrate --printer printer.cfg --out out.json"},
+    {"calibrate --printer advised.cfg --apply"},
     {"validate --calibration calibration.json --measurements points.csv --out out.json"},
     {"report --calibration calibration.json --measurements points.csv --out out.html"},
     {"compensate --calibration calibration.json --poses plan.csv --out out.csv"},
@@ -205,6 +209,7 @@ class Injection : public testing::TestWithParam<Injected> {
       if (word == "path.csv") folder.write(word, long_path());
       if (word == "part.gcode") folder.write(word, "G1 X0 Y0 Z-900\nG1 X100 Y50 Z-950\n");
       if (word == "printer.cfg") folder.write(word, shortest_config());
+      if (word == "advised.cfg") folder.write(word, read_text(source_folder() / "samples/printer.cfg"));
       if (word == "tolerances.toml") folder.write(word, tolerances());
     }
     inputs = files_of(folder.path());
@@ -233,6 +238,7 @@ class Injection : public testing::TestWithParam<Injected> {
     for (const std::string& one : {preloaded_faults(), "PARACAL_FAULT=" + fault, std::string("SOURCE_DATE_EPOCH=0")}) {
       environment.push_back(one);
     }
+    if (is_plain) environment.emplace_back("PARACAL_FAULT_DISK=plain");
     return run_program(arguments, here(environment));
   }
 
@@ -303,8 +309,8 @@ class Injection : public testing::TestWithParam<Injected> {
 
   /// Of the command as set_out() left it; run once for all tests that start from the same files.
   const Undisturbed& undisturbed() const {
-    static std::map<std::pair<std::vector<std::string>, Files>, Undisturbed> known;
-    const auto [place, is_new] = known.try_emplace({arguments, before});
+    static std::map<std::tuple<std::vector<std::string>, Files, bool>, Undisturbed> known;
+    const auto [place, is_new] = known.try_emplace({arguments, before, is_plain});
     Undisturbed& one = place->second;
     if (!is_new) return one;
     const TemporaryFolder elsewhere;
@@ -331,8 +337,19 @@ class Injection : public testing::TestWithParam<Injected> {
              const std::vector<std::string>& environment = {}) const;
 
   TemporaryFolder folder;
+  /// On the disk that is here and on a plain one; in the quick run on one of them.
+  template <typename Test>
+  void on_each_disk(Test&& test) {
+    for (const bool plain : {false, true}) {
+      if (!every_machine() && plain != (drawn(GetParam().command + " on", 2) == 1)) continue;
+      is_plain = plain;
+      test();
+    }
+  }
+
   Files inputs, before;
   std::vector<std::string> arguments;
+  bool is_plain = false;
 };
 
 /// Which of the calls of a kind fail, and how: all, of more than `most` every few, the last ones always: what is done
@@ -355,6 +372,7 @@ std::vector<std::pair<long, int>> tried_of(const std::string& name, Fault kind, 
 }
 
 std::string name_of_fault(const std::string& call, int fault) {
+  if (fault == kTakesNothing) return call + " that takes nothing";
   if (fault < 0) return fmt::format("{} before {}", strsignal(-fault), call);
   return fault == 0 ? "no folder at " + call : fmt::format("{} of {}", std::strerror(fault), call);
 }
@@ -376,7 +394,8 @@ int Injection::inject(Fault kind, FaultsOf&& faults_of, Objection&& objection_to
       restore();
       const ProgramResult result = run_with(fmt::format("{} {} {}", call, k, fault), environment);
       disturbed += result.exit_code != usual.result.exit_code;
-      judge(name_of_fault(call, fault), objection_to(result, fault, usual), result, fmt::format("{} of {}", k, number));
+      judge(name_of_fault(call, fault), objection_to(result, fault, usual), result,
+            fmt::format("{} of {}{}", k, number, is_plain ? ", plain disk" : ""));
     }
   }
   return disturbed;
@@ -387,21 +406,55 @@ TEST_P(Injection, LosesNothing) {
   const auto errors_of = [](const std::string& call) {
     if (call == "unlink") return std::vector<int>{};  // of what only leaves a file behind
     if (call == "malloc") return std::vector{ENOMEM};
-    if (call == "read") return std::vector{EIO};
-    return call == "open" ? std::vector{EACCES, EMFILE} : std::vector{ENOSPC, EIO};
+    if (call == "read") return std::vector{EIO, EINTR};
+    if (call == "write") return std::vector{ENOSPC, EIO, EINTR, kTakesNothing};
+    return call == "open" ? std::vector{EACCES, EMFILE, EINTR} : std::vector{ENOSPC, EIO, EINTR};
   };
-  const int disturbed = inject(Fault::error, errors_of,
-                               [this](const auto& result, int, const auto& usual) { return objection(result, usual); });
-  EXPECT_GT(disturbed, every_machine() ? 0 : -1);
+  const auto objection_to = [this](const ProgramResult& result, int fault, const Undisturbed& usual) {
+    const bool is_as_usual = result.exit_code == usual.result.exit_code && result.err == usual.result.err;
+    if (fault == EINTR && !is_as_usual) return std::string("did not do again what a signal broke off");
+    return objection(result, usual);
+  };
+  on_each_disk([&] {
+    const int disturbed = inject(Fault::error, errors_of, objection_to);
+    EXPECT_GT(disturbed, every_machine() ? 0 : -1);
+  });
 }
 
 TEST_P(Injection, SignalsLeaveAllOutputsOrNone) {
   if (is_left_out()) return;
   const auto signals = [](const std::string&) { return std::vector{-SIGINT, -SIGTERM}; };
-  const int ended = inject(Fault::signal, signals, [this](const auto& result, int fault, const auto& usual) {
-    return objection_after_signal(result, -fault, usual);
+  on_each_disk([&] {
+    const int ended = inject(Fault::signal, signals, [this](const auto& result, int fault, const auto& usual) {
+      return objection_after_signal(result, -fault, usual);
+    });
+    EXPECT_GT(GetParam().is_batch() ? 1 : ended, every_machine() ? 0 : -1);
   });
-  EXPECT_GT(GetParam().is_batch() ? 1 : ended, every_machine() ? 0 : -1);
+}
+
+/// Where what was replaced cannot be put back either, as from some call on no file can be renamed, it is not lost, and
+/// the message says where it is.
+TEST(Injections, WhatCannotBePutBackIsNamed) {
+  constexpr int kMostRenames = 4;  // that put two files into their places
+  for (const std::string disk : {"PARACAL_NO_FAULT=", "PARACAL_FAULT_DISK=plain"}) {
+    int named = 0;
+    for (int from = 1; from <= kMostRenames; ++from) {
+      const TemporaryFolder folder;
+      for (const char* name : {"out.toml", "out.txt"}) folder.write(name, std::string("earlier ") + name);
+      const std::string fault = fmt::format("PARACAL_FAULT=rename -{} {}", from, EIO);
+      const ProgramResult result =
+          run_program(of_huang2016("tolerance allocate --max-tilt 5e-4 --toml out.toml --out out.txt"),
+                      {.folder = folder.path(), .environment = {preloaded_faults(), fault, disk}});
+      const std::size_t begin = result.err.find(".paracal-"), end = result.err.find(' ', begin);
+      if (begin == std::string::npos) continue;
+      ++named;
+      EXPECT_EQ(result.exit_code, kWrongUsage);
+      const std::string kept = folder.read(result.err.substr(begin, end - begin));
+      EXPECT_THAT(kept, testing::StartsWith("earlier out."));
+      EXPECT_THAT(result.err, testing::HasSubstr("; what " + kept.substr(8) + " was is now .paracal-"));
+    }
+    EXPECT_GT(named, 0) << disk;
+  }
 }
 
 /// A signal that waited until the outputs were in their places is not lost.

@@ -1,8 +1,10 @@
 // Preloaded into paracal: lets one call fail, or counts them. PARACAL_FAULT="CALL NUMBER ERRNO", calls from 1; with the
 // negative number of a signal instead, the process gets that signal before the call, which then goes on; with 0 the
-// folder PARACAL_FAULT_FOLDER goes before the call: removed if it is empty, else renamed to FOLDER.away.
-// PARACAL_FAULT_COUNTS=FILE keeps how many calls of each kind a run makes. Standard streams and what the program does
-// before main() are left alone.
+// folder PARACAL_FAULT_FOLDER goes before the call: removed if it is empty, else renamed to FOLDER.away; with
+// kTakesNothing a write() writes nothing and says so. PARACAL_FAULT_COUNTS=FILE keeps how many calls of each kind a run
+// makes. Standard streams and what the program does before main() are left alone.
+// PARACAL_FAULT_DISK=plain: a disk that can neither exchange nor link files, nor hold one without a name, knows no
+// owners and modes, and does not say when all is on it.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -18,7 +20,11 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "fault_shim.hpp"
+
 namespace {
+
+using paracal::test::kTakesNothing;
 
 enum Call { kOpen, kRead, kWrite, kSync, kMode, kLink, kRename, kFolder, kRemoval, kMemory, kCalls };
 constexpr const char* kNames[kCalls] = {"open", "read",   "write", "fsync",  "fchmod",
@@ -42,11 +48,18 @@ void vanish() {
 bool fails(Call call) {
   if (!started) return false;
   const long now = __atomic_add_fetch(&counts[call], 1, __ATOMIC_RELAXED);
-  if (call != failing || now != number) return false;
+  if (call != failing || (now != number && (number >= 0 || now < -number))) return false;
   if (error < 0) kill(getpid(), -error);
   if (error == 0) vanish();
   if (error > 0) errno = error;
   return error > 0;
+}
+
+/// Says no in the place of a plain disk.
+bool is_refused(int with) {
+  static const bool is_plain = std::getenv("PARACAL_FAULT_DISK") != nullptr;
+  if (is_plain && started) errno = with;
+  return is_plain && started;
 }
 
 template <typename Function>
@@ -103,7 +116,13 @@ int open(const char* path, int flags, ...) {
     va_end(more);
   }
   static const auto real = next(static_cast<int (*)(const char*, int, ...)>(nullptr), "open");
+  if ((flags & O_TMPFILE) == O_TMPFILE && is_refused(EOPNOTSUPP)) return -1;
   return fails(kOpen) ? -1 : real(path, flags, mode);
+}
+
+int mkostemp(char* name, int flags) {
+  static const auto real = next(static_cast<int (*)(char*, int)>(nullptr), "mkostemp");
+  return fails(kOpen) ? -1 : real(name, flags);
 }
 
 FILE* fopen(const char* path, const char* mode) {
@@ -125,27 +144,28 @@ ssize_t pread(int file, void* into, size_t size, off_t at) {
 
 ssize_t write(int file, const void* from, size_t size) {
   static const auto real = next(static_cast<ssize_t (*)(int, const void*, size_t)>(nullptr), "write");
-  return file > STDERR_FILENO && fails(kWrite) ? -1 : real(file, from, size);
+  if (file > STDERR_FILENO && fails(kWrite)) return error == kTakesNothing ? 0 : -1;
+  return real(file, from, size);
 }
 
 int fsync(int file) {
   static const auto real = next(static_cast<int (*)(int)>(nullptr), "fsync");
-  return fails(kSync) ? -1 : real(file);
+  return fails(kSync) || is_refused(EINVAL) ? -1 : real(file);
 }
 
 int fchmod(int file, mode_t mode) {
   static const auto real = next(static_cast<int (*)(int, mode_t)>(nullptr), "fchmod");
-  return fails(kMode) ? -1 : real(file, mode);
+  return fails(kMode) || is_refused(EPERM) ? -1 : real(file, mode);
+}
+
+int fchown(int file, uid_t owner, gid_t group) {
+  static const auto real = next(static_cast<int (*)(int, uid_t, gid_t)>(nullptr), "fchown");
+  return fails(kMode) || is_refused(EPERM) ? -1 : real(file, owner, group);
 }
 
 int linkat(int from, const char* source, int to, const char* target, int flags) {
   static const auto real = next(static_cast<int (*)(int, const char*, int, const char*, int)>(nullptr), "linkat");
-  return fails(kLink) ? -1 : real(from, source, to, target, flags);
-}
-
-int link(const char* source, const char* target) {
-  static const auto real = next(static_cast<int (*)(const char*, const char*)>(nullptr), "link");
-  return fails(kLink) ? -1 : real(source, target);
+  return fails(kLink) || is_refused(EPERM) ? -1 : real(from, source, to, target, flags);
 }
 
 int rename(const char* source, const char* target) {
@@ -156,7 +176,7 @@ int rename(const char* source, const char* target) {
 int renameat2(int from, const char* source, int to, const char* target, unsigned flags) {
   static const auto real =
       next(static_cast<int (*)(int, const char*, int, const char*, unsigned)>(nullptr), "renameat2");
-  return fails(kRename) ? -1 : real(from, source, to, target, flags);
+  return fails(kRename) || is_refused(EINVAL) ? -1 : real(from, source, to, target, flags);
 }
 
 int unlink(const char* path) {

@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
 
 #include "broken_input.hpp"
 #include "json_checks.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
@@ -94,6 +99,79 @@ TEST_F(PrinterCommand, AppliesWithABackupAndADiff) {
   EXPECT_THAT(kept, testing::MatchesRegex("printer-[0-9]{8}_[0-9]{6}.cfg"));
   EXPECT_EQ(folder.read(kept), outdated());
   EXPECT_THAT(folder.run("calibrate --printer printer.cfg").out, HasSubstr("nothing to change"));
+}
+
+/// The name of the second file in a folder.
+std::string other_than_printer(const TemporaryFolder& folder) {
+  const std::set<std::string> names = folder.names();
+  EXPECT_EQ(names.size(), 2u);
+  return *std::ranges::find_if(names, [](const std::string& one) { return one != "printer.cfg"; });
+}
+
+/// What was there is kept byte for byte, whatever wrote it, and read by nobody else; what is new stands in the same
+/// letters.
+TEST_F(PrinterCommand, KeepsEveryByteOfWhatItChanges) {
+  const std::string plain = outdated(), comment = "# Me\xC3\x9Fpunkt \xE2\x82\xAC\n" + plain;
+  std::string crlf;
+  for (const char c : plain) c == '\n' ? crlf += "\r\n" : crlf += c;
+  const auto utf16 = [](const std::string& text, io::Encoding encoding) { return io::encoded(text, encoding); };
+  const std::string wide_mark = utf16("", io::Encoding::utf16_little_endian);
+  ASSERT_EQ(wide_mark, "\xFF\xFE");
+  const std::vector<std::string> texts{comment,
+                                       std::string(io::kByteOrderMark) + comment,
+                                       utf16(comment, io::Encoding::utf16_little_endian),
+                                       utf16(comment, io::Encoding::utf16_big_endian),
+                                       "# Me\xDFpunkt\n" + plain,
+                                       crlf,
+                                       plain.substr(0, plain.find_last_not_of('\n') + 1)};
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    const TemporaryFolder own;
+    own.write("printer.cfg", texts[k]);
+    std::filesystem::permissions(own.path() / "printer.cfg", std::filesystem::perms(0600));
+    ASSERT_EQ(own.run("calibrate --printer printer.cfg --apply").exit_code, kDone) << k;
+    const std::string kept = other_than_printer(own);
+    EXPECT_EQ(own.read(kept), texts[k]) << k;
+    EXPECT_EQ(std::filesystem::status(own.path() / kept).permissions(), std::filesystem::perms(0600)) << k;
+    const std::string changed = own.read("printer.cfg");
+    const bool is_wide = k == 2 || k == 3;
+    EXPECT_EQ(changed.substr(0, 2), texts[k].substr(0, 2)) << k;
+    EXPECT_EQ(changed.size() % 2 == 0 || !is_wide, true) << k;
+    EXPECT_NE(changed, texts[k]) << k;
+    EXPECT_THAT(own.run("calibrate --printer printer.cfg").out, HasSubstr("nothing to change")) << k;
+  }
+}
+
+/// Somebody else edits the configuration at any moment: that edit is in the file, or nothing was changed.
+TEST_F(PrinterCommand, LosesNoEditMadeMeanwhile) {
+  const int moments = every_machine() ? 200 : 8;
+  const std::string edit = "# mine\n";
+  const auto begin = std::chrono::steady_clock::now();
+  folder.write("printer.cfg", outdated());
+  ASSERT_EQ(folder.run("calibrate --printer printer.cfg --apply").exit_code, kDone);
+  const auto lasts = std::chrono::steady_clock::now() - begin;
+  int refused = 0;
+  for (int k = 0; k < moments; ++k) {
+    const TemporaryFolder own;
+    const std::string path = own.write("printer.cfg", outdated());
+    std::thread editor([&, when = lasts * (2 * k + 1) / (2 * moments)] {
+      std::this_thread::sleep_for(when);
+      if (k % 3 == 0) return void(std::ofstream(path, std::ios::app) << edit);
+      const std::string text = read_text(path);
+      const std::string where = k % 3 == 1 ? path : path + ".new";
+      std::ofstream(where) << text << edit;
+      if (where != path) std::filesystem::rename(where, path);
+    });
+    const ProgramResult result = own.run("calibrate --printer printer.cfg --apply");
+    editor.join();
+    const std::string text = own.read("printer.cfg");
+    EXPECT_TRUE(text.ends_with(edit)) << k;
+    if (result.exit_code != kWrongUsage) continue;
+    ++refused;
+    EXPECT_EQ(text, outdated() + edit) << k;
+    EXPECT_EQ(own.names().size(), 1u) << k;
+    EXPECT_THAT(result.err, HasSubstr("printer.cfg: expected what was read, got another text by now")) << k;
+  }
+  EXPECT_GT(refused, 0);
 }
 
 /// Its errors would count from values that the firmware no longer has: programs would be corrected twice.

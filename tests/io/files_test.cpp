@@ -8,6 +8,7 @@
 
 #include "paracal/error.hpp"
 #include "paracal/io/signals_wait.hpp"
+#include "paracal/io/store.hpp"
 
 namespace paracal::io::files_test {
 namespace {

@@ -9,6 +9,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/csv_stream.hpp"
 #include "paracal/io/points.hpp"
+#include "paracal/io/store.hpp"
 #include "paracal/io/tables.hpp"
 
 namespace paracal::io::utf8_test {

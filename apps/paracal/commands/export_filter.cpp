@@ -291,9 +291,10 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
                           is_standard_input ? std::cin : static_cast<std::istream&>(file)};
   io::Spool spool;
   io::TextSink sink = [&spool](std::string_view text) { spool.write(text); };
+  const std::string read_hash = options.in_place ? io::sha256_of_file(options.input) : "";
   const auto result_sink = [&] {
     if (!options.in_place) return session.result_sink();
-    return io::TextSink([&into = session.outputs.begin(options.input)](std::string_view text) { into.write(text); });
+    return session.outputs.store.begin(options.input, {.sha256 = read_hash});
   };
   if (options.partial) sink = result_sink();
   if (options.check) sink = [](std::string_view) {};

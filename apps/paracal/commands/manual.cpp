@@ -24,10 +24,10 @@ void name_robots(CommandText& command) {
 void run(const std::filesystem::path& folder, CommandText program, Session& session) {
   name_robots(program);
   for (const auto& [name, text] : manual_pages(program, std::string(version())))
-    session.outputs.write(folder / name, text);
-  session.outputs.write(folder / "paracal.bash", bash_completion(program));
-  session.outputs.write(folder / "_paracal", zsh_completion(program));
-  session.outputs.write(folder / "paracal.fish", fish_completion(program));
+    session.outputs.store.write(folder / name, text);
+  session.outputs.store.write(folder / "paracal.bash", bash_completion(program));
+  session.outputs.store.write(folder / "_paracal", zsh_completion(program));
+  session.outputs.store.write(folder / "paracal.fish", fish_completion(program));
 }
 
 }  // namespace

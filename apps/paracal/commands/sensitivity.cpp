@@ -102,7 +102,7 @@ void run(const SensitivityArguments& options, Session& session) {
       robot, what, tolerances, {.all_rotations = options.all_rotations, .relative_error = options.error});
   if (pose) found.local = squared_sensitivities(LinearModel(robot).rows(*pose, what)).sqrt();
   if (!options.map.empty()) {
-    session.outputs.write(
+    session.outputs.store.write(
         options.map,
         map_csv(robot, what,
                 sigma_map(robot, what, tolerances, {.radii = 20, .azimuths = 72, .layers = 5}, options.all_rotations)));

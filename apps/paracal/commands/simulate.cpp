@@ -142,7 +142,7 @@ void run(const SimulateArguments& options, Session& session) {
   const std::vector<std::string> assumed =
       options.errors.empty() ? tolerances_of(robot).assumed : std::vector<std::string>();
   if (!options.truth.empty()) {
-    session.outputs.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
+    session.outputs.store.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
   if (!session.json()) {
     return session.print(io::robot_line(robot) + assumed_lines(assumed, "#") +

@@ -112,7 +112,7 @@ void run(const ToleranceAllocateArguments& options, Session& session) {
   if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
   const Allocation allocation = allocated(options, robot);
   if (!options.toml.empty() && allocation.ok())
-    session.outputs.write(options.toml, io::tolerances_toml(allocation.tolerances, robot));
+    session.outputs.store.write(options.toml, io::tolerances_toml(allocation.tolerances, robot));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))
