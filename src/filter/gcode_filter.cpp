@@ -33,7 +33,6 @@ class Gcode : public TargetFormat {
     if (target.kind != TargetLine::Kind::none) add_style(text, target);
     return passed;
   }
-  void skip() override { modes_.forget(); }
   std::vector<std::string> assumed() const override {
     std::vector<std::string> sentences;
     if (modes_.took_rotation_as_zero()) sentences.emplace_back("C, which the program never states, stays at 0 deg");

@@ -13,7 +13,6 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kLineTooLong = "a line longer than 64 KiB";
 constexpr const char* kUnknownFeed =
     "motions whose feed the program does not state (F) may take another time: the correction changes their length";
 constexpr std::string_view kUnreachable = "out of reach or singular";
@@ -112,14 +111,8 @@ class Passage {
 
   void take(const Line& line, TargetFormat& format) {
     TargetLine stated{.index = lines_.size(), .number = line.number};
-    std::string_view passed;
-    if (line.part == Line::Part::start_of_long) {
-      format.skip();
-      passed = kLineTooLong;
-    } else if (line.part == Line::Part::whole) {
-      passed = format.read(without_end(line.text), stated);
-      if (stated.kind != TargetLine::Kind::none) stated_.push_back(stated);
-    }
+    const std::string_view passed = format.read(without_end(line.text), stated);
+    if (stated.kind != TargetLine::Kind::none) stated_.push_back(stated);
     if (!passed.empty()) {
       passed_.push_back({passed, lines_.size(), stated.breaks ? TargetLine::Weight::work : stated.weight});
     }
@@ -195,7 +188,7 @@ class Passage {
 
 }  // namespace
 
-FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
+FilterSummary filter(LineReader& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
                      const FilterSettings& settings) {
   Filtering filtering(correction, settings, out);
   for (auto lines = in.next(); !lines.empty(); lines = in.next()) {

@@ -130,8 +130,6 @@ class TargetFormat {
   /// @param target  has its number; gets what the line states.
   /// @returns why not, if it may hold a target and none is stated; else empty.
   virtual std::string_view read(std::string_view text, TargetLine& target) = 0;
-  /// A line too long to be read.
-  virtual void skip() {}
   /// @throws InputFileError when something was missing.
   virtual void finish() const {}
   /// What was taken for granted.
@@ -144,7 +142,7 @@ struct FilterSettings {
   unsigned threads = 0;
 };
 
-FilterSummary filter(LineSource& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
+FilterSummary filter(LineReader& in, const TextSink& out, TargetFormat& format, const TargetCorrection& correction,
                      const FilterSettings& settings);
 
 }  // namespace paracal::io

@@ -38,7 +38,6 @@ class CsvStream::Lines {
  private:
   bool has_next() {
     if (next_ == block_.size()) {
-      passed_ += static_cast<std::int64_t>(block_.size());
       block_ = read();
       next_ = 0;
     }
@@ -58,12 +57,7 @@ class CsvStream::Lines {
   }
 
   NumberedLine line(std::size_t k) const {
-    const int number = static_cast<int>(passed_ + static_cast<std::int64_t>(k) + 1);
-    if (block_[k].part != Line::Part::whole) {
-      throw InputFileError(
-          in_.name, number,
-          fmt::format("expected lines of at most {} KiB, got a longer one", LineReader::kLongest / 1024));
-    }
+    const auto number = static_cast<int>(block_[k].number);
     const std::string_view text = without_end(block_[k].text);
     return {number, number == 1 ? without_byte_order_mark(text) : text};
   }
@@ -72,8 +66,7 @@ class CsvStream::Lines {
   std::unique_ptr<std::istream> utf8_ = {};  ///< of UTF-16
   std::optional<LineReader> reader_ = {};    ///< from the first line on
   std::span<const Line> block_ = {};
-  std::size_t next_ = 0;     ///< in the block
-  std::int64_t passed_ = 0;  ///< lines of earlier blocks
+  std::size_t next_ = 0;  ///< in the block
 };
 
 CsvStream::CsvStream(const TextStream& in)

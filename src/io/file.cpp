@@ -49,12 +49,12 @@ TextFile read_file(const std::filesystem::path& path) {
   TextFile file{path.string(), {}};
   while (stream) {
     const std::size_t before = file.text.size();
-    if (before >= kMostPieces * kPiece) {
-      throw InputFileError(file.name, 0, fmt::format("expected at most {} MiB, got more", kMostPieces));
-    }
     file.text.resize(before + kPiece);
     stream.read(file.text.data() + before, kPiece);
     file.text.resize(before + static_cast<std::size_t>(stream.gcount()));
+    if (file.text.size() > kMostPieces * kPiece) {
+      throw InputFileError(file.name, 0, fmt::format("expected at most {} MiB, got more", kMostPieces));
+    }
   }
   if (stream.bad()) throw InputFileError(file.name, 0, "cannot be read to its end");
   decode(file);

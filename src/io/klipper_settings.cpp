@@ -1,7 +1,9 @@
 #include "klipper_settings.hpp"
 
+#include <dirent.h>
 #include <fmt/format.h>
 #include <glob.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -15,7 +17,8 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::size_t kMostFiles = 1000;
+/// Of all that is included together, so that a pattern that matches half the disk is refused before memory is full.
+constexpr std::size_t kMostFiles = 1000, kMostBytes = std::size_t{64} << 20;
 constexpr std::string_view kSavedMark = "#*#", kInclude = "include ", kReadings = "delta_calibrate";
 
 /// Without a comment: # or ; at the beginning or after a blank.
@@ -33,13 +36,29 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Sorted; none where nothing matches.
-std::vector<std::string> matches(const std::string& pattern) {
+/// Names in folders that a pattern may still have looked at: glob() has no limit of its own.
+thread_local int entries_left = 0;
+
+void* open_folder(const char* name) { return opendir(name); }
+void close_folder(void* folder) { closedir(static_cast<DIR*>(folder)); }
+dirent* next_entry(void* folder) { return --entries_left < 0 ? nullptr : readdir(static_cast<DIR*>(folder)); }
+
+/// Sorted; none where nothing matches, and empty where it takes too many folders to tell.
+std::optional<std::vector<std::string>> matches(const std::string& pattern) {
+  constexpr int kMostEntries = 100'000;
+  entries_left = kMostEntries;
   glob_t found{};
+  found.gl_opendir = open_folder;
+  found.gl_readdir = next_entry;
+  found.gl_closedir = close_folder;
+  found.gl_stat = [](const char* name, struct stat* status) { return stat(name, status); };
+  found.gl_lstat = [](const char* name, struct stat* status) { return lstat(name, status); };
   std::vector<std::string> names;
-  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) names.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  if (glob(pattern.c_str(), GLOB_ALTDIRFUNC, nullptr, &found) == 0) {
+    names.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  }
   globfree(&found);
-  return names;
+  return entries_left < 0 ? std::nullopt : std::optional(std::move(names));
 }
 
 }  // namespace
@@ -95,8 +114,8 @@ KlipperSettings::KlipperSettings(const TextFile& file) {
   add(file, {});
 }
 
-void KlipperSettings::add(const TextFile& given, const std::vector<std::string>& within) {
-  const TextFile& file = files_.emplace_back(given);
+void KlipperSettings::add(TextFile given, const std::vector<std::string>& within) {
+  const TextFile& file = files_.emplace_back(std::move(given));
   std::vector<std::string> inside(within);
   inside.push_back(file.name);
   int number = 0;
@@ -122,14 +141,18 @@ void KlipperSettings::add(const TextFile& given, const std::vector<std::string>&
 void KlipperSettings::include(const Value& pattern, const std::vector<std::string>& within) {
   const std::filesystem::path folder = std::filesystem::path(pattern.file->name).parent_path();
   const std::string whole = (folder / pattern.text).string();
-  const std::vector<std::string> names = matches(whole);
-  if (names.empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) missing_.push_back(pattern);
-  for (const std::string& name : names) {
+  const std::optional<std::vector<std::string>> names = matches(whole);
+  if (!names) fail(pattern, fmt::format("expected a pattern of few folders, got {}", pattern.text));
+  if (names->empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) missing_.push_back(pattern);
+  for (const std::string& name : *names) {
     if (std::ranges::find(within, name) != within.end()) {
       fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
     }
-    if (files_.size() >= kMostFiles) {
-      fail(pattern, fmt::format("expected at most {} files, got more by including them again and again", kMostFiles));
+    if (!std::filesystem::is_regular_file(name)) fail(pattern, fmt::format("expected files, got {}", name));
+    if (files_.size() > kMostFiles) fail(pattern, fmt::format("expected at most {} files, got more", kMostFiles));
+    included_bytes_ += std::filesystem::file_size(name);
+    if (included_bytes_ > kMostBytes) {
+      fail(pattern, fmt::format("expected at most {} MiB in all included files, got more", kMostBytes >> 20));
     }
     add(read_file(name), within);
   }

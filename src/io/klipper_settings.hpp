@@ -62,13 +62,14 @@ class KlipperSettings {
   const std::deque<TextFile>& files() const { return files_; }
 
  private:
-  void add(const TextFile& given, const std::vector<std::string>& within);
+  void add(TextFile given, const std::vector<std::string>& within);
   void include(const Value& pattern, const std::vector<std::string>& within);
 
   std::deque<TextFile> files_;  // which the values point into
   using Values = std::map<std::pair<std::string, std::string>, Value>;
   Values typed_, saved_;
   std::vector<Value> missing_;
+  std::size_t included_bytes_ = 0;
   std::optional<Unread> unread_;
 };
 

@@ -1,5 +1,7 @@
 #include "line_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <istream>
 
@@ -7,17 +9,18 @@
 
 namespace paracal::io {
 
-void LineReader::add(std::string_view text, bool ends) {
-  using enum Line::Part;
-  const bool is_long = in_long_line_ || !ends || text.size() > kLongest;
-  if (!in_long_line_) ++count_;
-  lines_.push_back({text, !is_long ? whole : in_long_line_ ? rest_of_long : start_of_long, count_});
-  in_long_line_ = !ends;
+void LineReader::add(std::string_view text) {
+  is_too_long_ = is_too_long_ || text.size() > kLongest;
+  if (!is_too_long_) lines_.push_back({text, ++count_});
 }
 
 std::span<const Line> LineReader::next() {
   lines_.clear();
   while (lines_.empty()) {
+    if (is_too_long_) {
+      throw InputFileError(in_.name, static_cast<int>(count_ + 1),
+                           fmt::format("expected lines of at most {} KiB, got a longer one", kLongest / 1024));
+    }
     std::ranges::copy(tail_, buffer_.begin());
     in_.text.read(buffer_.data() + tail_.size(), static_cast<std::streamsize>(kChunk));
     if (in_.text.bad()) throw InputFileError(in_.name, 0, "cannot be read to its end");
@@ -26,15 +29,10 @@ std::span<const Line> LineReader::next() {
     tail_ = {};
     if (rest.empty()) break;
     for (std::size_t end = rest.find('\n'); end != std::string_view::npos; end = rest.find('\n')) {
-      add(rest.substr(0, end + 1), true);
+      add(rest.substr(0, end + 1));
       rest.remove_prefix(end + 1);
     }
-    if (rest.empty()) continue;
-    if (is_last || rest.size() > kLongest) {
-      add(rest, is_last);
-    } else {
-      tail_ = rest;
-    }
+    is_last || rest.size() > kLongest ? add(rest) : void(tail_ = rest);
   }
   return lines_;
 }

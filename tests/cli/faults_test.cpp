@@ -295,6 +295,10 @@ TEST_F(Faults, AFileWithoutEndIsRefused) {
        {std::pair{"simulate --poses /dev/zero", "/dev/zero: expected at most 128 MiB"},
         {"inverse --poses /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"},
         {"forward --joints /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"},
+        {"export --target gcode --calibration calibration.json --input /dev/zero",
+         "/dev/zero:1: expected lines of at most 64 KiB"},
+        {"export --target csv --calibration calibration.json --input /dev/zero",
+         "/dev/zero:1: expected lines of at most 64 KiB"},
         {"compensate --errors errors.toml --poses /dev/zero", "/dev/zero:1: expected lines of at most 64 KiB"}}) {
     const ProgramResult result = folder.run(command);
     EXPECT_EQ(result.exit_code, kBadInputFile) << command;

@@ -1,6 +1,7 @@
 // What the owner of a printer types.
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
@@ -439,6 +440,15 @@ TEST_F(PrinterCommand, ConfigurationsMayIncludeOthers) {
   };
   refused("other.cfg", "it may be in other.cfg, which");
   refused("steppers.cfg", "steppers.cfg:2: expected files that do not include themselves, got steppers.cfg");
+  ASSERT_EQ(mkfifo((folder.path() / "pipe.cfg").c_str(), 0600), 0);
+  refused("pipe.cfg", "steppers.cfg:2: expected files, got pipe.cfg");
+  refused("/*/*/*/*", "steppers.cfg:2: expected ");
+  create_directory(folder.path() / "many");
+  for (int k = 0; k < 1000; ++k) folder.write(fmt::format("many/{}.cfg", k), "\n");
+  refused("many/*.cfg", "steppers.cfg:2: expected at most 1000 files, got more");
+  folder.write("large.cfg", "\n");
+  std::filesystem::resize_file(folder.path() / "large.cfg", (std::uintmax_t{64} << 20) + 1);
+  refused("large.cfg", "steppers.cfg:2: expected at most 64 MiB in all included files, got more");
 }
 
 TEST_F(PrinterCommand, DrawsAPage) {

@@ -551,14 +551,12 @@ TEST_F(Gcode, ALineOutOfReachIsToldAsItStands) {
   EXPECT_EQ(after_start("G91 G1 X4000\nG1 X-4000\n").text, "G0 " + home + "\nG91 G1 X4000\nG1 X-4000\n");
 }
 
-TEST_F(Gcode, ALongLineIsPassedInPieces) {
-  const std::string line = "(" + std::string(3'000'000, 'x') + ")\n";
-  const Filtered result = filtered(kStart + line + kAll + "\n" + "G90 G21 " + kAll);
-  EXPECT_THAT(result.text, HasSubstr("\n" + line + kAll + "\n"));
-  EXPECT_EQ(result.summary.lines, 4);
-  EXPECT_EQ(result.passed("64 KiB"), 1);
-  EXPECT_EQ(result.passed("unclear"), 1);
-  EXPECT_EQ(result.summary.corrected, 2);
+/// A file that never ends is refused, as tables are.
+TEST_F(Gcode, LinesHaveALength) {
+  const std::string longest = "(" + std::string(64 * 1024 - 3, 'x') + ")\n";
+  EXPECT_EQ(filtered(kStart + longest + kAll + "\n").summary.lines, 3);
+  EXPECT_THAT([&] { filtered(kStart + "(" + longest + kAll + "\n"); },
+              testing::ThrowsMessage<InputFileError>(HasSubstr(":2: expected lines of at most 64 KiB, got a longer")));
 }
 
 // ---- anything at all
