@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/store.hpp"
 #include "paracal/version.hpp"
 #include "rooms.hpp"
 
@@ -41,6 +42,9 @@ PYBIND11_MODULE(_paracal, module) {
   module.attr("version") = std::string(paracal::version());
   module.attr("build") = std::string(paracal::build());
   py::register_exception_translator(&translate);
+  module.def(
+      "write_file", [](const std::string& path, const std::string& text) { paracal::io::write_file(path, text); },
+      py::arg("path"), py::arg("text"), py::call_guard<py::gil_scoped_release>());
   add_robots(module);
   add_kinematics(module);
   add_measurements(module);

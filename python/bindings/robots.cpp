@@ -98,6 +98,7 @@ void add_robots(py::module_& module) {
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
       .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
+      .def_property_readonly("guided_z", [](const Robot& robot) { return robot.joint_space().guided_z; })
       .def_property_readonly("commands_tilt", &Robot::commands_tilt)
       .def_property_readonly("freedoms", &freedoms_of)
       .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })

@@ -24,8 +24,7 @@ print(f"{seen.rank} of {len(seen.names)} are seen; not seen:", seen.null_space[0
 
 # %% A machine as motion capture would read it
 machine = pc.Machine(robot, pc.draw_errors(robot, seed=3))
-readings = {"measure": "pose", "noise_mm": 0.02, "rotation_noise_rad": 2e-4}
-measured = pc.simulate(machine, plan, **readings)
+measured = pc.simulate(machine, plan, measure="pose", noise_mm=0.02, rotation_noise_rad=2e-4)
 
 # %% Which errors it has, and how sure that is
 calibration = pc.calibrate(robot, measured)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, Mapping, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,24 @@ import numpy.typing as npt
 from . import _paracal
 from .errors import InvalidArgument
 
+if TYPE_CHECKING:
+    import pandas
+
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 CodeArray = npt.NDArray[np.uint8]
 BoolArray = npt.NDArray[np.bool_]
+
+#: Numbers by position in mm and rad, or a DataFrame or dict of columns by name and unit.
+Numbers = Union[npt.ArrayLike, "pandas.DataFrame", Mapping[str, npt.ArrayLike]]
+
+#: Units of columns, by that of arrays, and what their numbers are multiplied by; degrees as the
+#: library's reader of tables does it, to the bit.
+_COLUMN_UNITS = {
+    "mm": {"mm": 1.0},
+    "rad": {"deg": np.pi / 180.0, "rad": 1.0},
+    "mm/m": {"mm_per_m": 1.0},
+}
 
 
 def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
@@ -23,6 +37,42 @@ def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
     if array.dtype.kind not in "iuf":
         raise InvalidArgument(f"{what}: expected an array of numbers, got dtype {array.dtype}")
     return np.asarray(array, dtype=np.float64)
+
+
+def by_name(
+    what: str, table: Any, wanted: Mapping[str, str], unsaid: Mapping[str, float]
+) -> FloatArray:
+    """(..., columns) of a DataFrame or a dict of columns, which may have a column of names, "pose".
+
+    wanted: unit in the array by the name without unit, in its order. unsaid: what counts for
+        columns that are not there; any other must be.
+    """
+    spelt = {
+        stem: {f"{stem}_{suffix}": factor for suffix, factor in _COLUMN_UNITS[unit].items()}
+        for stem, unit in wanted.items()
+    }
+    stems = {name: stem for stem, names in spelt.items() for name in names}
+    columns: dict[str, FloatArray] = {}
+    unknown = []
+    for name in table.keys():
+        stem = stems.get(name)
+        if stem is not None and stem not in columns:
+            numbers = as_doubles(f"{what}: column {name}", table[name])
+            columns[stem] = spelt[stem][name] * numbers
+        elif name != "pose":
+            unknown.append(str(name))
+    missing = [next(iter(spelt[one])) for one in wanted if one not in {*columns, *unsaid}]
+    if unknown or missing:
+        expected = ", ".join(" or ".join(names) for names in spelt.values())
+        got = [f"unknown: {', '.join(unknown)}"] if unknown else []
+        got += [f"missing: {', '.join(missing)}"] if missing else []
+        raise InvalidArgument(f"{what}: expected columns {expected}; {'; '.join(got)}")
+    shapes = {column.shape for column in columns.values()}
+    if len(shapes) != 1:
+        raise InvalidArgument(f"{what}: expected columns of one length, got shapes {shapes}")
+    (shape,) = shapes
+    rows = [columns[one] if one in columns else np.full(shape, unsaid[one]) for one in wanted]
+    return np.stack(rows, axis=-1)
 
 
 def as_rows(what: str, numbers: npt.ArrayLike, columns: int) -> tuple[FloatArray, tuple[int, ...]]:
@@ -41,11 +91,20 @@ def pose_axes(robot: _paracal.Robot) -> tuple[str, ...]:
     return ("x", "y", "z", *angles)
 
 
-def as_poses(poses: npt.ArrayLike, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
+def as_poses(poses: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
     """(n, 4) of x, y, z in mm, phi in rad, or (n, 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in
-    rad where the tilt of the plate is commanded; angles are 0 where the last axis has three entries."""
-    array = as_doubles("poses", poses)
+    rad where the tilt of the plate is commanded; angles are 0 where the last axis has three
+    entries, or the column is not there. Columns are named as in files: x_mm or x_cmd_mm, ..."""
     angles = pose_axes(robot)[3:]
+    if hasattr(poses, "keys"):
+        commanded = "_cmd" if "x_cmd_mm" in poses.keys() else ""
+        unsaid = {f"{angle}{commanded}": 0.0 for angle in angles}
+        if robot.guided_z is not None:
+            unsaid[f"z{commanded}"] = robot.guided_z
+        units = {f"{axis}{commanded}": "mm" for axis in "xyz"}
+        units.update({f"{angle}{commanded}": "rad" for angle in angles})
+        poses = by_name("poses", poses, units, unsaid)
+    array = as_doubles("poses", poses)
     if array.ndim > 0 and array.shape[-1] == 3:
         array = np.concatenate([array, np.zeros(array.shape[:-1] + (len(angles),))], axis=-1)
     width = 3 + len(angles)
@@ -55,6 +114,15 @@ def as_poses(poses: npt.ArrayLike, robot: _paracal.Robot) -> tuple[FloatArray, t
             f"{', '.join(angles)} in rad for {robot.name}, or (..., 3), got {array.shape}"
         )
     return array.reshape(-1, width), array.shape[:-1]
+
+
+def as_joints(joints: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
+    """(n, limbs), rad or mm; columns are named as in files: q1_deg, or q1_mm of rails and
+    struts."""
+    if hasattr(joints, "keys"):
+        units = {f"q{k + 1}": robot.joint_unit for k in range(robot.limb_count)}
+        joints = by_name("joints", joints, units, {})
+    return as_rows("joints", joints, robot.limb_count)
 
 
 def shaped(array: Any, lead: tuple[int, ...]) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 
 from .errors import InvalidArgument
 from .robots import Robot
+from .tolerances import native_tolerances
 
 
 def keywords(given: dict[str, Any], robot: Robot) -> dict[str, Any]:
@@ -20,5 +21,5 @@ def keywords(given: dict[str, Any], robot: Robot) -> dict[str, Any]:
     if made.get("tracker_um") is not None:
         made["tracker_um"] = [float(one) for one in made["tracker_um"]]
     if made.get("tolerances") is not None:
-        made["tolerances"] = made["tolerances"].native_of(robot)
+        made["tolerances"] = native_tolerances(made["tolerances"], robot)
     return made

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 
+from . import _paracal
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -22,6 +23,12 @@ Table = Union[str, "os.PathLike[str]", "pandas.DataFrame", Mapping[str, Sequence
 def path_of(path: str | os.PathLike[str]) -> bytes:
     """A file's name as the library takes it."""
     return os.fsencode(path)
+
+
+def write(path: str | os.PathLike[str], text: str) -> None:
+    """A file that comes to be whole or not at all: where it cannot be written what stood there
+    stays. Raises Error."""
+    _paracal.write_file(path_of(path), text.encode("utf-8", "surrogateescape"))
 
 
 def _cell(value: Any) -> str:

@@ -8,15 +8,14 @@ import time as clock
 from typing import TYPE_CHECKING, Any, Iterable
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import BoolArray, FloatArray
+from ._arrays import BoolArray, FloatArray, Numbers
 from ._keywords import keywords
 from .errors import InvalidArgument
 from .known import KnownMachine, NullDirection, Prediction
-from .measurements import Measurements
-from .robots import Machine, Robot, parameter_names
+from .measurements import Measurements, native_measurements
+from .robots import Machine, Robot, native_robot, parameter_names
 
 if TYPE_CHECKING:
     import pandas
@@ -143,7 +142,7 @@ class Calibration:
         """What validate() and compensate() take of it."""
         return KnownMachine(self._native.known)
 
-    def predict(self, joints: npt.ArrayLike) -> Prediction:
+    def predict(self, joints: Numbers) -> Prediction:
         """As KnownMachine.predict()."""
         return self.known.predict(joints)
 
@@ -168,10 +167,9 @@ class Calibration:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes to_json() to a file, which read_calibration() and the program read."""
-        text = self.to_json()
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        """Writes to_json() to a file, which read_calibration() and the program read. Raises Error
+        where it cannot be written; an earlier file then stays as it was."""
+        _tables.write(path, self.to_json())
 
     def as_dict(self) -> dict[str, Any]:
         """to_json() as an object: mm and deg, units in the keys; residuals, frames, suspects,
@@ -309,5 +307,7 @@ def calibrate(
     """
     given = {key: value for key, value in locals().items() if key not in ("robot", "measurements")}
     return Calibration(
-        _paracal.calibrate(robot._native, measurements._native, keywords(given, robot))
+        _paracal.calibrate(
+            native_robot(robot), native_measurements(measurements), keywords(given, robot)
+        )
     )

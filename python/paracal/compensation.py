@@ -6,10 +6,9 @@ from enum import IntEnum
 from typing import NamedTuple, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _paracal
-from ._arrays import BoolArray, CodeArray, FloatArray, as_poses, shaped
+from ._arrays import BoolArray, CodeArray, FloatArray, Numbers, as_poses, shaped
 from .calibration import Calibration
 from .known import KnownMachine
 from .robots import Machine
@@ -44,18 +43,18 @@ class Compensation(NamedTuple):
 
 
 def compensate(
-    machine: Union[Calibration, KnownMachine, Machine], poses: npt.ArrayLike, way: str = "exact"
+    machine: Union[Calibration, KnownMachine, Machine], poses: Numbers, way: str = "exact"
 ) -> Compensation:
     """Corrected joint coordinates and targets for wanted poses.
 
     machine: a Calibration, what read_calibration() knows, or a Machine (then without uncertainty).
     poses: where the plate is wanted: (..., 4) of x, y, z in mm, phi in rad; of a plate with six
         freedoms (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with
-        angles = 0.
+        angles = 0; or a DataFrame or dict of columns as inverse() takes it.
     way: "exact", or as in the paper, where the plate stays level: "linear" [huang2016, Eqs. (22),
         (23)], "tilt-aware" [Eq. (8)].
-    Raises InvalidArgument for another shape, dtype or way; poses out of reach, or NaN, have a
-    status.
+    Raises InvalidArgument for another shape, dtype, column or way; poses out of reach, or NaN, have
+    a status.
     """
     native = (
         _paracal.exactly_known(machine._native)

@@ -6,10 +6,18 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _paracal
-from ._arrays import BoolArray, CodeArray, FloatArray, IntArray, as_poses, as_rows, shaped
+from ._arrays import (
+    BoolArray,
+    CodeArray,
+    FloatArray,
+    IntArray,
+    Numbers,
+    as_joints,
+    as_poses,
+    shaped,
+)
 from .robots import MachineLike, native_machine
 
 
@@ -86,13 +94,16 @@ class Jacobian(NamedTuple):
         return np.asarray(self.status == ForwardStatus.converged)
 
 
-def inverse(machine: MachineLike, poses: npt.ArrayLike) -> Inverse:
+def inverse(machine: MachineLike, poses: Numbers) -> Inverse:
     """Joint coordinates that bring the plate to poses, elbows outward  [huang2016, Eq. (1)], exact.
 
     machine: a Robot (nominal), a Machine, or a Calibration: the joints then compensate.
     poses: (..., 4) of x, y, z in mm in the robot's frame, phi in rad; of a plate with six freedoms
-        (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with angles = 0.
-    Raises InvalidArgument for another shape or dtype; poses out of reach, or NaN, have a status.
+        (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with angles = 0. Of a
+        DataFrame or dict columns count by name and unit: x_mm, y_mm, z_mm and phi_deg or phi_rad
+        (tilt_x_deg, ...), or x_cmd_mm, ..., in any order; an angle that is not there is 0.
+    Raises InvalidArgument for another shape or dtype, and for columns that are unknown or missing;
+    poses out of reach, or NaN, have a status.
     """
     native = native_machine(machine)
     rows, lead = as_poses(poses, native.robot)
@@ -100,15 +111,17 @@ def inverse(machine: MachineLike, poses: npt.ArrayLike) -> Inverse:
     return Inverse(shaped(joints, lead), shaped(status, lead))
 
 
-def forward(machine: MachineLike, joints: npt.ArrayLike) -> Forward:
+def forward(machine: MachineLike, joints: Numbers) -> Forward:
     """Where a machine puts its plate: min over the pose of the sum of squared rod-length residuals,
     exact.
 
-    joints: (..., limbs) as the controller believes them, rad (mm of rails and struts).
-    Raises InvalidArgument for another shape or dtype; joints that hold no plate have a status.
+    joints: (..., limbs) as the controller believes them, rad (mm of rails and struts). Of a
+        DataFrame or dict columns count by name and unit: q1_deg or q1_rad (q1_mm), ...
+    Raises InvalidArgument for another shape or dtype, and for columns that are unknown or missing;
+    joints that hold no plate have a status.
     """
     native = native_machine(machine)
-    rows, lead = as_rows("joints", joints, native.robot.limb_count)
+    rows, lead = as_joints(joints, native.robot)
     poses, tilt, residual, iterations, status = _paracal.forward(native, rows)
     return Forward(
         shaped(poses, lead),
@@ -119,18 +132,18 @@ def forward(machine: MachineLike, joints: npt.ArrayLike) -> Forward:
     )
 
 
-def drive(machine: MachineLike, poses: npt.ArrayLike) -> Driven:
+def drive(machine: MachineLike, poses: Numbers) -> Driven:
     """Where a machine puts its plate when its controller, which computes with the nominal robot, is
     sent to poses: forward(machine, inverse(robot, poses).joints), near what was commanded.
 
-    poses: as of inverse(), mm and rad. Raises InvalidArgument as inverse().
+    poses: as of inverse(), mm and rad, or columns by name. Raises InvalidArgument as inverse().
     """
     native = native_machine(machine)
     rows, lead = as_poses(poses, native.robot)
     return Driven(*(shaped(one, lead) for one in _paracal.drive(native, rows)))
 
 
-def jacobian(machine: MachineLike, joints: npt.ArrayLike) -> Jacobian:
+def jacobian(machine: MachineLike, joints: Numbers) -> Jacobian:
     """Derivative of forward() with respect to joints and source errors, from stationarity of the
     closure:
 
@@ -140,8 +153,9 @@ def jacobian(machine: MachineLike, joints: npt.ArrayLike) -> Jacobian:
     row's largest entry with the tolerances of huang2016). A joint's column is that of its zero
     (theta_offset), times 1 + gain / 1000 on a strut: the actuator stands at q + theta_offset, the
     strut grows by zero + (1 + gain / 1000) q.
-    joints: (..., limbs), rad (mm of rails and struts). Raises InvalidArgument as forward().
+    joints: (..., limbs), rad (mm of rails and struts), or columns by name.
+    Raises InvalidArgument as forward().
     """
     native = native_machine(machine)
-    rows, lead = as_rows("joints", joints, native.robot.limb_count)
+    rows, lead = as_joints(joints, native.robot)
     return Jacobian(*(shaped(one, lead) for one in _paracal.jacobian(native, rows)))

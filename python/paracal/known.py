@@ -6,11 +6,10 @@ import os
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _paracal, _tables
-from ._arrays import BoolArray, FloatArray, as_rows, shaped
-from .robots import Machine, Robot, parameter_names
+from ._arrays import BoolArray, FloatArray, Numbers, as_joints, shaped
+from .robots import Machine, Robot, native_robot, parameter_names
 
 
 class NullDirection(NamedTuple):
@@ -64,11 +63,11 @@ class KnownMachine:
         """The machine with these errors."""
         return Machine(self.robot, self.errors)
 
-    def predict(self, joints: npt.ArrayLike) -> Prediction:
+    def predict(self, joints: Numbers) -> Prediction:
         """Where the machine goes at joint coordinates (..., limbs), rad (mm of rails and struts),
-        and how sure that is.
-        Raises InvalidArgument for another shape."""
-        rows, lead = as_rows("joints", joints, self.robot.limb_count)
+        and how sure that is; joints as forward() takes them.
+        Raises InvalidArgument for another shape or column."""
+        rows, lead = as_joints(joints, self._native.robot)
         return Prediction(*(shaped(one, lead) for one in self._native.predict(rows)))
 
     def __repr__(self) -> str:
@@ -84,5 +83,7 @@ def read_calibration(path: str | os.PathLike[str], robot: Robot | None = None) -
     accepted.
     """
     return KnownMachine(
-        _paracal.read_calibration(_tables.path_of(path), None if robot is None else robot._native)
+        _paracal.read_calibration(
+            _tables.path_of(path), None if robot is None else native_robot(robot)
+        )
     )

@@ -9,7 +9,7 @@ from . import _html, _paracal, _tables
 from ._arrays import FloatArray
 from ._tables import Table
 from .errors import InvalidArgument
-from .robots import Robot
+from .robots import Robot, native_robot
 
 if TYPE_CHECKING:
     import pandas
@@ -127,6 +127,16 @@ class Measurements:
         )
 
 
+def native_measurements(of: Measurements) -> _paracal.Measurements:
+    """What the library takes; says what came where those are none."""
+    if isinstance(of, Measurements):
+        return of._native
+    raise InvalidArgument(
+        "measurements: expected Measurements, as read_measurements() gives them, "
+        f"got {type(of).__name__}"
+    )
+
+
 def _list(tables: Table | Sequence[Table] | None) -> list[Table]:
     if tables is None:
         return []
@@ -178,7 +188,7 @@ def read_measurements(
         [_tables.native(one, "poses") for one in _list(poses)],
         _paracal.ExportStatement(columns or "", unit or "", match == "order"),
         _paracal.TableStyle(decimal_comma, list(ignore_columns)),
-        None if robot is None else robot._native,
+        None if robot is None else native_robot(robot),
     )
     return Measurements(native, robot)
 
@@ -190,10 +200,9 @@ def merge(parts: Iterable[Measurements]) -> Measurements:
     Raises InvalidArgument for none.
     """
     all_parts = list(parts)
+    native = _paracal.merge([native_measurements(part) for part in all_parts])
     robots = [part._robot for part in all_parts if part._robot is not None]
-    return Measurements(
-        _paracal.merge([part._native for part in all_parts]), robots[0] if robots else None
-    )
+    return Measurements(native, robots[0] if robots else None)
 
 
 def read_poses(
@@ -213,7 +222,7 @@ def read_poses(
     return _paracal.read_poses(
         _tables.native(table, "poses"),
         _paracal.TableStyle(decimal_comma, list(ignore_columns)),
-        None if robot is None else robot._native,
+        None if robot is None else native_robot(robot),
     )
 
 
@@ -229,4 +238,4 @@ def read_joints(
     decimal_comma, ignore_columns: as of read_measurements().
     Raises InputFileError."""
     style = _paracal.TableStyle(decimal_comma, list(ignore_columns))
-    return _paracal.read_joints(_tables.native(table, "joints"), style, robot._native)
+    return _paracal.read_joints(_tables.native(table, "joints"), style, native_robot(robot))

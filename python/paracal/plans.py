@@ -15,7 +15,7 @@ from ._tables import Table
 from .errors import InvalidArgument
 from .known import NullDirection
 from .measurements import Measurements, read_poses
-from .robots import Machine, Robot, parameter_names
+from .robots import Machine, Robot, native_robot, parameter_names
 
 if TYPE_CHECKING:
     import os
@@ -46,13 +46,10 @@ class Plan:
         return _tables.frame(self._columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the poses as a file that read_poses() and the program read."""
-        columns = self._columns()
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            file.write(
-                f"# robot: {self.robot.name}\n" if self.robot.name in _paracal.catalogue() else ""
-            )
-            file.write(_tables.text_of(columns))
+        """Writes the poses as a file that read_poses() and the program read. Raises Error where it
+        cannot be written; an earlier file then stays as it was."""
+        of = f"# robot: {self.robot.name}\n" if self.robot.name in _paracal.catalogue() else ""
+        _tables.write(path, of + _tables.text_of(self._columns()))
 
     def _columns(self) -> dict[str, Any]:
         return {"pose": self.names, **{f"{axis}_cmd_{unit}": of for axis, unit, of in self._axes()}}
@@ -127,7 +124,7 @@ def paper_plan(
         raise InvalidArgument(
             "start_azimuth_rad, threshold: expected a finite angle and a share above 0"
         )
-    found = _paracal.paper_plan(robot._native, stage, start_azimuth_rad, threshold)
+    found = _paracal.paper_plan(native_robot(robot), stage, start_azimuth_rad, threshold)
     names, poses = found["poses"]
     return Plan(robot, names, poses, found["curve"], {"n": found["n"]})
 
@@ -171,7 +168,9 @@ def select_poses(
         for key, value in locals().items()
         if key not in ("robot", "poses", "candidates", "seed")
     }
-    found = _paracal.select_poses(robot._native, poses, candidates, seed, keywords(given, robot))
+    found = _paracal.select_poses(
+        native_robot(robot), poses, candidates, seed, keywords(given, robot)
+    )
     names, chosen = found.pop("poses")
     return Plan(robot, names, chosen, found.pop("curve"), found)
 
@@ -213,7 +212,7 @@ def identifiability(
         for key, value in locals().items()
         if key not in ("robot", "poses", "names", "rows")
     }
-    found = _paracal.identifiability(robot._native, names, rows, keywords(given, robot))
+    found = _paracal.identifiability(native_robot(robot), names, rows, keywords(given, robot))
     parameters = found["parameters"]
     return Identifiability(
         names=parameter_names([one[:3] for one in parameters]),
@@ -285,14 +284,14 @@ def simulate(
 def validation_poses(robot: Robot) -> Plan:
     """Home and 120 poses on circles in three layers, without rotation  [huang2016, section
     5.2.2]."""
-    names, poses = _paracal.validation_poses(robot._native)
+    names, poses = _paracal.validation_poses(native_robot(robot))
     return Plan(robot, names, poses, [], {})
 
 
 def workspace_poses(robot: Robot) -> Plan:
     """The same positions, turned in turn to the smallest, no and the largest rotation; level and to
     all tilts where the plate has six freedoms."""
-    names, poses = _paracal.workspace_poses(robot._native)
+    names, poses = _paracal.workspace_poses(native_robot(robot))
     return Plan(robot, names, poses, [], {})
 
 
@@ -303,7 +302,7 @@ def named_poses(poses: Any, robot: Robot) -> tuple[list[str], FloatArray]:
         return poses.names, np.ascontiguousarray(poses.poses)
     if isinstance(poses, str) or hasattr(poses, "__fspath__") or hasattr(poses, "keys"):
         return read_poses(poses, robot)
-    rows, lead = as_poses(poses, robot._native)
+    rows, lead = as_poses(poses, native_robot(robot))
     if len(lead) != 1 or lead[0] == 0:
         raise InvalidArgument(
             f"poses: expected an array of shape (n, {rows.shape[1]}), at least one pose, "

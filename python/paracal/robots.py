@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray, as_doubles, as_rows, pose_axes
+from ._arrays import FloatArray, Numbers, as_doubles, as_rows, by_name, pose_axes
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -170,14 +170,17 @@ class Machine:
     """A robot as built: with the source errors that it has.
 
     errors: (limbs, sources), actual minus nominal, columns as robot.sources in the units of
-        robot.units; default: none.
-    Raises InvalidArgument for another shape, numbers that are not finite, and machines that cannot
-    be.
+        robot.units; or a DataFrame or dict of columns as errors_frame() names them; default: none.
+    Raises InvalidArgument for another shape or column, numbers that are not finite, and machines
+    that cannot be.
     """
 
-    def __init__(self, robot: Robot, errors: npt.ArrayLike | None = None) -> None:
+    def __init__(self, robot: Robot, errors: Numbers | None = None) -> None:
+        native = native_robot(robot)
         columns = len(robot.sources)
         given = np.zeros((robot.limb_count, columns)) if errors is None else errors
+        if hasattr(given, "keys"):
+            given = by_name("errors", given, robot.units, {})
         rows, lead = as_rows("errors", given, columns)
         if lead != (robot.limb_count,):
             raise InvalidArgument(
@@ -186,7 +189,7 @@ class Machine:
             )
         if not np.all(np.isfinite(rows)):
             raise InvalidArgument("errors: expected finite numbers, got NaN or infinity")
-        self._native = _paracal.Machine(robot._native, rows)
+        self._native = _paracal.Machine(native, rows)
         self.robot = robot
 
     @property
@@ -228,16 +231,16 @@ def catalogue() -> list[str]:
 def read_errors(robot: Robot, path: str | os.PathLike[str]) -> FloatArray:
     """(limbs, sources) source errors of a file (TOML, mm and deg), in mm, rad and mm/m. Raises
     InputFileError."""
-    return _paracal.read_errors(robot._native, _tables.path_of(path))
+    return _paracal.read_errors(native_robot(robot), _tables.path_of(path))
 
 
-def errors_toml(robot: Robot, errors: npt.ArrayLike) -> str:
+def errors_toml(robot: Robot, errors: Numbers) -> str:
     """Source errors (limbs, sources), mm, rad and mm/m, as a file that read_errors() and the
     program read."""
-    return _paracal.errors_toml(robot._native, Machine(robot, errors).errors)
+    return _paracal.errors_toml(native_robot(robot), Machine(robot, errors).errors)
 
 
-def errors_frame(robot: Robot, errors: npt.ArrayLike) -> pandas.DataFrame:
+def errors_frame(robot: Robot, errors: Numbers) -> pandas.DataFrame:
     """Source errors (limbs, sources) as a DataFrame: a row a limb, columns with their units
     (e_x_mm, alpha0_rad, gain_mm_per_m)."""
     rows = Machine(robot, errors).errors
@@ -264,13 +267,20 @@ def draw_errors(
     """
     if machines is not None and machines < 0:
         raise InvalidArgument(f"machines: expected at least 0, got {machines}")
-    from .tolerances import Tolerances as Default
+    from .tolerances import native_tolerances
 
-    native = (tolerances or Default.of(robot)).native_of(robot)
+    native = native_tolerances(tolerances, robot)
     drawn = _paracal.draw_errors(
-        robot._native, native, seed, first, 1 if machines is None else machines
+        native_robot(robot), native, seed, first, 1 if machines is None else machines
     )
     return drawn if machines is not None else np.asarray(drawn[0])
+
+
+def native_robot(of: Robot) -> _paracal.Robot:
+    """What the library takes; says what came where that is no robot."""
+    if isinstance(of, Robot):
+        return of._native
+    raise InvalidArgument(f"robot: expected a Robot, as robot() gives it, got {type(of).__name__}")
 
 
 def native_machine(of: MachineLike) -> _paracal.Machine:

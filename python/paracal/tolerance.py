@@ -16,8 +16,8 @@ from . import _html, _paracal, _tables
 from ._arrays import FloatArray
 from .errors import InvalidArgument
 from .plans import named_poses
-from .robots import Robot
-from .tolerances import Tolerances
+from .robots import Robot, native_robot
+from .tolerances import Tolerances, native_tolerances
 
 if TYPE_CHECKING:
     import pandas
@@ -173,16 +173,17 @@ def analyze(
     threads: 0: all; the numbers do not depend on it.
     Raises InvalidArgument for what makes no sense.
     """
-    of = tolerances or Tolerances.of(robot)
-    native = of.native_of(robot)
+    native = native_tolerances(tolerances, robot)
     if requirements is not None and problem is not None:
         raise InvalidArgument("requirements, problem: expected one of them, got both")
     wanted = list((requirements if requirements is not None else {"tilt": 1e-3}).items())
     if problem is not None:
-        wanted = _paracal.problem_requirements(robot._native, native, _tables.path_of(problem))
+        wanted = _paracal.problem_requirements(
+            native_robot(robot), native, _tables.path_of(problem)
+        )
     at = None if poses is None else named_poses(poses, robot)[1]
     found = _paracal.analyze(
-        robot._native,
+        native_robot(robot),
         native,
         [(name, float(limit)) for name, limit in wanted],
         at,
@@ -196,7 +197,7 @@ def analyze(
             "threads": threads,
         },
     )
-    return Analysis(robot=robot, assumed=of.assumed, **found)
+    return Analysis(robot=robot, assumed=native.assumed, **found)
 
 
 def allocate(
@@ -221,12 +222,12 @@ def allocate(
     Raises InvalidArgument, or InputFileError of the file. Of a plate with six freedoms, which no
     error tilts for good, only a problem can be solved.
     """
-    native = (rest or Tolerances.of(robot)).native_of(robot)
+    native = native_tolerances(rest, robot, "rest")
     if problem is not None:
-        found = _paracal.allocate(robot._native, native, _tables.path_of(problem))
+        found = _paracal.allocate(native_robot(robot), native, _tables.path_of(problem))
     else:
         found = _paracal.equal_influence(
-            robot._native,
+            native_robot(robot),
             native,
             {
                 "max_tilt_rad": max_tilt_rad,
@@ -256,8 +257,10 @@ def sensitivity(
     """
     if not relative_error > 0.0:
         raise InvalidArgument(f"relative_error: expected above 0, got {relative_error}")
-    native = (tolerances or Tolerances.of(robot)).native_of(robot)
-    found = _paracal.sensitivity(robot._native, native, quantity, all_rotations, relative_error)
+    native = native_tolerances(tolerances, robot)
+    found = _paracal.sensitivity(
+        native_robot(robot), native, quantity, all_rotations, relative_error
+    )
     units = found.pop("paper_units")
     in_paper_units = dict(zip(robot.sources, (found["mean"] * np.asarray(units)).tolist()))
     for key in ("mean", "error", "largest"):

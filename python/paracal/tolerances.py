@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Mapping
 from . import _html, _paracal, _tables
 from ._arrays import FloatArray
 from .errors import InvalidArgument
-from .robots import Robot
+from .robots import Robot, native_robot
 
 if TYPE_CHECKING:
     import pandas
@@ -22,19 +22,10 @@ class Tolerances:
         self._native = native
         self._robot = robot
 
-    def native_of(self, robot: Robot) -> _paracal.Tolerances:
-        """What the library takes; refused for a robot with other source errors."""
-        if robot.units == self._robot.units:
-            return self._native
-        raise InvalidArgument(
-            f"tolerances: expected those of {robot.name}, got those of {self._robot.name}, "
-            "whose source errors are others"
-        )
-
     @classmethod
     def of(cls, robot: Robot) -> Tolerances:
         """The robot's own; generous ones where it states none."""
-        return cls(_paracal.tolerances_of(robot._native), robot)
+        return cls(_paracal.tolerances_of(native_robot(robot)), robot)
 
     @classmethod
     def stated(
@@ -51,13 +42,14 @@ class Tolerances:
         Raises InvalidArgument for another name, and half-widths below zero.
         """
         given = {name: float(value) for name, value in half_widths.items()}
-        return cls(_paracal.stated_tolerances(robot._native, given, others, distribution), robot)
+        native = _paracal.stated_tolerances(native_robot(robot), given, others, distribution)
+        return cls(native, robot)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], robot: Robot) -> Tolerances:
         """Of a file (TOML, mm and deg) or the table [tolerances] of a robot file. Raises
         InputFileError."""
-        return cls(_paracal.read_tolerances(robot._native, _tables.path_of(path)), robot)
+        return cls(_paracal.read_tolerances(native_robot(robot), _tables.path_of(path)), robot)
 
     @property
     def half_widths(self) -> dict[str, float]:
@@ -103,3 +95,21 @@ class Tolerances:
             + _html.table(["source error", "half-width", "unit"], rows)
             + _html.items("assumed", self.assumed)
         )
+
+
+def native_tolerances(
+    given: Tolerances | None, robot: Robot, what: str = "tolerances"
+) -> _paracal.Tolerances:
+    """What the library takes, the robot's own where none are given; refused for a robot with other
+    source errors."""
+    native = native_robot(robot)
+    if given is None:
+        return _paracal.tolerances_of(native)
+    if not isinstance(given, Tolerances):
+        raise InvalidArgument(f"{what}: expected Tolerances, got {type(given).__name__}")
+    if robot.units == given._robot.units:
+        return given._native
+    raise InvalidArgument(
+        f"{what}: expected those of {robot.name}, got those of {given._robot.name}, "
+        "whose source errors are others"
+    )

@@ -10,7 +10,7 @@ from ._keywords import keywords
 from .calibration import Calibration
 from .errors import InvalidArgument
 from .known import KnownMachine
-from .measurements import Measurements
+from .measurements import Measurements, native_measurements
 
 if TYPE_CHECKING:
     import pandas
@@ -150,7 +150,9 @@ def validate(
     }
     native = native_known(machine)
     return Validation(
-        _paracal.validate(native, measurements._native, keywords(given, machine.robot))
+        _paracal.validate(
+            native, native_measurements(measurements), keywords(given, machine.robot)
+        )
     )
 
 

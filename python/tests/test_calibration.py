@@ -2,6 +2,7 @@
 threads."""
 
 import json
+import resource
 import unittest
 from unittest import mock
 
@@ -101,6 +102,26 @@ class Published(TestCase):
         with mock.patch.dict("os.environ", {"SOURCE_DATE_EPOCH": str(TIME)}):
             self.assertEqual(calibration.to_json(), calibration.to_json(TIME))
         self.assertGreater(calibration.as_dict()["date"], "2020")
+
+    def test_a_file_that_cannot_be_written_leaves_the_earlier_one(self):
+        calibration = pc.calibrate(*published())
+        plan = pc.paper_plan(calibration.robot)
+        for save in (calibration.save, plan.to_csv):
+            with self.assertRaisesRegex(pc.Error, "cannot be written"):
+                save(self.folder)
+            path = self.file("earlier", "what stood there\n")
+            for limit in (0, 100):  # bytes that files may have, as on a full disk
+                unlimited = resource.getrlimit(resource.RLIMIT_FSIZE)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, unlimited[1]))
+                try:
+                    with self.assertRaisesRegex(pc.Error, "earlier: cannot be written"):
+                        save(path)
+                finally:
+                    resource.setrlimit(resource.RLIMIT_FSIZE, unlimited)
+                self.assertEqual(path.read_text(), "what stood there\n")
+            self.assertEqual([one.name for one in self.folder.iterdir()], ["earlier"])
+            save(path)
+            self.assertGreater(path.stat().st_size, 100)
 
     def test_wrong_keywords(self):
         robot, measured = published()

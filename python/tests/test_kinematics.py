@@ -4,9 +4,11 @@ their edges."""
 import unittest
 
 import numpy as np
+from pandas import DataFrame
 from support import FIVE_BAR, HEXAPOD, TestCase, as_printed, in_deg, pose_rows, pose_table, program
 
 import paracal as pc
+from paracal import _paracal
 
 ROBOTS = ("huang2016", "rotary_delta", "linear_delta", HEXAPOD, FIVE_BAR)
 
@@ -33,6 +35,10 @@ def some_poses(robot, count=40):
 
 def as_built(robot):
     return pc.Machine(robot, pc.draw_errors(robot, seed=3))
+
+
+def known_exactly(robot):
+    return pc.KnownMachine(_paracal.exactly_known(as_built(robot)._native))
 
 
 class AgainstTheProgram(TestCase):
@@ -351,6 +357,110 @@ class WrongInput(TestCase):
             pc.InvalidArgument, r"e_x: expected one number, or one for each of 4 limbs.*\(3,\)"
         ):
             robot.errors(e_x=[1.0, 2.0, 3.0])
+
+
+class Columns(TestCase):
+    def columns_of(self, robot, poses, infix=""):
+        """Poses as files name and print them, the columns turned round, with a name each."""
+        named = {
+            f"{axis}{infix}_{'mm' if axis in 'xyz' else 'deg'}": column
+            for axis, column in zip(robot.pose_axes, as_printed(poses).T)
+        }
+        return {**dict(reversed(named.items())), "pose": [f"A{k}" for k in range(len(poses))]}
+
+    def test_poses_and_joints_are_told_by_name_and_unit(self):
+        for name in ROBOTS:
+            robot = pc.robot(name)
+            machine = as_built(robot)
+            for infix in ("", "_cmd"):
+                columns = self.columns_of(robot, some_poses(robot), infix)
+                poses = pc.read_poses(columns, robot)[1]  # as the library reads the same table
+                wanted = pc.inverse(machine, poses).joints
+                unit = "deg" if robot.joint_unit == "rad" else "mm"
+                shown = in_deg(wanted) if unit == "deg" else wanted
+                joints = {f"q{k + 1}_{unit}": one for k, one in enumerate(shown.T)}
+                joints = {"pose": columns["pose"], **dict(reversed(joints.items()))}
+                believed = pc.read_joints(joints, robot)[1]
+                known = known_exactly(robot)
+                for given, taken in ((columns, joints), (DataFrame(columns), DataFrame(joints))):
+                    self.same(pc.inverse(machine, given).joints, wanted)
+                    self.same(pc.drive(machine, given).poses, pc.drive(machine, poses).poses)
+                    self.same(pc.compensate(machine, given).U, pc.compensate(machine, poses).U)
+                    self.same(
+                        pc.compensate(machine, given).joints, pc.compensate(machine, poses).joints
+                    )
+                    self.same(pc.forward(machine, taken).poses, pc.forward(machine, believed).poses)
+                    self.same(
+                        pc.jacobian(machine, taken).joints, pc.jacobian(machine, believed).joints
+                    )
+                    self.same(known.predict(taken).poses, known.predict(believed).poses)
+                    self.same(
+                        pc.simulate(machine, given).to_frame()["x_mm"],
+                        pc.simulate(machine, poses).to_frame()["x_mm"],
+                    )
+
+    def test_degrees_are_those_of_files_to_the_bit(self):
+        robot = pc.robot("huang2016")
+        place = {"x_mm": [5], "y_mm": [10.0], "z_mm": [-900]}
+        for deg in (30.0, 30, 0.1, -57.3):
+            joints = pc.inverse(robot, [[5.0, 10.0, -900.0, deg * (np.pi / 180.0)]]).joints
+            self.same(pc.inverse(robot, {**place, "phi_deg": [deg]}).joints, joints)
+            self.same(
+                pc.inverse(robot, {**place, "phi_rad": [deg * (np.pi / 180.0)]}).joints, joints
+            )
+        self.same(
+            pc.inverse(robot, place).joints, pc.inverse(robot, [[5.0, 10.0, -900.0, 0.0]]).joints
+        )
+
+    def test_one_pose_and_other_shapes(self):
+        robot = pc.robot("huang2016")
+        single = pc.inverse(robot, {"x_mm": 5.0, "y_mm": 10.0, "z_mm": -900.0, "phi_deg": 0.0})
+        self.assertEqual(single.joints.shape, (4,))
+        nowhere = {"x_mm": [np.nan], "y_mm": [0.0], "z_mm": [-900.0]}
+        self.assertFalse(pc.inverse(robot, nowhere).ok.any())
+
+    def test_where_guides_hold_z_it_need_not_be_stated(self):
+        robot = pc.robot(FIVE_BAR)
+        x, y, z = some_poses(robot)[:, :3].T
+        self.same(
+            pc.inverse(robot, {"x_mm": x, "y_mm": y}).joints,
+            pc.inverse(robot, {"x_mm": x, "y_mm": y, "z_mm": z}).joints,
+        )
+
+    def test_other_columns_are_refused_by_name(self):
+        robot, hexapod = pc.robot("huang2016"), pc.robot(HEXAPOD)
+        poses = self.columns_of(robot, some_poses(robot))
+        without = {name: one for name, one in poses.items() if name != "y_mm"}
+        for given, message in (
+            (without, "expected columns x_mm, y_mm, z_mm, phi_deg or phi_rad; missing: y_mm"),
+            ({**poses, "noise": poses["x_mm"]}, "unknown: noise"),
+            ({**poses, "phi_rad": poses["x_mm"]}, "unknown: phi_(deg|rad)$"),
+            ({**poses, "tilt_x_deg": poses["x_mm"]}, "unknown: tilt_x_deg"),
+            ({**poses, "x_cmd_mm": poses["x_mm"]}, "unknown: .*x_mm.*missing: y_cmd_mm"),
+            (DataFrame(some_poses(robot)), "unknown: 0, 1, 2, 3; missing: x_mm, y_mm, z_mm"),
+            ({**poses, "x_mm": [1.0]}, "expected columns of one length"),
+            ({**poses, "x_mm": ["far"] * 40}, "column x_mm: expected an array of numbers"),
+            ({}, "missing: x_mm"),
+        ):
+            for call in (pc.inverse, pc.drive, lambda r, p: pc.compensate(pc.Machine(r), p)):
+                with self.assertRaisesRegex(pc.InvalidArgument, message):
+                    call(robot, given)
+        joints = {f"q{k}_deg": [0.0] for k in (1, 2, 3)}
+        for call in (pc.forward, pc.jacobian, lambda r, q: known_exactly(r).predict(q)):
+            with self.assertRaisesRegex(pc.InvalidArgument, "joints: .*missing: q4_deg"):
+                call(robot, joints)
+            with self.assertRaisesRegex(pc.InvalidArgument, "unknown: q1_deg.*missing: q1_mm"):
+                call(hexapod, joints)
+
+    def test_errors_are_told_by_name(self):
+        for name in ("huang2016", "linear_delta", HEXAPOD):
+            robot = pc.robot(name)
+            errors = pc.draw_errors(robot, seed=3)
+            frame = pc.errors_frame(robot, errors)
+            self.same(pc.Machine(robot, frame[reversed(list(frame))]).errors, errors)
+            first = list(frame)[0].replace("rad", "deg")
+            with self.assertRaisesRegex(pc.InvalidArgument, f"errors: .*missing: {first}"):
+                pc.Machine(robot, frame.drop(columns=list(frame)[0]))
 
 
 if __name__ == "__main__":

@@ -164,6 +164,69 @@ class Docstrings(TestCase):
             self.assertIn(name, pc.__all__)
 
 
+class WrongNames(TestCase):
+    def test_messages_name_what_is_public(self):
+        robot = pc.robot("huang2016")
+        calibration = pc.calibrate(robot, pc.read_measurements(DISTANCES, poses=POSES))
+        for of, wrong, message in (
+            (calibration, "idntified", "'Calibration' object has no attribute 'idntified'"),
+            (robot, "limbs", "'Robot' object has no attribute 'limbs'"),
+            (pc, "calibrat", "module 'paracal' has no attribute 'calibrat'"),
+        ):
+            with self.assertRaises(AttributeError) as caught:
+                getattr(of, wrong)
+            self.assertEqual(str(caught.exception), message)
+            self.assertEqual((caught.exception.obj, caught.exception.name), (of, wrong))
+
+    def test_what_is_no_robot_is_said_to_be_none(self):
+        """And none of the attributes that it lacks, which nobody knows."""
+        robot = pc.robot("huang2016")
+        joints = np.zeros(4)
+        for call in (
+            lambda no: pc.Machine(no),
+            lambda no: pc.Tolerances.of(no),
+            lambda no: pc.Tolerances.stated(no, {}),
+            lambda no: pc.Tolerances.read("none.toml", no),
+            lambda no: pc.calibrate(no, pc.read_measurements(DISTANCES, poses=POSES)),
+            lambda no: pc.draw_errors(no),
+            lambda no: pc.errors_frame(no, joints),
+            lambda no: pc.errors_toml(no, joints),
+            lambda no: pc.identifiability(no, [[0, 0, -888]]),
+            lambda no: pc.paper_plan(no),
+            lambda no: pc.read_calibration("none.json", no),
+            lambda no: pc.read_errors(no, "none.toml"),
+            lambda no: pc.read_joints({"q1_deg": [0]}, no),
+            lambda no: pc.read_measurements(DISTANCES, poses=POSES, robot=no),
+            lambda no: pc.read_poses(POSES, no),
+            lambda no: pc.select_poses(no),
+            lambda no: pc.simulate(no, [[0, 0, -888]]),
+            lambda no: pc.tolerance.allocate(no),
+            lambda no: pc.tolerance.analyze(no),
+            lambda no: pc.tolerance.sensitivity(no),
+            lambda no: pc.validation_poses(no),
+            lambda no: pc.workspace_poses(no),
+        ):
+            with self.assertRaisesRegex(pc.InvalidArgument, "robot: expected a Robot.* got str"):
+                call("huang2016")
+        measured = pc.read_measurements(DISTANCES, poses=POSES)
+        for call in (
+            lambda no: pc.calibrate(robot, no),
+            lambda no: pc.validate(pc.calibrate(robot, measured), no),
+            lambda no: pc.merge([measured, no]),
+        ):
+            with self.assertRaisesRegex(pc.InvalidArgument, "measurements: expected .* got dict"):
+                call({})
+        for call in (
+            lambda no: pc.calibrate(robot, measured, tolerances=no),
+            lambda no: pc.draw_errors(robot, tolerances=no),
+            lambda no: pc.tolerance.analyze(robot, no),
+            lambda no: pc.tolerance.sensitivity(robot, tolerances=no),
+            lambda no: pc.select_poses(robot, tolerances=no),
+        ):
+            with self.assertRaisesRegex(pc.InvalidArgument, "tolerances: expected .* got dict"):
+                call({})
+
+
 class Types(TestCase):
     def test_stubs_are_the_module(self):
         # What pybind11 makes of every class, and mypy cannot know.
@@ -177,21 +240,20 @@ class Types(TestCase):
             allowed,
         )
 
-    def test_the_package_is_typed(self):
+    def check(self, *what):
+        """By mypy, in the folder where it finds the package."""
+        strict = ("--strict", "--ignore-missing-imports", "--python-version", "3.11")
         package = Path(pc.__file__).parent
-        self.assertTrue((package / "py.typed").exists())
-        run(
-            "-m",
-            "mypy",
-            "--strict",
-            "--ignore-missing-imports",
-            "--python-version",
-            "3.11",
-            "-p",
-            "paracal",
-            cwd=package.parent,
-            env={**os.environ, "PYTHONPATH": ""},
-        )
+        run("-m", "mypy", *strict, *what, cwd=package.parent, env={**os.environ, "PYTHONPATH": ""})
+
+    def test_the_package_is_typed(self):
+        self.assertTrue((Path(pc.__file__).parent / "py.typed").exists())
+        self.check("-p", "paracal")
+
+    def test_the_examples_are_what_types_allow(self):
+        for script in sorted((SOURCE / "python" / "examples").glob("*.py")):
+            with self.subTest(script.name):
+                self.check(script)
 
 
 class Installed(TestCase):
