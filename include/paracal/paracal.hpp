@@ -35,6 +35,7 @@
 #include "paracal/compensation/target_correction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/filter/target_filter.hpp"
+#include "paracal/interruption.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/chunks.hpp"
 #include "paracal/io/klipper.hpp"

@@ -21,7 +21,7 @@ Calibration calibrated(const Robot& robot, const GivenMeasurements& given, const
   require_robot(robot, given);
   CalibrationOptions options = calibration_options(robot, Keywords(keywords));
   if (given.readings.series.empty()) options.frame = Frame::unknown;  // distances have none
-  const py::gil_scoped_release released;
+  const Released released;
   return calibrate(robot, given.readings, options);
 }
 
@@ -72,7 +72,7 @@ std::string validated(const KnownMachine& machine, const GivenMeasurements& give
   require_robot(machine.robot, given);
   ValidationOptions options = validation_options(Keywords(keywords));
   options.controller = machine.controller;
-  const py::gil_scoped_release released;
+  const Released released;
   const auto& controller = machine.controller.robot;
   const Measurements readings = controller ? commanded_by(*controller, given.readings) : given.readings;
   Validation found = validate(machine.robot, machine.known, readings, options);
@@ -92,10 +92,11 @@ py::tuple predicted(const KnownMachine& machine, const Array& joints) {
   double *pose = poses.mutable_data(), *covariance = covariances.mutable_data();
   bool* ok = closes.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     std::fill_n(pose, poses.size(), kNaN);
     std::fill_n(covariance, covariances.size(), kNaN);
     for (std::size_t k = 0; k < given.count(); ++k, pose += width, covariance += width * width) {
+      let_interrupt();
       ok[k] = false;
       try {
         const PredictedPose found = predict(machine.robot, machine.known, joints_of(given[k], limbs));

@@ -68,11 +68,14 @@ py::tuple compensated(const KnownMachine& machine, const Array& poses, const py:
     std::fill_n(array->mutable_data(), array->size(), kNaN);
   }
   {
-    const py::gil_scoped_release released;
+    const Released released;
     const PoseCorrector corrected =
         pose_corrector(machine.robot, machine.known, way, machine.controller.computes_with(machine.robot));
     const AnswerRows rows(machine.robot, to);
-    for (std::size_t k = 0; k < n; ++k) rows.write(corrected(pose_of(wanted[k], width)), k);
+    for (std::size_t k = 0; k < n; ++k) {
+      let_interrupt();
+      rows.write(corrected(pose_of(wanted[k], width)), k);
+    }
   }
   return py::make_tuple(joints, targets, tilts, uncertainties, status);
 }

@@ -32,8 +32,9 @@ py::tuple inverse_of(const BuiltMachine& built, const Array& poses) {
   double* to = joints.mutable_data();
   std::uint8_t* codes = status.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     for (std::size_t k = 0; k < wanted.count(); ++k) {
+      let_interrupt();
       const InverseResult found = inverse(built.machine, pose_of(wanted[k], width));
       codes[k] = code(found.status);
       for (std::size_t limb = 0; limb < limbs; ++limb) {
@@ -64,8 +65,9 @@ py::tuple forward_of(const BuiltMachine& built, const Array& joints) {
   int* steps = iterations.mutable_data();
   std::uint8_t* codes = status.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     for (std::size_t k = 0; k < n; ++k) {
+      let_interrupt();
       const ForwardResult found = forward(built.machine, joints_of(given[k], built.robot.limb_count()));
       codes[k] = code(found.status);
       residual[k] = found.residual;
@@ -83,8 +85,9 @@ py::tuple driven(const BuiltMachine& built, const Array& poses) {
   Array taken({wanted.count(), width}), tilts({wanted.count(), std::size_t{3}});
   double *pose = taken.mutable_data(), *tilt = tilts.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     for (std::size_t k = 0; k < wanted.count(); ++k) {
+      let_interrupt();
       const auto plate = drive(built.machine, built.robot.nominal(), pose_of(wanted[k], width));
       write_plate(built.machine, plate, width, pose + width * k, tilt + 3 * k);
     }
@@ -149,8 +152,9 @@ py::tuple jacobian_of(const BuiltMachine& built, const Array& joints) {
   double *to_joints = by_joint.mutable_data(), *to_errors = by_error.mutable_data();
   std::uint8_t* codes = status.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     for (std::size_t k = 0; k < given.count(); ++k) {
+      let_interrupt();
       codes[k] = code(derivatives.write(joints_of(given[k], limbs), to_joints, to_errors));
       to_joints += rows * limbs;
       to_errors += rows * limbs * sources;

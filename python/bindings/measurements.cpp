@@ -170,7 +170,7 @@ void add_measurements(py::module_& module) {
   py::class_<io::TableStyle>(module, "TableStyle")
       .def(py::init<bool, std::vector<std::string>>(), "decimal_comma"_a, "ignored_columns"_a);
   module.def("read_measurements", &read_tables, "tables"_a, "poses"_a, "exported"_a, "style"_a, "robot"_a,
-             py::call_guard<py::gil_scoped_release>());
+             py::call_guard<Released>());
   module.def("merge", &merged, "parts"_a);
   module.def("read_poses", &pose_table, "table"_a, "style"_a, "robot"_a);
   module.def("read_joints", &joint_table, "table"_a, "style"_a, "robot"_a);

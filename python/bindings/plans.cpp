@@ -40,7 +40,7 @@ py::dict std_of(const WorkspaceUncertainty& spread) {
 
 py::dict paper_plan_of(const Robot& robot, const std::string& stage, double start_azimuth, double threshold) {
   const auto plan = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     return paper_plan(robot, stage == "rough" ? Stage::rough : Stage::fine, start_azimuth, threshold);
   }();
   py::list curve;
@@ -71,7 +71,7 @@ py::dict selected(const Robot& robot, int poses, int candidates, std::uint64_t s
       .poses = poses, .criterion = criterion_of(given), .noise = noise_of(given), .readings = planned_readings(given)};
   if (given.has("tolerances")) options.tolerances = given.get<Tolerances>("tolerances", "Tolerances");
   const auto plan = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     return select_stations(robot, candidate_stations(robot, candidates, seed), options);
   }();
   py::list curve;
@@ -119,7 +119,7 @@ py::dict identifiable(const Robot& robot, const std::vector<std::string>& names,
   CalibrationOptions options = calibration_options(robot, given);
   if (plan.series.empty()) options.frame = Frame::unknown;
   const auto promise = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     return promise_of(robot, plan, options);
   }();
   py::list directions;
@@ -137,7 +137,10 @@ template <typename Readings>
 void repeat(Readings& readings, int repeats) {
   const Readings once = readings;
   readings.clear();
-  for (const auto& reading : once) readings.insert(readings.end(), repeats, reading);
+  for (const auto& reading : once) {
+    let_interrupt();
+    readings.insert(readings.end(), repeats, reading);
+  }
 }
 
 RigidMotion motion_of(const char* keyword, const Array& matrix) {
@@ -180,10 +183,10 @@ GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::
   if (repeats > 1 && !plan.distances.empty()) {
     throw InvalidArgument("repeats: expected another measure than distances with it");
   }
+  const Released released;
   for (PointSeries& series : plan.series) repeat(series.readings, repeats);
   for (LengthSeries& series : plan.lengths) repeat(series.readings, repeats);
   RandomStream random(seed, stream);
-  const py::gil_scoped_release released;
   return {.readings = simulate(machine.robot, machine.errors, std::move(plan), instrument, random)};
 }
 

@@ -72,8 +72,9 @@ Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64
   Array drawn({count, robot.limb_count(), sources.size()});
   double* numbers = drawn.mutable_data();
   {
-    const py::gil_scoped_release released;
+    const Released released;
     for (std::size_t machine = 0; machine < count; ++machine) {
+      let_interrupt();
       RandomStream random(seed, first + machine);
       const SourceErrors errors = draw_errors(tolerances, robot.limb_count(), random);
       for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {

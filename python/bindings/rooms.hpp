@@ -8,6 +8,7 @@
 
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/prediction.hpp"
+#include "paracal/interruption.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
@@ -15,6 +16,21 @@
 namespace paracal::python {
 
 namespace py = pybind11;
+
+/// Other threads of Python run while the library computes, and Ctrl-C ends what the main thread has asked for.
+class Released {
+ public:
+  Released() : interruptible_(&check_signals) {}
+
+ private:
+  static void check_signals() {
+    const py::gil_scoped_acquire acquired;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+  py::gil_scoped_release released_;
+  Interruptible interruptible_;
+};
 
 /// A robot with the source errors that it was built with.
 struct BuiltMachine {

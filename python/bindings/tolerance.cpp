@@ -91,15 +91,6 @@ std::vector<std::pair<std::string, double>> problem_requirements(const Robot& ro
   return list;
 }
 
-/// Ctrl-C ends the drawing of machines.
-Progress watched() {
-  return [](std::uint64_t, std::uint64_t) {
-    const py::gil_scoped_acquire acquired;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    return true;
-  };
-}
-
 /// Those asked for, and the worst ones; by default where limits may be broken.
 std::vector<Pose> drawn_poses(const Robot& robot, const Tolerances& tolerances,
                               const std::vector<RequirementAnalysis>& analyses, const std::optional<Rows>& poses) {
@@ -170,11 +161,11 @@ py::dict analyzed(const Robot& robot, const Tolerances& tolerances,
   std::vector<RequirementAnalysis> analyses;
   FailureShare failures;
   const MonteCarlo batch = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     analyses = analyze(robot, tolerances, requirements);
     const std::vector<Pose> poses_tried = drawn_poses(robot, tolerances, analyses, at);
-    failures = failure_share(robot, tolerances, requirements, poses_tried, rare, watched());
-    return monte_carlo(robot, tolerances, requirements, poses_tried, options, watched());
+    failures = failure_share(robot, tolerances, requirements, poses_tried, rare);
+    return monte_carlo(robot, tolerances, requirements, poses_tried, options);
   }();
   py::list list;
   for (std::size_t k = 0; k < analyses.size(); ++k) {
@@ -210,7 +201,7 @@ py::dict equal_influence(const Robot& robot, const Tolerances& rest, const py::d
   given.choose("least_is", {{"tolerance", LeastReading::tolerance}, {"sigma", LeastReading::sigma}},
                problem.least_reading);
   const auto found = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     return allocate(robot, problem);
   }();
   return allocation_of(robot, found);
@@ -218,7 +209,7 @@ py::dict equal_influence(const Robot& robot, const Tolerances& rest, const py::d
 
 py::dict solved(const Robot& robot, const Tolerances& rest, const std::string& path) {
   const auto found = [&] {
-    const py::gil_scoped_release released;
+    const Released released;
     const AllocationProblem problem = problem_of(robot, rest, path);
     if (problem.variables.empty()) throw InputFileError(path, 0, "expected costs ([cost.NAME]), got none");
     return allocate(robot, problem);
@@ -233,7 +224,7 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
   ValueAtPose worst;
   std::vector<Contributor> shares;
   {
-    const py::gil_scoped_release released;
+    const Released released;
     global = global_sensitivity(robot, what, {.all_rotations = all_rotations, .relative_error = relative_error});
     worst = worst_spread(robot, what, tolerances, Spread::statistical);
     shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances, robot.actuator());

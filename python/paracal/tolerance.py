@@ -156,8 +156,7 @@ def analyze(
     max_machines: int = 1_000_000,
     threads: int = 0,
 ) -> Analysis:
-    """Worst case, root of the sum of squares and Monte Carlo; what contributes; yield. Ctrl-C ends
-    the drawing.
+    """Worst case, root of the sum of squares and Monte Carlo; what contributes; yield.
 
     tolerances: default: the robot's own.
     requirements: limits (mm or rad) by quantity: "tilt", "twist", "position", "distance",

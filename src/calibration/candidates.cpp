@@ -7,6 +7,7 @@
 
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
+#include "paracal/interruption.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -69,6 +70,7 @@ void two_opt(std::vector<std::size_t>& order, const std::vector<Joints>& joints)
   for (bool better = true; better;) {
     better = false;
     for (std::size_t a = 0; a + 2 < n; ++a) {
+      let_interrupt();
       for (std::size_t b = a + 2; b < n; ++b) {
         const std::size_t after = (b + 1) % n;
         if (step(a, b) + step(a + 1, after) > step(a, a + 1) + step(b, after) - 1e-9) continue;
@@ -106,6 +108,7 @@ std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint
   RandomStream random(seed);
   std::vector<Station> stations{{"P0", {robot.workspace().centre(), 0.0}}};
   for (long tries = 0; static_cast<int>(stations.size()) < count && tries < long{kLargestTries} * count; ++tries) {
+    let_interrupt();
     const Pose pose = draw_pose(robot.workspace(), random);
     if (visibility && !visibility->sees(pose)) continue;
     if (!holds(robot, pose)) continue;  // out of reach, or singular

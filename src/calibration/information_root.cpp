@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "numerics/dense.hpp"
+#include "paracal/interruption.hpp"
 
 namespace paracal {
 namespace {
@@ -19,6 +20,7 @@ InformationRoot::InformationRoot(Eigen::Index parameters)
       used_(parameters + 1) {}
 
 void InformationRoot::add(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+  let_interrupt();
   if (rows.rows() > buffer_.rows() - buffer_.cols()) {  // more than a block: in halves
     const Eigen::Index half = rows.rows() / 2;
     add(rows.topRows(half));

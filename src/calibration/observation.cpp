@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "started.hpp"
 
@@ -128,6 +129,7 @@ void Observation::keep_nominal_derivative() {
   nominal_.clear();
   last_stations_.reset();
   for (std::size_t k = 0; k < joints_.size(); ++k) {
+    let_interrupt();
     nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints_[k], start_of(k)).plate));
     nominal_.back().motions = motions_at(robot_.nominal(), nominal_.back().plate, joints_[k]);
   }
@@ -177,6 +179,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
   const Machine& machine = answer->machine;
   answer->states.reserve(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
+    let_interrupt();
     const ForwardResult pose = forward(machine, joints_[k], start_of(k));
     if (!pose.ok()) return nullptr;
     StationState& state = answer->states.emplace_back(state_of(machine, pose.plate));

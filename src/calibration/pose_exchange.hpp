@@ -15,6 +15,7 @@
 #include "exchange_poses.hpp"
 #include "numerics/dense.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/interruption.hpp"
 
 namespace paracal::detail {
 
@@ -89,6 +90,7 @@ class Exchange {
 
   /// The candidate that helps most now.
   Eigen::Index best_addition() const {
+    let_interrupt();
     Eigen::Index best = -1;
     double most = -std::numeric_limits<double>::infinity();
     for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
@@ -133,6 +135,7 @@ class Exchange {
     near_.resize(count);
     far_.resize(count);
     for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
+      let_interrupt();
       const auto rows = of(k);
       near_[index(k)] = rows.transpose() * (covariance_ * rows);
       far_[index(k)] = rows.transpose() * (far * rows);
@@ -165,6 +168,7 @@ class Exchange {
 
   /// Takes pose s in (sign = 1) or out (-1): C -> C - sign U N U^T,  U = C A_s^T,  N = (I + sign A_s C A_s^T)^-1.
   void move(Eigen::Index s, double sign) {
+    let_interrupt();
     const Small inner = sign * (identity() + sign * near_[index(s)]).inverse();  // sign N
     const Tall u = covariance_ * of(s);
     const bool linear = criterion_ != Criterion::volume;

@@ -10,6 +10,7 @@
 #include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
+#include "paracal/interruption.hpp"
 #include "sought.hpp"
 
 namespace paracal {
@@ -73,6 +74,7 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   problem.scale = unit.tail(observation.source_count());
   Eigen::MatrixXd block;
   for (const detail::Group& group : observation.groups()) {  // one a candidate; home has none of its own distance
+    let_interrupt();
     observation.rows(group, *stations, *unknowns, block);
     if (problem.rows == 0) {
       problem.rows = static_cast<int>(block.rows());

@@ -4,10 +4,13 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include "paracal/interruption.hpp"
+
 namespace paracal {
 
 RigidMotion rigid_fit(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                       const std::vector<double>& weights) {
+  let_interrupt();
   const auto weight = [&](std::size_t k) { return weights.empty() ? 1.0 : weights[k]; };
   Eigen::Vector3d from_centre = Eigen::Vector3d::Zero(), to_centre = Eigen::Vector3d::Zero();
   double sum = 0.0;

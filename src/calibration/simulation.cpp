@@ -10,6 +10,7 @@
 
 #include "kinematics/turns.hpp"
 #include "paracal/error.hpp"
+#include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "readings/length_model.hpp"
 #include "readings/points.hpp"
@@ -37,6 +38,7 @@ class Visits {
          const VirtualInstrument& instrument, RandomStream& random)
       : machine_(build(robot, errors)), instrument_(instrument), random_(random) {
     for (const Station& station : stations) {
+      let_interrupt();
       const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
       if (!pose.ok()) throw Unreachable(fmt::format("station \"{}\": the machine does not close there", station.name));
       plates_.push_back(pose.plate);
@@ -102,9 +104,15 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, Measuremen
                       const VirtualInstrument& instrument, RandomStream& random) {
   Visits visits(robot, errors, plan.stations, instrument, random);
   for (PointSeries& series : plan.series) {
-    for (PointReading& reading : series.readings) visits.read(reading);
+    for (PointReading& reading : series.readings) {
+      let_interrupt();
+      visits.read(reading);
+    }
   }
-  for (DistanceReading& reading : plan.distances) visits.read(reading);
+  for (DistanceReading& reading : plan.distances) {
+    let_interrupt();
+    visits.read(reading);
+  }
   for (LengthSeries& series : plan.lengths) visits.read(series, set_up_of(robot, series, instrument));
   return plan;
 }

@@ -5,6 +5,7 @@
 
 #include "cutting_planes.hpp"
 #include "optimizer.hpp"
+#include "paracal/interruption.hpp"
 
 // Branch and bound over processes. For any multipliers lambda >= 0 of the cuts, no choice is cheaper than
 //
@@ -141,6 +142,7 @@ class GradeSearch {
 
   /// @param charged_so_far  of the choices above.
   void descend(std::size_t depth, double charged_so_far) {
+    let_interrupt();
     if (++nodes_ > kLargestNodes) return;
     if (charged_so_far + bound_[depth] >= best_cost_ - 1e-9 * std::abs(best_cost_) || !can_hold()) return;
     if (depth == graded_.size()) return finish();

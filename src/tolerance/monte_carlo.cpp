@@ -10,6 +10,7 @@
 #include "drawing.hpp"
 #include "numerics/distributions.hpp"
 #include "paracal/error.hpp"
+#include "paracal/interruption.hpp"
 
 namespace paracal {
 namespace {
@@ -123,12 +124,14 @@ class Sampler {
   void run_chunk(std::uint64_t first, std::uint64_t count, Sums& sums, Counts& counts) const {
     Eigen::MatrixXd components(response_.rows(), static_cast<Eigen::Index>(count));
     std::vector<bool> closed(count, true);
+    let_interrupt();
     if (options_.model == Model::linear) {
       Eigen::MatrixXd errors(drawing_.matrix().cols(), components.cols());
       drawing_.draw(options_.seed, first, errors);
       components.noalias() = drawing_.matrix() * errors;
     } else {
       for (std::uint64_t m = 0; m < count; ++m) {
+        let_interrupt();
         RandomStream random(options_.seed, first + m);
         auto column = components.col(static_cast<Eigen::Index>(m));
         closed[m] = response_.exact(draw_errors(tolerances_, limbs_, random), column);

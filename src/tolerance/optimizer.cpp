@@ -5,6 +5,8 @@
 #include <memory>
 #include <new>
 
+#include "paracal/interruption.hpp"
+
 namespace paracal::detail {
 namespace {
 
@@ -26,6 +28,7 @@ void require_memory(nlopt_result result) {
 }  // namespace
 
 Minimum minimize(const Minimization& problem, std::vector<double> start) {
+  let_interrupt();
   const nlopt_algorithm algorithm =
       problem.algorithm == Minimization::Algorithm::slsqp ? NLOPT_LD_SLSQP : NLOPT_LN_SBPLX;
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(

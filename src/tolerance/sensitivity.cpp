@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paracal/interruption.hpp"
+
 namespace paracal {
 
 PerSource squared_sensitivities(const SourceRows& rows) {
@@ -34,6 +36,7 @@ GlobalSensitivity mean_sensitivity(const Robot& robot, Characteristic characteri
   GlobalSensitivity global{
       .mean = PerSource::Zero(), .error = PerSource::Zero(), .largest = PerSource::Zero(), .poses = points.size()};
   for (const WeightedPose& point : points) {
+    let_interrupt();
     const PerSource local = squared_sensitivities(model.rows(point.pose, characteristic)).sqrt();
     global.mean += point.weight * local;
     global.largest = global.largest.max(local);

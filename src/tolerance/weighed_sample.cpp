@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "numerics/distributions.hpp"
+#include "paracal/interruption.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -106,6 +107,7 @@ std::optional<Weights> WeighedSample::try_exactly(double band, double relative_e
 }
 
 WeighedSample::Machines WeighedSample::machines(std::uint64_t first, std::uint64_t count) const {
+  let_interrupt();
   const auto columns = static_cast<Eigen::Index>(count);
   Machines drawn{Eigen::MatrixXd(limits_.errors().size(), columns), Eigen::ArrayXd(columns), {}};
   mixture_.draw(options_.seed, first_stream_ + first, drawn.errors, drawn.weights);
@@ -126,6 +128,7 @@ Weights WeighedSample::exact_chunk(std::uint64_t first, std::uint64_t count, dou
   add_linear(drawn, sums);
   for (Eigen::Index m = 0; m < drawn.used_up.size(); ++m) {
     if (drawn.used_up(m) <= 1.0 - band) continue;
+    let_interrupt();
     ++sums.tried;
     const std::uint64_t stream = first_stream_ + first + static_cast<std::uint64_t>(m);
     const Limits::Trial trial = limits_.try_exactly(drawn.errors.col(m), 1.0 - band, options_.seed, stream);

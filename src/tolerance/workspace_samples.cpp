@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "paracal/interruption.hpp"
+
 namespace paracal {
 namespace {
 
@@ -109,6 +111,7 @@ std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_
   points.reserve(radii.size() * heights.size() * turned.size() * static_cast<std::size_t>(azimuths));
   for (const Node& height : heights) {
     for (const Node& radius : radii) {
+      let_interrupt();
       const double ring = 2.0 * radius.weight * radius.place / workspace.radius / azimuths;
       for (int k = 0; k < azimuths; ++k) {
         const double azimuth = 2.0 * std::numbers::pi * k / azimuths;

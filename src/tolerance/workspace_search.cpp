@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "optimizer.hpp"
+#include "paracal/interruption.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -97,6 +98,7 @@ std::vector<ValueAtPose> tops_of(const std::vector<ValueAtPose>& grid, const Wor
 ValueAtPose largest_in_workspace(const Robot& robot, const std::function<double(const Pose&)>& value) {
   std::vector<ValueAtPose> grid;
   for (const Pose& pose : polar_grid(robot, {.radii = 5, .azimuths = 24, .layers = 3}, true)) {
+    let_interrupt();
     grid.push_back({pose, value(pose)});
   }
   std::ranges::stable_sort(grid, std::greater(), &ValueAtPose::value);
