@@ -11,6 +11,7 @@
 #include "paracal/io/json.hpp"
 #include "paracal/io/measurement_files.hpp"
 #include "rooms.hpp"
+#include "state.hpp"
 
 namespace paracal::python {
 namespace {
@@ -114,6 +115,7 @@ py::tuple predicted(const KnownMachine& machine, const Array& joints) {
 
 void add_calibration(py::module_& module) {
   py::class_<KnownMachine>(module, "KnownMachine")
+      .def(pickled<KnownMachine>())
       .def_readonly("robot", &KnownMachine::robot)
       .def_property_readonly("errors", [](const KnownMachine& m) { return array_of(m.known.errors, m.robot); })
       .def_property_readonly("parameters",
@@ -121,6 +123,7 @@ void add_calibration(py::module_& module) {
       .def_property_readonly("covariance", [](const KnownMachine& m) { return array_of(m.known.covariance); })
       .def("predict", &predicted, "joints"_a);
   py::class_<Calibration>(module, "Calibration")
+      .def(pickled<Calibration>())
       .def_property_readonly("robot", [](const Calibration& found) { return found.robot; })
       .def_property_readonly("verdict", [](const Calibration& found) { return std::string(name(found.verdict)); })
       .def_property_readonly("reasons", [](const Calibration& found) { return texts_of(found.reasons); })

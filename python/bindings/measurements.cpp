@@ -11,6 +11,7 @@
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 #include "rooms.hpp"
+#include "state.hpp"
 
 namespace paracal::python {
 namespace {
@@ -157,6 +158,7 @@ void require_robot(const Robot& robot, const GivenMeasurements& given) {
 
 void add_measurements(py::module_& module) {
   py::class_<GivenMeasurements>(module, "Measurements")
+      .def(pickled<GivenMeasurements>())
       .def("stations", &stations_of, "robot"_a)
       .def_property_readonly("counts", &counts_of)
       .def_property_readonly("notes", [](const GivenMeasurements& given) { return texts_of(given.readings.notes); })

@@ -8,6 +8,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "rooms.hpp"
+#include "state.hpp"
 
 namespace paracal::python {
 namespace {
@@ -96,6 +97,7 @@ SourceErrors read_errors(const Robot& robot, const std::string& path) {
 
 void add_robots(py::module_& module) {
   py::class_<Robot>(module, "Robot")
+      .def(pickled<Robot>())
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
       .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
@@ -111,6 +113,11 @@ void add_robots(py::module_& module) {
       .def("toml", [](const Robot& robot) { return text_of(io::robot_toml(robot)); });
   py::class_<BuiltMachine>(module, "Machine")
       .def(py::init(&built), "robot"_a, "errors"_a)
+      .def(py::pickle(
+          [](const BuiltMachine& machine) {
+            return py::make_tuple(machine.robot, array_of(machine.errors, machine.robot));
+          },
+          [](const py::tuple& state) { return built(state[0].cast<Robot>(), state[1].cast<Array>()); }))
       .def_readonly("robot", &BuiltMachine::robot)
       .def_property_readonly("errors",
                              [](const BuiltMachine& machine) { return array_of(machine.errors, machine.robot); })

@@ -10,6 +10,7 @@
 #include "paracal/tolerance/analysis.hpp"
 #include "paracal/tolerance/failure.hpp"
 #include "rooms.hpp"
+#include "state.hpp"
 
 namespace paracal::python {
 namespace {
@@ -241,6 +242,7 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
 
 void add_tolerance(py::module_& module) {
   py::class_<Tolerances>(module, "Tolerances")
+      .def(pickled<Tolerances>())
       .def(
           "half_widths",
           [](const Tolerances& t, const Robot& robot) { return vector_of_sources(half_widths(t), robot); }, "robot"_a)

@@ -14,7 +14,7 @@ docs/conventions.md.
 What the caller or a file got wrong raises (errors: Error, InvalidArgument, InputFileError,
 Unreachable); what the numbers say (a pose out of reach, a fit that does not settle) is a status in
 the result. Everything that takes long releases the interpreter, so threads run beside it, and
-Ctrl-C ends it. Numbers are those of the program to the bit.
+Ctrl-C ends it. Results can be copied and pickled. Numbers are those of the program to the bit.
 """
 
 from . import _paracal, tolerance

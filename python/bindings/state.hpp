@@ -1,0 +1,243 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "paracal/calibration/calibration.hpp"
+#include "paracal/error.hpp"
+#include "paracal/version.hpp"
+#include "rooms.hpp"
+
+namespace paracal::python {
+
+// Objects as bytes and back, to the bit, for pickle: field after field, whatever is in them.
+
+template <typename Type, template <typename...> typename Template>
+inline constexpr bool is_a = false;
+template <template <typename...> typename Template, typename... Of>
+inline constexpr bool is_a<Template<Of...>, Template> = true;
+
+/// References to all fields of a struct. One more or fewer than it has does not compile.
+#define PARACAL_FIELDS(Struct, ...)         \
+  inline auto fields_of(const Struct& of) { \
+    const auto& [__VA_ARGS__] = of;         \
+    return std::tie(__VA_ARGS__);           \
+  }
+PARACAL_FIELDS(PlateFreedoms, free)
+PARACAL_FIELDS(SingleRod, base, plate, length, arm, axis, at_zero, behind)
+PARACAL_FIELDS(Geometry, base_radius, plate_radius, arm, rod, parallelogram_width, limb_azimuth, actuator, single_rods,
+               freedoms)
+PARACAL_FIELDS(Slide, axis, sign, pinion_radius)
+PARACAL_FIELDS(Workspace, radius, height, top_z, min_rotation, max_rotation, max_tilt, tilts_about)
+PARACAL_FIELDS(JointLimits, speed, acceleration)
+PARACAL_FIELDS(Tolerances, half_width, distribution, measured, origin, assumed)
+PARACAL_FIELDS(RobotDescription, name, geometry, slide, workspace, tolerances, intended, controller_origin,
+               joint_limits)
+PARACAL_FIELDS(TrackerModel, transverse, transverse_per_m, radial, radial_per_m)
+PARACAL_FIELDS(NoiseModel, distance, height, point, body, rotation, tracker, distance_bias, dial_angle)
+PARACAL_FIELDS(SourceSelector, source, limb)
+PARACAL_FIELDS(CommonError, text, direction, std)
+PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
+PARACAL_FIELDS(ControllerModel, evidence, source, robot)
+PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, rotation_zero, reflectors,
+               tolerances, common, expected, plane_slope, plane_curvature, scale_std, admit_drop, tell_chance, limits,
+               states_use, fixed, free, exclude_outliers, outlier_chance, largest_chance, diagnose, controller)
+PARACAL_FIELDS(SoughtSource, limb, source, prior_std)
+PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, data_share, dof, held)
+PARACAL_FIELDS(Component, text, factor, drop, chance, told)
+PARACAL_FIELDS(UseQuantity, U, limit)
+PARACAL_FIELDS(Use, distance, aligned, rotation)
+PARACAL_FIELDS(NullDirection, text, direction, gauge)
+PARACAL_FIELDS(DistanceResidual, from, to, distance, distance_before, distance_after, rotation, rotation_before,
+               rotation_after, excluded)
+PARACAL_FIELDS(PointResidual, series, station, before, after, rotation_before, rotation_after, excluded,
+               orientation_before, orientation_after)
+PARACAL_FIELDS(LengthResidual, series, station, kind, length, before, after, excluded)
+PARACAL_FIELDS(Suspect, text, statistic, chance, excluded)
+PARACAL_FIELDS(FoundSetUp, name, kind, unknowns, covariance, told)
+PARACAL_FIELDS(StageReport, name, iterations, converged, rank, condition, rms_distance)
+PARACAL_FIELDS(RigidMotion, rotation, translation)
+PARACAL_FIELDS(SeriesFrame, name, frame, rotation_zero, second, body)
+PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric, max_volumetric_aligned,
+               reads_distances, rms_lengths, max_abs_rotation, max_orientation)
+PARACAL_FIELDS(InputFile, name, sha256)
+PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
+               noise_dof, joint_std, components, use, rank, null_space, stages, before, after, readings, distances,
+               points, lengths, suspects, frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom,
+               unit_weight_std, fit_probability, noise, orientation_noise, chance, options, files)
+PARACAL_FIELDS(Pose, position, rotation, tilt)
+PARACAL_FIELDS(Station, name, commanded, believed)
+PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)
+PARACAL_FIELDS(PointReading, station, point, second, rotation, sigma, orientation, orientation_sigma)
+PARACAL_FIELDS(PointSeries, name, readings)
+PARACAL_FIELDS(LengthReading, station, length, sigma)
+PARACAL_FIELDS(LengthSeries, name, kind, readings, at)
+PARACAL_FIELDS(Measurements, stations, distances, series, lengths, files, notes)
+PARACAL_FIELDS(io::RobotStatement, robot, by, line, robot_file)
+PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std)
+PARACAL_FIELDS(GivenMeasurements, readings, stated, tables)
+PARACAL_FIELDS(KnownMachine, robot, known, inputs, controller)
+#undef PARACAL_FIELDS
+
+class StateWriter {
+ public:
+  template <typename... Values>
+  static std::string bytes_of(const Values&... values) {
+    StateWriter writer;
+    (writer.write(values), ...);
+    return std::move(writer.bytes_);
+  }
+
+ private:
+  void raw(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
+
+  template <typename Value>
+  void write(const Value& value) {
+    if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+      raw(&value, sizeof value);
+    } else if constexpr (std::is_convertible_v<const Value&, std::string_view>) {
+      write(std::string_view(value).size());
+      raw(std::string_view(value).data(), std::string_view(value).size());
+    } else if constexpr (std::same_as<Value, std::filesystem::path>) {
+      write(value.native());
+    } else if constexpr (std::derived_from<Value, Eigen::EigenBase<Value>>) {
+      write(value.rows());
+      write(value.cols());
+      raw(value.data(), sizeof(double) * static_cast<std::size_t>(value.size()));
+    } else if constexpr (std::derived_from<Value, Eigen::QuaternionBase<Value>>) {
+      write(value.coeffs());
+    } else if constexpr (is_a<Value, std::optional>) {
+      write(value.has_value());
+      if (value) write(*value);
+    } else if constexpr (is_a<Value, std::vector> || is_a<Value, std::map>) {
+      write(value.size());
+      for (const auto& one : value) write(one);
+    } else if constexpr (is_a<Value, std::pair>) {
+      write(value.first);
+      write(value.second);
+    } else if constexpr (requires { std::tuple_size<Value>::value; }) {  // an array
+      for (const auto& one : value) write(one);
+    } else if constexpr (std::same_as<Value, SourceErrors>) {
+      for_each_source([&](std::size_t limb, Source source) { write(value(limb, source)); });
+    } else if constexpr (std::same_as<Value, Robot>) {
+      write(value.description());
+    } else {
+      std::apply([&](const auto&... fields) { (write(fields), ...); }, fields_of(value));
+    }
+  }
+
+  std::string bytes_;
+
+ public:
+  template <typename Take>
+  static void for_each_source(Take&& take) {
+    for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
+      for (std::size_t source = 0; source < kSourceCount; ++source) take(limb, static_cast<Source>(source));
+    }
+  }
+};
+
+/// @throws Error for bytes that end too soon.
+class StateReader {
+ public:
+  explicit StateReader(std::string_view bytes) : left_(bytes) {}
+
+  template <typename Value>
+  Value read() {
+    if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+      Value value;
+      std::memcpy(&value, raw(sizeof value), sizeof value);
+      return value;
+    } else if constexpr (std::same_as<Value, std::string>) {
+      const auto size = read<std::size_t>();
+      return {raw(size), size};
+    } else if constexpr (std::same_as<Value, std::string_view>) {  // of texts that live as long as the program
+      static std::set<std::string> texts;                          // under the interpreter's lock
+      return *texts.insert(read<std::string>()).first;
+    } else if constexpr (std::same_as<Value, std::filesystem::path>) {
+      return read<std::string>();
+    } else if constexpr (std::derived_from<Value, Eigen::EigenBase<Value>>) {
+      const auto rows = read<Eigen::Index>(), columns = read<Eigen::Index>();
+      Value value(rows, columns);
+      const std::size_t size = sizeof(double) * static_cast<std::size_t>(value.size());
+      std::memcpy(value.data(), raw(size), size);
+      return value;
+    } else if constexpr (std::derived_from<Value, Eigen::QuaternionBase<Value>>) {
+      return Value(read<Eigen::Vector4d>());
+    } else if constexpr (is_a<Value, std::optional>) {
+      return read<bool>() ? Value(read<typename Value::value_type>()) : Value();
+    } else if constexpr (is_a<Value, std::vector>) {
+      Value value;
+      for (auto left = read<std::size_t>(); left > 0; --left) value.push_back(read<typename Value::value_type>());
+      return value;
+    } else if constexpr (is_a<Value, std::map>) {
+      Value value;
+      for (auto left = read<std::size_t>(); left > 0; --left) {
+        value.insert(read<std::pair<typename Value::key_type, typename Value::mapped_type>>());
+      }
+      return value;
+    } else if constexpr (is_a<Value, std::pair>) {
+      return Value{read<typename Value::first_type>(), read<typename Value::second_type>()};
+    } else if constexpr (requires { std::tuple_size<Value>::value; }) {
+      Value value;
+      for (auto& one : value) one = read<typename Value::value_type>();
+      return value;
+    } else if constexpr (std::same_as<Value, SourceErrors>) {
+      Value value;
+      StateWriter::for_each_source([&](std::size_t limb, Source source) { value(limb, source) = read<double>(); });
+      return value;
+    } else if constexpr (std::same_as<Value, Robot>) {
+      return Robot(read<RobotDescription>());
+    } else {
+      return struct_of<Value>(static_cast<decltype(fields_of(std::declval<const Value&>()))*>(nullptr));
+    }
+  }
+
+ private:
+  template <typename Struct, typename... Fields>
+  Struct struct_of(std::tuple<const Fields&...>* /*of these*/) {
+    return Struct{read<Fields>()...};  // in order, since in braces
+  }
+
+  const char* raw(std::size_t size) {
+    if (size > left_.size()) throw Error("state: expected more bytes; it is of another version, or was cut");
+    const char* data = left_.data();
+    left_.remove_prefix(size);
+    return data;
+  }
+
+  std::string_view left_;
+};
+
+/// What pickle and copy take of an object and make one of.
+template <typename Object>
+auto pickled() {
+  return py::pickle(
+      [](const Object& object) { return py::make_tuple(version(), py::bytes(StateWriter::bytes_of(object))); },
+      [](const py::tuple& state) {
+        if (const auto of = state[0].cast<std::string>(); of != version()) {
+          throw Error(fmt::format("pickle: expected an object of paracal {}, got one of {}", version(), of));
+        }
+        const auto bytes = state[1].cast<std::string>();
+        return StateReader(bytes).read<Object>();
+      });
+}
+
+}  // namespace paracal::python
