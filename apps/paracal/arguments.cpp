@@ -38,16 +38,6 @@ Rule between(double smallest, double largest, const std::string& shown) {
 
 namespace {
 
-template <typename Accept>
-Rule finite_number(const char* expected, const char* shown, Accept&& accept) {
-  const auto complaint = [expected, accept](const std::string& text) {
-    double value = 0.0;
-    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && accept(value);
-    return good ? std::string() : fmt::format("expected {}, got {}", expected, text);
-  };
-  return {complaint, shown};
-}
-
 /// A number as people write one: 100000, 1e5.
 std::optional<std::uint64_t> whole(std::string_view text) {
   constexpr double kLargestExact = 9007199254740992.0;  // 2^53
@@ -59,13 +49,18 @@ std::optional<std::uint64_t> whole(std::string_view text) {
 
 }  // namespace
 
-Rule positive_finite() {
-  return finite_number("a number above 0", "NUMBER > 0", [](double value) { return value > 0.0; });
+Rule within(const plausible::Range& range) {
+  const auto complaint = [range](const std::string& text) {
+    double value = 0.0;
+    if (!CLI::detail::lexical_cast(text, value)) return fmt::format("expected a number, got {}", text);
+    return plausible::complaint("a number", value, range).value_or("");
+  };
+  return {complaint, fmt::format("NUMBER in [{:g} - {:g}]", range.least, range.most)};
 }
 
-Rule non_negative_finite() {
-  return finite_number("a number of at least 0", "NUMBER >= 0", [](double value) { return value >= 0.0; });
-}
+Rule positive() { return within(plausible::kLimit); }
+
+Rule non_negative() { return within({0.0, plausible::kLimit.most}); }
 
 Rule whole_number(std::uint64_t smallest, std::uint64_t largest) {
   const auto rewrite = [smallest, largest](std::string& text) {

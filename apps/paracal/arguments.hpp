@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "description.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 // The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
 namespace CLI {
@@ -47,10 +48,11 @@ class Rule {
 Rule one_of(const std::vector<std::string>& words);
 /// @param shown  in --help; empty: the two numbers.
 Rule between(double smallest, double largest, const std::string& shown = {});
-/// Finite numbers above zero.
-Rule positive_finite();
-/// Finite numbers from zero.
-Rule non_negative_finite();
+Rule within(const plausible::Range& range);
+/// Limits and the like, which no robot has beyond plausible::kLimit.
+Rule positive();
+/// The same, and zero.
+Rule non_negative();
 /// Whole numbers from `smallest` to `largest`, 1e6 and the like, too.
 Rule whole_number(std::uint64_t smallest, std::uint64_t largest);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "paracal/error.hpp"
@@ -18,20 +17,15 @@
 namespace paracal::app {
 namespace {
 
-constexpr double kLargest = 1e6;  // mm or deg: readings far from here are no numbers any more
-
-/// No instrument is outside of these, and weights far outside of them leave the range of numbers.
-void check_noise(const char* option, double value, const char* unit) {
-  constexpr double kSmallest = 1e-5;
-  if (value >= kSmallest && value <= kLargest) return;
-  throw WrongUsage(fmt::format("{}: expected {:g} to {:g} {}, got {:g}", option, kSmallest, kLargest, unit, value));
+void check_noise(const char* option, double value) {
+  if (const auto complaint = plausible::complaint(option, value, plausible::kNoise)) throw WrongUsage(*complaint);
 }
 
 /// Noise is `constant + slope * metres`, um; what it is at one metre must be believable.
 TrackerModel tracker_model(const std::vector<double>& um) {
   const TrackerModel tracker{um[0] * 1e-3, um[1] * 1e-3, um[2] * 1e-3, um[3] * 1e-3};
-  check_noise("--tracker-um, transverse at 1 m", tracker.transverse + tracker.transverse_per_m, "mm");
-  check_noise("--tracker-um, radial at 1 m", tracker.radial + tracker.radial_per_m, "mm");
+  check_noise("--tracker-um, transverse at 1 m", tracker.transverse + tracker.transverse_per_m);
+  check_noise("--tracker-um, radial at 1 m", tracker.radial + tracker.radial_per_m);
   return tracker;
 }
 
@@ -73,17 +67,17 @@ double MeasuringOptions::expansion() const {
 NoiseModel MeasuringOptions::noise() const {
   NoiseModel noise;
   if (sigma_mm) {
-    check_noise("--sigma-mm", *sigma_mm, "mm");
+    check_noise("--sigma-mm", *sigma_mm);
     noise.distance = noise.point = noise.body = *sigma_mm;
   }
   if (height_sigma_mm) {
-    check_noise("--height-sigma-mm", *height_sigma_mm, "mm");
+    check_noise("--height-sigma-mm", *height_sigma_mm);
     noise.height = *height_sigma_mm;
   }
   noise.distance_bias = distance_bias_mm;
   if (dial_angle_deg) noise.dial_angle = to_radians(*dial_angle_deg);
   if (sigma_deg) {
-    check_noise("--sigma-deg", *sigma_deg, "deg");
+    check_noise("--sigma-deg", *sigma_deg);
     noise.rotation = to_radians(*sigma_deg);
   }
   if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
@@ -176,7 +170,7 @@ std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& o
   Option* at = command.add_option("--at", options.at, at_help())
                    ->separated_by(',')
                    ->expected(3)
-                   ->check(between(-kLargest, kLargest, "up to 1e6"));
+                   ->check(within(plausible::length(kLargestReach)));
   return {measure, at, add_mount_option(command, options.readings.mount)};
 }
 
@@ -197,11 +191,11 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
       .add_option(
           "--sigma-mm", options.sigma_mm,
           "standard deviation of a coordinate (0.017; of a body's 0.3), distance or ball bar (0.05) that states none")
-      ->check(positive_finite());
+      ->check(positive());
   command
       .add_option("--height-sigma-mm", options.height_sigma_mm,
                   "standard deviation of a height above a plane or of a dial that states none (0.05)")
-      ->check(positive_finite());
+      ->check(positive());
   command
       .add_option("--dial-angle-deg", options.dial_angle_deg,
                   "standard deviation of the angles by which a dial is set up askew (0.5)")
@@ -209,13 +203,13 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--sigma-deg", options.sigma_deg,
                   "standard deviation of rotations, and of orientations that state none (0.3)")
-      ->check(positive_finite());
+      ->check(positive());
   command
       .add_option("--tracker-um", options.tracker_um,
                   "tracker at the origin of its frame: transverse um, um per m, radial um, um per m, e.g. 15,6,10,0.3")
       ->separated_by(',')
       ->expected(4)
-      ->check(non_negative_finite());
+      ->check(non_negative());
 }
 
 Option* add_measuring_options(Command& command, MeasuringOptions& options) {
@@ -245,7 +239,7 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       .add_option(
           "--distance-bias-mm", options.distance_bias_mm,
           "standard deviation of an error that all distances, or all of a ball bar, share: a zero, a wall's width")
-      ->check(non_negative_finite())
+      ->check(non_negative())
       ->shows_default();
   command
       .add_option("--scale-ppm", options.scale_ppm,
@@ -277,10 +271,6 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
 }
 
 VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
-  for (const double coordinate : second) {
-    if (std::abs(coordinate) <= kLargest) continue;
-    throw WrongUsage(fmt::format("--second: expected numbers up to {:g} mm, got {}", kLargest, coordinate));
-  }
   VirtualInstrument instrument{.noise = noise_mm,
                                .repeatability = repeatability_mm,
                                .repeats = repeats,
@@ -292,23 +282,20 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
 }
 
 void add_instrument_options(Command& command, InstrumentOptions& options) {
-  const Rule believable = between(0.0, kLargest, "up to 1e6");
   Option* noise =
       command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate, distance or height read")
-          ->check(non_negative_finite())
-          ->check(believable)
+          ->check(non_negative())
           ->shows_default();
   command
       .add_option("--tracker-um", options.tracker_um,
                   "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
       ->separated_by(',')
       ->expected(4)
-      ->check(non_negative_finite())
+      ->check(non_negative())
       ->excludes(noise);
   command
       .add_option("--repeatability-mm", options.repeatability_mm, "standard deviation of a coordinate of the machine")
-      ->check(non_negative_finite())
-      ->check(believable)
+      ->check(non_negative())
       ->shows_default();
   command.add_option("--repeats", options.repeats, "visits of every pose")
       ->check(whole_number(1, 10000))
@@ -316,14 +303,14 @@ void add_instrument_options(Command& command, InstrumentOptions& options) {
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
                   "standard deviation of a rotary encoder that reads phi, or of an orientation about each axis")
-      ->check(non_negative_finite())
-      ->check(believable)
+      ->check(non_negative())
       ->shows_default();
   command
       .add_option("--second", options.second,
                   "second reflector from the first, mm, in the frame of what carries it: x,y,z")
       ->separated_by(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(within(plausible::length(kLargestReach)));
 }
 
 void add_indices(io::Json& json, const Observability& indices) {

@@ -123,8 +123,9 @@ std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
 }
 
 Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers) {
-  for (const double number : numbers) {
-    if (!std::isfinite(number)) throw WrongUsage(fmt::format("{}: expected finite numbers, got {}", option, number));
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const plausible::Range range = k < 3 ? plausible::length(robot.reach()) : plausible::kAngle;
+    if (const auto complaint = plausible::complaint(option, numbers[k], range)) throw WrongUsage(*complaint);
   }
   const bool tilts = robot.commands_tilt();
   if (numbers.size() != 3 && numbers.size() != (tilts ? 6 : 4)) {
@@ -158,9 +159,11 @@ Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
   return errors_file.empty() ? robot.nominal() : build(robot, read_errors(robot, errors_file));
 }
 
-std::string pose_text(const std::string& name, const Pose& pose) {
+std::string pose_text(const Station& station) {
+  const Pose& pose = station.commanded;
   const Eigen::Vector3d& r = pose.position;
-  const std::string place = fmt::format("pose {} at ({:g}, {:g}, {:g}) mm", name, r.x(), r.y(), r.z());
+  const std::string place =
+      fmt::format("{}: pose {} at ({:g}, {:g}, {:g}) mm", station.stated_in, station.name, r.x(), r.y(), r.z());
   if (pose.tilt.isZero(0.0)) return fmt::format("{}, {:g} deg", place, to_degrees(pose.rotation));
   return fmt::format("{}, tilted by ({:g}, {:g}, {:g}) deg", place, to_degrees(pose.tilt.x()),
                      to_degrees(pose.tilt.y()), to_degrees(pose.tilt.z()));

@@ -40,7 +40,7 @@ SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
 Machine machine_as_built(const Robot& robot, const std::string& errors_file);
 
 /// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
-std::string pose_text(const std::string& name, const Pose& pose);
+std::string pose_text(const Station& station);
 
 /// The pose of an option: x,y,z and, of a plate with six freedoms, its tilts, else phi; mm and deg. What is left out is
 /// zero.

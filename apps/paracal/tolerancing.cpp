@@ -37,9 +37,10 @@ Rule zone_validator() {
 
 std::array<Option*, 3> add_angle_options(Command& command, AngleOption& angle, const std::string& option_in_rad,
                                          const std::string& stem, const std::string& text) {
-  Option* rad = command.add_option(option_in_rad, angle.rad, text + ", rad")->check(positive_finite());
-  Option* deg =
-      command.add_option(stem + "-deg", angle.deg, "the same in deg")->check(positive_finite())->excludes(rad);
+  Option* rad = command.add_option(option_in_rad, angle.rad, text + ", rad")->check(within(plausible::kLimitRad));
+  Option* deg = command.add_option(stem + "-deg", angle.deg, "the same in deg")
+                    ->check(within(plausible::kLimitDeg))
+                    ->excludes(rad);
   Option* zone = command.add_option(stem + "-mm", angle.zone, "the same in mm over a length in mm, 0.1/100")
                      ->check(zone_validator())
                      ->excludes(rad)

@@ -13,10 +13,11 @@ AcceptanceLimits LimitOptions::limits() const {
 }
 
 void add_limit_options(Command& command, LimitOptions& options) {
-  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive_finite());
+  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive());
   command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
-      ->check(positive_finite());
-  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")->check(positive_finite());
+      ->check(positive());
+  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")
+      ->check(within(plausible::kLimitDeg));
 }
 
 ValidationOptions ValidatingOptions::options(const CommandedReadings& read) const {

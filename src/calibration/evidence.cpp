@@ -115,8 +115,10 @@ void add_suspects(const Measurements& measurements, const Observation& observati
     if (!group.active) {
       const std::string why = series.explanation(group.index, at, measurements.stations);
       if (!why.empty()) text += ": " + why;
-      calibration.notes.push_back(
-          fmt::format("left out {} (contradiction {:.0f} times the noise)", text, std::sqrt(one.statistic)));
+      const double size = std::sqrt(std::max(one.statistic, 0.0));  // no number where the reading overflows
+      calibration.notes.push_back(std::isfinite(size)
+                                      ? fmt::format("left out {} (contradiction {:.0f} times the noise)", text, size)
+                                      : fmt::format("left out {}", text));
     }
     calibration.suspects.push_back({std::move(text), one.statistic, one.chance(count), !group.active});
   }

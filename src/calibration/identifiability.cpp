@@ -7,6 +7,7 @@
 #include "observation.hpp"
 #include "paracal/error.hpp"
 #include "sought.hpp"
+#include "started.hpp"
 
 namespace paracal {
 namespace {
@@ -39,8 +40,7 @@ Identifiability identifiability(const Robot& robot, const Measurements& plan, co
   InformationRoot root(observation.unknown_count());
   if (start) observation.add_set_up_priors(*start, root);
   const Eigen::Index known = root.row_count();
-  if (!start || !observation(*start, root))
-    throw Unreachable("the nominal machine does not close at every station with the joints believed there");
+  if (!start || !observation(*start, root)) throw detail::not_closed(robot, robot.nominal(), plan.stations);
   const Eigen::Index n = observation.source_count();
   // Nuisance comes first, so this block is what remains when it has been projected out.
   const Spectrum spectrum =

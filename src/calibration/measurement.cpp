@@ -20,12 +20,11 @@ namespace {
 void check_station(const Station& station, std::size_t limb_count) {
   if (!station.commanded.position.allFinite() || !std::isfinite(station.commanded.rotation) ||
       !station.commanded.tilt.allFinite()) {
-    throw InvalidArgument(fmt::format("station \"{}\": expected a finite commanded pose", station.name));
+    throw InvalidArgument(named(station) + ": expected a finite commanded pose");
   }
   if (!station.believed) return;
   if (static_cast<std::size_t>(station.believed->size()) != limb_count || !station.believed->allFinite()) {
-    throw InvalidArgument(
-        fmt::format("station \"{}\": expected {} finite joint coordinates", station.name, limb_count));
+    throw InvalidArgument(fmt::format("{}: expected {} finite joint coordinates", named(station), limb_count));
   }
 }
 
@@ -119,6 +118,11 @@ bool PointSeries::is_of_body() const {
   return std::ranges::any_of(readings, [](const PointReading& one) { return one.orientation.has_value(); });
 }
 
+std::string named(const Station& station) {
+  const std::string place = station.stated_in.empty() ? "" : station.stated_in + ": ";
+  return fmt::format("{}station \"{}\"", place, station.name);
+}
+
 void check(const Measurements& measurements, std::size_t limb_count) {
   for (const Station& station : measurements.stations) check_station(station, limb_count);
   for (std::size_t k = 0; k < measurements.distances.size(); ++k) {
@@ -159,10 +163,10 @@ Measurements with_commands(const Robot& robot, Measurements measurements) {
     if (station.commanded.position.allFinite() || !station.believed) continue;
     const ForwardResult nominal = forward(robot.nominal(), *station.believed);
     if (!nominal.ok()) {
-      throw Unreachable(fmt::format(
-          "station \"{}\": robot {} does not close with the joints of the table, so it cannot say where it was "
-          "sent: expected joints in the order of its limbs, from where the robot's file has their zeros",
-          station.name, robot.name()));
+      throw Unreachable(
+          fmt::format("{}: robot {} does not close with the joints of the table, so it cannot say where it was "
+                      "sent: expected joints in the order of its limbs, from where the robot's file has their zeros",
+                      named(station), robot.name()));
     }
     station.commanded = pose_of(robot.nominal(), nominal.plate);
   }
@@ -174,7 +178,7 @@ Joints believed_joints(const Robot& robot, const Station& station) {
   const InverseResult nominal = inverse(robot.nominal(), station.commanded);
   if (nominal.ok()) return nominal.joints;
   const Eigen::Vector3d& r = station.commanded.position;
-  throw Unreachable(fmt::format("station \"{}\": robot {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg", station.name,
+  throw Unreachable(fmt::format("{}: robot {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg", named(station),
                                 robot.name(), r.x(), r.y(), r.z(), to_degrees(station.commanded.rotation)));
 }
 

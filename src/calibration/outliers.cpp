@@ -6,7 +6,7 @@
 
 #include "numerics/dense.hpp"
 #include "numerics/distributions.hpp"
-#include "readings/median.hpp"
+#include "numerics/median.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -1,6 +1,7 @@
 #include "placement.hpp"
 
 #include "paracal/error.hpp"
+#include "started.hpp"
 
 namespace paracal::detail {
 
@@ -20,7 +21,7 @@ Placement::Placement(const Robot& robot, const Measurements& measurements, const
                      const SourceErrors& errors)
     : observation(robot, measurements, options, {}) {
   const auto start = observation.start(errors);
-  if (!start) throw Unreachable("validation: the machine does not close at one of the stations");
+  if (!start) throw not_closed(robot, build(robot, errors), measurements.stations);
   setup = *start;
   if (setup.size() > 0) setup = solve_least_squares(with_priors(observation), *start).parameters;
   stations = observation.stations(setup);

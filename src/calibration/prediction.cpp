@@ -102,7 +102,7 @@ KnownErrors promised(const Robot& robot, const Measurements& given, const Calibr
   const auto start = observation.start({});
   InformationRoot root(observation.unknown_count());
   if (!start || !detail::with_priors(observation)(*start, root)) {
-    throw Unreachable("the nominal machine does not close at every station with the joints believed there");
+    throw detail::not_closed(robot, robot.nominal(), plan.stations);
   }
   const Eigen::Index n = observation.source_count();
   return {{}, observation.sought(), inverse_information(root.root()).bottomRightCorner(n, n)};
@@ -169,7 +169,7 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
     const ForwardResult pose = forward(machine, joints, detail::started(robot, stations[k]));
     const PlateMotions jacobian = plate_jacobian(machine, pose.plate, joints, with_joints);
     if (!pose.usable() || jacobian.cols() == 0) {
-      throw Unreachable(fmt::format("station \"{}\": singular", stations[k].name));
+      throw Unreachable(named(stations[k]) + ": singular");
     }
     displacements.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = jacobian.topLeftCorner(3, n);
     const Eigen::MatrixXd turned = turns_of(machine, pose.plate, jacobian);

@@ -40,7 +40,7 @@ class Visits {
     for (const Station& station : stations) {
       let_interrupt();
       const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
-      if (!pose.ok()) throw Unreachable(fmt::format("station \"{}\": the machine does not close there", station.name));
+      if (!pose.ok()) throw Unreachable(named(station) + ": the machine does not close there");
       plates_.push_back(pose.plate);
     }
   }

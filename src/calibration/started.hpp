@@ -2,7 +2,10 @@
 
 // Private to calibration: from where the plate of a station is sought.
 
+#include <string>
+
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 
 namespace paracal::detail {
@@ -12,6 +15,16 @@ namespace paracal::detail {
 inline ForwardOptions started(const Robot& robot, const Station& station) {
   if (!robot.on_single_rods()) return {};
   return {.start = plate_at(robot.nominal(), station.commanded)};
+}
+
+/// Why no fit begins: the first station where the machine does not close with the joints believed there.
+inline Unreachable not_closed(const Robot& robot, const Machine& machine, const std::vector<Station>& stations) {
+  std::string at;
+  for (const Station& station : stations) {
+    if (!at.empty() || forward(machine, believed_joints(robot, station), started(robot, station)).usable()) continue;
+    at = named(station) + ": ";
+  }
+  return Unreachable(at + "the machine does not close with the joints believed there");
 }
 
 }  // namespace paracal::detail

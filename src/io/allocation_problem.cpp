@@ -15,15 +15,20 @@
 namespace paracal::io {
 namespace {
 
+/// Exponents of a cost.
+constexpr plausible::Range kPower{0.01, 10.0};
+
 /// The key of a limit says its unit: limit_mm, limit_rad or limit_deg.
-double limit_of(Section& section, Quantity quantity) {
-  const auto positive = [&](const char* key) {
-    const double limit = section.number(key);
-    if (!(limit > 0.0)) section.fail(fmt::format("expected {} above 0, got {}", section.key_path(key), limit));
-    return limit;
-  };
-  if (unit(quantity) == Unit::mm) return positive("limit_mm");
-  return section.find("limit_deg") != nullptr ? to_radians(positive("limit_deg")) : positive("limit_rad");
+double limit_of(Section& section, Quantity quantity, const Robot& robot) {
+  if (unit(quantity) == Unit::mm) return section.number("limit_mm", plausible::limit(robot.reach()));
+  return section.find("limit_deg") != nullptr ? to_radians(section.number("limit_deg", plausible::kLimitDeg))
+                                              : section.number("limit_rad", plausible::kLimitRad);
+}
+
+/// Of half-widths.
+plausible::Range half_width(Unit unit, double reach) {
+  if (unit == Unit::rad) return plausible::kLimitDeg;
+  return unit == Unit::mm ? plausible::limit(reach) : plausible::Range{plausible::kNothing, kGainLength, "mm/m"};
 }
 
 Requirement requirement_of(Section section, const Robot& robot) {
@@ -40,7 +45,7 @@ Requirement requirement_of(Section section, const Robot& robot) {
     section.fail(*section.find("quantity"), fmt::format("{}: {}, got {}", text, why, robot.name()));
   }
   requirement.characteristic = *characteristic;
-  requirement.limit = limit_of(section, characteristic->quantity);
+  requirement.limit = limit_of(section, characteristic->quantity, robot);
   if (const toml::node* node = section.find("criterion")) {
     const std::string criterion = section.text("criterion");
     const auto named = [&](Spread one) { return criterion == name(one); };
@@ -55,14 +60,13 @@ Requirement requirement_of(Section section, const Robot& robot) {
   return requirement;
 }
 
-std::vector<Grade> grades_of(Section& section, double unit_size) {
+std::vector<Grade> grades_of(Section& section, double unit_size, const plausible::Range& range) {
   std::vector<Grade> grades;
   for (Section& one : section.tables("grade")) {
     Grade grade;
     grade.name = one.text("name");
-    grade.tolerance = unit_size * one.number("tolerance");
-    grade.cost = one.number("cost");
-    if (!(grade.tolerance > 0.0)) one.fail(fmt::format("expected {} above 0", one.key_path("tolerance")));
+    grade.tolerance = unit_size * one.number("tolerance", range);
+    grade.cost = one.number("cost", {-plausible::kCost.most, plausible::kCost.most});
     one.refuse_others();
     grades.push_back(std::move(grade));
   }
@@ -70,14 +74,8 @@ std::vector<Grade> grades_of(Section& section, double unit_size) {
   return grades;
 }
 
-double above_zero(Section& section, const char* key) {
-  const double value = section.number(key);
-  if (!(value > 0.0)) section.fail(fmt::format("expected {} above 0, got {}", section.key_path(key), value));
-  return value;
-}
-
 /// @param unit_size  the file's unit in mm or rad, which A, B, C and the bounds are stated in.
-CostCurve curve_of(Section& section, double unit_size) {
+CostCurve curve_of(Section& section, double unit_size, const plausible::Range& range) {
   const toml::node* node = section.find("law");
   const std::string text = node != nullptr ? section.text("law") : "reciprocal";
   const std::optional<CostLaw> law = cost_law_named(text);
@@ -88,11 +86,11 @@ CostCurve curve_of(Section& section, double unit_size) {
   }
   CostCurve curve{.law = *law};
   if (*law == CostLaw::grades) {
-    curve.grades = grades_of(section, unit_size);
+    curve.grades = grades_of(section, unit_size, range);
     return curve;
   }
-  curve.A = section.number_or("A", 0.0);
-  curve.B = above_zero(section, "B");
+  curve.A = section.number_or("A", 0.0, {-plausible::kCost.most, plausible::kCost.most});
+  curve.B = section.number("B", plausible::kCost);
   switch (*law) {
     case CostLaw::reciprocal:
       curve.B *= unit_size;
@@ -101,10 +99,10 @@ CostCurve curve_of(Section& section, double unit_size) {
       curve.B *= unit_size * unit_size;
       break;
     case CostLaw::exponential:
-      curve.C = unit_size * above_zero(section, "C");
+      curve.C = unit_size * section.number("C", range);
       break;
     case CostLaw::power:
-      curve.C = above_zero(section, "C");
+      curve.C = section.number("C", kPower);
       curve.B *= std::pow(unit_size, curve.C);
       break;
     case CostLaw::grades:
@@ -113,13 +111,15 @@ CostCurve curve_of(Section& section, double unit_size) {
   return curve;
 }
 
-DesignVariable variable_of(Section section, std::vector<Source> sources, Actuator actuator) {
+DesignVariable variable_of(Section section, std::vector<Source> sources, const Robot& robot) {
   DesignVariable variable{.sources = std::move(sources), .cost = {}};
-  const double unit_size = from_file_unit(unit(variable.sources.front(), actuator), 1.0);
-  variable.cost = curve_of(section, unit_size);
+  const Unit inside = unit(variable.sources.front(), robot.actuator());
+  const double unit_size = from_file_unit(inside, 1.0);
+  const plausible::Range range = half_width(inside, robot.reach());
+  variable.cost = curve_of(section, unit_size, range);
   if (variable.cost.law != CostLaw::grades) {
-    variable.lower = unit_size * above_zero(section, "lower");
-    variable.upper = unit_size * above_zero(section, "upper");
+    variable.lower = unit_size * section.number("lower", range);
+    variable.upper = unit_size * section.number("upper", range);
     if (variable.upper < variable.lower)
       section.fail(fmt::format("expected {} of at least lower", section.key_path("upper")));
   }
@@ -127,7 +127,8 @@ DesignVariable variable_of(Section section, std::vector<Source> sources, Actuato
   return variable;
 }
 
-std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
+std::vector<DesignVariable> variables_of(Section section, const Robot& robot) {
+  const Actuator actuator = robot.actuator();
   std::vector<DesignVariable> variables;
   for (const Source source : leading_sources(actuator)) {
     std::optional<Section> cost = section.optional_table(file_key(source, actuator));
@@ -136,7 +137,7 @@ std::vector<DesignVariable> variables_of(Section section, Actuator actuator) {
     for (const Source other : sources_of(actuator)) {
       if (shared_name(other, actuator) == shared_name(source, actuator)) sources.push_back(other);
     }
-    variables.push_back(variable_of(std::move(*cost), std::move(sources), actuator));
+    variables.push_back(variable_of(std::move(*cost), std::move(sources), robot));
   }
   section.refuse_others();
   return variables;
@@ -150,7 +151,7 @@ void read_max_failures(Section& root, const Robot& robot, AllocationProblem& pro
   if (node == nullptr && asked)
     root.fail("expected max_failures, the share of machines that may break a limit by yield, got none");
   if (node == nullptr) return;
-  const double share = root.number("max_failures");
+  const double share = root.number("max_failures", plausible::kFinite);
   if (!asked) root.fail(*node, "expected a requirement with criterion = \"yield\" beside max_failures, got none");
   if (!(share > 0.0) || !(share < 0.5)) {
     root.fail(*node, fmt::format("expected max_failures above 0 and below 0.5, got {}", share));
@@ -170,7 +171,7 @@ AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances
   }
   if (problem.requirements.empty()) root.fail("expected at least one [[requirement]], got none");
   if (const std::optional<Section> costs = root.optional_table("cost")) {
-    problem.variables = variables_of(*costs, robot.actuator());
+    problem.variables = variables_of(*costs, robot);
   }
   read_max_failures(root, robot, problem);
   root.refuse_others();

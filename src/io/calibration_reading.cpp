@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -14,6 +15,10 @@
 
 namespace paracal::io {
 namespace {
+
+/// mm, deg, or their share.
+constexpr plausible::Range kStd{0.0, plausible::kLimit.most};
+constexpr plausible::Range kCount{plausible::kNothing, 1e12};
 
 /// An error that the calibration holds, and whether it was sought.
 struct ReadParameter {
@@ -51,7 +56,7 @@ ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
   const Unit inside = paracal::unit(*source, actuator);
   ParameterEstimate estimate{
       .limb = limb.get<std::size_t>() - 1, .source = *source, .value = from_file_unit(inside, value.number())};
-  if (const auto std = parameter.find("std")) estimate.std = from_file_unit(inside, std->number_not_negative());
+  if (const auto std = parameter.find("std")) estimate.std = from_file_unit(inside, std->number(kStd));
   return {estimate, is_sought(parameter)};
 }
 
@@ -152,6 +157,32 @@ void require_accepted(const JsonNode& calibration) {
   }
 }
 
+/// "2016-10-05T12:00:00Z"
+bool is_date(std::string_view text) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
+  const auto fits = [](char form, char c) { return form == '0' ? c >= '0' && c <= '9' : c == form; };
+  return text.size() == kForm.size() && std::ranges::equal(kForm, text, fits);
+}
+
+/// What people and other programs read of it, as the schema has it; where a hand left it out nobody misses it.
+void check_statements(const JsonNode& calibration) {
+  struct Statement {
+    const char* key;
+    plausible::Range range;
+  };
+  constexpr plausible::Range kShare{0.0, 1.0}, kFrom0{0.0, kCount.most};
+  for (const auto& [key, range] :
+       {Statement{"coverage_factor", {plausible::kNothing, 1e3}}, Statement{"rank", kFrom0},
+        Statement{"readings", kFrom0}, Statement{"degrees_of_freedom", kFrom0}, Statement{"noise_mm", kStd},
+        Statement{"orientation_noise_deg", kStd}, Statement{"residual_rms_mm", kStd},
+        Statement{"unit_weight_std", kStd}, Statement{"distance_bias_std_mm", kStd},
+        Statement{"fit_probability", kShare}, Statement{"chance", kShare}}) {
+    if (const auto number = calibration.find(key)) (void)number->number(range);
+  }
+  const auto date = calibration.find("date");
+  if (date && !is_date(date->text())) date->refuse_as("a date as 2016-10-05T12:00:00Z");
+}
+
 /// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.
 void require_same_robot(const JsonNode& calibrated, const Robot& robot) {
   const std::optional<std::string> found = robot_difference(io::to_json(robot), calibrated.json());
@@ -189,6 +220,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   require_format(calibration);
   require_same_robot(calibration.object_at("robot"), robot);
   require_accepted(calibration);
+  check_statements(calibration);
   if (const auto inputs = calibration.find("inputs")) {
     for (const JsonNode& input : inputs->entries()) {
       machine.inputs.push_back({input.at("file").text(), input.at("sha256").text()});
@@ -200,12 +232,11 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   machine.noise_covariance = read_covariance(calibration, "covariance_of_noise", machine.parameters, actuator);
   require_stated_stds(machine, actuator, calibration.at("parameters"));
   if (const auto dof = calibration.find("noise_dof")) {
-    machine.noise_dof = dof->number();
-    if (machine.noise_dof <= 0.0) dof->refuse_as("a number above 0");
+    machine.noise_dof = dof->number(kCount);
   }
   const Unit unit = joint_unit(actuator);
   const auto joint = calibration.find(unit == Unit::mm ? "joint_std_mm" : "joint_std_deg");
-  if (joint) machine.joint_std = from_file_unit(unit, joint->number_not_negative());
+  if (joint) machine.joint_std = from_file_unit(unit, joint->number(kStd));
   return machine;
 }
 

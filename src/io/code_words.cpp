@@ -9,6 +9,7 @@
 #include "columns.hpp"
 #include "letters.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 namespace {
@@ -83,6 +84,8 @@ std::vector<double> CodeWords::numbers(char letter, std::string_view what) const
     const std::size_t end = std::min(rest.find(':'), rest.size());
     const std::optional<double> value = finite_number(rest.substr(0, end));
     if (!value) fail(letter, fmt::format("expected a number after {}, got \"{}\"", letter, rest.substr(0, end)));
+    if (const auto complaint = plausible::complaint({&letter, 1}, *value, plausible::kPrinter))
+      fail(letter, *complaint);
     values.push_back(*value);
     if (end == rest.size()) return values;
     rest.remove_prefix(end + 1);

@@ -43,6 +43,7 @@ JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
   const std::size_t angles = present(Actuator::revolute), lengths = present(Actuator::linear);
   JointSpace found;
   found.guided_z = joints.guided_z;
+  found.reach = joints.reach;
   if (angles + lengths == 0) return found;
   const bool as_asked = joint_unit(joints.actuator) == (angles > 0 ? Unit::rad : Unit::mm);
   found.actuator = as_asked ? joints.actuator : angles > 0 ? Actuator::revolute : Actuator::linear;
@@ -53,8 +54,10 @@ JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
 Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
   Joints coordinates(static_cast<Eigen::Index>(joints.count));
   for (std::size_t i = 0; i < joints.count; ++i) {
-    const double value = table.number(row, joint_names(joints.actuator)[i]);
-    coordinates(static_cast<Eigen::Index>(i)) = from_file_unit(joint_unit(joints.actuator), value);
+    const Unit unit = joint_unit(joints.actuator);
+    const plausible::Range range = unit == Unit::mm ? plausible::length(joints.reach) : plausible::kAngle;
+    const double value = table.number(row, joint_names(joints.actuator)[i], range);
+    coordinates(static_cast<Eigen::Index>(i)) = from_file_unit(unit, value);
   }
   return coordinates;
 }
@@ -75,12 +78,14 @@ double half_last_digit(std::string_view number) {
 
 Pose pose_of(const CsvTable& table, std::size_t row, const PoseColumns& columns, const JointSpace& joints) {
   const bool states_z = !joints.guided_z || table.has(columns.z);
-  const auto z = [&] { return states_z ? table.number(row, columns.z) : *joints.guided_z; };
-  Pose pose{{table.number(row, columns.x), table.number(row, columns.y), z()}};
-  if (table.has(columns.phi)) pose.rotation = to_radians(table.number(row, columns.phi));
+  const auto coordinate = [&](std::string_view column) {
+    return table.number(row, column, plausible::length(joints.reach));
+  };
+  Pose pose{{coordinate(columns.x), coordinate(columns.y), states_z ? coordinate(columns.z) : *joints.guided_z}};
+  if (table.has(columns.phi)) pose.rotation = to_radians(table.number(row, columns.phi, plausible::kAngle));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!table.has(columns.tilt[axis])) continue;
-    const double tilt = table.number(row, columns.tilt[axis]);
+    const double tilt = table.number(row, columns.tilt[axis], plausible::kAngle);
     pose.tilt(static_cast<Eigen::Index>(axis)) = columns.tilt_in_rad ? tilt : to_radians(tilt);
   }
   return pose;
@@ -94,12 +99,6 @@ std::string pose_name(const CsvTable& table, std::size_t row) {
 
 std::string row_name(const CsvTable& table, std::size_t row) {
   return table.has("pose") ? pose_name(table, row) : std::to_string(table.number_of(row));
-}
-
-std::optional<double> positive_number(const CsvTable& table, std::size_t row, std::string_view column) {
-  const std::optional<double> value = table.optional_number(row, column);
-  if (value && !(*value > 0.0)) table.fail(row, fmt::format("expected {} above 0, got {}", column, *value));
-  return value;
 }
 
 std::string quoted(const std::string& field) {

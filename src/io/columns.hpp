@@ -53,8 +53,6 @@ std::string pose_name(const CsvTable& table, std::size_t row);
 /// The same, or the row's number where the table has no such column.
 std::string row_name(const CsvTable& table, std::size_t row);
 
-std::optional<double> positive_number(const CsvTable& table, std::size_t row, std::string_view column);
-
 /// A field as it must stand in a table to be read back: in quotation marks where it would be cut, trimmed or taken for
 /// a comment.
 std::string quoted(const std::string& field);

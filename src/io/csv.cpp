@@ -206,19 +206,21 @@ const std::string& CsvTable::text(std::size_t row, std::string_view column) cons
   return rows_[row].fields[*position];
 }
 
-double CsvTable::number(std::size_t row, std::string_view column) const {
+double CsvTable::number(std::size_t row, std::string_view column, const plausible::Range& range) const {
   const std::string& field = text(row, column);
   const std::optional<double> value = decimals_.number(field);
   if (!value) {
     fail(row,
          fmt::format("expected a finite number in column {}, got \"{}\"{}", column, field, decimals_.why_not(field)));
   }
+  if (const auto complaint = plausible::complaint(column, *value, range)) fail(row, *complaint);
   return *value;
 }
 
-std::optional<double> CsvTable::optional_number(std::size_t row, std::string_view column) const {
+std::optional<double> CsvTable::optional_number(std::size_t row, std::string_view column,
+                                                const plausible::Range& range) const {
   if (!has(column) || text(row, column).empty()) return std::nullopt;
-  return number(row, column);
+  return number(row, column, range);
 }
 
 void CsvTable::fail(std::size_t row, const std::string& complaint) const {

@@ -126,14 +126,11 @@ std::vector<double> JsonNode::numbers() const {
   return all;
 }
 
-double JsonNode::number() const {
+double JsonNode::number(const plausible::Range& range) const {
   if (!is_finite(*value_)) refuse_as("a number");
-  return value_->get<double>();
-}
-
-double JsonNode::number_not_negative() const {
-  if (number() < 0.0) refuse_as("a number that is not negative");
-  return number();
+  const auto value = value_->get<double>();
+  if (const auto complaint = plausible::complaint(what_, value, range)) refuse(*complaint);
+  return value;
 }
 
 std::string JsonNode::text() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "paracal/io/json.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 
@@ -32,9 +33,8 @@ class JsonNode {
   /// Of an array of finite numbers.
   std::vector<double> numbers() const;
 
-  /// A finite number.
-  double number() const;
-  double number_not_negative() const;
+  /// @throws InputFileError for what is no number of the range.
+  double number(const plausible::Range& range = plausible::kFinite) const;
   std::string text() const;
   bool flag() const;
 

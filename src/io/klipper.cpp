@@ -34,6 +34,22 @@ constexpr std::string_view kArm = "upper_arm_length", kShoulder = "shoulder_heig
 
 const Keys& keys_of(Actuator actuator) { return *std::ranges::find(kKinematics, actuator, &Keys::actuator); }
 
+double in_range(const Settings::Value& value, std::string_view key, double number, const plausible::Range& range) {
+  if (const auto complaint = plausible::complaint(key, number, range)) Settings::fail(value, *complaint);
+  return number;
+}
+
+double positive(const Settings& settings, std::string_view section, std::string_view key) {
+  const double number = settings.positive(section, key);
+  return in_range(settings.require(section, key), key, number, plausible::kPositiveOfPrinter);
+}
+
+std::optional<double> optional_number(const Settings& settings, std::string_view section, std::string_view key,
+                                      const plausible::Range& range) {
+  const auto value = settings.find(section, key);
+  return value ? std::optional(in_range(*value, key, Settings::number_of(*value, key), range)) : std::nullopt;
+}
+
 /// Product of the ratios of "gear_ratio: 80:16, 3:1".
 double gear_ratio(const Settings& settings, std::string_view section) {
   const auto value = settings.find(section, "gear_ratio");
@@ -43,7 +59,7 @@ double gear_ratio(const Settings& settings, std::string_view section) {
     const std::vector<std::string_view> teeth = cut(pair, ':');
     const double driven = finite_number(teeth.front()).value_or(0.0);
     const double driving = teeth.size() == 2 ? finite_number(teeth.back()).value_or(0.0) : 0.0;
-    if (!(driven > 0.0 && driving > 0.0)) {
+    if (!(driven > 0.0 && driving > 0.0 && std::max(driven, driving) <= plausible::kPrinter.most)) {
       Settings::fail(*value, fmt::format("expected gear_ratio as 80:16, got \"{}\"", pair));
     }
     ratio *= driven / driving;
@@ -55,22 +71,22 @@ double gear_ratio(const Settings& settings, std::string_view section) {
 /// turn over the gear's ratio.
 double step_size(const Settings& settings, std::string_view section, Actuator actuator) {
   constexpr double kUsualSteps = 200.0;
-  if (settings.find(section, "step_distance")) return settings.positive(section, "step_distance");
+  if (settings.find(section, "step_distance")) return positive(settings, section, "step_distance");
   const double steps = settings.find(section, "full_steps_per_rotation")
-                           ? settings.positive(section, "full_steps_per_rotation")
+                           ? positive(settings, section, "full_steps_per_rotation")
                            : kUsualSteps;
   const bool linear = actuator == Actuator::linear;
   if (!linear) (void)settings.require(section, "gear_ratio");
-  const double turn = linear ? settings.positive(section, "rotation_distance") : 2.0 * std::numbers::pi;
-  return turn / (steps * settings.positive(section, "microsteps") * gear_ratio(settings, section));
+  const double turn = linear ? positive(settings, section, "rotation_distance") : 2.0 * std::numbers::pi;
+  return turn / (steps * positive(settings, section, "microsteps") * gear_ratio(settings, section));
 }
 
 /// A key of all towers; of the first, B and C take what they do not state themselves.
 std::array<double, 3> like_the_first(const Settings& settings, std::string_view key) {
-  const double first = settings.positive(kSteppers[0], key);
+  const double first = positive(settings, kSteppers[0], key);
   std::array<double, 3> values{first, first, first};
   for (std::size_t i = 1; i < 3; ++i) {
-    if (settings.find(kSteppers[i], key)) values[i] = settings.positive(kSteppers[i], key);
+    if (settings.find(kSteppers[i], key)) values[i] = positive(settings, kSteppers[i], key);
   }
   return values;
 }
@@ -105,30 +121,40 @@ void check_endstops(const Settings& settings, const Keys& keys, const DeltaGeome
 DeltaGeometry geometry_of(const Settings& settings) {
   const Keys& keys = kind_of(settings);
   DeltaGeometry geometry{.actuator = keys.actuator};
-  geometry.radius = settings.positive("printer", keys.radius);
+  geometry.radius = positive(settings, "printer", keys.radius);
   geometry.rod = like_the_first(settings, keys.rod);
   geometry.endstop = like_the_first(settings, "position_endstop");
   if (keys.actuator == Actuator::revolute) {
     geometry.arm = like_the_first(settings, kArm);
-    geometry.shoulder.fill(settings.positive("printer", kShoulder));
+    geometry.shoulder.fill(positive(settings, "printer", kShoulder));
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    geometry.tower_angle[i] = to_radians(settings.optional_number(kSteppers[i], "angle").value_or(keys.angles[i]));
+    geometry.tower_angle[i] =
+        to_radians(optional_number(settings, kSteppers[i], "angle", plausible::kAngle).value_or(keys.angles[i]));
   }
   check_endstops(settings, keys, geometry);
   return geometry;
 }
 
-/// Three step counts below the endstops as drops.
-JointDrops drops_of(const Settings& settings, const std::string& key, const std::array<double, 3>& step) {
-  const Settings::Value value = settings.require("delta_calibrate", key);
+/// Three step counts below the endstops as drops, of a reading that stands under another key.
+JointDrops drops_of(const Settings& settings, const std::string& reading, const std::string& key,
+                    const DeltaGeometry& geometry, const std::array<double, 3>& step) {
+  const Settings::Value of = settings.require("delta_calibrate", reading);
+  const Settings::Value value = settings.find("delta_calibrate", key).value_or(of);
+  if (value.text.data() == of.text.data())
+    Settings::fail(of, fmt::format("expected {} with {}, got none", key, reading));
   const std::vector<std::string_view> counts = cut(value.text, ',');
   if (counts.size() != 3) {
     Settings::fail(value, fmt::format("expected three step counts for {}, got \"{}\"", key, value.text));
   }
+  const bool rotary = geometry.actuator == Actuator::revolute;
+  const double most = rotary ? 2.0 * std::numbers::pi : plausible::length(reach(geometry)).most;
   JointDrops drops{};
-  for (std::size_t i = 0; i < 3; ++i)
-    drops[i] = step[i] * Settings::number_of({counts[i], value.file, value.line}, key);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double steps = Settings::number_of({counts[i], value.file, value.line}, key);
+    drops[i] =
+        step[i] * in_range(value, key, steps, {-most / step[i], most / step[i], "steps", "further no joint goes"});
+  }
   return drops;
 }
 
@@ -144,19 +170,17 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
     const std::string_view prefix = by_hand ? "manual_height" : "height";
     for (int k = 0; settings.find("delta_calibrate", fmt::format("{}{}", prefix, k)); ++k) {
       const std::string key = fmt::format("{}{}", prefix, k), place = key + "_pos";
-      readings.heights.push_back(
-          {*settings.optional_number("delta_calibrate", key), drops_of(settings, place, step), by_hand});
+      const auto height = optional_number(settings, "delta_calibrate", key, plausible::length(reach(geometry)));
+      readings.heights.push_back({*height, drops_of(settings, key, place, geometry, step), by_hand});
       require_reachable(readings.heights.back().drops, place);
     }
   }
   for (int k = 0; settings.find("delta_calibrate", fmt::format("distance{}", k)); ++k) {
     const std::string key = fmt::format("distance{}", k), from = key + "_pos1", to = key + "_pos2";
-    if (const double length = settings.positive("delta_calibrate", key); length < PrintedDistance::kShortest) {
-      Settings::fail(settings.require("delta_calibrate", key),
-                     fmt::format("expected {} of {:g} mm and more, got {}", key, PrintedDistance::kShortest, length));
-    }
-    readings.distances.push_back(
-        {settings.positive("delta_calibrate", key), drops_of(settings, from, step), drops_of(settings, to, step)});
+    const plausible::Range range{PrintedDistance::kShortest, plausible::length(reach(geometry)).most, "mm"};
+    readings.distances.push_back({*optional_number(settings, "delta_calibrate", key, range),
+                                  drops_of(settings, key, from, geometry, step),
+                                  drops_of(settings, key, to, geometry, step)});
     require_reachable(readings.distances.back().from, from);
     require_reachable(readings.distances.back().to, to);
   }
@@ -252,7 +276,7 @@ KlipperDelta read_klipper(const TextFile& file) {
     printer.step_size[i] = step_size(settings, kSteppers[i], printer.geometry.actuator);
   }
   printer.readings = readings_of(settings, printer.geometry, printer.step_size);
-  if (const auto radius = settings.optional_number("printer", "print_radius")) printer.print_radius = *radius;
+  if (settings.find("printer", "print_radius")) printer.print_radius = positive(settings, "printer", "print_radius");
   return printer;
 }
 

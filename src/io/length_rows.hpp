@@ -28,23 +28,32 @@ inline const LengthWords& kind_of(const CsvTable& table) {
 /// Rows of a table of lengths, whose header it has checked: a series for every set-up that they name.
 class LengthRows {
  public:
-  LengthRows(const CsvTable& table, std::string title)
-      : table_(table), kind_(kind_of(table)), title_(std::move(title)), has_at_(says_at()) {
+  LengthRows(const CsvTable& table, std::string title, double reach)
+      : table_(table), kind_(kind_of(table)), title_(std::move(title)), reach_(reach), has_at_(says_at()) {
     std::vector<std::string_view> columns{"pose", kind_.column, "sigma_mm"};
     if (has_columns()) columns.insert(columns.end(), kind_.at_columns.begin(), kind_.at_columns.end());
     table.allow_only(columns);
   }
 
   void add(std::size_t row, std::size_t station) {
-    const double length = table_.number(row, kind_.column);
-    if (kind_.positive && !(length > 0.0)) {
-      table_.fail(row, fmt::format("expected {} above 0, got {}", kind_.column, length));
-    }
-    series_at(row).readings.push_back(
-        {.station = station, .length = length, .sigma = positive_number(table_, row, "sigma_mm")});
+    const plausible::Range range = kind_.positive ? plausible::positive_length(reach_) : plausible::length(reach_);
+    const double length = table_.number(row, kind_.column, range);
+    LengthSeries& series = series_at(row);
+    if (series.readings.empty()) first_rows_.push_back(row);
+    series.readings.push_back(
+        {.station = station, .length = length, .sigma = table_.optional_number(row, "sigma_mm", plausible::kNoise)});
   }
 
-  std::vector<LengthSeries> take() && { return std::move(series_); }
+  /// @throws InputFileError for a set-up whose readings do no more than tell where it is.
+  std::vector<LengthSeries> take() && {
+    for (std::size_t k = 0; k < series_.size(); ++k) {
+      if (series_[k].readings.size() > kind_.unknowns) continue;
+      table_.fail(first_rows_[k],
+                  fmt::format("expected at least {} readings of one set-up, for {} only tell where it is; got {} of {}",
+                              kind_.unknowns + 1, kind_.unknowns, series_[k].readings.size(), series_[k].name));
+    }
+    return std::move(series_);
+  }
 
  private:
   bool has_columns() const { return !kind_.at_columns.front().empty(); }
@@ -57,7 +66,10 @@ class LengthRows {
   std::optional<Eigen::Vector3d> at(std::size_t row) const {
     if (!has_at_) return std::nullopt;
     Eigen::Vector3d at;
-    for (Eigen::Index k = 0; k < 3; ++k) at(k) = table_.number(row, kind_.at_columns[static_cast<std::size_t>(k)]);
+    const plausible::Range range = kind_.needs_at ? plausible::kDirection : plausible::length(reach_);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      at(k) = table_.number(row, kind_.at_columns[static_cast<std::size_t>(k)], range);
+    }
     if (kind_.needs_at && at.isZero(0.0)) table_.fail(row, fmt::format("expected {}, got 0, 0, 0", kind_.at));
     return at;
   }
@@ -75,8 +87,10 @@ class LengthRows {
   const CsvTable& table_;
   const LengthWords& kind_;
   std::string title_;
+  double reach_;  ///< of the robot, mm
   bool has_at_;
   std::vector<LengthSeries> series_;
+  std::vector<std::size_t> first_rows_ = {};  ///< of each
 };
 
 }  // namespace paracal::io

@@ -16,8 +16,8 @@ namespace {
 constexpr std::array kLimbKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
 constexpr std::string_view kAhead = "ahead", kBehind = "behind";
 
-Eigen::Vector3d vector_of(Section& limb, std::string_view key) {
-  const std::vector<double> values = limb.numbers(key, 3);
+Eigen::Vector3d vector_of(Section& limb, std::string_view key, const plausible::Range& range = plausible::kDirection) {
+  const std::vector<double> values = limb.numbers(key, range, 3);
   return {values[0], values[1], values[2]};
 }
 
@@ -48,10 +48,11 @@ bool stands_behind(Section& rail) {
 }
 
 SingleRod limb_of(Section& limb, Actuator kind) {
-  SingleRod one{.base = vector_of(limb, "base_joint_mm"), .plate = vector_of(limb, "plate_joint_mm")};
-  one.length = limb.number(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm");
+  SingleRod one{.base = vector_of(limb, "base_joint_mm", plausible::kFinite),
+                .plate = vector_of(limb, "plate_joint_mm", plausible::kFinite)};
+  one.length = limb.number(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", plausible::kFinite);
   if (kind == Actuator::crank) {
-    one.arm = limb.number("arm_mm");
+    one.arm = limb.number("arm_mm", plausible::kFinite);
     one.axis = vector_of(limb, "axis");
     one.at_zero = vector_of(limb, "arm_at_zero");
   }

@@ -45,6 +45,12 @@ void refuse_tilt(const CodeWords& endstops, CodeDialect dialect) {
   }
 }
 
+DeltaGeometry checked(const CodeWords& code, const DeltaGeometry& geometry) {
+  const std::vector<std::string> complaints = implausible(geometry);
+  if (complaints.empty()) return geometry;
+  code.fail(fmt::format("expected a delta of this firmware, got one that cannot be: {}", complaints.front()));
+}
+
 void turn_towers(const CodeWords& code, DeltaGeometry& geometry) {
   constexpr double kWholeTurn = 360.0;
   const Three turned = towers_of(code);
@@ -86,7 +92,7 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
     geometry.endstop[i] = dialect == CodeDialect::marlin ? homed - adjustments[i]
                                                          : endstop_of(geometry, i, homed - below + adjustments[i]);
   }
-  return geometry;
+  return checked(code, geometry);
 }
 
 DeltaGeometry rotary_delta(const TextFile& file, const CodeWords& code) {
@@ -112,7 +118,7 @@ DeltaGeometry rotary_delta(const TextFile& file, const CodeWords& code) {
                             geometry.rod[i], geometry.radius, geometry.arm[i]));
     }
   }
-  return geometry;
+  return checked(code, geometry);
 }
 
 std::string colons(const Three& values) { return fmt::format("{:.4f}:{:.4f}:{:.4f}", values[0], values[1], values[2]); }
@@ -153,20 +159,13 @@ std::string linear_codes(const DeltaGeometry& geometry, const std::string& rods,
                      of_towers(adjustments));
 }
 
-DeltaGeometry plausible(const TextFile& file, const DeltaGeometry& geometry) {
-  const std::vector<std::string> complaints = implausible(geometry);
-  if (complaints.empty()) return geometry;
-  throw InputFileError(
-      file.name, 0, fmt::format("expected a delta of this firmware, got one that cannot be: {}", complaints.front()));
-}
-
 }  // namespace
 
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
   constexpr double kLinearKinematics = 3.0, kRotaryKinematics = 10.0;
   if (dialect == CodeDialect::marlin) {
     const auto compiled = marlin_configuration(file);
-    return plausible(file, linear_delta(compiled ? compiled->codes : file, dialect));
+    return linear_delta(compiled ? compiled->codes : file, dialect);
   }
   const CodeWords kinematics(file, kRotary, letters_of(kRotary, dialect));
   const double kind = kinematics.number_or('K', kLinearKinematics);
@@ -174,7 +173,7 @@ DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
   if (!rotary && kind != kLinearKinematics) {
     kinematics.fail('K', fmt::format("expected M669 K3 (linear delta) or K10 (rotary delta), got K{:g}", kind));
   }
-  return plausible(file, rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect));
+  return rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect);
 }
 
 double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {

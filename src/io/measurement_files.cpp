@@ -70,7 +70,7 @@ Measurements read_table(const TextFile& table, PoseTables& tables, const ExportS
       return read_distances(table, poses(), joints);
     case TableKind::exported:
       return read_tracker_export(table, find_columns(table, exported.columns, exported.unit, exported.by_order),
-                                 read_poses(poses(), joints));
+                                 read_poses(poses(), joints), joints);
     case TableKind::points:
       break;
   }

@@ -88,7 +88,10 @@ const Pose kNotStated{Eigen::Vector3d::Constant(std::numeric_limits<double>::qui
 Station station_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
   const bool joints_alone =
       joints.count > 0 && !has_any(table, std::array{kCommandedPose.x, kCommandedPose.y, kCommandedPose.z});
-  Station station{pose_name(table, row), joints_alone ? kNotStated : pose_of(table, row, kCommandedPose, joints)};
+  Station station{pose_name(table, row),
+                  joints_alone ? kNotStated : pose_of(table, row, kCommandedPose, joints),
+                  {},
+                  table.place(row)};
   const bool states = joints_alone || (joints.count > 0 && states_joints(table, row, joints));
   if (states) station.believed = joints_of(table, row, joints);
   return station;
@@ -107,21 +110,23 @@ bool is_read(const CsvTable& table, std::size_t row, std::span<const std::string
 
 std::optional<Eigen::Vector3d> point_of(const CsvTable& table, std::size_t row, const PointColumns& columns) {
   if (!is_read(table, row, columns)) return std::nullopt;
-  return Eigen::Vector3d(table.number(row, columns[0]), table.number(row, columns[1]), table.number(row, columns[2]));
+  const auto coordinate = [&](std::size_t k) { return table.number(row, columns[k], plausible::kInstrument); };
+  return Eigen::Vector3d(coordinate(0), coordinate(1), coordinate(2));
 }
 
 std::optional<Quaternion> orientation_of(const CsvTable& table, std::size_t row) {
   if (!has_any(table, kQuaternion) || !is_read(table, row, kQuaternion)) return std::nullopt;
   const auto [w, x, y, z] = kQuaternion;
-  const Quaternion read(table.number(row, w), table.number(row, x), table.number(row, y), table.number(row, z));
+  const auto part = [&](std::string_view column) { return table.number(row, column, plausible::kDirection); };
+  const Quaternion read(part(w), part(x), part(y), part(z));
   if (std::abs(read.norm() - 1.0) <= PointReading::kUnitLength) return read;
   table.fail(row, fmt::format("expected qw, qx, qy, qz of length 1, as of a rotation, got {:.6g}", read.norm()));
 }
 
 /// The number of a repeat is a label for people, but one that is no count shows that columns are mixed up.
 void check_repeat(const CsvTable& table, std::size_t row) {
-  const std::optional<double> repeat = table.optional_number(row, "repeat");
-  if (repeat && (*repeat < 1.0 || *repeat != std::floor(*repeat))) {
+  const std::optional<double> repeat = table.optional_number(row, "repeat", plausible::kCount);
+  if (repeat && *repeat != std::floor(*repeat)) {
     table.fail(row, fmt::format("expected a whole number from 1 in column repeat, got {}", *repeat));
   }
 }
@@ -131,10 +136,12 @@ PointReading reading_without_point(const CsvTable& table, std::size_t row, std::
   check_repeat(table, row);
   PointReading reading{.station = station};
   if (has_any(table, kSecondPoint)) reading.second = point_of(table, row, kSecondPoint);
-  if (const auto phi = table.optional_number(row, "phi_deg")) reading.rotation = to_radians(*phi);
-  reading.sigma = positive_number(table, row, "sigma_mm");
+  if (const auto phi = table.optional_number(row, "phi_deg", plausible::kAngle)) reading.rotation = to_radians(*phi);
+  reading.sigma = table.optional_number(row, "sigma_mm", plausible::kNoise);
   reading.orientation = orientation_of(table, row);
-  if (const auto sigma = positive_number(table, row, "sigma_deg")) reading.orientation_sigma = to_radians(*sigma);
+  if (const auto sigma = table.optional_number(row, "sigma_deg", plausible::kNoise)) {
+    reading.orientation_sigma = to_radians(*sigma);
+  }
   return reading;
 }
 
@@ -175,7 +182,7 @@ Measurements read_points(const TextFile& file, const JointSpace& joints) {
   table.allow_only(with_joint_columns(columns_of(table), joints));
   const JointSpace present = joint_columns(table, joints);
   StationList stations(present.actuator);
-  SeriesBuilder series(file);
+  SeriesBuilder series(file, joints.reach);
   for (std::string& note : table.notes()) series.note(std::move(note));
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const Station station = station_of(table, row, present);

@@ -13,11 +13,11 @@ class Reader {
   Reader(const CsvTable& table, const DeltaGeometry& geometry) : table_(table), geometry_(geometry) {}
 
   BedReading height(std::size_t row) const {
-    return {.height = or_zero(row, "height_mm"), .drops = drops(row, "x_mm", "y_mm", table_.number(row, "z_mm"))};
+    return {.height = or_zero(row, "height_mm"), .drops = drops(row, "x_mm", "y_mm", number(row, "z_mm"))};
   }
 
   PrintedDistance distance(std::size_t row) const {
-    const double length = table_.number(row, "distance_mm"), z = or_zero(row, "z_mm");
+    const double length = number(row, "distance_mm"), z = or_zero(row, "z_mm");
     if (!(length >= PrintedDistance::kShortest)) {
       table_.fail(row,
                   fmt::format("expected distance_mm of {:g} and more, got {}", PrintedDistance::kShortest, length));
@@ -28,11 +28,14 @@ class Reader {
 
  private:
   double or_zero(std::size_t row, std::string_view column) const {
-    return table_.optional_number(row, column).value_or(0.0);
+    return table_.optional_number(row, column, plausible::length(reach(geometry_))).value_or(0.0);
+  }
+  double number(std::size_t row, std::string_view column) const {
+    return table_.number(row, column, plausible::length(reach(geometry_)));
   }
 
   JointDrops drops(std::size_t row, std::string_view x, std::string_view y, double z) const {
-    const Eigen::Vector3d place(table_.number(row, x), table_.number(row, y), z);
+    const Eigen::Vector3d place(number(row, x), number(row, y), z);
     const auto drops = drops_to(geometry_, place);
     if (!drops) {
       table_.fail(row, fmt::format("expected a place that the printer reaches, got ({:g}, {:g}, {:g}) mm", place.x(),

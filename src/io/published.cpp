@@ -23,21 +23,21 @@ std::vector<PublishedHuang2016::Table3Row> table3(std::string_view state) {
   std::vector<PublishedHuang2016::Table3Row> rows;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     if (table.text(row, "state") != state) continue;
-    rows.push_back(
-        {table.text(row, "point"),
-         {table.number(row, "d_rho_mm"), table.number(row, "d_v_mm"), to_radians(table.number(row, "d_phi_deg"))}});
+    rows.push_back({table.text(row, "point"),
+                    {table.number(row, "d_rho_mm", plausible::kFinite), table.number(row, "d_v_mm", plausible::kFinite),
+                     to_radians(table.number(row, "d_phi_deg", plausible::kFinite))}});
   }
   return rows;
 }
 
 std::array<double, kTiltSourceCount> table2() {
   const CsvTable table(embedded("table2.csv"));
-  return {1e-3 * table.number(0, "rod_difference_over_c"),
-          1e-3 * table.number(0, "width_difference_over_c"),
-          1e-3 * table.number(0, "alpha03"),
-          1e-3 * table.number(0, "beta03"),
-          1e-3 * table.number(0, "alpha2"),
-          1e-3 * table.number(0, "beta2")};
+  return {1e-3 * table.number(0, "rod_difference_over_c", plausible::kFinite),
+          1e-3 * table.number(0, "width_difference_over_c", plausible::kFinite),
+          1e-3 * table.number(0, "alpha03", plausible::kFinite),
+          1e-3 * table.number(0, "beta03", plausible::kFinite),
+          1e-3 * table.number(0, "alpha2", plausible::kFinite),
+          1e-3 * table.number(0, "beta2", plausible::kFinite)};
 }
 
 /// Table 4 prints angles times the arm's length, in mm.
@@ -50,7 +50,8 @@ SourceErrors table4() {
       const auto source = static_cast<Source>(k);
       const bool angle = unit(source, Actuator::revolute) == Unit::rad;
       const std::string column = (angle ? "L_" : "") + std::string(name(source));
-      errors(limb, source) = table.optional_number(limb, column).value_or(0.0) / (angle ? arm : 1.0);
+      errors(limb, source) =
+          table.optional_number(limb, column, plausible::kFinite).value_or(0.0) / (angle ? arm : 1.0);
     }
   }
   return errors;
@@ -59,7 +60,8 @@ SourceErrors table4() {
 PoseError table5(std::string_view state) {
   const CsvTable table(embedded("table5.csv"));
   const std::size_t row = table.text(0, "state") == state ? 0 : 1;
-  return {table.number(row, "d_rho_mm"), table.number(row, "d_v_mm"), to_radians(table.number(row, "d_phi_deg"))};
+  return {table.number(row, "d_rho_mm", plausible::kFinite), table.number(row, "d_v_mm", plausible::kFinite),
+          to_radians(table.number(row, "d_phi_deg", plausible::kFinite))};
 }
 
 }  // namespace

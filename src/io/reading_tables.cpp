@@ -135,7 +135,7 @@ void add_row(std::string& text, const Station& station, const PointReading& read
 /// A table holds every pose once, by a name in one line.
 void check_names(const std::vector<Station>& stations) {
   std::set<std::string_view> names;
-  for (const auto& [name, commanded, believed] : stations) {
+  for (const auto& [name, commanded, believed, stated_in] : stations) {
     if (name.empty() || name.find('\n') != std::string::npos || !is_utf8(name)) {
       throw InvalidArgument(fmt::format("station {}: expected a name in one line of UTF-8 text", names.size() + 1));
     }

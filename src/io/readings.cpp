@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "numerics/median.hpp"
+#include "paracal/error.hpp"
+
 namespace paracal::io {
 namespace {
 
@@ -73,7 +76,7 @@ std::string title_of(const std::string& file) {
   return start == file.size() ? file : file.substr(start);
 }
 
-SeriesBuilder::SeriesBuilder(const TextFile& file) {
+SeriesBuilder::SeriesBuilder(const TextFile& file, double reach) : reach_(reach) {
   measurements_.series = {{title_of(file.name), {}}};
   measurements_.files = {{file.name, sha256(file)}};
 }
@@ -92,9 +95,35 @@ void SeriesBuilder::add(int line, const std::string& pose, const PointReading& r
     note(line, fmt::format("pose {} has exactly the point of pose {} in line {}", pose, other_pose, other_line));
   }
   measurements_.series.front().readings.push_back(reading);
+  lines_.push_back(line);
+}
+
+/// The instrument may stand anywhere, and one wrong point moves the mean of all: the medians say where the others are.
+void SeriesBuilder::check_spread() const {
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+  const std::vector<PointReading>& readings = measurements_.series.front().readings;
+  const auto refuse = [&](std::size_t k, std::string_view axis, std::string_view from, double apart) {
+    throw InputFileError(measurements_.files.front().name, lines_[k],
+                         fmt::format("expected {} within {:g} mm of {} (ten times the reach of the robot), got {:g} mm "
+                                     "from it: check the number and the unit",
+                                     axis, plausible::length(reach_).most, from, apart));
+  };
+  std::vector<Eigen::Vector3d> points;
+  for (const PointReading& one : readings) points.push_back(one.point);
+  const Eigen::Vector3d middle = detail::median(points);
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const Eigen::Vector3d apart = (points[k] - middle).cwiseAbs();
+    const Eigen::Vector3d beside = (readings[k].second.value_or(points[k]) - points[k]).cwiseAbs();
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const std::string_view name = kAxes[static_cast<std::size_t>(axis)];
+      if (!plausible::length(reach_).contains(apart(axis))) refuse(k, name, "the middle of the points", apart(axis));
+      if (!plausible::length(reach_).contains(beside(axis))) refuse(k, name, "the first reflector", beside(axis));
+    }
+  }
 }
 
 Measurements SeriesBuilder::finish(std::vector<Station> stations) && {
+  check_spread();
   measurements_.stations = std::move(stations);
   leave_out_unread_stations(measurements_);
   return std::move(measurements_);

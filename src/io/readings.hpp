@@ -37,7 +37,8 @@ std::string title_of(const std::string& file);
 /// Collects the readings of one file: counts a doubled one once and notes whatever a careful reader should know.
 class SeriesBuilder {
  public:
-  explicit SeriesBuilder(const TextFile& file);
+  /// @param reach  of the robot, mm: as far, ten times, do points lie from each other.
+  SeriesBuilder(const TextFile& file, double reach);
 
   bool is_empty() const { return measurements_.series.front().readings.empty(); }
 
@@ -48,10 +49,15 @@ class SeriesBuilder {
 
   /// To be called with at least one reading.
   /// @param stations  those that the readings name; only the ones that were read stay.
+  /// @throws InputFileError for a point that is not among the others.
   Measurements finish(std::vector<Station> stations) &&;
 
  private:
+  void check_spread() const;
+
   Measurements measurements_;
+  double reach_;
+  std::vector<int> lines_ = {};                                ///< of the readings
   std::map<ReadingKey, int> readings_;                         ///< line of the first
   std::map<Coordinates, std::pair<int, std::string>> points_;  ///< line and pose of the first
 };

@@ -145,6 +145,8 @@ Robot robot_in(const JsonNode& node, const std::string& file) {
     return robot_of(file, toml_of_object(node.json(), 0));
   } catch (const InvalidArgument& complaint) {
     node.refuse(complaint.what());
+  } catch (const InputFileError& complaint) {
+    node.refuse(std::string(complaint.what()).substr(file.size() + 2));  // its tables have no lines of their own
   }
 }
 

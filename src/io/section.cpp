@@ -49,29 +49,32 @@ const toml::node& Section::require(std::string_view key, std::string_view expect
   fail(fmt::format("expected {} ({}), got nothing", key_path(key), expected));
 }
 
-double Section::number_of(const toml::node& node, std::string_view key) const {
+double Section::number_of(const toml::node& node, std::string_view key, const plausible::Range& range) const {
   const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
   if (!value) fail(node, fmt::format("expected a number for {}, got {}", key_path(key), type_name(node)));
   if (!std::isfinite(*value)) fail(node, fmt::format("expected a finite number for {}, got {}", key_path(key), *value));
+  if (const auto complaint = plausible::complaint(key_path(key), *value, range)) fail(node, *complaint);
   return *value;
 }
 
-double Section::number_or(std::string_view key, double otherwise) {
+double Section::number_or(std::string_view key, double otherwise, const plausible::Range& range) {
   const toml::node* node = find(key);
-  return node ? number_of(*node, key) : otherwise;
+  return node ? number_of(*node, key, range) : otherwise;
 }
 
-std::vector<double> Section::numbers_of(const toml::node& node, std::string_view key) const {
+std::vector<double> Section::numbers_of(const toml::node& node, std::string_view key,
+                                        const plausible::Range& range) const {
   if (!node.is_array())
     fail(node, fmt::format("expected an array of numbers for {}, got {}", key_path(key), type_name(node)));
   std::vector<double> values;
-  for (const toml::node& element : *node.as_array()) values.push_back(number_of(element, key));
+  for (const toml::node& element : *node.as_array()) values.push_back(number_of(element, key, range));
   return values;
 }
 
-std::vector<double> Section::numbers(std::string_view key, std::optional<std::size_t> count) {
+std::vector<double> Section::numbers(std::string_view key, const plausible::Range& range,
+                                     std::optional<std::size_t> count) {
   const toml::node& node = require(key, "an array of numbers");
-  std::vector<double> values = numbers_of(node, key);
+  std::vector<double> values = numbers_of(node, key, range);
   if (count && values.size() != *count) {
     fail(node, fmt::format("expected {} numbers for {}, got {}", *count, key_path(key), values.size()));
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "paracal/io/file.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 
@@ -28,12 +29,16 @@ class Section {
   const toml::node* find(std::string_view key);
   const toml::node& require(std::string_view key, std::string_view expected);
 
-  double number_of(const toml::node& node, std::string_view key) const;
-  double number(std::string_view key) { return number_of(require(key, "a number"), key); }
-  double number_or(std::string_view key, double otherwise);
+  /// @throws InputFileError for what is no number of the range; so do the others.
+  double number_of(const toml::node& node, std::string_view key, const plausible::Range& range) const;
+  double number(std::string_view key, const plausible::Range& range) {
+    return number_of(require(key, "a number"), key, range);
+  }
+  double number_or(std::string_view key, double otherwise, const plausible::Range& range);
 
-  std::vector<double> numbers_of(const toml::node& node, std::string_view key) const;
-  std::vector<double> numbers(std::string_view key, std::optional<std::size_t> count = std::nullopt);
+  std::vector<double> numbers_of(const toml::node& node, std::string_view key, const plausible::Range& range) const;
+  std::vector<double> numbers(std::string_view key, const plausible::Range& range,
+                              std::optional<std::size_t> count = std::nullopt);
 
   std::string text(std::string_view key);
   std::vector<std::string> texts(std::string_view key);

@@ -87,7 +87,7 @@ class PoseRows {
   }
 
   Station read(const CsvTable& table, std::size_t row) {
-    Station station{row_name(table, row), pose_of(table, row, columns_, joints_)};
+    Station station{row_name(table, row), pose_of(table, row, columns_, joints_), {}, table.place(row)};
     require_new(table, row, station.name);
     if (present_.count > 0 && states_joints(table, row, present_)) station.believed = joints_of(table, row, present_);
     return station;
@@ -132,7 +132,7 @@ void allow_joints(const CsvTable& table, const JointSpace& joints) {
 }
 
 NamedJoints named_joints(const CsvTable& table, std::size_t row, const JointSpace& joints) {
-  return {row_name(table, row), joints_of(table, row, joints)};
+  return {row_name(table, row), joints_of(table, row, joints), table.place(row)};
 }
 
 }  // namespace
@@ -217,12 +217,11 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
     if (!inserted) {
       table.fail(row, fmt::format("expected every pair of poses once, got line {}'s again", first->second));
     }
-    reading.distance = table.number(row, "distance_mm");
-    if (!(reading.distance > 0.0)) {
-      table.fail(row, fmt::format("expected distance_mm above 0, got {}", reading.distance));
+    reading.distance = table.number(row, "distance_mm", plausible::positive_length(joints.reach));
+    reading.distance_sigma = table.optional_number(row, "sigma_mm", plausible::kNoise);
+    if (const auto rotation = table.optional_number(row, "rotation_deg", plausible::kAngle)) {
+      reading.rotation = to_radians(*rotation);
     }
-    reading.distance_sigma = positive_number(table, row, "sigma_mm");
-    if (const auto rotation = table.optional_number(row, "rotation_deg")) reading.rotation = to_radians(*rotation);
     measurements.distances.push_back(reading);
   }
   return measurements;
@@ -239,7 +238,7 @@ Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const 
   const CsvTable table(lengths);
   Measurements measurements = begun(table, lengths, poses, joints);
   const StationIndex stations(measurements.stations);
-  LengthRows rows(table, title_of(lengths.name));
+  LengthRows rows(table, title_of(lengths.name), joints.reach);
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     rows.add(row, stations.at(table, row, "pose", poses.name));
   }

@@ -41,7 +41,8 @@ class ToleranceTable {
     const toml::node* node = section_.find(key(source));
     if (node == nullptr) return 0.0;
     const Unit inside = unit(source, actuator_);
-    const double value = node->is_string() ? to_file_unit(inside, drawn(source, *node)) : section_.number(key(source));
+    const double value = node->is_string() ? to_file_unit(inside, drawn(source, *node))
+                                           : section_.number(key(source), plausible::kFinite);
     if (value < 0.0 || value >= limit(source)) {
       section_.fail(*node, fmt::format("expected a half-width of at least 0 and below {:.4g} for {}, got {:g}",
                                        limit(source), section_.key_path(key(source)), value));
@@ -75,7 +76,7 @@ class ToleranceTable {
     if (!measured) return;
     for (const Source source : sources_of(actuator_)) {
       if (measured->find(key(source)) == nullptr) continue;
-      for (const double value : measured->numbers(key(source))) {
+      for (const double value : measured->numbers(key(source), plausible::kFinite)) {
         if (std::abs(value) >= limit(source)) {
           section_.fail(*measured->find(key(source)),
                         fmt::format("expected {} within {:.4g}, got {:g}", measured->key_path(key(source)),

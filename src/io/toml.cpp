@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <sstream>
@@ -21,12 +22,13 @@ Eigen::Vector3d vector_of(const std::vector<double>& values) { return {values[0]
 
 Geometry geometry_of(Section section) {
   Geometry geometry;
-  geometry.base_radius = section.number("base_radius_mm");
-  geometry.plate_radius = section.number("plate_radius_mm");
-  geometry.arm = section.number("arm_mm");
-  geometry.rod = section.number("rod_mm");
-  geometry.parallelogram_width = section.number("parallelogram_width_mm");
-  for (const double azimuth : section.numbers("limb_azimuth_deg")) geometry.limb_azimuth.push_back(to_radians(azimuth));
+  geometry.base_radius = section.number("base_radius_mm", plausible::kFinite);
+  geometry.plate_radius = section.number("plate_radius_mm", plausible::kFinite);
+  geometry.arm = section.number("arm_mm", plausible::kFinite);
+  geometry.rod = section.number("rod_mm", plausible::kFinite);
+  geometry.parallelogram_width = section.number("parallelogram_width_mm", plausible::kFinite);
+  for (const double azimuth : section.numbers("limb_azimuth_deg", plausible::kAngle))
+    geometry.limb_azimuth.push_back(to_radians(azimuth));
   const std::string actuator = section.text("actuator");
   if (actuator != "revolute" && actuator != "linear") {
     section.fail(section.require("actuator", ""), fmt::format("expected \"revolute\" or \"linear\" for {}, got \"{}\"",
@@ -39,9 +41,9 @@ Geometry geometry_of(Section section) {
 
 Slide slide_of(Section section) {
   Slide slide;
-  slide.axis = vector_of(section.numbers("slide_axis", 3));
-  slide.sign = section.numbers("slide_sign");
-  slide.pinion_radius = section.number("pinion_radius_mm");
+  slide.axis = vector_of(section.numbers("slide_axis", plausible::kDirection, 3));
+  slide.sign = section.numbers("slide_sign", plausible::kDirection);
+  slide.pinion_radius = section.number("pinion_radius_mm", plausible::kFinite);
   section.refuse_others();
   return slide;
 }
@@ -49,11 +51,13 @@ Slide slide_of(Section section) {
 /// @param is_flat  guides hold the plate in a plane: z = 0, where nobody says where.
 Workspace workspace_of(Section section, bool is_flat) {
   Workspace workspace;
-  workspace.radius = section.number("radius_mm");
-  workspace.height = is_flat ? section.number_or("height_mm", 0.0) : section.number("height_mm");
-  workspace.top_z = is_flat ? section.number_or("top_z_mm", 0.0) : section.number("top_z_mm");
+  workspace.radius = section.number("radius_mm", plausible::kFinite);
+  workspace.height = is_flat ? section.number_or("height_mm", 0.0, plausible::kFinite)
+                             : section.number("height_mm", plausible::kFinite);
+  workspace.top_z =
+      is_flat ? section.number_or("top_z_mm", 0.0, plausible::kFinite) : section.number("top_z_mm", plausible::kFinite);
   if (const toml::node* rotation = section.find("rotation_deg")) {
-    const std::vector<double> limits = section.numbers_of(*rotation, "rotation_deg");
+    const std::vector<double> limits = section.numbers_of(*rotation, "rotation_deg", plausible::kAngle);
     if (limits.size() != 2) {
       section.fail(*rotation, fmt::format("expected [smallest, largest] for {}, got {} numbers",
                                           section.key_path("rotation_deg"), limits.size()));
@@ -61,9 +65,14 @@ Workspace workspace_of(Section section, bool is_flat) {
     workspace.min_rotation = to_radians(limits[0]);
     workspace.max_rotation = to_radians(limits[1]);
   }
-  workspace.max_tilt = to_radians(section.number_or("tilt_deg", 0.0));
+  workspace.max_tilt = to_radians(section.number_or("tilt_deg", 0.0, plausible::kErrorDeg));
   section.refuse_others();
   return workspace;
+}
+
+plausible::Range error_range(Unit unit, double reach) {
+  if (unit == Unit::rad) return plausible::kErrorDeg;
+  return unit == Unit::mm ? plausible::error(reach) : plausible::Range{-kGainLength, kGainLength, "mm/m"};
 }
 
 /// One [[limb]] table a limb; errors that it does not state are zero.
@@ -80,9 +89,10 @@ SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointS
     for (const Source source : leading_sources(joints.actuator)) {
       const std::string key = file_key(source, joints.actuator);
       if (!coordinate(source, joints.actuator)) {
-        errors(i, source) = from_file_unit(unit(source, joints.actuator), limb.number_or(key, 0.0));
+        const Unit inside = unit(source, joints.actuator);
+        errors(i, source) = from_file_unit(inside, limb.number_or(key, 0.0, error_range(inside, joints.reach)));
       } else if (limb.find(key)) {
-        const std::vector<double> point = limb.numbers(key, 3);
+        const std::vector<double> point = limb.numbers(key, plausible::error(joints.reach), 3);
         for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(source) + k)) = point[k];
       }
     }
@@ -108,13 +118,13 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
     robot.tolerances = tolerances_of(*tolerances, robot.geometry, robot.intended);
   }
   if (auto controller = root.optional_table("controller")) {
-    robot.controller_origin = vector_of(controller->numbers("origin_mm", 3));
+    robot.controller_origin = vector_of(controller->numbers("origin_mm", plausible::length(kLargestReach), 3));
     controller->refuse_others();
   }
   if (auto joints = root.optional_table("joints")) {
     const Actuator actuator = robot.geometry.actuator;
     const auto limit = [&](const std::string& key) {
-      return from_file_unit(joint_unit(actuator), joints->number(key));
+      return from_file_unit(joint_unit(actuator), joints->number(key, plausible::kSpeed));
     };
     robot.joint_limits = {limit(joint_speed_key(actuator)), limit(joint_acceleration_key(actuator))};
     joints->refuse_others();
@@ -123,9 +133,25 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   return robot;
 }
 
+/// "limb[2].rod_mm" of a complaint "limb: rod_mm of limb 3: ..."; empty of others.
+std::string limb_path(std::string_view complaint) {
+  constexpr std::string_view kHead = "limb: ", kOf = " of limb ";
+  const std::size_t of = complaint.find(kOf);
+  if (!complaint.starts_with(kHead) || of == std::string_view::npos) return "";
+  const std::string_view key = complaint.substr(kHead.size(), of - kHead.size()),
+                         behind = complaint.substr(of + kOf.size());
+  int number = 0;
+  std::from_chars(behind.data(), behind.data() + behind.size(), number);
+  return fmt::format("limb[{}].{}", number - 1, key);
+}
+
 /// Line of the key that a complaint of Robot begins with ("geometry.arm_mm: ..."), or of its table; 0 when there is
 /// none.
 int line_of_complaint(const toml::table& document, std::string_view complaint) {
+  const std::string of_limb = limb_path(complaint);
+  if (const auto node = document.at_path(of_limb); node && !of_limb.empty()) {
+    return static_cast<int>(node.node()->source().begin.line);
+  }
   const std::string_view path = complaint.substr(0, complaint.find(':'));
   if (const auto node = document.at_path(path)) return static_cast<int>(node.node()->source().begin.line);
   return 0;

@@ -95,11 +95,10 @@ class ExportReader {
 
   ExportedPoint point_of(const std::vector<std::string>& fields) {
     check_count(fields.size());
-    ExportedPoint point{line_, {}, {length(fields, 1), length(fields, 2), length(fields, 3)}, {}};
+    ExportedPoint point{line_, {}, {coordinate(fields, 1), coordinate(fields, 2), coordinate(fields, 3)}, {}};
     if (places_[0] != 0) point.name = fields[places_[0] - 1];
     if (point.name.empty() && !map_.by_order) fail(fmt::format("expected a name in column {}, got none", places_[0]));
-    if (places_[4] != 0) point.sigma = length(fields, 4);
-    if (point.sigma && !(*point.sigma > 0.0)) fail(fmt::format("expected sigma above 0, got {} mm", *point.sigma));
+    if (places_[4] != 0) point.sigma = length(fields, 4, plausible::kNoise);
     return point;
   }
 
@@ -121,13 +120,20 @@ class ExportReader {
     }
   }
 
-  double length(const std::vector<std::string>& fields, std::size_t field) const {
+  double coordinate(const std::vector<std::string>& fields, std::size_t field) const {
+    return length(fields, field, plausible::kInstrument);
+  }
+
+  /// mm
+  double length(const std::vector<std::string>& fields, std::size_t field, const plausible::Range& range) const {
     const std::string& text = fields[places_[field] - 1];
-    const double mm = decimals_.number(text).value_or(std::numeric_limits<double>::quiet_NaN()) * map_.mm_per_unit;
-    if (!std::isfinite(mm)) {
-      fail(fmt::format("expected a finite number in column {} ({}), got \"{}\"{}", places_[field], kExportFields[field],
-                       text, decimals_.why_not(text)));
+    const std::optional<double> number = decimals_.number(text);
+    const std::string column = fmt::format("column {} ({})", places_[field], kExportFields[field]);
+    if (!number) {
+      fail(fmt::format("expected a finite number in {}, got \"{}\"{}", column, text, decimals_.why_not(text)));
     }
+    const double mm = *number * map_.mm_per_unit;
+    if (const auto complaint = plausible::complaint(column, mm, range)) fail(*complaint);
     return mm;
   }
 
@@ -198,11 +204,12 @@ void add_by_name(SeriesBuilder& series, const std::string& file, const std::vect
 
 }  // namespace
 
-Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses) {
+Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses,
+                                 const JointSpace& joints) {
   check_map(columns);
   ExportReader reader(file, columns);
   const std::vector<ExportedPoint> points = reader.points();
-  SeriesBuilder series(file);
+  SeriesBuilder series(file, joints.reach);
   reader.add_notes(series);
   (columns.by_order ? add_by_order : add_by_name)(series, file.name, points, poses);
   return std::move(series).finish(poses);

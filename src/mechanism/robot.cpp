@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "paracal/error.hpp"
+#include "paracal/mechanism/plausible.hpp"
 #include "paracal/units.hpp"
 #include "single_rods.hpp"
 
@@ -26,6 +28,39 @@ void check_lengths(const Geometry& geometry) {
   }
   require_positive_mm("geometry.rod_mm", geometry.rod);
   require_positive_mm("geometry.parallelogram_width_mm", geometry.parallelogram_width);
+}
+
+/// What a refusal calls it, and mm.
+using Dimension = std::pair<std::string, double>;
+
+std::vector<Dimension> dimensions_of(const RobotDescription& robot) {
+  const Geometry& geometry = robot.geometry;
+  if (on_single_rods(geometry.actuator)) return detail::dimensions_of(geometry);
+  std::vector<Dimension> all{{"geometry.base_radius_mm", geometry.base_radius},
+                             {"geometry.plate_radius_mm", geometry.plate_radius},
+                             {"geometry.rod_mm", geometry.rod},
+                             {"geometry.parallelogram_width_mm", geometry.parallelogram_width}};
+  if (geometry.arm != 0.0) all.emplace_back("geometry.arm_mm", geometry.arm);
+  if (robot.slide) all.emplace_back("plate.pinion_radius_mm", robot.slide->pinion_radius);
+  return all;
+}
+
+/// One that is no dimension beside the others is a slip of the pen.
+void check_proportions(const RobotDescription& robot) {
+  std::vector<Dimension> all = dimensions_of(robot);
+  std::vector<double> lengths;
+  for (const auto& [name, length] : all) lengths.push_back(length);
+  const plausible::Range range = plausible::dimension(std::move(lengths));
+  const auto check = [&](const std::string& name, double length) {
+    if (const auto complaint = plausible::complaint("a length", length, range)) {
+      throw InvalidArgument(fmt::format("{}: {}", name, *complaint));
+    }
+  };
+  for (const auto& [name, length] : all) check(name, length);
+  const Workspace& workspace = robot.workspace;
+  check("workspace.radius_mm", workspace.radius);
+  if (!workspace.is_flat()) check("workspace.height_mm", workspace.height);
+  if (workspace.top_z != 0.0) check("workspace.top_z_mm", std::abs(workspace.top_z));
 }
 
 void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
@@ -198,6 +233,7 @@ Machine checked_nominal(RobotDescription& description) {
   description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
   check_parts(description);
   check_workspace(description.workspace, description.slide.has_value(), description.geometry);
+  check_proportions(description);
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
   check_intended(description);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
@@ -232,7 +268,14 @@ Robot::Robot(RobotDescription description)
 JointSpace Robot::joint_space() const {
   JointSpace joints(limb_count(), actuator());
   if (nominal_.has_guides() && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;
+  joints.reach = reach();
   return joints;
+}
+
+double Robot::reach() const {
+  const double parts = geometry().base_radius + geometry().arm + geometry().rod + geometry().plate_radius;
+  const double depth = std::max(std::abs(workspace().top_z), std::abs(workspace().top_z - workspace().height));
+  return std::max(parts, std::hypot(workspace().radius, depth));
 }
 
 double largest_error(const Geometry& geometry, Source source) {

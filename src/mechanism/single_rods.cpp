@@ -190,6 +190,21 @@ void require_positive_mm(std::string_view quantity, double value) {
   }
 }
 
+std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geometry) {
+  std::vector<std::pair<std::string, double>> all;
+  for (std::size_t i = 0; i < geometry.single_rods.size(); ++i) {
+    const SingleRod& limb = geometry.single_rods[i];
+    const auto add = [&](std::string_view key, double length) {
+      if (length != 0.0) all.emplace_back(fmt::format("limb: {} of limb {}", key, i + 1), length);
+    };
+    add("base_joint_mm", limb.base.norm());
+    add("plate_joint_mm", limb.plate.norm());
+    add(geometry.actuator == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length);
+    add("arm_mm", limb.arm);
+  }
+  return all;
+}
+
 void check_single_rods(const Geometry& geometry) {
   const std::vector<SingleRod>& limbs = geometry.single_rods;
   check_freedoms(geometry.freedoms, limbs.size());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "paracal/mechanism/robot.hpp"
@@ -16,6 +17,9 @@ void require_positive_mm(std::string_view quantity, double value);
 
 /// Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& tilt);
+
+/// Lengths, and how far the joints stand from the middle, with what a refusal calls them.
+std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geometry);
 
 /// As many as the plate has freedoms, each with places, lengths and directions, no two alike.
 void check_single_rods(const Geometry& geometry);

@@ -100,6 +100,10 @@ double design_angle(double angle) {
   return kFirst + kPitch * std::round((angle - kFirst) / kPitch);
 }
 
+double reach(const DeltaGeometry& geometry) {
+  return geometry.radius + std::ranges::max(geometry.arm) + std::ranges::max(geometry.rod);
+}
+
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry) {
   std::array<double, 3> homed{};
   for (std::size_t i = 0; i < 3; ++i) homed[i] = joint_to(geometry, i, {0.0, 0.0, geometry.endstop[i]});

@@ -25,7 +25,7 @@ std::vector<PosePair> driven(const Robot& robot, const SourceErrors& errors, con
   const Machine machine = build(robot, errors);
   std::vector<PosePair> pairs;
   pairs.reserve(stations.size());
-  for (const auto& [name, commanded, believed] : stations) {
+  for (const auto& [name, commanded, believed, stated_in] : stations) {
     const auto plate = drive(machine, robot.nominal(), commanded);
     if (!plate) throw Unreachable("the calibrated machine does not close everywhere in its workspace");
     pairs.push_back({commanded, pose_of(machine, *plate)});

@@ -287,7 +287,7 @@ const std::vector<BrokenInput> kCalibrations{
                 {"calibration.json:11: ", "covariance: expected an array", "3"}),
     calibration("no_freedom_for_the_noise",
                 replaced(kCalibration, "\"covariance\"", "\"noise_dof\": 0,\n\"covariance\""),
-                {"calibration.json:11: ", "noise_dof: expected a number above 0", "0"}),
+                {"calibration.json:11: ", "expected noise_dof above 0", "0"}),
     calibration("joint_std_negative",
                 replaced(kCalibration, "\"covariance\"", "\"joint_std_deg\": -0.01,\n\"covariance\""),
                 {"calibration.json:11: ", "joint_std_deg", "-0.01"}),
@@ -321,6 +321,52 @@ const std::vector<BrokenInput> kCalibrations{
     tolerances("toml_syntax", "theta_offset_deg 1\n", {"tolerances.toml:1: ", "expected TOML"}),
 };
 
+/// One number that nobody can mean: a lost decimal point, a wrong column.
+const std::vector<BrokenInput> kAbsurd{
+    points("point_far_from_the_others", replaced(kPoints, "400.5,0.3", "1e8,0.3"),
+           {"points.csv:5: expected x within", "of the middle of the points", "got 1e+08 mm", "check the number"}),
+    points("point_beyond_all_instruments", replaced(kPoints, "400.5,0.3", "400.5,1e30"),
+           {"points.csv:5: expected y_mm from -1e+09 to 1e+09 mm", "got 1e+30"}),
+    points("second_far_from_the_first", replaced(kPoints, "450.5,0.3", "450.5,-1e8"),
+           {"points.csv:5: expected y within", "of the first reflector"}),
+    points("encoder_beyond_turns", replaced(kPoints, "90.4", "1e8"),
+           {"points.csv:6: expected phi_deg from -36000 to 36000 deg", "got 1e+08"}),
+    points("sigma_beyond_instruments", replaced(kPoints, "-801.5,0.02", "-801.5,1e8"),
+           {"points.csv:8: expected sigma_mm from 1e-05 to 1e+06"}),
+    points("repeat_beyond_counting", replaced(kPoints, "-888.31,2", "-888.31,1e8"),
+           {"points.csv:4: expected repeat from 1 to 1e+06"}),
+    exported("exported_far_from_the_others", replaced(kExport, "-0.8884", "1e5"),
+             {"export.txt:3: expected z within", "of the middle of the points"}),
+    with_file("distance_beyond_the_robot", "distances.csv", replaced(kDistances, "400.4", "1e8"), kCalibrateDistances,
+              {"distances.csv:2: expected distance_mm above 0 and up to", "ten times the reach of the robot", "1e+08"}),
+    with_file("one_reading_of_a_ball_bar", "bar.csv",
+              "# robot: rotary_delta\npose,ball_bar_mm,centre_x_mm,centre_y_mm,centre_z_mm\n"
+              "home,312,0,0,-1200\nright,501,100,0,-1200\n",
+              "calibrate --measurements bar.csv --poses poses.csv",
+              {"bar.csv:3: expected at least 4 readings of one set-up", "got 1"}),
+    with_file("errors_beyond_the_robot", "errors.toml", replaced(kErrors, "rod_mean_mm = 0.2", "rod_mean_mm = 1e8"),
+              kSimulate, {"errors.toml:6: expected limb 4.rod_mean_mm from", "the reach of the robot", "1e+08"}),
+    with_file("errors_beyond_half_a_turn", "errors.toml", replaced(kErrors, "= 0.1", "= 1e8"), kSimulate,
+              {"errors.toml:2: expected limb 1.theta_offset_deg from -180 to 180 deg", "1e+08"}),
+    calibration("coverage_factor_negative",
+                replaced(kCalibration, "\"accepted\": true", "\"coverage_factor\": -5, \"accepted\": true"),
+                {"calibration.json:2: expected coverage_factor above 0"}),
+    calibration("freedom_negative",
+                replaced(kCalibration, "\"accepted\": true", "\"degrees_of_freedom\": -1, \"accepted\": true"),
+                {"calibration.json:2: expected degrees_of_freedom from 0"}),
+    calibration("noise_is_a_text",
+                replaced(kCalibration, "\"accepted\": true", "\"noise_mm\": \"NaN\", \"accepted\": true"),
+                {"calibration.json:2: noise_mm: expected a number, got \"NaN\""}),
+    calibration("probability_above_1",
+                replaced(kCalibration, "\"accepted\": true", "\"fit_probability\": 7, \"accepted\": true"),
+                {"calibration.json:2: expected fit_probability from 0 to 1, got 7"}),
+    calibration("date_is_none",
+                replaced(kCalibration, "\"accepted\": true", "\"date\": \"yesterday\", \"accepted\": true"),
+                {"calibration.json:2: date: expected a date as 2016-10-05T12:00:00Z, got \"yesterday\""}),
+    calibration("robot_of_no_proportions", replaced(kCalibration, "\"rod_mm\": 950", "\"rod_mm\": 1e8"),
+                {"calibration.json:3: ", "geometry.rod_mm", "1e+08"}),
+};
+
 const std::vector<BrokenInput> kTooLittle{
     with_file("three_poses", "points.csv", kThreePoints, kValidate,
               {"points.csv: ", "at least 4 different poses", "got 3"}),
@@ -330,20 +376,20 @@ const std::vector<BrokenInput> kTooLittle{
 
 const std::vector<BrokenInput> kOutOfReach{
     with_file("commanded_too_far", "points.csv", replaced(kPoints, "right,400", "right,1400"), kCalibrate,
-              {"\"right\"", "cannot reach", "(1400, 0, -888) mm"}, kMathematicsSaysNo),
+              {"points.csv:5: ", "\"right\"", "cannot reach", "(1400, 0, -888) mm"}, kMathematicsSaysNo),
     with_file("commanded_beyond_all_numbers", "points.csv", replaced(kPoints, "right,400", "right,1e308"), kCalibrate,
-              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+              {"points.csv:5: ", "x_cmd_mm", "ten times the reach of the robot", "1e+308"}),
     with_file("rotation_beyond_all_numbers", "points.csv",
               replaced(kPoints, "left,-400,0,-888,90", "left,-400,0,-888,1e308"), kCalibrate,
-              {"\"left\"", "cannot reach"}, kMathematicsSaysNo),
+              {"points.csv:6: ", "phi_cmd_deg", "a hundred turns", "1e+308"}),
     with_file("validated_too_far", "points.csv", replaced(kPoints, "right,400", "right,1400"), kValidate,
-              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+              {"points.csv:5: ", "\"right\"", "cannot reach"}, kMathematicsSaysNo),
     with_file("exported_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kCalibrateExport,
-              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+              {"poses.csv:3: ", "\"right\"", "cannot reach"}, kMathematicsSaysNo),
     with_file("planned_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kIdentifiability,
-              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+              {"poses.csv:3: ", "\"right\"", "cannot reach"}, kMathematicsSaysNo),
     with_file("simulated_too_far", "poses.csv", replaced(kPoses, "right,400", "right,1400"), kSimulate,
-              {"\"right\"", "cannot reach"}, kMathematicsSaysNo),
+              {"poses.csv:3: ", "\"right\"", "cannot reach"}, kMathematicsSaysNo),
     command("measured_for_another_robot", kCalibrate + " --robot rotary_delta", {"\"left\"", "rotary_delta"},
             kMathematicsSaysNo),
     with_file("machine_that_does_not_close", "errors.toml", replaced(kErrors, "= 0.2", "= -700"), kSimulate,
@@ -447,6 +493,8 @@ const std::vector<BrokenInput> kUsage{
     usage("validate_without_calibration", "validate --measurements points.csv", {"--calibration"}),
     usage("validate_without_measurements", "validate --calibration calibration.json", {"--measurements"}),
     usage("validate_unknown_option", kValidate + " --limit 1", {"--limit"}),
+    usage("limit_beyond_measure", kValidate + " --limit-mm 1e8", {"--limit-mm", "above 0 and up to 1e+06", "1e+08"}),
+    usage("limit_beyond_half_a_turn", kValidate + " --limit-deg 200", {"--limit-deg", "half a turn", "200"}),
     usage("limit_zero", kValidate + " --limit-mm 0", {"--limit-mm", "0"}),
     usage("limit_negative", kValidate + " --limit-aligned-mm -1", {"--limit-aligned-mm", "-1"}),
     usage("limit_not_a_number", kValidate + " --limit-deg nan", {"--limit-deg", "nan"}),
@@ -458,6 +506,7 @@ INSTANTIATE_TEST_SUITE_P(NoFile, BrokenInputTest, testing::ValuesIn(no_such_file
 INSTANTIATE_TEST_SUITE_P(PointTable, BrokenInputTest, testing::ValuesIn(kPointTables), name_of);
 INSTANTIATE_TEST_SUITE_P(Export, BrokenInputTest, testing::ValuesIn(kExports), name_of);
 INSTANTIATE_TEST_SUITE_P(KnownMachine, BrokenInputTest, testing::ValuesIn(kCalibrations), name_of);
+INSTANTIATE_TEST_SUITE_P(Absurd, BrokenInputTest, testing::ValuesIn(kAbsurd), name_of);
 INSTANTIATE_TEST_SUITE_P(TooLittle, BrokenInputTest, testing::ValuesIn(kTooLittle), name_of);
 INSTANTIATE_TEST_SUITE_P(OutOfReach, BrokenInputTest, testing::ValuesIn(kOutOfReach), name_of);
 INSTANTIATE_TEST_SUITE_P(MeasuringUsage, BrokenInputTest, testing::ValuesIn(kUsage), name_of);

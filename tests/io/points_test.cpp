@@ -127,7 +127,7 @@ TEST(PointTable, WhatIsNoRotationIsRefused) {
   refused(header, "A,0,0,-888,1,2,3,0,0,0,0,,\n", "got 0");
   refused(header, "A,0,0,-888,1,2,3,1,0,0,,,\n",
           "m.csv:2: expected qw, qx, qy, qz either all filled in or all blank, got 1 blank");
-  refused(header, "A,0,0,-888,1,2,3,1,0,0,0,,0\n", "expected sigma_deg above 0, got 0");
+  refused(header, "A,0,0,-888,1,2,3,1,0,0,0,,0\n", "expected sigma_deg from 1e-05 to 1e+06");
   const std::string points = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,";
   refused(points + "qw,qx,qy\n", "A,0,0,-888,1,2,3,1,0,0\n", "qz");
   refused(points + "sigma_deg\n", "A,0,0,-888,1,2,3,0.1\n", "sigma_deg");  // of what?
@@ -232,8 +232,8 @@ TEST(PointTable, NumbersThatMakeNoSenseAreRefused) {
   expect_refused(points("A,0,0,-888,0,1,2,inf\n"), "day 1/m.csv:2: expected a finite number in column z_mm", "\"inf\"");
   expect_refused(points("A,0,,-888,0,1,2,3\n"), "day 1/m.csv:2: expected a finite number in column y_cmd_mm");
   expect_refused(points("A,0,0,-888,,1,2,3\n"), "day 1/m.csv:2: expected a finite number in column phi_cmd_deg");
-  expect_refused(points("sigma_mm", "A,0,0,-888,0,1,2,3,0\n"), "m.csv:2: expected sigma_mm above 0, got 0");
-  expect_refused(points("sigma_mm", "A,0,0,-888,0,,,,-1\n"), "m.csv:2: expected sigma_mm above 0, got -1");
+  expect_refused(points("sigma_mm", "A,0,0,-888,0,1,2,3,0\n"), "m.csv:2: expected sigma_mm from 1e-05 to 1e+06");
+  expect_refused(points("sigma_mm", "A,0,0,-888,0,,,,-1\n"), "m.csv:2: expected sigma_mm from 1e-05 to 1e+06");
   expect_refused(points("phi_deg", "A,0,0,-888,0,1,2,3,x\n"), "m.csv:2: expected a finite number in column phi_deg");
   for (const char* repeat : {"0", "1.5", "-1"}) {
     expect_refused(points("repeat", fmt::format("A,0,0,-888,0,1,2,3,{}\n", repeat)),
@@ -695,7 +695,7 @@ TEST(TrackerExport, BrokenLinesAreRefused) {
   EXPECT_THAT([] { (void)exported("P1 1e308 2 3\n", "name=1,x=2,y=3,z=4", "m"); },
               ThrowsMessage<InputFileError>(HasSubstr("expected a finite number in column 2 (x), got \"1e308\"")));
   EXPECT_THAT([] { (void)exported("P1 1 2 3 0\n", "name=1,x=2,y=3,z=4,sigma=5"); },
-              ThrowsMessage<InputFileError>(StartsWith("t/e.txt:1: expected sigma above 0, got 0 mm")));
+              ThrowsMessage<InputFileError>(StartsWith("t/e.txt:1: expected column 5 (sigma) from 1e-05 to 1e+06")));
 }
 
 TEST(TrackerExport, FilesWithoutAPoseAreRefused) {

@@ -112,7 +112,7 @@ TEST(LengthTable, IsKnownByItsColumn) {
         },
         ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
   };
-  refused("pose,ball_bar_mm\nhome,0\n", "l.csv:2: expected ball_bar_mm above 0, got 0");
+  refused("pose,ball_bar_mm\nhome,0\n", "l.csv:2: expected ball_bar_mm above 0 and up to 1e+06 mm (ten times the reach of the robot), got 0");
   refused("pose,ball_bar_mm,centre_x_mm\nhome,1,2\n", "centre_y_mm");
   refused("pose,dial_mm\nhome,1\n", "direction_x");
   refused("pose,dial_mm,direction_x,direction_y,direction_z\nhome,1,0,0,0\n",

@@ -38,10 +38,10 @@ Published published() {
   std::vector<SingleRod> nominal(6), real(6);
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const std::string& quantity = table.text(row, "quantity");
-    const auto leg = static_cast<std::size_t>(table.number(row, "leg")) - 1;
+    const auto leg = static_cast<std::size_t>(table.number(row, "leg", plausible::kFinite)) - 1;
     for (const auto& [struts, column] : {std::pair(&nominal, "nominal_mm"), std::pair(&real, "real_mm")}) {
       SingleRod& strut = (*struts)[leg];
-      const double value = table.number(row, column);
+      const double value = table.number(row, column, plausible::kFinite);
       if (quantity == "l0") strut.length = value;
       if (quantity.starts_with("u_")) strut.base(quantity.back() - 'x') = value;
       if (quantity.starts_with("s_")) strut.plate(quantity.back() - 'x') = value;

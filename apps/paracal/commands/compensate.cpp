@@ -49,7 +49,7 @@ io::CalibratedMachine known_machine(const CompensateArguments& options, const Ro
 }
 
 [[noreturn]] void refuse(const Station& station, std::string_view why) {
-  throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
+  throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station), why));
 }
 
 io::Json uncertainty_json(const std::optional<StatedU>& stated) {

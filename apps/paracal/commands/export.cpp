@@ -197,12 +197,14 @@ void add_export(Command& program, Session& session) {
                    "gcode: x,y,z in mm of the program's origin in the robot's frame; default: the robot's "
                    "controller.origin_mm, or 0")
       ->separated_by(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(within(plausible::length(kLargestReach)));
   command
       ->add_option("--start", options->filter.start,
                    "gcode: x,y,z,phi in mm and deg where the program's coordinates stand before its first line")
       ->separated_by(',')
-      ->expected(3, 4);
+      ->expected(3, 4)
+      ->check(within(plausible::length(kLargestReach)));
   command->add_flag("--partial", options->filter.partial,
                     "gcode, csv: correct what can be corrected, leave the rest as it is and say where (exit code 1); "
                     "without it such a file is refused");

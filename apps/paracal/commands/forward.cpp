@@ -24,8 +24,8 @@ io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
     const char* why = result.residual > ForwardOptions{}.max_residual ? "the rods do not meet"
                       : result.status == ForwardStatus::singular      ? "the joints do not hold the plate"
                                                                       : "the closure did not settle";
-    throw MathematicsSaysNo(fmt::format("joints {}: {} (largest rod residual {:.3g} mm after {} iterations)", row.name,
-                                        why, result.residual, result.iterations));
+    throw MathematicsSaysNo(fmt::format("{}: joints {}: {} (largest rod residual {:.3g} mm after {} iterations)",
+                                        row.stated_in, row.name, why, result.residual, result.iterations));
   }
   return {row.name, result, machine.rotation_of(result.plate.slide)};
 }

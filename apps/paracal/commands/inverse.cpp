@@ -26,7 +26,7 @@ Joints joints_at(const Robot& robot, const Machine& machine, const Station& stat
     why = result.unreachable_limb < 0 ? std::string(why_not_turned(robot, station.commanded))
                                       : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
   }
-  throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station.name, station.commanded), why));
+  throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station), why));
 }
 
 void run(const InverseArguments& options, Session& session) {
@@ -36,7 +36,8 @@ void run(const InverseArguments& options, Session& session) {
   const Actuator actuator = robot.actuator();
   RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
   rows.head(io::joint_table_header(robot.joint_space()));
-  const JointSpace asked = robot.on_single_rods() ? robot.joint_space() : JointSpace{};  // whose tilts count
+  JointSpace asked = robot.on_single_rods() ? robot.joint_space() : JointSpace{};  // whose tilts count
+  asked.reach = robot.reach();
   io::read_poses(poses.rows, asked, [&](const Station& station) {
     const io::NamedJoints row{station.name, joints_at(robot, machine, station)};
     rows.add([&] { return io::joint_table_row(row, actuator); }, [&] { return joints_json(row, actuator); });

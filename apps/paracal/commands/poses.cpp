@@ -83,14 +83,7 @@ void run_paper_plan(const PosesArguments& options, Session& session) {
   session.print(text + joints_request(robot) + io::station_table(plan.stations));
 }
 
-bool is_finite(const std::vector<double>& numbers) {
-  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
-}
-
 std::optional<Visibility> visibility_of(const PosesArguments& options) {
-  if (!is_finite(options.tracker) || !is_finite(options.facing) || !std::isfinite(options.acceptance_deg)) {
-    throw WrongUsage("--tracker, --facing and --acceptance-deg: expected finite numbers");
-  }
   if (options.tracker.empty() != options.facing.empty()) {
     throw WrongUsage("--tracker and --facing: expected both or neither");
   }
@@ -201,7 +194,7 @@ void add_poses(Command& program, Session& session) {
       ->check(between(-360.0, 360.0))
       ->shows_default();
   command->add_option("--threshold", options->threshold, "relative change of O2 that counts as settled")
-      ->check(positive_finite())
+      ->check(positive())
       ->shows_default();
   Option* optimal =
       command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
@@ -220,7 +213,7 @@ void add_poses(Command& program, Session& session) {
                    "the shortest and the longest that the instrument shows; poses are moved to where it does")
       ->separated_by(',')
       ->expected(2)
-      ->check(between(-1e6, 1e6, "up to 1e6"))
+      ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
   command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is read at every pose, too")
       ->needs(optimal);
@@ -229,10 +222,12 @@ void add_poses(Command& program, Session& session) {
   command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
       ->separated_by(',')
       ->expected(3)
+      ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
   command->add_option("--facing", options->facing, "where the reflector faces at phi = 0: x,y,z")
       ->separated_by(',')
       ->expected(3)
+      ->check(within(plausible::kDirection))
       ->needs(optimal);
   command->add_option("--acceptance-deg", options->acceptance_deg, "half-angle under which the reflector is seen")
       ->check(between(1.0, 180.0))

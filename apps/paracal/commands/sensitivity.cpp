@@ -133,7 +133,7 @@ void add_sensitivity(Command& program, Session& session) {
   command->add_flag("--all-rotations", options->all_rotations,
                     "mean over phi or tilts, too; without it phi = 0, as the paper's, and level");
   command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
-      ->check(positive_finite())
+      ->check(positive())
       ->shows_default();
   session.outputs.declare(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
   options->report = add_report_option(*command, session);

@@ -272,7 +272,10 @@ void add_limits(Command& command, YieldArguments& options) {
   for (const Row& row : kRows) {
     const std::string text = fmt::format("of the row \"{}\"", row.text);
     if (row.kind != ErrorKind::tilt) {
-      command.add_option(row.option, options.limits[row.kind], text)->check(positive_finite())->group(heading);
+      const bool turns = row.kind == ErrorKind::rotation;
+      command.add_option(row.option, options.limits[row.kind], text)
+          ->check(turns ? within(plausible::kLimitDeg) : positive())
+          ->group(heading);
       continue;
     }
     for (Option* one : add_angle_options(command, options.max_tilt, row.option, "--max-tilt", "of the row \"tilt\"")) {
@@ -281,7 +284,7 @@ void add_limits(Command& command, YieldArguments& options) {
   }
   command
       .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
-      ->check(non_negative_finite())
+      ->check(non_negative())
       ->check(between(0.0, 1.0))
       ->group(heading);
 }
@@ -314,7 +317,7 @@ void add_yield(Command& program, Session& session) {
                     "build, measure and calibrate every machine; default: some of them, which correct the others made "
                     "to first order");
   command->add_option("--confidence", options->confidence, "of the intervals")
-      ->check(positive_finite())
+      ->check(positive())
       ->check(between(0.01, 0.999999))
       ->shows_default();
   command->add_option("--checkpoint", options->checkpoint,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,7 @@ struct LengthWords {
   std::string_view at = {};
   bool needs_at = false;                            ///< and has to be said
   bool positive = false;                            ///< no such length is zero or less
+  std::size_t unknowns = 3;                         ///< of a set-up, which nothing but its own readings tell
   double NoiseModel::*sigma = &NoiseModel::height;  ///< of readings that state none
 };
 

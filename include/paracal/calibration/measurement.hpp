@@ -18,7 +18,11 @@ struct Station {
   Pose commanded;  ///< of no finite position where a table states the joints alone: with_commands() finds it
   /// Joint coordinates that the controller believed; empty: the nominal inverse of the commanded pose.
   std::optional<Joints> believed = {};
+  std::string stated_in = {};  ///< "plan.csv:3": file and line, for messages; empty: no file
 };
+
+/// plan.csv:3: station "P2": to begin a message with.
+std::string named(const Station& station);
 
 /// Measured distance between the plate centres at two stations and, where an encoder read it, the rotation between
 /// them.

@@ -9,6 +9,7 @@
 
 #include "paracal/io/decimal_sign.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 
@@ -53,6 +54,8 @@ class CsvTable {
 
   std::size_t row_count() const { return rows_.size(); }
   int line(std::size_t row) const { return rows_[row].line; }
+  /// "plan.csv:3": file and line, for messages.
+  std::string place(std::size_t row) const { return name_ + ":" + std::to_string(line(row)); }
   /// From 1, with the rows that were dropped.
   std::size_t number_of(std::size_t row) const { return dropped_ + row + 1; }
   bool has(std::string_view column) const { return find(column).has_value(); }
@@ -60,11 +63,11 @@ class CsvTable {
   /// @throws InputFileError when the column is missing.
   const std::string& text(std::size_t row, std::string_view column) const;
 
-  /// @throws InputFileError when the column is missing or the field is not a finite number.
-  double number(std::size_t row, std::string_view column) const;
+  /// @throws InputFileError when the column is missing or the field is no number of the range.
+  double number(std::size_t row, std::string_view column, const plausible::Range& range) const;
 
   /// Empty when the column is absent or the field is blank.
-  std::optional<double> optional_number(std::size_t row, std::string_view column) const;
+  std::optional<double> optional_number(std::size_t row, std::string_view column, const plausible::Range& range) const;
 
   [[noreturn]] void fail(std::size_t row, const std::string& complaint) const;
 

@@ -74,10 +74,11 @@ bool has_export_header(const TextFile& file);
 /// are no pose (reference points) and poses that were not measured are noted. The same name again is a repeat; with the
 /// same numbers again, one reading and a note.
 /// @param poses  the first is home, if it was measured.
-/// @throws InputFileError for a line without the columns or with anything but finite numbers in them, or when no name
-/// is a pose.
+/// @throws InputFileError for a line without the columns, with anything but finite numbers in them or with a point that
+/// is not among the others, or when no name is a pose.
 /// @throws InvalidArgument when `columns` is incomplete.
-Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses);
+Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses,
+                                 const JointSpace& joints = {});
 
 /// One series of points as the CSV that read_points() takes, with those optional columns that some reading needs. All
 /// numbers that came from a file are read back as they were; only readings that are the same to the last bit, as those

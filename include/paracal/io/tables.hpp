@@ -18,6 +18,7 @@ namespace paracal::io {
 struct NamedJoints {
   std::string name;
   Joints joints;
+  std::string stated_in = {};  ///< as of a Station
 };
 
 /// Pose table (CSV): x_mm,y_mm,z_mm,phi_deg or x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg, optional tilt_x_deg, tilt_y_deg,

@@ -105,6 +105,9 @@ class Robot {
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const;
+  /// How far from the base the plate comes at most, mm: all parts end to end, or the end of the workspace, where rails
+  /// lead further.
+  double reach() const;
   bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
   /// Some tilt of the plate is commanded.
   bool commands_tilt() const { return nominal_.commands_tilt(); }

@@ -119,12 +119,17 @@ constexpr bool tilts_plate(Source source, Actuator actuator = Actuator::revolute
   return !on_single_rods(actuator) && index(source) >= kPositionSourceCount;
 }
 
-/// The joint coordinates of a robot: how many, and of which kind. The default, none, stands for those of any robot.
+/// mm; of a robot that nobody names: no robot is larger.
+inline constexpr double kLargestReach = 1e5;
+
+/// What tables need to know of a robot: how many joint coordinates it has, of which kind, and how far it reaches. The
+/// default, none, stands for any robot.
 struct JointSpace {
   JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {}
   std::size_t count;
   Actuator actuator;
   std::optional<double> guided_z = {};  ///< z of the plate, mm, where guides hold it: poses need not state it
+  double reach = kLargestReach;         ///< mm; see Robot::reach()
 };
 
 /// Unit of the error inside the library: theta_offset has that of the joint coordinate. Files and JSON carry deg

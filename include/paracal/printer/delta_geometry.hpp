@@ -28,6 +28,9 @@ struct DeltaGeometry {
   std::array<double, 3> shoulder{};  ///< likewise: heights of the motor axes above the bed, less the effector's
 };
 
+/// How far the nozzle comes from the centre at most, mm: all parts end to end.
+double reach(const DeltaGeometry& geometry);
+
 /// How far each joint stands below its endstop, mm or rad: the steps that the controller counted, times their size.
 using JointDrops = std::array<double, 3>;
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "median.hpp"
+#include "numerics/median.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "length_model.hpp"
-#include "median.hpp"
+#include "numerics/median.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::detail {
@@ -47,7 +47,8 @@ class Dial final : public LengthModel {
             .reversed = "the dial counts the other way",
             .at_columns = {"direction_x", "direction_y", "direction_z"},
             .at = "the direction in which it reads",
-            .needs_at = true};
+            .needs_at = true,
+            .unknowns = 1};
   }
   bool shows_scale() const override { return false; }
 

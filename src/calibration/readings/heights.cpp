@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "length_model.hpp"
-#include "median.hpp"
+#include "numerics/median.hpp"
 
 namespace paracal::detail {
 namespace {

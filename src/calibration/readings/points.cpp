@@ -8,7 +8,7 @@
 
 #include "body.hpp"
 #include "kinematics/turns.hpp"
-#include "median.hpp"
+#include "numerics/median.hpp"
 
 namespace paracal::detail {
 namespace {
