@@ -5,6 +5,7 @@
 
 #include "gcode_block.hpp"
 #include "gcode_modes.hpp"
+#include "gcode_words.hpp"
 #include "io/letters.hpp"
 #include "io/line_reader.hpp"
 #include "paracal/error.hpp"
@@ -51,6 +52,7 @@ class Gcode : public TargetFormat {
  private:
   /// @throws InputFileError for what no filter may rewrite.
   std::string_view take(TargetLine& target) {
+    if (const auto complaint = implausible(block_)) fail(target.number, *complaint);
     try {
       return modes_.take(block_, target);
     } catch (const RefusedProgram& refused) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gcode_codes.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 
@@ -32,6 +33,17 @@ bool shares_turns(const GcodeBlock& block) {
     const bool is_of_g = tenths == 40 || tenths == 640;
     return (word.letter == 'M' && is_of_m) || (word.letter == 'G' && is_of_g);
   });
+}
+
+std::optional<std::string> implausible(const GcodeBlock& block) {
+  constexpr plausible::Range kNumber{-1e7, 1e7}, kFeed{0.0, plausible::kSpeed.most, "", plausible::kSpeed.why};
+  for (const GcodeWord& word : block.words) {
+    if (!word.is_number() || word.letter == 'N') continue;
+    const bool is_feed = word.letter == 'F' && !block.has_letter("M");  // of some M codes F is something else
+    if (auto complaint = plausible::complaint({&word.letter, 1}, word.value, is_feed ? kFeed : kNumber))
+      return complaint;
+  }
+  return std::nullopt;
 }
 
 bool moves_motors(const GcodeBlock& block, bool has_tool_length, const DialectTraits& traits) {

@@ -2,10 +2,16 @@
 
 // Private to the filter: whose a word is, where it can belong to several codes of its line.
 
+#include <optional>
+#include <string>
+
 #include "gcode_block.hpp"
 #include "gcode_dialect.hpp"
 
 namespace paracal::io {
+
+/// A number that no program has, and a feed backwards; empty: none.
+std::optional<std::string> implausible(const GcodeBlock& block);
 
 /// T names a tool; it is no number of a firmware's code, as in M204 P1000 T2000 or M104 T0 S190.
 bool names_tool(const GcodeBlock& block, const DialectTraits& traits);

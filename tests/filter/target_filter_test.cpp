@@ -638,6 +638,19 @@ TEST_F(Gcode, RandomTablesPassThrough) {
   }
 }
 
+TEST_F(Gcode, NumbersThatNoProgramHasAreRefusedWithTheirLine) {
+  const auto refused = [&](const std::string& line, const std::string& message) {
+    EXPECT_THAT([&] { filtered("G21 G90\n" + line + "\n"); },
+                testing::ThrowsMessage<InputFileError>(testing::StartsWith("part.ngc:2: " + message)));
+  };
+  refused("G1 X10 F-5", "expected F from 0 to 1e+07 (no drive is outside), got -5");
+  refused("G1 X100000000 F500", "expected X from -1e+07 to 1e+07, got 1e+08");
+  refused("G1 X1 C-100000000", "expected C from -1e+07 to 1e+07, got -1e+08");
+  for (const char* good : {"G1 X1 F0", "N100000000 G1 X1 F500", "M950 F-1"}) {
+    EXPECT_NO_THROW(filtered("G21 G90\n" + std::string(good) + "\n")) << good;
+  }
+}
+
 // ---- tables
 
 TEST_F(Gcode, TablesWithoutAPoseAreRefused) {
