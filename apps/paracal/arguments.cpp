@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "paracal/spelling.hpp"
 #include "session.hpp"
@@ -180,11 +181,14 @@ Arguments::Arguments(const ProgramText& text)
 
 Arguments::~Arguments() = default;
 
-std::optional<int> Arguments::run(const std::vector<std::string>& words) {
+std::optional<int> Arguments::run(const std::vector<std::string>& words, const io::TextSink& standard_output) {
   try {
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));  // the first last, as it wants them
   } catch (const CLI::Success& help_or_the_like) {
-    return app_->exit(help_or_the_like);
+    std::ostringstream text;
+    const int code = app_->exit(help_or_the_like, text, text);
+    standard_output(text.str());
+    return code;
   } catch (const CLI::ParseError& error) {
     throw WrongUsage(usage_complaint(*app_, error));
   }

@@ -12,6 +12,7 @@
 
 #include "description.hpp"
 #include "paracal/mechanism/plausible.hpp"
+#include "paracal/io/file.hpp"
 
 // The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
 namespace CLI {
@@ -127,9 +128,10 @@ class Arguments {
   ~Arguments();
   Command& program() { return program_; }
   /// Parses them, as they follow the program's name, and runs the command.
+  /// @param standard_output  takes what --help, --version and --licenses say.
   /// @returns an exit code where all was said by --help, --version or --licenses.
   /// @throws WrongUsage in one line, with the option or command that was probably meant.
-  std::optional<int> run(const std::vector<std::string>& words);
+  std::optional<int> run(const std::vector<std::string>& words, const io::TextSink& standard_output);
   /// Everything that --help says, of every command.
   CommandText describe() const;
 

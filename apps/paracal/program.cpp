@@ -53,7 +53,7 @@ int run_program(const std::vector<std::string>& words, const io::TextSink& stand
   Session session(standard_output);
   session.command_line = shell_line(words);
   add_commands(arguments, session);
-  if (const auto code = arguments.run(words)) return *code;
+  if (const auto code = arguments.run(words, standard_output)) return *code;
   session.finish();
   return session.exit_code;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,7 +9,9 @@ namespace paracal {
 /// Root of everything this library throws. It is thrown only for what the caller or a file got wrong, at construction
 /// or load; numerical outcomes (unreachable, singular, not converged) are statuses in results.
 class Error : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+ public:
+  /// @param message  is kept as printable().
+  explicit Error(const std::string& message);
 };
 
 /// An argument that cannot be meant: a negative length, a NaN, two limbs at one azimuth. The message names the
@@ -39,8 +40,12 @@ class InputFileError : public Error {
   int line_;
 };
 
-/// Position of the first character that a terminal obeys instead of showing it; tabulators are none.
-std::optional<std::size_t> control_character(std::string_view text);
+/// The first character that a terminal obeys instead of showing it (those that turn round the order of others among
+/// them); tabulators are none. Empty where there is none.
+std::string_view control_character(std::string_view text);
+
+/// Bytes as \x1b.
+std::string escaped(std::string_view bytes);
 
 /// A message as a terminal may show it: control characters, which come from files, as \x1b, and at most 2000
 /// characters.

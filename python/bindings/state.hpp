@@ -83,7 +83,7 @@ PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters,
                points, lengths, suspects, frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom,
                unit_weight_std, fit_probability, noise, orientation_noise, chance, options, files)
 PARACAL_FIELDS(Pose, position, rotation, tilt)
-PARACAL_FIELDS(Station, name, commanded, believed)
+PARACAL_FIELDS(Station, name, commanded, believed, stated_in)
 PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)
 PARACAL_FIELDS(PointReading, station, point, second, rotation, sigma, orientation, orientation_sigma)
 PARACAL_FIELDS(PointSeries, name, readings)

@@ -1,6 +1,7 @@
 #include "paracal/calibration/least_squares.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -112,10 +113,15 @@ bool descend(const RowModel& model, const Steps& steps, Damping& damping, LeastS
   return false;
 }
 
+std::atomic<std::uint64_t> solved = 0;
+
 }  // namespace
+
+std::uint64_t least_squares_solved() { return solved; }
 
 LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::VectorXd& start,
                                        const LeastSquaresOptions& options) {
+  ++solved;
   LeastSquaresResult result;
   result.parameters = start;
   result.at_answer = InformationRoot(start.size());

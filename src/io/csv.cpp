@@ -62,11 +62,9 @@ bool is_skipped(std::string_view line) {
 }
 
 void refuse_control_characters(const std::string& file, int line_number, std::string_view line) {
-  const auto at = control_character(line);
-  if (!at) return;
-  throw InputFileError(
-      file, line_number,
-      fmt::format("expected text, got the control character {:#04x}", static_cast<unsigned char>(line[*at])));
+  const std::string_view control = control_character(line);
+  if (control.empty()) return;
+  throw InputFileError(file, line_number, fmt::format("expected text, got the control character {}", escaped(control)));
 }
 
 }  // namespace

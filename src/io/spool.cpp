@@ -49,7 +49,7 @@ void Spool::write(std::string_view text) {
     if (descriptor_ >= 0) link_ = fmt::format("/proc/self/fd/{}", descriptor_);
   }
   if (descriptor_ < 0) {
-    folder_ = temporary_folder();
+    name_ = folder_ = temporary_folder();
     descriptor_ = open_nameless(folder_);
     if (descriptor_ < 0) descriptor_ = open_unlinked(folder_);
     if (descriptor_ < 0) fail_to_write(folder_);
@@ -58,7 +58,7 @@ void Spool::write(std::string_view text) {
 }
 
 void Spool::write_held() {
-  write_all(descriptor_, held_, folder_);
+  write_all(descriptor_, held_, name_);
   held_.clear();
 }
 

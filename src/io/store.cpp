@@ -154,7 +154,7 @@ class StoredFile {
     template_ = folder + "/.paracal-XXXXXX";
     template_of_copy_ = template_;
     kept_ = replaced_.kept_as.empty() ? "" : folder + "/" + replaced_.kept_as;
-    text_.emplace(folder);
+    text_.emplace(folder, target_);
   }
   ~StoredFile() {
     drop(fresh_);

@@ -228,7 +228,7 @@ void check_parts(RobotDescription& description) {
 
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
-  if (control_character(description.name)) throw InvalidArgument("name: expected text, got a control character in it");
+  if (!control_character(description.name).empty()) throw InvalidArgument("name: expected text, got a control character in it");
   const PlateFreedoms& freedoms = description.geometry.freedoms;
   description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
   check_parts(description);

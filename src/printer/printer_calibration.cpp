@@ -72,30 +72,38 @@ PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& s
   return one;
 }
 
-/// Readings that nobody would notice to be wrong: put off by so much, either way, they are not left out as gross.
-std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings,
+/// Readings that nobody would notice to be wrong: put off by so much, either way, they are not left out as gross. Tried
+/// beside those that were not left out: what is wrong already would be found again at every trial.
+std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings, const Calibration& found,
                                    const detail::PrinterFitOptions& options) {
   constexpr double kHeight = 1.0, kDistance = 0.5;  // mm
   constexpr std::size_t kMost = 100;                // of more readings each is checked by many
   std::vector<std::string> names;
   if (readings.heights.size() + readings.distances.size() > kMost) return names;
+  const DeltaReadings good = without_gross(readings, found);
   const auto is_noticed = [&](const DeltaReadings& wrong, const auto& is_excluded) {
     const auto fit = detail::fit_printer(saved, wrong, options);
     return fit && is_excluded(fit->calibration);
   };
   const auto try_both = [&](const auto& off_by, const auto& is_excluded, std::string name) {
-    DeltaReadings above = readings, below = readings;
+    DeltaReadings above = good, below = good;
     off_by(above, 1.0);
     off_by(below, -1.0);
     if (!is_noticed(above, is_excluded) || !is_noticed(below, is_excluded)) names.push_back(std::move(name));
   };
+  std::size_t at = 0;  // among the good ones
   for (std::size_t k = 0; k < readings.heights.size(); ++k) {
-    try_both([&](DeltaReadings& all, double sign) { all.heights[k].height += sign * kHeight; },
-             [&](const Calibration& found) { return found.lengths[k].excluded; }, fmt::format("height{}", k));
+    if (found.lengths[k].excluded) continue;
+    try_both([&](DeltaReadings& all, double sign) { all.heights[at].height += sign * kHeight; },
+             [&](const Calibration& trial) { return trial.lengths[at].excluded; }, fmt::format("height{}", k));
+    ++at;
   }
+  at = 0;
   for (std::size_t k = 0; k < readings.distances.size(); ++k) {
-    try_both([&](DeltaReadings& all, double sign) { all.distances[k].distance += sign * kDistance; },
-             [&](const Calibration& found) { return found.distances[k].excluded; }, fmt::format("distance{}", k));
+    if (found.distances[k].excluded) continue;
+    try_both([&](DeltaReadings& all, double sign) { all.distances[at].distance += sign * kDistance; },
+             [&](const Calibration& trial) { return trial.distances[at].excluded; }, fmt::format("distance{}", k));
+    ++at;
   }
   return names;
 }
@@ -179,6 +187,8 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
   const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
   const auto held_out = hold_out(saved, good, sought.seeks_bias, sought.bow_radius, saved_is_fit);
   const DeltaProjection projection = fit->written();
+  std::vector<std::string> uncheckable;
+  if (options.tries_gross) uncheckable = unnoticed(saved, readings, fit->calibration, sought);
   PrinterCalibration result{
       .saved = judge_as_firmware(saved, readings),
       .firmware = fit->firmware,
@@ -196,7 +206,7 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
       .size = size,
       .bed = trial.bed,
       .shift = shift,
-      .uncheckable = options.tries_gross ? unnoticed(saved, readings, sought) : std::vector<std::string>{},
+      .uncheckable = std::move(uncheckable),
       .findings = {}};
   const std::vector<std::string> wrong = all_implausible(saved, good, checked);
   detail::advise(readings, wrong, result);

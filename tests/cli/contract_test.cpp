@@ -471,6 +471,11 @@ TEST(Program, AnOutputThatCannotBeWrittenIsNotDone) {
     EXPECT_THAT(result.err, Not(IsEmpty())) << command;
   }
   EXPECT_NE(run_program(published_calibration(), {.standard_output = "/dev/full"}).exit_code, kDone);
+  for (const char* command : {"--help", "calibrate --help", "--version", "--licenses"}) {
+    const ProgramResult result = run_program(words(command), {.standard_output = "/dev/full"});
+    EXPECT_EQ(result.exit_code, kWrongUsage) << command;
+    EXPECT_EQ(result.err, "paracal: standard output: cannot be written\n") << command;
+  }
 }
 
 }  // namespace

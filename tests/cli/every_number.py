@@ -190,15 +190,14 @@ class Run:
     what: str
     key: str
     value: str
-    text: str  # of the file, or of the command
+    text: Callable[[], str]  # of the file, or of the command: all of them at once would fill the memory
 
 
 @dataclass
 class Result:
     run: Run
     code: int
-    out: str
-    err: str
+    said: str = ""  # its first line
     complaints: list[str] = field(default_factory=list)
     lacks: str = ""  # a refusal of what the file holds without "file", or without "line"; of a file as a "whole"
 
@@ -209,11 +208,10 @@ LOCAL = threading.local()
 def run(program: str, samples: dict[str, str], folders: list[Path], one: Run) -> Result:
     if not hasattr(LOCAL, "folder"):
         LOCAL.folder = folders.pop()
-    command = one.command
-    if one.file == "options":
-        command = one.text
-    else:
-        (LOCAL.folder / one.file).write_bytes(one.text.encode("utf-8", "surrogateescape"))
+    text = one.text()
+    command = text if one.file == "options" else one.command
+    if one.file != "options":
+        (LOCAL.folder / one.file).write_bytes(text.encode("utf-8", "surrogateescape"))
     try:
         done = subprocess.run([program, *command.split(), "--threads", "1"], cwd=LOCAL.folder, capture_output=True, timeout=TIMEOUT_S, stdin=subprocess.DEVNULL)
         code, out, err = done.returncode, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace")
@@ -221,31 +219,36 @@ def run(program: str, samples: dict[str, str], folders: list[Path], one: Run) ->
         code, out, err = -99, "", ""
     if one.file != "options":
         (LOCAL.folder / one.file).write_text(samples[one.file], encoding="utf-8", newline="")
-    return judged(Result(one, code, out, err))
+    return judged(one, text, code, out, err)
 
 
 NOT_A_NUMBER = re.compile(r"(?<![A-Za-z_])(?:nan|inf(?:inity)?)(?![A-Za-z_])", re.IGNORECASE)
 
 
-def judged(result: Result) -> Result:
-    one, say = result.run, result.complaints.append
-    if result.code == -99:
+def judged(one: Run, text: str, code: int, out: str, err: str) -> Result:
+    result = Result(one, code, next(iter((err.strip() or out.strip()).splitlines()), ""))
+    say = result.complaints.append
+    if code == -99:
         say(f"takes more than {TIMEOUT_S} s")
-    elif result.code not in range(5):
-        say(f"dies with {result.code}")
-    if "Error in function" in result.out + result.err:
+    elif code not in range(5):
+        say(f"dies with {code}")
+    if "Error in function" in out + err:
         say("says Error in function")
     # What is refused is quoted.
-    said = result.out + ("" if result.code > 1 and one.value in ("nan", "") else result.err)
-    if NOT_A_NUMBER.search(said) and not (one.value in ("nan", "") and NOT_A_NUMBER.search(one.text)):
+    said = out + ("" if code > 1 and one.value in ("nan", "") else err)
+    if NOT_A_NUMBER.search(said) and not (one.value in ("nan", "") and NOT_A_NUMBER.search(text)):
         say("prints nan or inf")
-    if result.code in (3, 4) or (result.code == 2 and one.file != "options"):
-        first = next((line for line in result.err.splitlines() if line.startswith("paracal: ")), "")
+    if code in (3, 4) or (code == 2 and one.file != "options"):
+        first = next((line for line in err.splitlines() if line.startswith("paracal: ")), "")
         if one.file != "options":
             names_file = re.match(r"paracal: [^: ]+\.[a-z]+: ", first) is not None
             is_missing = re.search(r"expected .*, got (none|no line|nothing)\b|--robot: expected a robot", first) is not None
             result.lacks = "" if re.match(r"paracal: [^:]+:\d+: ", first) else "whole" if is_missing else "line" if names_file else "file"
     return result
+
+
+def replaced(text: str, begin: int, end: int, by: str) -> str:
+    return text[:begin] + by + text[end:]
 
 
 def of_numbers(samples: dict[str, str], options: argparse.Namespace) -> list[Run]:
@@ -259,14 +262,14 @@ def of_numbers(samples: dict[str, str], options: argparse.Namespace) -> list[Run
             for number in found:
                 for value in VALUES:
                     written = GCODE.get(value, value) if file.endswith((".g", ".gcode", ".ngc")) else value
-                    changed = text[: number.begin] + written + text[number.end :]
+                    changed = partial(replaced, text, number.begin, number.end, written)
                     runs.append(Run(command, file, f"{file}:{number.line}", number.key, value, changed))
     return runs
 
 
-def broken(text: str, draw: random.Random) -> tuple[str, str]:
+def broken(text: str, seed: str) -> str:
     """A text with one thing wrong, or two."""
-    what = []
+    draw = random.Random(seed)
     for _ in range(draw.choice((1, 1, 1, 2))):
         lines = text.splitlines(keepends=True) or [""]
         k = draw.randrange(len(lines))
@@ -306,8 +309,7 @@ def broken(text: str, draw: random.Random) -> tuple[str, str]:
             if found:
                 at = draw.choice(found)
                 text = text[:at] + draw.choice("abcxyzXYZ_") + text[at + 1 :]
-        what.append(kind)
-    return text, " and ".join(what)
+    return text
 
 
 def of_broken(samples: dict[str, str], options: argparse.Namespace) -> list[Run]:
@@ -316,8 +318,8 @@ def of_broken(samples: dict[str, str], options: argparse.Namespace) -> list[Run]
     runs: list[Run] = []
     while pairs and len(runs) < options.count:
         command, file = draw.choice(pairs)
-        text, what = broken(samples[file], draw)
-        runs.append(Run(command, file, what, file, "", text))
+        seed = f"{options.seed} {len(runs)}"
+        runs.append(Run(command, file, f"seed {seed}", file, "", partial(broken, samples[file], seed)))
     return runs
 
 
@@ -331,8 +333,7 @@ def prepare(program: str, folder: Path) -> None:
 
 def shown(result: Result) -> str:
     one = result.run
-    first = (result.err.strip() or result.out.strip()).splitlines()[:1]
-    return f"{one.what} {one.key} = {one.value}: {', '.join(result.complaints)} [{result.code}] {first[0][:200] if first else ''}   ({one.command})"
+    return f"{one.what} {one.key} = {one.value}: {', '.join(result.complaints)} [{result.code}] {result.said[:200]}   ({one.command})"
 
 
 def report(mode: str, results: list[Result], options: argparse.Namespace) -> bool:
@@ -360,7 +361,7 @@ def report(mode: str, results: list[Result], options: argparse.Namespace) -> boo
         print(f"  {len(of_place)} times: {shown(of_place[0])}")
     without: dict[str, list[Result]] = {}
     for one in lacking + usage:
-        without.setdefault(re.sub(r'[-+\d.e]+|"[^"]*"', "N", (one.err.strip().splitlines() or [""])[0]), []).append(one)
+        without.setdefault(re.sub(r'[-+\d.e]+|"[^"]*"', "N", one.said), []).append(one)
     for of_text in sorted(without.values(), key=len, reverse=True)[: None if options.list else 10]:
         print(f"  {len(of_text)} without {of_text[0].lacks or 'bad input'}: {shown(of_text[0])}")
     return not wrong and named >= 99.5

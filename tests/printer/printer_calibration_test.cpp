@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "paracal/calibration/least_squares.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/units.hpp"
@@ -39,6 +40,25 @@ TEST(PrinterCalibration, NamesTheGrossErrorOfThreePrinters) {
     // And it leaves the firmware's fit, too.
     EXPECT_LT(found.by_firmware.held_out.distance, 0.6) << id;
     EXPECT_GT(found.firmware.rms_distance, 1.0) << id;
+  }
+}
+
+/// Written down before: a wrong reading takes at most five times as many least-squares solves as none.
+TEST(PrinterCalibration, AWrongReadingIsFoundWithLittleWork) {
+  const KlipperSet set = set_named("K18");
+  const auto solves = [&](const DeltaReadings& readings) {
+    const std::uint64_t before = least_squares_solved();
+    (void)calibrate_printer(set.geometry, readings);
+    return least_squares_solved() - before;
+  };
+  const std::uint64_t usual = solves(set.readings);
+  EXPECT_GT(usual, set.readings.heights.size());
+  for (const double wrong : {0.5, 5.0, 1e8}) {
+    DeltaReadings height = set.readings, distance = set.readings;
+    height.heights[3].height += wrong;
+    distance.distances[3].distance += wrong;
+    EXPECT_LE(solves(height), 5 * usual) << wrong;
+    EXPECT_LE(solves(distance), 5 * usual) << wrong;
   }
 }
 

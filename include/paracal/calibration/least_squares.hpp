@@ -42,4 +42,7 @@ struct [[nodiscard]] LeastSquaresResult {
 LeastSquaresResult solve_least_squares(const RowModel& model, const Eigen::VectorXd& start,
                                        const LeastSquaresOptions& options = {});
 
+/// How often this process has done so: work that tests count, since times vary.
+std::uint64_t least_squares_solved();
+
 }  // namespace paracal

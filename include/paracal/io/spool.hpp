@@ -15,7 +15,9 @@ class Spool {
   /// In the folder for temporary files ($TMPDIR, else /tmp).
   Spool() = default;
   /// In this folder, where its file system has files without a name.
-  explicit Spool(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// @param name  what messages call it there.
+  Spool(std::filesystem::path folder, std::filesystem::path name)
+      : folder_(std::move(folder)), name_(std::move(name)) {}
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
   ~Spool();
@@ -36,7 +38,7 @@ class Spool {
 
   void write_held();
 
-  std::filesystem::path folder_ = {};
+  std::filesystem::path folder_ = {}, name_ = {};
   int descriptor_ = -1;    ///< -1: nothing is in a file
   std::string link_ = {};  ///< what leads to the file; empty where it can get no name
   std::string held_ = {};  ///< the end, not in the file
