@@ -32,11 +32,6 @@ Rule one_of(const std::vector<std::string>& words) {
   return {complaint, shown};
 }
 
-Rule between(double smallest, double largest, const std::string& shown) {
-  CLI::Range range = shown.empty() ? CLI::Range(smallest, largest) : CLI::Range(smallest, largest, shown);
-  return Rule(range.non_modifying());
-}
-
 namespace {
 
 /// A number as people write one: 100000, 1e5.
@@ -58,6 +53,8 @@ Rule within(const plausible::Range& range) {
   };
   return {complaint, fmt::format("NUMBER in [{:g} - {:g}]", range.least, range.most)};
 }
+
+Rule between(double smallest, double largest) { return within({smallest, largest}); }
 
 Rule positive() { return within(plausible::kLimit); }
 

@@ -47,8 +47,7 @@ class Rule {
 };
 
 Rule one_of(const std::vector<std::string>& words);
-/// @param shown  in --help; empty: the two numbers.
-Rule between(double smallest, double largest, const std::string& shown = {});
+Rule between(double smallest, double largest);
 Rule within(const plausible::Range& range);
 /// Limits and the like, which no robot has beyond plausible::kLimit.
 Rule positive();

@@ -127,12 +127,11 @@ class ExportReader {
   /// mm
   double length(const std::vector<std::string>& fields, std::size_t field, const plausible::Range& range) const {
     const std::string& text = fields[places_[field] - 1];
-    const std::optional<double> number = decimals_.number(text);
+    const double mm = decimals_.number(text).value_or(std::numeric_limits<double>::quiet_NaN()) * map_.mm_per_unit;
     const std::string column = fmt::format("column {} ({})", places_[field], kExportFields[field]);
-    if (!number) {
+    if (!std::isfinite(mm)) {
       fail(fmt::format("expected a finite number in {}, got \"{}\"{}", column, text, decimals_.why_not(text)));
     }
-    const double mm = *number * map_.mm_per_unit;
     if (const auto complaint = plausible::complaint(column, mm, range)) fail(*complaint);
     return mm;
   }

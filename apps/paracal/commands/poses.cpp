@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -58,7 +57,6 @@ io::Json poses_json(const std::vector<Station>& stations) {
 }
 
 void run_paper_plan(const PosesArguments& options, Session& session) {
-  if (!std::isfinite(options.start_deg)) throw WrongUsage("--start-deg: expected a finite number, got nan");
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
   const Robot robot = session.level_robot("poses --stage");
   const PaperPlan plan = paper_plan(robot, stage, to_radians(options.start_deg), options.threshold);

@@ -267,7 +267,7 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
   command->add_option("--model", options->model, "of the Monte Carlo")
       ->check(one_of({"linear", "exact"}))
       ->shows_default();
-  const Rule share = between(1e-4, 1.0, "0.0001 to 1"), confidence = between(0.5, 0.9999, "0.5 to 0.9999");
+  const Rule share = between(1e-4, 1.0), confidence = between(0.5, 0.9999);
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,
                    "draw machines until every sigma is known to this share")
