@@ -476,7 +476,7 @@ const std::vector<BrokenInput> kBroken{
     broken("check_in_parts", kNothing, kGcode + " --check --partial", kWrongUsage, {"--check", "--partial"}),
     broken("check_of_c99", kNothing, kC99 + " --check", kWrongUsage, {"--check", "gcode"}),
     broken("origin_short", kNothing, kGcode + " --origin 1,2", kWrongUsage, {"--origin"}),
-    broken("origin_nan", kNothing, kGcode + " --origin 1,2,nan", kWrongUsage, {"--origin", "finite"}),
+    broken("origin_nan", kNothing, kGcode + " --origin 1,2,nan", kWrongUsage, {"--origin", "nan"}),
     broken("origin_of_table", kNothing, kCsv + " --origin 1,2,3", kWrongUsage, {"--origin", "gcode"}),
     broken("input_of_c99", kNothing, kC99 + " --input part.ngc", kWrongUsage, {"--input", "gcode"}),
 };
