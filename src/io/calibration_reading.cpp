@@ -119,6 +119,14 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
   return covariance;
 }
 
+/// What the readings' noise makes uncertain is a part of what is uncertain.
+void require_within(const Eigen::MatrixXd& noise, const Eigen::MatrixXd& covariance, const JsonNode& node) {
+  constexpr double kRounding = 1e-6;
+  if (noise.size() == 0 || noise.rows() != covariance.rows()) return;
+  if ((noise.diagonal().array() <= (1.0 + kRounding) * covariance.diagonal().array()).all()) return;
+  node.refuse("expected variances in covariance_of_noise up to those in covariance, got larger ones");
+}
+
 /// Who changes one of two numbers that say the same has changed neither.
 void require_stated_stds(const CalibratedMachine& machine, Actuator actuator, const JsonNode& node) {
   constexpr double kRounding = 0.01;  // of what somebody wrote by hand
@@ -230,6 +238,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   read_parameters(calibration.at("parameters"), robot, machine);
   machine.covariance = read_covariance(calibration, "covariance", machine.parameters, actuator);
   machine.noise_covariance = read_covariance(calibration, "covariance_of_noise", machine.parameters, actuator);
+  require_within(machine.noise_covariance, machine.covariance, calibration);
   require_stated_stds(machine, actuator, calibration.at("parameters"));
   if (const auto dof = calibration.find("noise_dof")) {
     machine.noise_dof = dof->number(kCount);

@@ -20,7 +20,9 @@ import sys
 import tempfile
 import threading
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,6 +30,7 @@ EVERY = "PARACAL_EVERY_MACHINE" in os.environ
 VALUES = ("1e8", "-1e8", "1e30", "1e308", "nan")
 GCODE = {"1e8": "100000000", "-1e8": "-100000000", "1e30": "1" + 30 * "0", "1e308": "1" + 308 * "0"}  # which has no exponents
 TIMEOUT_S = 20
+JSON_NUMBERS_OF_A_KEY = 3
 
 PREPARED = (
     "robot --template hexapod --out hexapod.toml",
@@ -97,12 +100,13 @@ class Accepted:
 
 LARGE = ("1e8", "-1e8", "1e30", "1e308")
 READ_OF_A_CALIBRATION = (
-    "value|std|covariance|covariance_of_noise|noise_dof|joint_std_deg|joint_std_mm|limb|coverage_factor|rank|readings|degrees_of_freedom|noise_mm|"
+    r"\.\.value|\.\.std|\.\.limb|covariance|covariance_of_noise|noise_dof|joint_std_deg|joint_std_mm|coverage_factor|rank|readings|degrees_of_freedom|noise_mm|"
     "orientation_noise_deg|residual_rms_mm|unit_weight_std|distance_bias_std_mm|fit_probability|chance"
 )
 ACCEPTED = (
     Accepted("*.json", f"(?!({READ_OF_A_CALIBRATION})$).*", "what a fit reports besides, which no command reads again", LARGE),
-    Accepted("*.json", "text|file|sha256|program|build|date|name|assumed|notes|reasons|source|series", "within a text"),
+    Accepted("*.json", r"(\.\.)?(text|file|sha256|program|build|name|assumed|notes|reasons|source|series|reading|lines|findings|likely_causes|bound)", "within a text"),
+    Accepted("*.json", "noise_dof|readings|degrees_of_freedom", "a count", ("1e8",)),
     Accepted("*", "options", "within a text"),
     Accepted("tracker.txt|export.csv", "line|column 6", "a field that is no column asked for"),
     Accepted("problem.toml|strut_problem.toml", r"cost\..*\.(A|B|cost|grade)", "a cost, in any money", ("1e8", "-1e8")),
@@ -151,7 +155,8 @@ def numbers_of(file: str, text: str) -> list[Number]:
         if heading := re.search(r"^(?:#\*# )?\[+([\w .]+)\]", told):
             section = heading[1]
         pattern = WORD if kind in ("g", "gcode", "ngc") else NUMBER if separator == ";" else PLAIN
-        json_keys = list(re.finditer(r'"(\w+)":', told))
+        json_keys = list(re.finditer(r'"(\w+)":', told)) if kind == "json" else []
+        level = "" if re.match(r"  ?\S", told) else ".."  # of an object within the file's
         for one in pattern.finditer(told):
             if told.startswith("#*# <") or (kind == "cfg" and re.match(r"(#\*# )?\[", told)):
                 continue
@@ -162,14 +167,15 @@ def numbers_of(file: str, text: str) -> list[Number]:
                 key = told[one.start() - 1]
             elif kind == "json":
                 before = [key[1] for key in json_keys if key.start() < one.start()]
-                section = before[-1] if before else section
-                key = section
+                key = level + before[-1] if before else section
             elif kind == "txt":
                 key = "line"
             else:
                 name = re.split(r"[:=]", re.sub(r"^#\*# ", "", told))[0].strip()
                 key = f"{section}.{name}"
             found.append(Number(file, number, at + one.start(), at + one.end(), key))
+        if json_keys:
+            section = level + json_keys[-1][1]
         at += len(line)
     return found
 
@@ -259,6 +265,9 @@ def of_numbers(samples: dict[str, str], options: argparse.Namespace) -> list[Run
                 continue
             text = command if file == "options" else samples[file]
             found = options_of(command) if file == "options" else numbers_of(file, text)
+            if file.endswith(".json"):  # of a key that comes again, as an entry of a matrix, the first ones
+                seen: Counter[str] = Counter()
+                found = [one for one in found if seen.update([one.key]) or seen[one.key] <= JSON_NUMBERS_OF_A_KEY]
             for number in found:
                 for value in VALUES:
                     written = GCODE.get(value, value) if file.endswith((".g", ".gcode", ".ngc")) else value

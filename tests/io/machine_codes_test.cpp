@@ -92,7 +92,7 @@ TEST(MachineCodes, AreRefusedWithTheirLine) {
   refused(CodeDialect::marlin, "\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");
   refused(CodeDialect::marlin, "M665 L200:201 R100 H200\n", "expected one number or three after L, got 2");
   refused(CodeDialect::marlin, "M665 L90 R100 H200\n", "rods longer than it");
-  refused(CodeDialect::marlin, "M665 L200 R100 H200 X1e9\n", "towers turned by up to 360 deg, got 1000000000");
+  refused(CodeDialect::marlin, "M665 L200 R100 H200 X1e4\n", "towers turned by up to 360 deg, got 10000");
   refused(CodeDialect::reprapfirmware, "M665 L217 R105 H240 X120 Y0 Z-120\n", "towers that stand apart");
   refused(CodeDialect::marlin, "M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
   refused(CodeDialect::reprapfirmware, "M669 K0\nM665 L200 R100 H200\nM666 X0\n",

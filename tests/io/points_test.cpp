@@ -235,10 +235,12 @@ TEST(PointTable, NumbersThatMakeNoSenseAreRefused) {
   expect_refused(points("sigma_mm", "A,0,0,-888,0,1,2,3,0\n"), "m.csv:2: expected sigma_mm from 1e-05 to 1e+06");
   expect_refused(points("sigma_mm", "A,0,0,-888,0,,,,-1\n"), "m.csv:2: expected sigma_mm from 1e-05 to 1e+06");
   expect_refused(points("phi_deg", "A,0,0,-888,0,1,2,3,x\n"), "m.csv:2: expected a finite number in column phi_deg");
-  for (const char* repeat : {"0", "1.5", "-1"}) {
+  for (const char* repeat : {"0", "-1"}) {
     expect_refused(points("repeat", fmt::format("A,0,0,-888,0,1,2,3,{}\n", repeat)),
-                   "m.csv:2: expected a whole number from 1 in column repeat, got", repeat);
+                   "m.csv:2: expected repeat from 1 to 1e+06, got", repeat);
   }
+  expect_refused(points("repeat", "A,0,0,-888,0,1,2,3,1.5\n"),
+                 "m.csv:2: expected a whole number from 1 in column repeat, got", "1.5");
 }
 
 TEST(PointTable, WrongColumnsAreRefused) {
@@ -500,30 +502,30 @@ TEST(Merge, ARotationReadBackwardsIsTheSameReading) {
 
 // Single heights agree by chance on a dial that shows a hundredth.
 TEST(Merge, CopiedHeightsCountOnceAsAWhole) {
-  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\nC,50,0,-888\n"};
+  const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\nC,50,0,-888\nD,0,50,-888\n"};
   const auto read = [&](const std::string& name, const std::string& rows) {
     return read_lengths({name, "pose,height_mm\n" + rows}, poses);
   };
-  const Measurements first = read("monday.csv", "A,0.01\nB,0.02\nC,0.02\n");
-  const Measurements copy = read("copy.csv", "C,0.02\nA,0.01\nB,0.02\n");
-  const Measurements other = read("tuesday.csv", "A,0.01\nB,0.02\nC,0.03\n");
+  const Measurements first = read("monday.csv", "A,0.01\nB,0.02\nC,0.02\nD,0.01\n");
+  const Measurements copy = read("copy.csv", "C,0.02\nA,0.01\nD,0.01\nB,0.02\n");
+  const Measurements other = read("tuesday.csv", "A,0.01\nB,0.02\nC,0.03\nD,0.01\n");
   const Measurements m = merge({first, copy, other});
   ASSERT_EQ(m.lengths.size(), 2u);
   EXPECT_EQ(m.lengths[0].name, "monday.csv");
   EXPECT_EQ(m.lengths[1].name, "tuesday.csv");
-  EXPECT_EQ(m.lengths[1].readings.size(), 3u);
-  EXPECT_THAT(m.notes, ElementsAre("copy.csv, 3 of 3 readings stand in an earlier series too: counted once"));
+  EXPECT_EQ(m.lengths[1].readings.size(), 4u);
+  EXPECT_THAT(m.notes, ElementsAre("copy.csv, 4 of 4 readings stand in an earlier series too: counted once"));
 }
 
 /// The same numbers on another instrument are no copy.
 TEST(Merge, LengthsOfAnotherKindAreNoCopy) {
   const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nA,0,0,-888\nB,100,0,-888\n"};
-  const Measurements heights = read_lengths({"h.csv", "pose,height_mm\nA,1\nB,2\n"}, poses);
-  const Measurements bar = read_lengths({"b.csv", "pose,ball_bar_mm\nA,1\nB,2\n"}, poses);
+  const Measurements heights = read_lengths({"h.csv", "pose,height_mm\nA,1\nB,2\nA,1.1\nB,2.1\n"}, poses);
+  const Measurements bar = read_lengths({"b.csv", "pose,ball_bar_mm\nA,1\nB,2\nA,1.1\nB,2.1\n"}, poses);
   const Measurements m = merge({heights, bar, bar});
   ASSERT_EQ(m.lengths.size(), 2u);
   EXPECT_EQ(m.lengths[1].kind, LengthKind::ball_bar);
-  EXPECT_THAT(m.notes, ElementsAre("b.csv (2), 2 of 2 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(m.notes, ElementsAre("b.csv (2), 4 of 4 readings stand in an earlier series too: counted once"));
 }
 
 TEST(Merge, OnePartStaysAsItIs) {

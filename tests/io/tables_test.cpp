@@ -62,11 +62,11 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
   const TextFile poses{"p.csv",
                        "pose,x_mm,y_mm,z_mm,q1_mm,q2_mm,q3_mm\nhome,0,0,-500,-1,-2,-3\nfar,90,0,-500,-4,-5,-6\n"};
   const JointSpace rails{3, Actuator::linear};
-  const Measurements m =
-      read_lengths({"d/bed.csv", "pose,height_mm,sigma_mm\nhome,0.1,\nfar,-0.2,0.01\nhome,0.12,\n"}, poses, rails);
+  const Measurements m = read_lengths(
+      {"d/bed.csv", "pose,height_mm,sigma_mm\nhome,0.1,\nfar,-0.2,0.01\nhome,0.12,\nfar,-0.21,\n"}, poses, rails);
   ASSERT_EQ(m.lengths.size(), 1u);
   EXPECT_EQ(m.lengths[0].name, "bed.csv");
-  ASSERT_EQ(m.lengths[0].readings.size(), 3u);
+  ASSERT_EQ(m.lengths[0].readings.size(), 4u);
   EXPECT_EQ(m.lengths[0].readings[1].length, -0.2);
   EXPECT_EQ(m.lengths[0].readings[1].sigma, 0.01);
   EXPECT_EQ(m.lengths[0].readings[2].station, 0u);
@@ -80,6 +80,7 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
   };
   refused("pose,height_mm\nnear,1\n", "bed.csv:2: expected a pose of p.csv in column pose, got \"near\"");
   refused("pose,height_mm\nhome,high\n", "bed.csv:2: ");
+  refused("pose,height_mm\nhome,1\nfar,2\nhome,1\n", "bed.csv:2: expected at least 4 readings of one set-up");
   refused("pose,height_mm\n", "expected at least one row");
   // Joints of arms are no joints of rails.
   EXPECT_THROW((void)read_lengths({"bed.csv", "pose,height_mm\nhome,1\n"}, poses, {3}), InputFileError);
@@ -92,13 +93,14 @@ TEST(LengthTable, IsKnownByItsColumn) {
   EXPECT_EQ(length_kind_in("pose,ball_bar_mm,sigma_mm"), LengthKind::ball_bar);
   EXPECT_EQ(length_kind_in("pose,dial_mm,direction_x,direction_y,direction_z"), LengthKind::dial);
   EXPECT_FALSE(length_kind_in("from,to,distance_mm"));
-  const Measurements bar = read_lengths({"bar.csv", "pose,ball_bar_mm\nhome,300.5\nfar,310\n"}, poses);
+  const Measurements bar =
+      read_lengths({"bar.csv", "pose,ball_bar_mm\nhome,300.5\nfar,310\nhome,300.6\nfar,310.1\n"}, poses);
   ASSERT_EQ(bar.lengths.size(), 1u);
   EXPECT_EQ(bar.lengths[0].kind, LengthKind::ball_bar);
   EXPECT_FALSE(bar.lengths[0].at);
   EXPECT_EQ(bar.lengths[0].readings[0].length, 300.5);
   const Measurements dials = read_lengths(
-      {"d.csv", "pose,dial_mm,direction_x,direction_y,direction_z\nhome,0,0,0,1\nfar,-1.5,0,0,1\nfar,2,1,0,0\n"},
+      {"d.csv", "pose,dial_mm,direction_x,direction_y,direction_z\nhome,0,0,0,1\nfar,-1.5,0,0,1\nfar,2,1,0,0\nhome,1,1,0,0\n"},
       poses);
   ASSERT_EQ(dials.lengths.size(), 2u);
   EXPECT_EQ(dials.lengths[0].name, "d.csv");
@@ -112,7 +114,8 @@ TEST(LengthTable, IsKnownByItsColumn) {
         },
         ThrowsMessage<InputFileError>(testing::HasSubstr(part)));
   };
-  refused("pose,ball_bar_mm\nhome,0\n", "l.csv:2: expected ball_bar_mm above 0 and up to 1e+06 mm (ten times the reach of the robot), got 0");
+  refused("pose,ball_bar_mm\nhome,0\n",
+          "l.csv:2: expected ball_bar_mm above 0 and up to 1e+06 mm (ten times the reach of the robot), got 0");
   refused("pose,ball_bar_mm,centre_x_mm\nhome,1,2\n", "centre_y_mm");
   refused("pose,dial_mm\nhome,1\n", "direction_x");
   refused("pose,dial_mm,direction_x,direction_y,direction_z\nhome,1,0,0,0\n",
@@ -125,12 +128,13 @@ TEST(LengthTable, IsKnownByItsColumn) {
 TEST(LengthTable, IsReadBack) {
   const TextFile poses{"p.csv", "pose,x_mm,y_mm,z_mm\nhome,0,0,-500\nfar,90,0,-500\n"};
   for (const LengthWords& kind : length_kinds()) {
-    Measurements written{.stations = read_poses(poses), .lengths = {{"l.csv", kind.kind, {{0, 1.25}, {1, 0.1, 0.02}}}}};
+    Measurements written{.stations = read_poses(poses),
+                         .lengths = {{"l.csv", kind.kind, {{0, 1.25}, {1, 0.1, 0.02}, {0, 1.5}, {1, 0.2}}}}};
     if (!kind.at_columns.front().empty()) written.lengths[0].at = Eigen::Vector3d(0.1, -2.5, 3.0);
     const LengthSeries read = read_lengths({"l.csv", length_table(written)}, poses).lengths.at(0);
     EXPECT_EQ(read.kind, kind.kind);
     EXPECT_EQ(read.at, written.lengths[0].at) << kind.name;
-    ASSERT_EQ(read.readings.size(), 2u);
+    ASSERT_EQ(read.readings.size(), 4u);
     EXPECT_EQ(read.readings[0].length, 1.25);
     EXPECT_EQ(read.readings[1].length, 0.1);
     EXPECT_FALSE(read.readings[0].sigma);

@@ -171,7 +171,8 @@ TEST(Latin1, NamesAndCommentsGoOnEscaped) {
   EXPECT_EQ(points.stations.at(1).name, "Me\\xDF");
   const std::string note = "line 3: bytes that are no UTF-8 stand in names as \\xE9 and the like, here and below";
   EXPECT_THAT(points.notes, ElementsAre(note));
-  const Measurements heights = read_lengths({"h.csv", "pose,height_mm\nMe\xDF 1,0.5\nP2,1\n"}, {"p.csv", poses});
+  const Measurements heights =
+      read_lengths({"h.csv", "pose,height_mm\nMe\xDF 1,0.5\nP2,1\nP2,1.1\nP2,1.2\n"}, {"p.csv", poses});
   EXPECT_THAT(heights.notes, ElementsAre(HasSubstr("line 2: bytes"), "p.csv, " + note));
 }
 

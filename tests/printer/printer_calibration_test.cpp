@@ -210,7 +210,8 @@ TEST(KlipperFile, IsRefusedWithItsLine) {
   refused("#*# delta_radius = 161", "#*# delta_radius = x161", "expected a number for delta_radius");
   refused("#*# arm_length = 344.106553", "#*# arm_length = 34.4", "expected arm_length above delta_radius");
   refused("height0_pos = ", "height0_pos = 1,", "expected three step counts for height0_pos");
-  refused("height0_pos = ", "height0_pos = 9", "expected steps that the printer can take");
+  refused("height0_pos = ", "height0_pos = 1", "expected steps that the printer can take");
+  refused("height0_pos = ", "height0_pos = 9", "steps (further no joint goes), got 9");
   refused("step_distance", "step_length", "expected rotation_distance in [stepper_a], got none");
 }
 
