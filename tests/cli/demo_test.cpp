@@ -149,7 +149,7 @@ TEST_F(Demo, LeavesAllFilesOrNoFolder) {
   const auto expected = files_of(folder.path() / "made");
   int refused = 0;
   for (const char* fault :
-       {"mkdir 1 28", "link 12 28", "link 15 28", "link 22 28", "write 30 28", "open 40 13", "rename 1 28"}) {
+       {"mkdir 1 28", "write 2 28", "write 12 28", "write 30 28", "open 40 13", "rename 2 28", "rename 8 28"}) {
     remove_all(folder.path() / "made");
     const ProgramResult result =
         run(kDemo, {"SOURCE_DATE_EPOCH=0", preloaded_faults(), std::string("PARACAL_FAULT=") + fault});

@@ -100,8 +100,8 @@ TEST_F(LinuxcncConfiguration, WritesAllFilesOrNoFolder) {
   ASSERT_EQ(run(kConfigure).exit_code, kDone);
   const auto expected = files_of(machine());
   int refused = 0, ended = 0;
-  for (const char* fault : {"mkdir 1 28", "link 1 28", "link 7 28", "write 3 28", "open 5 13", "mkdir 1 -15",
-                            "open 4 -15", "link 2 -2", "link 7 -15"}) {
+  for (const char* fault : {"mkdir 1 28", "rename 2 28", "rename 8 28", "write 3 28", "open 5 13", "mkdir 1 -15",
+                            "open 4 -15", "write 2 -2", "rename 7 -15"}) {
     remove_all(machine());
     const ProgramResult result = run(kConfigure, {preloaded_faults(), std::string("PARACAL_FAULT=") + fault});
     refused += result.exit_code == kWrongUsage;

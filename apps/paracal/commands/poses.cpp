@@ -192,7 +192,7 @@ void add_poses(Command& program, Session& session) {
       ->check(between(-360.0, 360.0))
       ->shows_default();
   command->add_option("--threshold", options->threshold, "relative change of O2 that counts as settled")
-      ->check(positive())
+      ->check(within({1e-15, 1.0}))
       ->shows_default();
   Option* optimal =
       command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
