@@ -39,6 +39,15 @@ def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
     return np.asarray(array, dtype=np.float64)
 
 
+def column_names(table: Any) -> list[Any] | None:
+    """Of a dict of columns or a DataFrame (pandas, polars, pyarrow); None of anything else."""
+    for attribute in ("keys", "column_names", "columns"):
+        names = getattr(table, attribute, None)
+        if names is not None:
+            return list(names() if callable(names) else names)
+    return None
+
+
 def by_name(
     what: str, table: Any, wanted: Mapping[str, str], unsaid: Mapping[str, float]
 ) -> FloatArray:
@@ -54,7 +63,7 @@ def by_name(
     stems = {name: stem for stem, names in spelt.items() for name in names}
     columns: dict[str, FloatArray] = {}
     unknown = []
-    for name in table.keys():
+    for name in column_names(table) or ():
         stem = stems.get(name)
         if stem is not None and stem not in columns:
             numbers = as_doubles(f"{what}: column {name}", table[name])
@@ -96,15 +105,17 @@ def as_poses(poses: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[i
     rad where the tilt of the plate is commanded; angles are 0 where the last axis has three
     entries, or the column is not there. Columns are named as in files: x_mm or x_cmd_mm, ..."""
     angles = pose_axes(robot)[3:]
-    if hasattr(poses, "keys"):
-        commanded = "_cmd" if "x_cmd_mm" in poses.keys() else ""
+    numbers: Any = poses
+    names = column_names(poses)
+    if names is not None:
+        commanded = "_cmd" if "x_cmd_mm" in names else ""
         unsaid = {f"{angle}{commanded}": 0.0 for angle in angles}
         if robot.guided_z is not None:
             unsaid[f"z{commanded}"] = robot.guided_z
         units = {f"{axis}{commanded}": "mm" for axis in "xyz"}
         units.update({f"{angle}{commanded}": "rad" for angle in angles})
-        poses = by_name("poses", poses, units, unsaid)
-    array = as_doubles("poses", poses)
+        numbers = by_name("poses", poses, units, unsaid)
+    array = as_doubles("poses", numbers)
     if array.ndim > 0 and array.shape[-1] == 3:
         array = np.concatenate([array, np.zeros(array.shape[:-1] + (len(angles),))], axis=-1)
     width = 3 + len(angles)
@@ -119,10 +130,11 @@ def as_poses(poses: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[i
 def as_joints(joints: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
     """(n, limbs), rad or mm; columns are named as in files: q1_deg, or q1_mm of rails and
     struts."""
-    if hasattr(joints, "keys"):
+    numbers: Any = joints
+    if column_names(joints) is not None:
         units = {f"q{k + 1}": robot.joint_unit for k in range(robot.limb_count)}
-        joints = by_name("joints", joints, units, {})
-    return as_rows("joints", joints, robot.limb_count)
+        numbers = by_name("joints", joints, units, {})
+    return as_rows("joints", numbers, robot.limb_count)
 
 
 def shaped(array: Any, lead: tuple[int, ...]) -> Any:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 import numpy as np
 
 from . import _paracal
+from ._arrays import column_names
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -39,11 +40,12 @@ def _cell(value: Any) -> str:
 
 
 def _columns(table: Any) -> dict[str, list[Any]]:
-    if not hasattr(table, "keys"):
+    names = column_names(table)
+    if names is None:
         raise InvalidArgument(
             f"table: expected a file, a DataFrame or a dict of columns, got {type(table).__name__}"
         )
-    columns = {str(name): np.asarray(table[name], dtype=object).tolist() for name in table.keys()}
+    columns = {str(name): np.asarray(table[name], dtype=object).tolist() for name in names}
     if any(not isinstance(column, list) for column in columns.values()):
         raise InvalidArgument("table: expected columns with a value a row")
     lengths = {name: len(column) for name, column in columns.items()}

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray, as_doubles, as_poses
+from ._arrays import FloatArray, as_doubles, as_poses, column_names
 from ._keywords import keywords
 from ._tables import Table
 from .errors import InvalidArgument
@@ -300,7 +300,8 @@ def named_poses(poses: Any, robot: Robot) -> tuple[list[str], FloatArray]:
     array are named P0, P1, ..."""
     if isinstance(poses, Plan):
         return poses.names, np.ascontiguousarray(poses.poses)
-    if isinstance(poses, str) or hasattr(poses, "__fspath__") or hasattr(poses, "keys"):
+    is_file = isinstance(poses, str) or hasattr(poses, "__fspath__")
+    if is_file or column_names(poses) is not None:
         return read_poses(poses, robot)
     rows, lead = as_poses(poses, native_robot(robot))
     if len(lead) != 1 or lead[0] == 0:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray, Numbers, as_doubles, as_rows, by_name, pose_axes
+from ._arrays import FloatArray, Numbers, as_doubles, as_rows, by_name, column_names, pose_axes
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -178,8 +178,8 @@ class Machine:
     def __init__(self, robot: Robot, errors: Numbers | None = None) -> None:
         native = native_robot(robot)
         columns = len(robot.sources)
-        given = np.zeros((robot.limb_count, columns)) if errors is None else errors
-        if hasattr(given, "keys"):
+        given: Any = np.zeros((robot.limb_count, columns)) if errors is None else errors
+        if column_names(given) is not None:
             given = by_name("errors", given, robot.units, {})
         rows, lead = as_rows("errors", given, columns)
         if lead != (robot.limb_count,):

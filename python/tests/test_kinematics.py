@@ -412,6 +412,32 @@ class Columns(TestCase):
             pc.inverse(robot, place).joints, pc.inverse(robot, [[5.0, 10.0, -900.0, 0.0]]).joints
         )
 
+    def test_tables_of_other_libraries_go_by_name_too(self):
+        """As polars and pyarrow call their columns; read by position, 30 deg were 30 rad."""
+
+        class Frame:
+            def __init__(self, names, data):
+                setattr(self, names, list(data))
+                self.data = data
+
+            def __getitem__(self, name):
+                return self.data[name]
+
+            def __array__(self, dtype=None):
+                return np.array(list(self.data.values()), dtype).T
+
+        robot = pc.robot("huang2016")
+        columns = {"x_mm": [5.0], "y_mm": [10.0], "z_mm": [-900.0], "phi_deg": [30.0]}
+        expected = pc.inverse(robot, columns).joints
+        for names in ("columns", "column_names"):
+            self.same(pc.inverse(robot, Frame(names, columns)).joints, expected)
+            joints = {f"q{k + 1}_deg": [0.1 * k] for k in range(4)}
+            self.same(
+                pc.forward(robot, Frame(names, joints)).poses, pc.forward(robot, joints).poses
+            )
+            plan = pc.identifiability(robot, Frame(names, columns), measure="coordinates")
+            self.assertEqual(plan.rows, 3)
+
     def test_one_pose_and_other_shapes(self):
         robot = pc.robot("huang2016")
         single = pc.inverse(robot, {"x_mm": 5.0, "y_mm": 10.0, "z_mm": -900.0, "phi_deg": 0.0})

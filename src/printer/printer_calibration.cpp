@@ -185,10 +185,15 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
   if (judge.parameters.size() == known.parameters.size()) known.covariance = above_plane(judge).covariance;
   const DeltaFit judged = judge_as_firmware(saved, good);
   const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
-  const auto held_out = hold_out(saved, good, sought.seeks_bias, sought.bow_radius, saved_is_fit);
-  const DeltaProjection projection = fit->written();
+  const std::vector<std::string> wrong = all_implausible(saved, good, checked);
+  // Of a wrong file or wrong readings nothing is advised, whatever these many fits would say.
+  std::optional<HeldOut> held_out;
   std::vector<std::string> uncheckable;
-  if (options.tries_gross) uncheckable = unnoticed(saved, readings, fit->calibration, sought);
+  if (wrong.empty()) {
+    held_out = hold_out(saved, good, sought.seeks_bias, sought.bow_radius, saved_is_fit);
+    if (options.tries_gross) uncheckable = unnoticed(saved, readings, fit->calibration, sought);
+  }
+  const DeltaProjection projection = fit->written();
   PrinterCalibration result{
       .saved = judge_as_firmware(saved, readings),
       .firmware = fit->firmware,
@@ -208,7 +213,6 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
       .shift = shift,
       .uncheckable = std::move(uncheckable),
       .findings = {}};
-  const std::vector<std::string> wrong = all_implausible(saved, good, checked);
   detail::advise(readings, wrong, result);
   if (!wrong.empty()) reject(wrong, result.calibration);
   return result;

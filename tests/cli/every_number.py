@@ -110,6 +110,7 @@ ACCEPTED = (
     Accepted("*", "options", "within a text"),
     Accepted("tracker.txt|export.csv", "line|column 6", "a field that is no column asked for"),
     Accepted("problem.toml|strut_problem.toml", r"cost\..*\.(A|B|cost|grade)", "a cost, in any money", ("1e8", "-1e8")),
+    Accepted("targets.csv", "step", "of no pose: passed on as it stands"),
     Accepted("*.gcode|*.ngc", "[NMGTSP]", "not of motion: passed on as it stands"),
     Accepted("*", "--seed|--threads|--machines|--candidates|--max-machines|--optimal", "a whole number", ("1e8",)),
 )

@@ -14,8 +14,8 @@ namespace paracal::plausible {
 
 struct Range {
   double least, most;
-  std::string_view unit = "";
-  std::string_view why = "";  ///< in a refusal
+  std::string_view unit = {};
+  std::string_view why = {};  ///< in a refusal
 
   /// False for what is not a number.
   bool contains(double value) const { return value >= least && value <= most; }
