@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "description.hpp"
-#include "paracal/mechanism/plausible.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 // The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
 namespace CLI {

@@ -24,7 +24,8 @@ inline Unreachable not_closed(const Robot& robot, const Machine& machine, const 
     if (!at.empty() || forward(machine, believed_joints(robot, station), started(robot, station)).usable()) continue;
     at = named(station) + ": ";
   }
-  return Unreachable(at + "the machine does not close with the joints believed there");
+  at += "the machine does not close with the joints believed there";
+  return Unreachable{at};
 }
 
 }  // namespace paracal::detail

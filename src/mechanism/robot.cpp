@@ -48,8 +48,8 @@ std::vector<Dimension> dimensions_of(const RobotDescription& robot) {
 /// One that is no dimension beside the others is a slip of the pen.
 void check_proportions(const RobotDescription& robot) {
   std::vector<Dimension> all = dimensions_of(robot);
-  std::vector<double> lengths;
-  for (const auto& [name, length] : all) lengths.push_back(length);
+  std::vector<double> lengths(all.size());
+  std::ranges::transform(all, lengths.begin(), &Dimension::second);
   const plausible::Range range = plausible::dimension(std::move(lengths));
   const auto check = [&](const std::string& name, double length) {
     if (const auto complaint = plausible::complaint("a length", length, range)) {
@@ -228,7 +228,8 @@ void check_parts(RobotDescription& description) {
 
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
-  if (!control_character(description.name).empty()) throw InvalidArgument("name: expected text, got a control character in it");
+  if (!control_character(description.name).empty())
+    throw InvalidArgument("name: expected text, got a control character in it");
   const PlateFreedoms& freedoms = description.geometry.freedoms;
   description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
   check_parts(description);

@@ -100,7 +100,8 @@ TEST(LengthTable, IsKnownByItsColumn) {
   EXPECT_FALSE(bar.lengths[0].at);
   EXPECT_EQ(bar.lengths[0].readings[0].length, 300.5);
   const Measurements dials = read_lengths(
-      {"d.csv", "pose,dial_mm,direction_x,direction_y,direction_z\nhome,0,0,0,1\nfar,-1.5,0,0,1\nfar,2,1,0,0\nhome,1,1,0,0\n"},
+      {"d.csv",
+       "pose,dial_mm,direction_x,direction_y,direction_z\nhome,0,0,0,1\nfar,-1.5,0,0,1\nfar,2,1,0,0\nhome,1,1,0,0\n"},
       poses);
   ASSERT_EQ(dials.lengths.size(), 2u);
   EXPECT_EQ(dials.lengths[0].name, "d.csv");
