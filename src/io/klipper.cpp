@@ -153,7 +153,7 @@ JointDrops drops_of(const Settings& settings, const std::string& reading, const 
   for (std::size_t i = 0; i < 3; ++i) {
     const double steps = Settings::number_of({counts[i], value.file, value.line}, key);
     drops[i] =
-        step[i] * in_range(value, key, steps, {-most / step[i], most / step[i], "steps", "further no joint goes"});
+        step[i] * in_range(value, key, steps, {-most / step[i], most / step[i], "steps", "no joint moves further"});
   }
   return drops;
 }

@@ -142,13 +142,14 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
   const std::filesystem::path folder = std::filesystem::path(pattern.file->name).parent_path();
   const std::string whole = (folder / pattern.text).string();
   const std::optional<std::vector<std::string>> names = matches(whole);
-  if (!names) fail(pattern, fmt::format("expected a pattern of few folders, got {}", pattern.text));
+  if (!names)
+    fail(pattern, fmt::format("expected a narrower pattern, got {}, which matches too many folders", pattern.text));
   if (names->empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) missing_.push_back(pattern);
   for (const std::string& name : *names) {
     if (std::ranges::find(within, name) != within.end()) {
       fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
     }
-    if (!std::filesystem::is_regular_file(name)) fail(pattern, fmt::format("expected files, got {}", name));
+    if (!std::filesystem::is_regular_file(name)) fail(pattern, fmt::format("expected a regular file, got {}", name));
     if (files_.size() > kMostFiles) fail(pattern, fmt::format("expected at most {} files, got more", kMostFiles));
     included_bytes_ += std::filesystem::file_size(name);
     if (included_bytes_ > kMostBytes) {

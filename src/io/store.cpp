@@ -227,7 +227,7 @@ class StoredFile {
       (void)uninterrupted([&] { return unlink(place_.c_str()); });
     } else if (!replace(earlier_, place_)) {
       const std::string left = std::filesystem::path(std::exchange(earlier_, {})).filename();
-      return fmt::format("; what {} was is now {} in its folder", target_.string(), left);
+      return fmt::format("; the earlier {} is now {} in the same folder", target_.string(), left);
     }
     earlier_.clear();
     return {};
@@ -259,8 +259,9 @@ class StoredFile {
 
   void require_as_read() const {
     if (replaced_.sha256.empty() || (!earlier_.empty() && is_as_read(earlier_, replaced_.sha256))) return;
-    throw Error(fmt::format("{}: expected what was read, got another text by now, which is left: run this again",
-                            target_.string()));
+    throw Error(fmt::format(
+        "{}: expected the file that was read, got one that changed since; it was not overwritten: run this again",
+        target_.string()));
   }
 
   void keep_earlier() {

@@ -170,7 +170,7 @@ TEST_F(PrinterCommand, LosesNoEditMadeMeanwhile) {
     ++refused;
     EXPECT_EQ(text, outdated() + edit) << k;
     EXPECT_EQ(own.names().size(), 1u) << k;
-    EXPECT_THAT(result.err, HasSubstr("printer.cfg: expected what was read, got another text by now")) << k;
+    EXPECT_THAT(result.err, HasSubstr("printer.cfg: expected the file that was read, got one that changed since")) << k;
   }
   EXPECT_GT(refused, 0);
 }
@@ -441,7 +441,7 @@ TEST_F(PrinterCommand, ConfigurationsMayIncludeOthers) {
   refused("other.cfg", "it may be in other.cfg, which");
   refused("steppers.cfg", "steppers.cfg:2: expected files that do not include themselves, got steppers.cfg");
   ASSERT_EQ(mkfifo((folder.path() / "pipe.cfg").c_str(), 0600), 0);
-  refused("pipe.cfg", "steppers.cfg:2: expected files, got pipe.cfg");
+  refused("pipe.cfg", "steppers.cfg:2: expected a regular file, got pipe.cfg");
   refused("/*/*/*/*", "steppers.cfg:2: expected ");
   create_directory(folder.path() / "many");
   for (int k = 0; k < 1000; ++k) folder.write(fmt::format("many/{}.cfg", k), "\n");

@@ -95,7 +95,8 @@ TEST_F(Stores, WhatChangedSinceItWasReadStays) {
     store.write(folder / "file", "new", {.sha256 = sha256("as read"), .kept_as = "kept"});
     store.commit();
   };
-  const auto is_refused = ThrowsMessage<Error>(HasSubstr("file: expected what was read, got"));
+  const auto is_refused =
+      ThrowsMessage<Error>(HasSubstr("file: expected the file that was read, got one that changed"));
   EXPECT_THAT(replace, is_refused);
   EXPECT_EQ(entries(), 0);
   write_file(folder / "file", "an edit");

@@ -211,7 +211,7 @@ TEST(KlipperFile, IsRefusedWithItsLine) {
   refused("#*# arm_length = 344.106553", "#*# arm_length = 34.4", "expected arm_length above delta_radius");
   refused("height0_pos = ", "height0_pos = 1,", "expected three step counts for height0_pos");
   refused("height0_pos = ", "height0_pos = 1", "expected steps that the printer can take");
-  refused("height0_pos = ", "height0_pos = 9", "steps (further no joint goes), got 9");
+  refused("height0_pos = ", "height0_pos = 9", "steps (no joint moves further), got 9");
   refused("step_distance", "step_length", "expected rotation_distance in [stepper_a], got none");
 }
 
