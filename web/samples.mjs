@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 const published = fileURLToPath(new URL("../data/huang2016/", import.meta.url));
 
 /// Names that would do harm if they were ever taken for markup or for a program.
-export const hostileNames = ["<img src=x onerror=alert(1)>", "</script><script>alert(2)</script>", "{{7*7}}${7*7}", "=HYPERLINK(1)", "\u202egnihtyreve"];
+export const hostileNames = ["<img src=x onerror=alert(1)>", "</script><script>alert(2)</script>", "{{7*7}}${7*7}", "=HYPERLINK(1)", "\u200f\u05d0\u05d1, right to left"];
 
 /// The tenth reading, two millimetres off in x.
 function withGrossError(table) {
