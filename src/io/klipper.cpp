@@ -137,23 +137,22 @@ DeltaGeometry geometry_of(const Settings& settings) {
 }
 
 /// Three step counts below the endstops as drops, of a reading that stands under another key.
-JointDrops drops_of(const Settings& settings, const std::string& reading, const std::string& key,
+JointDrops drops_of(const Settings& settings, const std::string& key, const std::string& place,
                     const DeltaGeometry& geometry, const std::array<double, 3>& step) {
-  const Settings::Value of = settings.require("delta_calibrate", reading);
-  const Settings::Value value = settings.find("delta_calibrate", key).value_or(of);
-  if (value.text.data() == of.text.data())
-    Settings::fail(of, fmt::format("expected {} with {}, got none", key, reading));
+  const Settings::Value of = settings.require("delta_calibrate", key);
+  const Settings::Value value = settings.find("delta_calibrate", place).value_or(of);
+  if (value.text.data() == of.text.data()) Settings::fail(of, fmt::format("expected {} with {}, got none", place, key));
   const std::vector<std::string_view> counts = cut(value.text, ',');
   if (counts.size() != 3) {
-    Settings::fail(value, fmt::format("expected three step counts for {}, got \"{}\"", key, value.text));
+    Settings::fail(value, fmt::format("expected three step counts for {}, got \"{}\"", place, value.text));
   }
   const bool rotary = geometry.actuator == Actuator::revolute;
   const double most = rotary ? 2.0 * std::numbers::pi : plausible::length(reach(geometry)).most;
   JointDrops drops{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double steps = Settings::number_of({counts[i], value.file, value.line}, key);
+    const double steps = Settings::number_of({counts[i], value.file, value.line}, place);
     drops[i] =
-        step[i] * in_range(value, key, steps, {-most / step[i], most / step[i], "steps", "no joint moves further"});
+        step[i] * in_range(value, place, steps, {-most / step[i], most / step[i], "steps", "no joint moves further"});
   }
   return drops;
 }
