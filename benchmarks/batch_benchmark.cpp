@@ -13,10 +13,10 @@
 
 #include "host.hpp"
 #include "interleaved_timing.hpp"
+#include "jobs/batch_job.hpp"
 #include "paracal/batch/batch.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
-#include "paracal/io/chunks.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/catalogue.hpp"
@@ -99,7 +99,7 @@ void report_machines() {
 void report_threads() {
   const Batch batch = paper_batch(Method::best);
   const auto chunk = [&](unsigned threads) {
-    return [&batch, threads] { keep(run_chunk(batch, {0, 2 * kMachines}, threads, kNeverStop)); };
+    return [&batch, threads] { keep(exactly(batch, {0, 2 * kMachines}, threads, kNeverStop)); };
   };
   const auto seconds = interleave({chunk(1), chunk(2)}, kRounds);
   fmt::print("\nMachines a second: {:.0f} on 1 thread, {:.0f} on 2 threads; 2 threads are {:.2f} times as fast\n",
@@ -123,7 +123,10 @@ Batch cheap_batch() {
 void report_memory() {
   const Batch cheap = cheap_batch(), paper = paper_batch(Method::best);
   const auto peak_of = [](const Batch& batch, std::uint64_t machines) {
-    return peak_memory([&] { keep(io::run_batch(batch, {.machines = machines, .threads = 2}, kNeverStop)); });
+    return peak_memory([&] {
+      JobInMemory job;
+      keep(jobs::run_batch(batch, {.machines = machines, .threads = 2}, chunk_sizes(batch, machines), job, kNeverStop));
+    });
   };
   fmt::print("\nPeak memory of a process with 2 threads, MB ({:.1f} with nothing)\n", peak_memory([] {}));
   for (const std::uint64_t machines : {10'000U, 100'000U, 1'000'000U}) {

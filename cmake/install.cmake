@@ -1,4 +1,4 @@
-# Two components: `program`, with its manual pages, completions, samples and schemas; `development`, the library.
+# Components: `program`, with its manual pages, completions, samples and schemas; `development`, the library; `mpi`, the program for many computers.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS paracal EXPORT paracal-targets COMPONENT development)
@@ -15,6 +15,12 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/paracal.pc DESTINATION ${CMAKE_INSTALL
 
 if(TARGET paracal-app)
   install(TARGETS paracal-app COMPONENT program)
+  if(TARGET paracal-mpi)
+    install(TARGETS paracal-mpi COMPONENT mpi)
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/paracal-mpi.1 ".so man1/paracal.1\n")
+    execute_process(COMMAND gzip -9nf ${CMAKE_CURRENT_BINARY_DIR}/paracal-mpi.1)
+    install(FILES ${CMAKE_CURRENT_BINARY_DIR}/paracal-mpi.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT mpi)
+  endif()
   set(manual ${CMAKE_CURRENT_BINARY_DIR}/manual)
   add_custom_command(OUTPUT ${manual}/made
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual} COMMAND ${CMAKE_COMMAND} -E make_directory ${manual}

@@ -10,7 +10,8 @@ set(packages
   "libcsv|libcsv-dev"
   "nlohmann-json|nlohmann-json3-dev"
   "CLI11|libcli11-dev"
-  "libmd|libmd-dev")
+  "libmd|libmd-dev"
+  "zlib|zlib1g-dev")
 set(text "Boost.Math\n\nBoost Software License 1.0, which asks for no notice in programs.\n\n")
 string(REPEAT "-" 60 line)
 string(APPEND text "${line}\n\n")

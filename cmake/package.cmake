@@ -1,4 +1,4 @@
-# Debian packages (tools/package.sh): paracal, libparacal-dev and, where a component `python` is installed, python3-paracal.
+# Debian packages (tools/package.sh): paracal, libparacal-dev and, where they are built, python3-paracal and paracal-mpi.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME paracal)
 set(CPACK_PACKAGE_VENDOR "The paracal authors")
@@ -33,6 +33,13 @@ if(python IN_LIST components)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION "${about}")
+endif()
+
+if(mpi IN_LIST components)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME paracal-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "openmpi-bin, paracal")
+  set(CPACK_COMPONENT_MPI_DESCRIPTION "${about}\n.\nThis package has the program for many computers: mpirun -n 64 paracal-mpi yield ...")
 endif()
 
 # What Debian asks of every package: who may use it, what has changed, and, where its checker is not to be believed, why.

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "fuzzing.hpp"
-#include "paracal/io/chunks.hpp"
+#include "jobs/batch_job.hpp"
+#include "jobs/chunked_job.hpp"
+#include "jobs/gzip.hpp"
 #include "paracal/io/file.hpp"
 
 namespace paracal::fuzz {
@@ -17,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMachines = 4, kChunk = 2;
-constexpr std::array kFiles{"batch.json", "machines-000000000000-2.json", "machines-000000000002-2.json"};
+constexpr std::array kFiles{"job.json", "exact-000000000000-2.json.gz", "exact-000000000002-2.json.gz"};
 
 /// Some bytes of a file replaced by others.
 struct Edit {
@@ -36,7 +38,7 @@ Edit edit_of(const std::uint8_t* data, std::size_t size) {
 std::string with_hash(const std::string& text) {
   const auto shallow = [](int depth, Json::parse_event_t /*event*/, Json& /*value*/) { return depth < 50; };
   Json chunk = Json::parse(text, shallow, false);
-  if (chunk.is_object() && chunk.contains("tally")) chunk["sha256"] = io::sha256(chunk["tally"].dump());
+  if (chunk.is_object() && chunk.contains("content")) chunk["sha256"] = io::sha256(chunk["content"].dump());
   return chunk.dump();
 }
 
@@ -80,9 +82,12 @@ class Folder {
     const std::atomic<bool> never = false;
     whole_ = run(never).tally;
     for (std::size_t chunk = 0; chunk < 2; ++chunk) {
-      others_[chunk] = *run_chunk(batch_, {chunk == 0 ? kChunk : 0, kChunk}, 1, never);
+      others_[chunk] = *exactly(batch_, {chunk == 0 ? kChunk : 0, kChunk}, 1, never);
     }
-    for (std::size_t file = 0; file < kFiles.size(); ++file) texts_[file] = io::read_file(path_ / kFiles[file]).text;
+    for (std::size_t file = 0; file < kFiles.size(); ++file) {
+      const std::string bytes = io::read_file(path_ / kFiles[file]).text;
+      texts_[file] = file == 0 ? bytes : jobs::gunzip(bytes);
+    }
   }
   ~Folder() {
     std::error_code ignored;
@@ -95,7 +100,7 @@ class Folder {
     write(edit.file, edited(texts_[edit.file], edit));
     may_complain([&] {
       const std::atomic<bool> stopped = true;  // nothing is made again
-      const io::BatchResult result = run(stopped);
+      const jobs::BatchResult result = run(stopped);
       require(result.complete == warning_.empty());
       if (!result.complete) {
         require(edit.file > 0 && warning_.find(kFiles[edit.file]) != std::string::npos);
@@ -107,19 +112,16 @@ class Folder {
   }
 
  private:
-  io::BatchResult run(const std::atomic<bool>& stop) {
+  jobs::BatchResult run(const std::atomic<bool>& stop) {
     warning_.clear();
-    return io::run_batch(batch_,
-                         {.machines = kMachines,
-                          .chunk = kChunk,
-                          .threads = 1,
-                          .checkpoint = path_,
-                          .warning = [this](const std::string& text) { warning_ = text; }},
-                         stop);
+    jobs::Alone alone;
+    jobs::ChunkedJob job(alone, {.checkpoint = path_, .warning = [this](const std::string& text) { warning_ = text; }},
+                         jobs::description(batch_, {.exact = kChunk}));
+    return jobs::run_batch(batch_, {.machines = kMachines, .threads = 1}, jobs::chunk_sizes(job.agreed()), job, stop);
   }
 
   void write(std::size_t file, const std::string& text) const {
-    std::ofstream(path_ / kFiles[file], std::ios::binary) << text;
+    std::ofstream(path_ / kFiles[file], std::ios::binary) << (file == 0 ? text : jobs::gzip(text));
   }
 
   std::filesystem::path path_;

@@ -14,7 +14,7 @@ trap 'rm -f "$log"' EXIT
 quietly() { "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 1; }; }
 
 maintainer="${DEBFULLNAME:-$(git log -1 --format=%an)} <${DEBEMAIL:-$(git log -1 --format=%ae)}>"
-tools/build.sh "$preset" paracal-app paracal-manual paracal-python
+tools/build.sh "$preset" paracal-app paracal-manual paracal-mpi paracal-python
 # Below /usr Debian's python3 has its packages elsewhere than below any other prefix.
 quietly cmake -DPARACAL_PYTHON_INSTALL_DIR=lib/python3/dist-packages "$tree"
 trap 'rm -f "$log"; cmake -UPARACAL_PYTHON_INSTALL_DIR "$tree" >/dev/null 2>&1' EXIT

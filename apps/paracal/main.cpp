@@ -7,6 +7,7 @@
 #include <new>
 #include <string_view>
 
+#include "launch.hpp"
 #include "program.hpp"
 #include "session.hpp"
 
@@ -14,8 +15,10 @@ namespace {
 
 using namespace paracal::app;
 
-int complain(const std::exception& error, ExitCode code) {
-  std::fprintf(stderr, "paracal: %s\n", paracal::printable(error.what()).c_str());
+int complain(Launch& launch, const std::exception& error, ExitCode code) {
+  launch.wait_for_the_first();
+  std::fprintf(stderr, "%s: %s\n", Launch::name(), paracal::printable(error.what()).c_str());
+  launch.give_up(code);
   return code;
 }
 
@@ -62,19 +65,23 @@ void keep_standard_streams() {
 int main(int argc, char** argv) {
   std::set_new_handler(give_up);
   keep_standard_streams();
+  Launch launch(argc, argv);
   try {
-    return run_program({argv + std::min(argc, 1), argv + argc}, write_to_standard_output);
+    const auto nowhere = [](std::string_view /*text*/) {};
+    const bool writes = launch.ranks().number() == 0;
+    return run_program({argv + std::min(argc, 1), argv + argc},
+                       writes ? paracal::io::TextSink(write_to_standard_output) : nowhere, launch.ranks());
   } catch (const paracal::InputFileError& error) {
-    return complain(error, kBadInputFile);
+    return complain(launch, error, kBadInputFile);
   } catch (const paracal::InvalidArgument& error) {
-    return complain(error, kBadInputFile);
+    return complain(launch, error, kBadInputFile);
   } catch (const MathematicsSaysNo& error) {
-    return complain(error, kMathematicsSaysNo);
+    return complain(launch, error, kMathematicsSaysNo);
   } catch (const paracal::Unreachable& error) {
-    return complain(error, kMathematicsSaysNo);
+    return complain(launch, error, kMathematicsSaysNo);
   } catch (const std::bad_alloc&) {  // of those who ask without operator new
     give_up();
   } catch (const std::exception& error) {  // wrong usage, or a result that cannot be written
-    return complain(error, kWrongUsage);
+    return complain(launch, error, kWrongUsage);
   }
 }

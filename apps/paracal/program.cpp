@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "embedded.hpp"
+#include "launch.hpp"
 #include "paracal/version.hpp"
 #include "session.hpp"
 
@@ -18,6 +19,12 @@ std::string licences() {
 
 void add_commands(Arguments& arguments, Session& session) {
   Command& program = arguments.program();
+  if (Launch::has_long_jobs_alone()) {
+    add_poses(program, session);
+    add_tolerance(program, session);
+    add_yield(program, session);
+    return;
+  }
   add_demo(program, session);
   add_robot(program, session);
   add_inverse(program, session);
@@ -41,16 +48,16 @@ void add_commands(Arguments& arguments, Session& session) {
 
 }  // namespace
 
-int run_program(const std::vector<std::string>& words, const io::TextSink& standard_output) {
+int run_program(const std::vector<std::string>& words, const io::TextSink& standard_output, jobs::Ranks& ranks) {
   Arguments arguments(
       {.about = "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller",
-       .name = "paracal",
-       .version = fmt::format("paracal {} ({})", version(), build()),
+       .name = Launch::name(),
+       .version = fmt::format("{} {} ({})", Launch::name(), version(), build()),
        .footer =
            "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics "
            "says no.",
        .licences = licences});
-  Session session(standard_output);
+  Session session(standard_output, ranks);
   session.command_line = shell_line(words);
   add_commands(arguments, session);
   if (const auto code = arguments.run(words, standard_output)) return *code;

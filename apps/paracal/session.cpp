@@ -233,6 +233,7 @@ std::string json_text(const io::Json& json) { return dumped(json, 2); }
 std::string json_line(const io::Json& json) { return dumped(json, -1); }
 
 void Session::finish() {
+  if (ranks_.number() != 0) return;
   outputs.store.commit();
   std::fputs(last_words_.c_str(), stderr);  // wants no memory: what is done can no longer fail
 }

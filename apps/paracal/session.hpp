@@ -10,6 +10,7 @@
 
 #include "arguments.hpp"
 #include "inputs.hpp"
+#include "jobs/ranks.hpp"
 #include "outputs.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
@@ -77,7 +78,9 @@ std::string shell_line(const std::vector<std::string>& arguments);
 /// What all commands share: the common options and where results go.
 class Session {
  public:
-  explicit Session(io::TextSink standard_output) : standard_output_(std::move(standard_output)) {}
+  /// @param ranks  that compute long jobs; each of them runs the command, and the first one writes.
+  Session(io::TextSink standard_output, jobs::Ranks& ranks)
+      : standard_output_(std::move(standard_output)), ranks_(ranks), threads_(ranks.size() > 1 ? 1 : 0) {}
 
   /// A new command with the common options, listed in --help under the user's job.
   Command* add_command(Command& parent, const std::string& name, const std::string& job, const std::string& what);
@@ -93,8 +96,9 @@ class Session {
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
   std::uint64_t seed() const { return seed_; }
-  /// 0: all.
+  /// Of this process; 0: all.
   unsigned threads() const { return threads_; }
+  jobs::Ranks& ranks() { return ranks_; }
   /// Takes a result piece by piece, to standard output or, whole or not at all, --out.
   io::TextSink result_sink();
   /// Prints a result, or writes it whole to --out.
@@ -113,13 +117,14 @@ class Session {
 
  private:
   io::TextSink standard_output_;
+  jobs::Ranks& ranks_;
   std::string robot_;
   std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
   std::string out_;
   std::string last_words_;
   bool json_ = false;
   std::uint64_t seed_ = 1;
-  unsigned threads_ = 0;
+  unsigned threads_;
 };
 
 /// One function a command (commands/NAME.cpp): declares its options and what it does.

@@ -1,209 +1,187 @@
 #include "paracal/batch/error_spread.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-#include "batch_surrogate.hpp"
 #include "numerics/distributions.hpp"
 
 namespace paracal {
 namespace {
 
-constexpr std::size_t kFewest = 10;  // pairs that tell a stratum's ratios; with fewer it joins the one below
-
-double first_order(const MachinePair& pair, Measure measure) {
-  if (measure.used_up) return pair.first_order_used_up;
-  return (measure.after ? pair.first_order_after : pair.first_order_before)[measure.kind];
+std::uint32_t bin_in(const ErrorBins& bins, Measure measure) {
+  return measure.used_up ? bins.used_up : (measure.after ? bins.after : bins.before)[measure.kind];
 }
 
-double produced(const MachinePair& pair, Measure measure) {
-  if (measure.used_up) return pair.used_up;
-  return (measure.after ? pair.outcome.after : pair.outcome.before)[measure.kind];
-}
-
-const Histogram& first_order(const SurrogateTally& tally, Measure measure) {
-  if (measure.used_up) return tally.used_up;
-  return (measure.after ? tally.after : tally.before)[measure.kind];
-}
-
-/// A stratum before it is known whether its pairs are all of it.
-struct Part {
-  std::vector<Histogram::Bin> linear;
-  std::uint64_t machines = 0;
-  std::vector<const MachinePair*> pairs;
-
-  void take(Part&& other) {
-    linear.insert(linear.begin(), other.linear.begin(), other.linear.end());
-    machines += other.machines;
-    pairs.insert(pairs.end(), other.pairs.begin(), other.pairs.end());
-  }
-};
-
-/// Strata from below, the pairs put where their linear values lie.
-std::vector<Part> parts_of(const SurrogateTally& tally, Measure measure) {
-  const Histogram& linear = first_order(tally, measure);
-  std::array<std::uint32_t, kRanks.size()> ends{};
-  std::ranges::transform(kRanks, ends.begin(), [&](double rank) { return Histogram::bin_of(linear.quantile(rank)); });
-  const auto place = [&](std::uint32_t bin) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(ends, bin) - ends.begin());
-  };
-  std::vector<Part> parts(kRanks.size() + 1);
-  for (const Histogram::Bin& bin : linear.counts()) {
-    Part& part = parts[place(bin.number)];
-    part.linear.push_back(bin);
-    part.machines += bin.count;
-  }
-  for (const MachinePair& pair : tally.pairs) {
-    parts[place(Histogram::bin_of(first_order(pair, measure)))].pairs.push_back(&pair);
-  }
-  return parts;
-}
-
-bool all_were_produced(const Part& part) { return part.pairs.size() == part.machines; }
-
-/// Those with few pairs joined with the ones below, the lowest with the one above.
-std::vector<Part> joined(std::vector<Part> parts) {
-  const auto knows_little = [](const Part& part) { return part.pairs.size() < kFewest && !all_were_produced(part); };
-  for (std::size_t k = parts.size(); k-- > 1;) {
-    if (!knows_little(parts[k])) continue;
-    parts[k - 1].take(std::move(parts[k]));
-    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(k));
-  }
-  while (parts.size() > 1 && knows_little(parts[0])) {
-    parts[1].take(std::move(parts[0]));
-    parts.erase(parts.begin());
-  }
-  return parts;
+template <typename Machines>
+const Histogram& histogram_of(const Machines& machines, Measure measure) {
+  return (measure.after ? machines.after : machines.before)[measure.kind];
 }
 
 }  // namespace
 
-ErrorSpread::ErrorSpread(const Tally& tally, Measure measure) : machines_(Histogram::kBins, 0.0) {
-  if (!tally.surrogate) {
-    for (const Histogram::Bin& bin : (measure.after ? tally.after : tally.before)[measure.kind].counts()) {
-      machines_[bin.number] = static_cast<double>(bin.count);
+ErrorSpread::ErrorSpread(const Tally& tally, Measure measure)
+    : n_(static_cast<double>(tally.produced())),
+      closed_(n_ - (measure.used_up ? 0.0 : static_cast<double>(tally.of(Fate::does_not_close)))) {
+  std::vector<Histogram::Bin> linear;
+  if (tally.first_order) {
+    linear = (measure.used_up ? tally.first_order->used_up : histogram_of(*tally.first_order, measure)).counts();
+  } else if (!measure.used_up) {
+    for (const auto& [bin, count] : histogram_of(tally, measure).counts()) {
+      known_.push_back({.exact = bin, .machines = static_cast<double>(count)});
     }
-  } else {
-    for (const Part& part : joined(parts_of(*tally.surrogate, measure))) {
-      Stratum stratum{part.linear, static_cast<double>(part.machines), {}, {}};
-      double sum = 0.0, closed = 0.0;
-      for (const MachinePair* pair : part.pairs) {
-        sum += 1.0 / pair->chance;
-        if (pair->outcome.fate == Fate::does_not_close) continue;
-        closed += 1.0 / pair->chance;
-        if (all_were_produced(part)) {
-          machines_[Histogram::bin_of(produced(*pair, measure))] += 1.0;
-          continue;
-        }
-        const double linear = first_order(*pair, measure);
-        stratum.ratios.push_back(linear > 0.0 ? produced(*pair, measure) / linear : 1.0);
-        stratum.weights.push_back(1.0 / pair->chance);
-      }
-      if (all_were_produced(part) || closed == 0.0) continue;
-      for (double& weight : stratum.weights) weight /= closed;
-      stratum.machines *= closed / sum;  // the rest is scrap
-      add(stratum);
-      corrected_.push_back(std::move(stratum));
-    }
+    if (n_ > closed_) known_.push_back({.machines = n_ - closed_, .closes = false});
   }
-  total_ = std::accumulate(machines_.begin(), machines_.end(), 0.0);
+  for (const MachinePair& pair : tally.pairs) {
+    Known known{.linear = bin_in(pair.first_order, measure), .exact = bin_in(pair.exact, measure)};
+    if (pair.fate == Fate::does_not_close) {
+      known.closes = measure.used_up;
+      known.exact = Histogram::kBins;  // beyond any limit
+    }
+    known_.push_back(known);
+    if (known.closes) shifts_.push_back(known.exact - known.linear);
+    const auto same =
+        std::ranges::lower_bound(linear, static_cast<std::uint32_t>(known.linear), {}, &Histogram::Bin::number);
+    if (same != linear.end() && same->number == known.linear && same->count > 0) --same->count;
+  }
+  std::ranges::copy_if(linear, std::back_inserter(others_), [](const Histogram::Bin& bin) { return bin.count > 0; });
+  predict_from_shifts();
+  lowest_ = Histogram::kBins;
+  highest_ = 0;
+  for (const Known& known : known_) {
+    if (!known.closes) continue;
+    lowest_ = std::min(lowest_, known.exact);
+    highest_ = std::max(highest_, known.exact);
+  }
+  for (const auto& [bin, count] : others_) {
+    rest_ += static_cast<double>(count);
+    if (shifts_.empty()) continue;
+    lowest_ = std::clamp(bin + shifts_.front(), std::int64_t{0}, lowest_);
+    highest_ = std::clamp(bin + shifts_.back(), highest_, std::int64_t{Histogram::kBins});
+  }
 }
 
-void ErrorSpread::add(const Stratum& stratum) {
-  const double all = std::accumulate(stratum.linear.begin(), stratum.linear.end(), 0.0,
-                                     [](double sum, const auto& bin) { return sum + static_cast<double>(bin.count); });
-  for (const Histogram::Bin& bin : stratum.linear) {
-    const double share = static_cast<double>(bin.count) * stratum.machines / all;
-    for (std::size_t k = 0; k < stratum.ratios.size(); ++k) {
-      machines_[Histogram::bin_of(Histogram::value_of(bin.number) * stratum.ratios[k])] += share * stratum.weights[k];
+void ErrorSpread::predict_from_shifts() {
+  if (shifts_.empty()) return;
+  std::ranges::sort(shifts_);
+  for (std::int64_t shift = shifts_.front(); shift < shifts_.back(); ++shift) {
+    const auto beyond = shifts_.end() - std::ranges::upper_bound(shifts_, shift);
+    larger_shifts_.push_back(static_cast<double>(beyond) / static_cast<double>(shifts_.size()));
+  }
+}
+
+/// Of a machine's error beyond a bin, by its first order.
+double ErrorSpread::predicted(std::int64_t linear, std::int64_t bin) const {
+  const std::int64_t place = bin - linear - shifts_.front();
+  if (place < 0) return 1.0;
+  return place < std::ssize(larger_shifts_) ? larger_shifts_[static_cast<std::size_t>(place)] : 0.0;
+}
+
+ErrorSpread::Beyond ErrorSpread::beyond(std::int64_t bin) const {
+  const double lambda = shifts_.empty() ? 0.0 : rest_ / (n_ + rest_), closing = closed_ / n_;
+  double of_rest = 0.0, squares_of_rest = 0.0;
+  for (const auto& [linear, count] : others_) {
+    const double p = lambda == 0.0 ? 0.0 : predicted(linear, bin);
+    of_rest += static_cast<double>(count) * p;
+    squares_of_rest += static_cast<double>(count) * p * p;
+  }
+  const auto is_beyond = [&](const Known& one) { return one.closes && one.exact > bin ? 1.0 : 0.0; };
+  const auto predicted_of = [&](const Known& one) { return lambda == 0.0 ? 0.0 : predicted(one.linear, bin); };
+  double of_known = 0.0;
+  for (const Known& one : known_) of_known += one.machines * (is_beyond(one) - lambda * predicted_of(one));
+  const double mean_of_rest = rest_ > 0.0 ? of_rest / rest_ : 0.0, mean_of_known = of_known / n_;
+  const double value = (mean_of_known + lambda * mean_of_rest) / closing;
+  double squares = 0.0;  // the ratio linearised: what a machine does to the numerator, less Q times whether it closes
+  for (const Known& one : known_) {
+    const double off =
+        is_beyond(one) - lambda * predicted_of(one) - mean_of_known - value * ((one.closes ? 1.0 : 0.0) - closing);
+    squares += one.machines * off * off;
+  }
+  double variance = squares / (n_ * n_);
+  if (rest_ > 0.0) variance += lambda * lambda * (squares_of_rest / rest_ - mean_of_rest * mean_of_rest) / rest_;
+  return {std::clamp(value, 0.0, 1.0), std::max(variance, 0.0) / (closing * closing)};
+}
+
+double ErrorSpread::half_width(const Beyond& at, double z) const {
+  const double unseen = 0.5 * z * z / n_;
+  return unseen + std::sqrt(unseen * unseen + z * z * at.variance);
+}
+
+/// The first bin where it holds, of those from below the lowest to the highest, and the next one where it holds
+/// nowhere. What holds at a bin holds above.
+template <typename Condition>
+std::int64_t ErrorSpread::first_bin(const Condition& condition) const {
+  std::int64_t low = lowest_ - 1, high = highest_ + 1;
+  while (low < high) {
+    const std::int64_t middle = low + (high - low) / 2;
+    if (condition(beyond(middle))) {
+      high = middle;
+    } else {
+      low = middle + 1;
     }
   }
+  return low;
+}
+
+double ErrorSpread::quantile(double share) const {
+  if (closed_ == 0.0) return std::numeric_limits<double>::quiet_NaN();
+  constexpr double kRounding = 1e-12;
+  const std::int64_t bin = first_bin([&](const Beyond& at) { return at.value <= 1.0 - share + kRounding; });
+  return Histogram::value_of(static_cast<std::uint32_t>(
+      std::clamp(bin, std::max(lowest_, std::int64_t{0}), std::min(highest_, std::int64_t{Histogram::kBins} - 1))));
+}
+
+Interval ErrorSpread::quantile_interval(double share, double confidence) const {
+  if (closed_ == 0.0) return {quantile(share), quantile(share)};
+  const double z = detail::two_sided_quantile(confidence);
+  const auto low = first_bin([&](const Beyond& at) { return at.value - half_width(at, z) <= 1.0 - share; });
+  const auto high = first_bin([&](const Beyond& at) { return at.value + half_width(at, z) <= 1.0 - share; });
+  // As wide as the bins at its ends: no percentile is known better.
+  return {low < lowest_ ? 0.0 : Histogram::begin_of(static_cast<std::uint32_t>(low)),
+          high > highest_ || high >= Histogram::kBins ? std::numeric_limits<double>::infinity()
+                                                      : Histogram::begin_of(static_cast<std::uint32_t>(high + 1))};
+}
+
+Proportion ErrorSpread::share_within(double value, double confidence) const {
+  const Beyond at = beyond(std::int64_t{Histogram::bin_of(value)} - 1);
+  const double half = half_width(at, detail::two_sided_quantile(confidence)), within = 1.0 - at.value;
+  return {within, {std::max(within - half, 0.0), std::min(within + half, 1.0)}};
+}
+
+/// From the lowest bin on; as the estimated probabilities may rise by chance, by the least so far.
+std::vector<double> ErrorSpread::machines_by_bin() const {
+  std::vector<double> machines(Histogram::kBins, 0.0);
+  if (closed_ == 0.0) return machines;
+  const double all = (n_ + rest_) * closed_ / n_;
+  double least = 1.0;
+  for (std::int64_t bin = lowest_; bin <= highest_; ++bin) {
+    const double beyond_here = bin == highest_ ? 0.0 : std::min(beyond(bin).value, least);
+    machines[static_cast<std::size_t>(std::min(bin, std::int64_t{Histogram::kBins} - 1))] +=
+        all * (least - beyond_here);
+    least = beyond_here;
+  }
+  return machines;
 }
 
 Histogram ErrorSpread::counts() const {
+  const std::vector<double> machines = machines_by_bin();
   Histogram counts;
   for (std::uint32_t bin = 0; bin < Histogram::kBins; ++bin) {
-    counts.add(bin, static_cast<std::uint64_t>(std::llround(machines_[bin])));
+    counts.add(bin, static_cast<std::uint64_t>(std::llround(machines[bin])));
   }
   return counts;
 }
 
-double ErrorSpread::mean() const {
-  double sum = 0.0;
-  for (std::uint32_t bin = 0; bin < Histogram::kBins; ++bin) sum += machines_[bin] * Histogram::value_of(bin);
-  return sum / total_;
-}
-
-double ErrorSpread::std() const {
-  const double centre = mean();
-  double sum = 0.0;
+ErrorSpread::Moments ErrorSpread::moments() const {
+  const std::vector<double> machines = machines_by_bin();
+  const double all = std::accumulate(machines.begin(), machines.end(), 0.0);
+  double mean = 0.0, variance = 0.0;
+  for (std::uint32_t bin = 0; bin < Histogram::kBins; ++bin) mean += machines[bin] / all * Histogram::value_of(bin);
   for (std::uint32_t bin = 0; bin < Histogram::kBins; ++bin) {
-    sum += machines_[bin] * std::pow(Histogram::value_of(bin) - centre, 2);
+    variance += machines[bin] / all * std::pow(Histogram::value_of(bin) - mean, 2);
   }
-  return std::sqrt(sum / total_);
-}
-
-/// The value that so many machines do not exceed.
-double ErrorSpread::at_rank(double rank) const {
-  double seen = 0.0;
-  std::uint32_t last = 0;
-  for (std::uint32_t bin = 0; bin < Histogram::kBins; ++bin) {
-    if (machines_[bin] == 0.0) continue;
-    last = bin;
-    if ((seen += machines_[bin]) >= rank) break;
-  }
-  return Histogram::value_of(last);
-}
-
-double ErrorSpread::quantile(double share) const {
-  if (total_ == 0.0) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = share * total_;
-  return at_rank(corrected_.empty() ? std::max(std::ceil(rank), 1.0) : rank);  // counted: of whole machines
-}
-
-/// Of the share of machines up to a value.
-double ErrorSpread::variance_within(double value) const {
-  double within = 0.0;
-  for (std::uint32_t bin = 0; bin <= Histogram::bin_of(value); ++bin) within += machines_[bin];
-  const double share = std::min(within / total_, 1.0);
-  double variance = share * (1.0 - share) / total_;
-  for (const Stratum& stratum : corrected_) {
-    std::vector<double> below(stratum.ratios.size());  // of the stratum's machines, were they all of this ratio
-    for (std::size_t k = 0; k < below.size(); ++k) {
-      double sum = 0.0, all = 0.0;
-      for (const Histogram::Bin& bin : stratum.linear) {
-        all += static_cast<double>(bin.count);
-        if (Histogram::value_of(bin.number) * stratum.ratios[k] <= value) sum += static_cast<double>(bin.count);
-      }
-      below[k] = sum / all;
-    }
-    const double mean = std::inner_product(below.begin(), below.end(), stratum.weights.begin(), 0.0);
-    double of_mean = 0.0;
-    for (std::size_t k = 0; k < below.size(); ++k) of_mean += std::pow(stratum.weights[k] * (below[k] - mean), 2);
-    variance += std::pow(stratum.machines / total_, 2) * of_mean;
-  }
-  return variance;
-}
-
-Interval ErrorSpread::quantile_interval(double share, double confidence) const {
-  if (total_ == 0.0) return {quantile(share), quantile(share)};
-  const double z = detail::two_sided_quantile(confidence);
-  const double half = z * std::sqrt(variance_within(quantile(share)));
-  return {quantile(std::max(share - half, 0.0)), quantile(std::min(share + half, 1.0))};
-}
-
-Proportion ErrorSpread::share_within(double value, double confidence) const {
-  double within = 0.0;
-  for (std::uint32_t bin = 0; bin < Histogram::bin_of(value); ++bin) within += machines_[bin];
-  const double share = std::min(within / total_, 1.0), variance = variance_within(value);
-  // The exact interval of as many counted machines as would have this variance; all of them where none is beyond.
-  const double n = share > 0.0 && share < 1.0 && variance > 0.0 ? share * (1.0 - share) / variance : total_;
-  const auto trials = std::max<std::int64_t>(std::llround(n), 1);
-  const auto hits = static_cast<std::uint64_t>(std::llround(share * static_cast<double>(trials)));
-  return {share, proportion_interval(hits, static_cast<std::uint64_t>(trials), confidence)};
+  return {mean, std::sqrt(variance)};
 }
 
 }  // namespace paracal

@@ -211,6 +211,12 @@ void Surrogate::look_at_tilt(const Block& off, Values* machines, Accuracy Values
   }
 }
 
+double Surrogate::multiplications() const {
+  const Eigen::Index once = left_by_error_.size() + left_by_normal_.size();
+  const Eigen::Index twice = position_.size() + rotation_.size() + tilt_.size() + 2 * motions_.size();
+  return static_cast<double>(once + 2 * twice);
+}
+
 std::vector<Surrogate::Values> Surrogate::machines(std::uint64_t seed, std::uint64_t first, std::uint64_t count) const {
   std::vector<Values> all(count);
   for (std::uint64_t begin = 0; begin < count; begin += kBlock) {

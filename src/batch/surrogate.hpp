@@ -25,6 +25,9 @@ class Surrogate {
   /// Whether a plan calibrates as a surrogate does.
   static bool follows(const ProductionPlan& plan);
 
+  /// A machine's, counted.
+  double multiplications() const;
+
   struct Values {
     Accuracy before, after;
   };

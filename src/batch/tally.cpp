@@ -7,16 +7,23 @@
 
 namespace paracal {
 
-void SurrogateTally::add(const SurrogateTally& other) {
+ErrorBins bins_of(const Accuracy& before, const Accuracy& after, const PerErrorKind<std::optional<double>>& limits) {
+  ErrorBins bins;
+  bins.used_up = Histogram::bin_of(used_up(after, limits));
+  for (const ErrorKind kind : kErrorKinds) {
+    bins.before[kind] = Histogram::bin_of(before[kind]);
+    bins.after[kind] = Histogram::bin_of(after[kind]);
+  }
+  return bins;
+}
+
+void FirstOrderTally::add(const FirstOrderTally& other) {
   machines += other.machines;
   for (const ErrorKind kind : kErrorKinds) {
     before[kind].add(other.before[kind]);
     after[kind].add(other.after[kind]);
   }
   used_up.add(other.used_up);
-  const auto middle = pairs.insert(pairs.end(), other.pairs.begin(), other.pairs.end());
-  std::inplace_merge(pairs.begin(), middle, pairs.end(),
-                     [](const MachinePair& one, const MachinePair& another) { return one.machine < another.machine; });
 }
 
 std::uint64_t Tally::produced() const { return std::accumulate(fates.begin(), fates.end(), std::uint64_t{0}); }
@@ -31,6 +38,12 @@ void Tally::add(const MachineOutcome& outcome) {
   }
 }
 
+void Tally::add(const MachinePair& pair) {
+  ++of(pair.fate);
+  passed += pair.passes ? 1 : 0;
+  pairs.push_back(pair);
+}
+
 void Tally::add(const Tally& other) {
   for (const Fate fate : kFates) of(fate) += other.of(fate);
   passed += other.passed;
@@ -38,9 +51,12 @@ void Tally::add(const Tally& other) {
     before[kind].add(other.before[kind]);
     after[kind].add(other.after[kind]);
   }
-  if (!other.surrogate) return;
-  if (!surrogate) surrogate.emplace();
-  surrogate->add(*other.surrogate);
+  if (other.first_order) {
+    if (!first_order) first_order.emplace();
+    first_order->add(*other.first_order);
+  }
+  const auto middle = pairs.insert(pairs.end(), other.pairs.begin(), other.pairs.end());
+  std::ranges::inplace_merge(pairs, middle, {}, &MachinePair::machine);
 }
 
 double unseen_share(const Tally& tally, double confidence) {
@@ -50,19 +66,8 @@ double unseen_share(const Tally& tally, double confidence) {
 }
 
 Proportion yield(const Tally& tally, double confidence) {
-  if (!tally.surrogate) return proportion(tally.passed, tally.produced(), confidence);
-  Proportion share = ErrorSpread(tally, {.used_up = true}).share_within(1.0, confidence);
-  const auto& pairs = tally.surrogate->pairs;
-  double all = 0.0, closed = 0.0;
-  for (const MachinePair& pair : pairs) {
-    all += 1.0 / pair.chance;
-    if (pair.outcome.fate != Fate::does_not_close) closed += 1.0 / pair.chance;
-  }
-  const double shape = all > 0.0 ? closed / all : 0.0;  // scrap does not pass
-  share.value *= shape;
-  share.interval.low = std::max(shape * share.interval.low - unseen_share(tally, confidence), 0.0);
-  share.interval.high *= shape;
-  return share;
+  if (tally.produced() == tally.machines()) return proportion(tally.passed, tally.produced(), confidence);
+  return ErrorSpread(tally, {.used_up = true}).share_within(1.0, confidence);
 }
 
 }  // namespace paracal

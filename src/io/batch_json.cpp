@@ -64,18 +64,6 @@ std::string key_of(ErrorKind kind, std::string_view angle_unit) {
 constexpr std::array<std::pair<const char*, double>, 6> kPercentiles{
     {{"p50", 0.5}, {"p90", 0.9}, {"p95", 0.95}, {"p99", 0.99}, {"p99_73", 0.9973}, {"p99_9", 0.999}}};
 
-/// Null where every machine is made by produce().
-Json strata_json(const std::vector<Accuracy>& ends) {
-  if (ends.empty()) return nullptr;
-  Json json = Json::array();
-  for (const Accuracy& end : ends) {
-    Json one = Json::array();
-    for (const ErrorKind kind : kErrorKinds) one.push_back(end[kind]);
-    json.push_back(std::move(one));
-  }
-  return json;
-}
-
 Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
   Json json = Json::object();
   for (const ErrorKind kind : kErrorKinds) {
@@ -85,7 +73,8 @@ Json limits_json(const PerErrorKind<std::optional<double>>& limits) {
 }
 
 Json statistics(const ErrorSpread& spread, double factor, double confidence) {
-  Json json{{"mean", factor * spread.mean()}, {"std", factor * spread.std()}};
+  const auto [mean, std] = spread.moments();
+  Json json{{"mean", factor * mean}, {"std", factor * std}};
   Json intervals;
   for (const auto& [key, share] : kPercentiles) {
     json[key] = factor * spread.quantile(share);
@@ -116,8 +105,8 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
 Json passed_json(const Batch& batch, const Tally& tally, double confidence) {
   if (!has_limits(batch.plan)) return {{"passed", nullptr}, {"yield", nullptr}, {"dpmo", nullptr}};
   const Proportion share = yield(tally, confidence);
-  const auto passed = tally.surrogate ? std::llround(share.value * static_cast<double>(tally.machines()))
-                                      : static_cast<std::int64_t>(tally.passed);
+  const auto passed = tally.first_order ? std::llround(share.value * static_cast<double>(tally.machines()))
+                                        : static_cast<std::int64_t>(tally.passed);
   Json json{{"passed", passed}, {"yield", to_json(share)}, {"dpmo", to_json(defects_per_million(share))}};
   json["yield"]["confidence"] = confidence;
   return json;
@@ -166,7 +155,7 @@ Json to_json(const Batch& batch) {
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
           {"priors", exact(plan.calibration.tolerances)},
           {"limits", limits_json(plan.limits)},
-          {"strata", strata_json(strata(batch))}};
+          {"first_order", surrogate != nullptr}};
 }
 
 Json to_json(const Batch& batch, const Tally& tally, double confidence) {

@@ -1,6 +1,7 @@
-#include "tally_json.hpp"
+#include "paracal/io/tally_json.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -14,69 +15,27 @@ std::uint64_t count_of(const Json& json, std::uint64_t most) {
   return count;
 }
 
-/// [[bin, count], ...]
+/// [first bin, its count, that of the next, ...]: half as long as pairs, and packs three times as well.
 Json histogram_json(const Histogram& histogram) {
   Json json = Json::array();
-  for (const Histogram::Bin& bin : histogram.counts()) json.push_back({bin.number, bin.count});
+  for (const auto& [bin, count] : histogram.counts()) {
+    if (json.empty()) json.push_back(bin);
+    const std::uint64_t first = json[0].get<std::uint64_t>();
+    while (first + json.size() - 1 < bin) json.push_back(0U);
+    json.push_back(count);
+  }
   return json;
 }
 
 Histogram histogram_of(const Json& json, std::uint64_t machines) {
   Histogram histogram;
-  for (const Json& bin : json) {
-    const auto number = static_cast<std::uint32_t>(count_of(bin.at(0), Histogram::kBins - 1));
-    histogram.add(number, count_of(bin.at(1), machines));
+  for (std::size_t k = 1; k < json.size(); ++k) {
+    const std::uint64_t bin = count_of(json[0], Histogram::kBins - 1) + k - 1;
+    if (bin >= Histogram::kBins) throw std::out_of_range("bin");
+    histogram.add(static_cast<std::uint32_t>(bin), count_of(json[k], machines));
   }
   if (histogram.total() != machines) throw std::out_of_range("total");
   return histogram;
-}
-
-Json accuracy_json(const Accuracy& accuracy) {
-  Json json = Json::array();
-  for (const ErrorKind kind : kErrorKinds) json.push_back(accuracy[kind]);
-  return json;
-}
-
-/// Numbers that are not below zero.
-double magnitude_of(const Json& json) {
-  const double value = json.get<double>();
-  if (!(value >= 0.0) || !std::isfinite(value)) throw std::out_of_range("magnitude");
-  return value;
-}
-
-Accuracy accuracy_of(const Json& json) {
-  Accuracy accuracy;
-  for (const ErrorKind kind : kErrorKinds) accuracy[kind] = magnitude_of(json.at(static_cast<std::size_t>(kind)));
-  return accuracy;
-}
-
-/// [machine, chance, fate, passes, before, after, the same two to first order, used up, that to first order]
-Json pair_json(const MachinePair& pair) {
-  return {pair.machine,
-          pair.chance,
-          static_cast<std::uint64_t>(pair.outcome.fate),
-          pair.outcome.passes,
-          accuracy_json(pair.outcome.before),
-          accuracy_json(pair.outcome.after),
-          accuracy_json(pair.first_order_before),
-          accuracy_json(pair.first_order_after),
-          pair.used_up,
-          pair.first_order_used_up};
-}
-
-MachinePair pair_of(const Json& json) {
-  MachinePair pair{.machine = json.at(0).get_ref<const std::uint64_t&>(),
-                   .chance = magnitude_of(json.at(1)),
-                   .outcome = {.fate = kFates.at(count_of(json.at(2), kFates.size() - 1)),
-                               .passes = json.at(3).get<bool>(),
-                               .before = accuracy_of(json.at(4)),
-                               .after = accuracy_of(json.at(5))},
-                   .first_order_before = accuracy_of(json.at(6)),
-                   .first_order_after = accuracy_of(json.at(7)),
-                   .used_up = magnitude_of(json.at(8)),
-                   .first_order_used_up = magnitude_of(json.at(9))};
-  if (!(pair.chance > 0.0) || pair.chance > 1.0) throw std::out_of_range("chance");
-  return pair;
 }
 
 /// {before: {...}, after: {...}}
@@ -97,46 +56,110 @@ void read_histograms(const Json& json, std::uint64_t machines, PerErrorKind<Hist
   }
 }
 
-Json surrogate_json(const SurrogateTally& tally) {
+Json first_order_json(const FirstOrderTally& tally) {
   Json json{{"machines", tally.machines}, {"used_up", histogram_json(tally.used_up)}};
   add_histograms(tally.before, tally.after, json);
-  json["pairs"] = Json::array();
-  for (const MachinePair& pair : tally.pairs) json["pairs"].push_back(pair_json(pair));
   return json;
 }
 
-SurrogateTally surrogate_of(const Json& json, std::uint64_t machines) {
-  SurrogateTally tally;
-  tally.machines = count_of(json.at("machines"), machines);
-  if (tally.machines != machines) throw std::out_of_range("machines");
-  tally.used_up = histogram_of(json.at("used_up"), machines);
-  read_histograms(json, machines, tally.before, tally.after);
-  for (const Json& pair : json.at("pairs")) tally.pairs.push_back(pair_of(pair));
+FirstOrderTally first_order_of(const Json& json) {
+  FirstOrderTally tally;
+  tally.machines = json.at("machines").get_ref<const std::uint64_t&>();
+  tally.used_up = histogram_of(json.at("used_up"), tally.machines);
+  read_histograms(json, tally.machines, tally.before, tally.after);
   return tally;
+}
+
+// ---- pairs, column by column: numbers that are alike stand together
+
+constexpr std::size_t kBinsOfAMachine = 2 * kErrorKinds.size() + 1;
+
+/// Before, after, used up.
+template <typename Bins>
+auto bins_in_order(Bins& bins) {
+  std::array<decltype(&bins.used_up), kBinsOfAMachine> all{};
+  std::size_t place = 0;
+  for (auto* when : {&bins.before, &bins.after}) {
+    for (const ErrorKind kind : kErrorKinds) all[place++] = &(*when)[kind];
+  }
+  all[place] = &bins.used_up;
+  return all;
+}
+
+Json columns_json(const std::vector<MachinePair>& pairs, ErrorBins MachinePair::*which) {
+  Json columns = Json::array();
+  for (std::size_t k = 0; k < kBinsOfAMachine; ++k) {
+    Json column = Json::array();
+    for (const MachinePair& pair : pairs) column.push_back(*bins_in_order(pair.*which)[k]);
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+void read_columns(const Json& columns, std::vector<MachinePair>& pairs, ErrorBins MachinePair::*which) {
+  for (std::size_t k = 0; k < kBinsOfAMachine; ++k) {
+    for (std::size_t row = 0; row < pairs.size(); ++row) {
+      *bins_in_order(pairs[row].*which)[k] =
+          static_cast<std::uint32_t>(count_of(columns.at(k).at(row), Histogram::kBins - 1));
+    }
+  }
+}
+
+Json pairs_json(const std::vector<MachinePair>& pairs) {
+  Json machines = Json::array(), fates = Json::array(), passes = Json::array();
+  for (const MachinePair& pair : pairs) {
+    machines.push_back(pair.machine);
+    fates.push_back(static_cast<std::uint64_t>(pair.fate));
+    passes.push_back(pair.passes ? 1U : 0U);
+  }
+  return {{"machine", machines},
+          {"fate", fates},
+          {"passes", passes},
+          {"first_order", columns_json(pairs, &MachinePair::first_order)},
+          {"exact", columns_json(pairs, &MachinePair::exact)}};
+}
+
+std::vector<MachinePair> pairs_of(const Json& json) {
+  std::vector<MachinePair> pairs(json.at("machine").size());
+  for (std::size_t row = 0; row < pairs.size(); ++row) {
+    pairs[row].machine = json.at("machine").at(row).get_ref<const std::uint64_t&>();
+    pairs[row].fate = kFates.at(count_of(json.at("fate").at(row), kFates.size() - 1));
+    pairs[row].passes = count_of(json.at("passes").at(row), 1) == 1;
+  }
+  read_columns(json.at("first_order"), pairs, &MachinePair::first_order);
+  read_columns(json.at("exact"), pairs, &MachinePair::exact);
+  return pairs;
 }
 
 }  // namespace
 
 Json tally_json(const Tally& tally) {
   Json json{{"fates", tally.fates}, {"passed", tally.passed}};
-  add_histograms(tally.before, tally.after, json);
-  if (tally.surrogate) json["surrogate"] = surrogate_json(*tally.surrogate);
+  if (tally.first_order) json["first_order"] = first_order_json(*tally.first_order);
+  if (tally.first_order || !tally.pairs.empty()) {
+    json["pairs"] = pairs_json(tally.pairs);
+  } else {
+    add_histograms(tally.before, tally.after, json);
+  }
   return json;
 }
 
-Tally tally_of(const Json& json, std::uint64_t machines) {
+Tally tally_of(const Json& json) {
   Tally tally;
   for (const Fate fate : kFates) {
-    tally.of(fate) = count_of(json.at("fates").at(static_cast<std::size_t>(fate)), machines);
+    tally.of(fate) = json.at("fates").at(static_cast<std::size_t>(fate)).get_ref<const std::uint64_t&>();
   }
-  if (const auto surrogate = json.find("surrogate"); surrogate != json.end()) {
-    tally.surrogate = surrogate_of(*surrogate, machines);
-  }
-  const std::uint64_t produced = tally.surrogate ? tally.surrogate->pairs.size() : machines;
-  if (tally.produced() != produced) throw std::out_of_range("machines");
-  const std::uint64_t measured = produced - tally.of(Fate::does_not_close);
+  const std::uint64_t measured = tally.produced() - tally.of(Fate::does_not_close);
   tally.passed = count_of(json.at("passed"), measured);
-  read_histograms(json, measured, tally.before, tally.after);
+  if (const auto first_order = json.find("first_order"); first_order != json.end()) {
+    tally.first_order = first_order_of(*first_order);
+  }
+  if (const auto pairs = json.find("pairs"); pairs != json.end()) {
+    tally.pairs = pairs_of(*pairs);
+    if (tally.pairs.size() != tally.produced()) throw std::out_of_range("pairs");
+  } else {
+    read_histograms(json, measured, tally.before, tally.after);
+  }
   return tally;
 }
 

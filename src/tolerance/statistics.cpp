@@ -95,9 +95,11 @@ std::vector<Histogram::Bin> Histogram::counts() const {
   return bins;
 }
 
-double Histogram::value_of(std::uint32_t bin) {
-  const double within = (static_cast<double>(bin % kBinsAnOctave) + 0.5) / kBinsAnOctave;
+double Histogram::begin_of(std::uint32_t bin) {
+  const double within = static_cast<double>(bin % kBinsAnOctave) / kBinsAnOctave;
   return std::ldexp(0.5 * (1.0 + within), static_cast<int>(bin / kBinsAnOctave) + kLowestExponent);
 }
+
+double Histogram::value_of(std::uint32_t bin) { return 0.5 * (begin_of(bin) + begin_of(bin + 1)); }
 
 }  // namespace paracal

@@ -312,10 +312,10 @@ TEST_F(Faults, BatchesDoNotMix) {
     const std::string checkpoint = "batch" + std::to_string(round);
     std::vector<std::unique_ptr<RunningProgram>> running;
     for (int seed = 1; seed <= 4; ++seed) {
-      running.push_back(
-          std::make_unique<RunningProgram>(words("yield --robot huang2016 --machines 4 --chunk 2 --checkpoint " +
-                                                 checkpoint + " --seed " + std::to_string(seed)),
-                                           Surroundings{.folder = folder.path()}));
+      running.push_back(std::make_unique<RunningProgram>(
+          words("yield --exact --robot huang2016 --machines 4 --chunk 2 --checkpoint " + checkpoint + " --seed " +
+                std::to_string(seed)),
+          Surroundings{.folder = folder.path()}));
     }
     int done = 0;
     for (const auto& one : running) {
@@ -323,14 +323,14 @@ TEST_F(Faults, BatchesDoNotMix) {
       done += result.exit_code == kDone;
       if (result.exit_code == kDone) continue;
       EXPECT_EQ(result.exit_code, kBadInputFile) << result.err;
-      EXPECT_THAT(result.err, HasSubstr("another batch"));
+      EXPECT_THAT(result.err, HasSubstr("another job"));
     }
     EXPECT_EQ(done, 1);
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder.path() / checkpoint)) {
       names.insert(entry.path().filename());
     }
-    EXPECT_EQ(names.size(), 3u) << checkpoint;  // batch.json and two chunks
+    EXPECT_EQ(names.size(), 3u) << checkpoint;  // job.json and two chunks
   }
 }
 

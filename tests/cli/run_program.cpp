@@ -83,7 +83,7 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const 
   actions.open(STDERR_FILENO, err_.empty() ? where.standard_error : err_, O_WRONLY | O_CREAT | O_NOCTTY);
   if (!where.folder.empty()) actions.change_folder(where.folder);
   std::vector<std::string> command(where.launcher);
-  command.push_back(build_folder() / "bin/paracal");
+  command.push_back(build_folder() / "bin" / where.program);
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = environment_with(where.environment);
   require(posix_spawn(&process_, command.front().c_str(), actions.get(), nullptr, pointers(command).data(),

@@ -28,6 +28,7 @@ struct Surroundings {
   std::filesystem::path standard_output = {};  ///< empty: captured into ProgramResult::out
   std::filesystem::path standard_error = {};   ///< empty: captured into ProgramResult::err
   std::vector<std::string> launcher = {};      ///< a program, by its path, that starts paracal, with its arguments
+  std::string program = "paracal";             ///< in the folder of programs
 };
 
 /// Runs paracal to its end. Arguments reach it as they stand here: no shell is involved.

@@ -33,6 +33,8 @@ def result_of(words: list[str]) -> str:
         return "robots"
     if command == "poses":
         return "poses-optimal" if "--optimal" in words else "poses-stage"
+    if command == "yield" and "--plan" in words:
+        return "yield-plan"
     if command == "tolerance":
         return {"allocate": "allocation", "analyze": "analysis"}[words[1]]
     if command == "export":

@@ -742,7 +742,7 @@ export interface Batch {
   rotation_sigma_rad: number;
   priors: ExactTolerances | null;
   limits: BatchLimits;
-  strata: number[][] | null;
+  first_order: boolean;
 }
 export interface ExactTolerances {
   half_width: number[];

@@ -60,6 +60,7 @@ export const strings = {
     of: (passed: string, all: string) => `${passed} of ${all} machines`,
     interval: (low: string, high: string, confidence: number) => `${low} to ${high} at ${digits(100 * confidence)} % confidence`,
     after: (low: string, high: string) => `${low} to ${high} after`,
+    unknown: (low: string) => `above ${low} after; too few exact machines to tell more`,
     yield: "Machines within the limits",
     noLimits: (all: string) => `${all} machines, without limits that they must keep.`,
     assumed: (what: string) => `Assumed: ${what}`,

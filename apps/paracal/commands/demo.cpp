@@ -85,14 +85,14 @@ std::string script_of(const std::vector<Step>& steps) {
 }
 
 /// Everything, in a folder that is gone afterwards; as far as it came where somebody interrupts it.
-Demonstration demonstrate(const std::vector<Step>& steps, const std::atomic<bool>& interrupted) {
+Demonstration demonstrate(const std::vector<Step>& steps, Session& session, const std::atomic<bool>& interrupted) {
   const ScratchFolder scratch;
   Demonstration all;
   std::map<std::string, std::string> texts{{"commands.sh", script_of(steps)}};
   for (const Step& step : steps) {
     Done done{step};
     const auto take = [&done](std::string_view text) { done.text += text; };
-    done.exit_code = run_program(words_of(step.command), take);
+    done.exit_code = run_program(words_of(step.command), take, session.ranks());
     if (interrupted) return all;
     if (!step.text_file.empty()) texts[step.text_file] = done.text;
     all.steps.push_back(std::move(done));
@@ -145,7 +145,7 @@ std::string robot_of(const Command& command) {
 void run(const std::string& folder_name, const std::string& robot, Session& session) {
   const OutputFolder folder("demo", folder_name);
   const std::atomic<bool>& interrupted = flag_of_interruption();
-  const Demonstration all = demonstrate(steps_of(robot, session.seed()), interrupted);
+  const Demonstration all = demonstrate(steps_of(robot, session.seed()), session, interrupted);
   if (interrupted) end_by_interruption();
   session.json() ? session.print_json(json_of(all, folder.path())) : session.print(text_of(all, folder.path()));
   folder.write(all.files);

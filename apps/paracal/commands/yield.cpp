@@ -1,28 +1,27 @@
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <cmath>
 #include <iterator>
 #include <memory>
 
 #include "interruption.hpp"
-#include "launcher.hpp"
+#include "jobs/batch_job.hpp"
+#include "long_job.hpp"
 #include "measuring.hpp"
 #include "paracal/batch/error_spread.hpp"
-#include "paracal/io/chunks.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/units.hpp"
-#include "progress_line.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
 #include "tolerancing.hpp"
 #include "usage.hpp"
+#include "yield_plan.hpp"
 
 namespace paracal::app {
 namespace {
 
-constexpr double kUsualRotationNoise = 0.3;   // deg: rotational repeatability in [huang2016, section 5.2]
-constexpr std::uint64_t kQuickChunk = 16384;  // of machines made to first order: a few tenths of a second
+constexpr double kUsualRotationNoise = 0.3;  // deg: rotational repeatability in [huang2016, section 5.2]
 constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000'000;
 
 /// A row of the table, and the option that judges it.
@@ -41,8 +40,11 @@ constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-dista
 struct YieldArguments {
   std::uint64_t machines = 0;
   io::TableStyle style = {};
-  std::string tolerances, poses, checkpoint, method = "best", rotation = "none";
-  std::uint64_t chunk = 0;  ///< 0: by how machines are made
+  std::string tolerances, poses, method = "best", rotation = "none";
+  LongJobOptions job;
+  std::uint64_t chunk = 0;  ///< 0: by counted work
+  double interval = jobs::BatchJobOptions{}.interval;
+  bool plan = false;
   InstrumentOptions instrument{.noise_mm = kUsualNoise, .rotation_noise_deg = kUsualRotationNoise};
   PerErrorKind<std::optional<double>> limits = {};  ///< in the units of kRows, but for tilt
   AngleOption max_tilt;
@@ -122,56 +124,78 @@ Order order_of(const YieldArguments& options, Session& session) {
   return order;
 }
 
-std::uint64_t usual_chunk(const Batch& batch) { return batch.surrogate ? kQuickChunk : io::BatchOptions{}.chunk; }
+ChunkSizes sizes_of(const YieldArguments& options, const Batch& batch) {
+  if (options.chunk == 0) return chunk_sizes(batch, options.machines);
+  return {.first_order = batch.surrogate ? options.chunk : 0,
+          .exact = batch.surrogate ? std::min(options.chunk, exact_round(0) / 2) : options.chunk};
+}
 
-io::BatchResult make(const YieldArguments& options, const Session& session, const Batch& batch, io::Rank rank,
-                     const std::atomic<bool>& interrupted) {
-  ProgressLine line("machines", options.machines);
-  const auto progress = [&](std::uint64_t machines) {
-    if (rank.number == 0) line.show(machines);
-  };
-  const auto warning = [&](const std::string& text) {
-    line.clear();
-    std::fprintf(stderr, "paracal: %s\n", text.c_str());
-  };
-  return io::run_batch(batch,
-                       {.machines = options.machines,
-                        .chunk = options.chunk > 0 ? options.chunk : usual_chunk(batch),
-                        .threads = session.threads(),
-                        .checkpoint = options.checkpoint,
-                        .rank = rank,
-                        .progress = progress,
-                        .warning = warning},
-                       interrupted);
+/// A folder keeps the chunks that it was begun with.
+void require_chunks(const YieldArguments& options, const ShownJob& job) {
+  const ChunkSizes sizes = jobs::chunk_sizes(job.agreed());
+  const std::uint64_t begun = sizes.first_order > 0 ? sizes.first_order : sizes.exact;
+  if (options.chunk == 0 || options.chunk == begun) return;
+  throw InputFileError((std::filesystem::path(options.job.checkpoint) / "job.json").string(), 0,
+                       fmt::format("expected chunks of {} machines, got {}: leave out --chunk, or take another folder",
+                                   options.chunk, begun));
+}
+
+/// So many exact machines that a yield just above the one that is judged could be told from it.
+std::uint64_t least_exact(const YieldArguments& options) {
+  constexpr double kMachines = 8.0;  // of those that may fail: at 95 %, twice what none of them could tell
+  if (!options.min_yield || *options.min_yield >= 1.0) return 0;
+  return static_cast<std::uint64_t>(kMachines / (1.0 - *options.min_yield));
+}
+
+jobs::BatchResult make(const YieldArguments& options, Session& session, const Batch& batch, ShownJob& job) {
+  return jobs::run_batch(batch,
+                         {.machines = options.machines,
+                          .interval = options.interval,
+                          .confidence = options.confidence,
+                          .least_exact = least_exact(options),
+                          .threads = session.threads()},
+                         jobs::chunk_sizes(job.agreed()), job, flag_of_interruption());
 }
 
 // ---- what a person reads
 
 std::string percent(double share) { return fmt::format("{:.3f} %", 100.0 * share); }
 
+/// What an interval knows; few machines cannot tell where a rare error ends.
+std::string interval_text(const Interval& interval, double factor) {
+  if (!std::isfinite(interval.high)) return fmt::format("above {:.4g}; not known yet", factor * interval.low);
+  return fmt::format("{:.4g} to {:.4g}", factor * interval.low, factor * interval.high);
+}
+
 std::string spread_line(const ErrorSpread& spread, double factor, double confidence, std::string_view when) {
-  const Interval interval = spread.quantile_interval(0.95, confidence);
   std::string text = fmt::format("{:<8}", when);
   const auto out = std::back_inserter(text);
   for (const double share : {0.5, 0.9, 0.95, 0.99, 0.9973}) {
-    fmt::format_to(out, "{:>10.4g}", factor * spread.quantile(share));
+    // An upper end that is not known: the figure is no more than the largest of these machines may suggest.
+    const bool is_known = std::isfinite(spread.quantile_interval(share, confidence).high);
+    fmt::format_to(out, "{:>11}", fmt::format("{:.4g}{}", factor * spread.quantile(share), is_known ? "" : "?"));
   }
-  fmt::format_to(out, "   {:.4g} to {:.4g}\n", factor * interval.low, factor * interval.high);
+  fmt::format_to(out, "   {}\n", interval_text(spread.quantile_interval(0.95, confidence), factor));
   return text;
 }
 
 std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
   std::string text = fmt::format(
       "  largest error of a machine over {} poses: so many percent of the machines are within\n"
-      "  {:<22}{:8}{:>10}{:>10}{:>10}{:>10}{:>10}   {} interval of the 95 %\n",
+      "  {:<22}{:8}{:>11}{:>11}{:>11}{:>11}{:>11}   {} interval of the 95 %\n",
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
+  bool is_known = true;
   for (const Row& row : kRows) {
     if (!is_shown(row.kind, batch.robot)) continue;
     const ErrorSpread before(tally, {.kind = row.kind, .after = false}), after(tally, {.kind = row.kind});
     text += fmt::format("  {:<22}", row.text) + spread_line(before, row.factor, confidence, "before");
     text += fmt::format("  {:<22}", "") + spread_line(after, row.factor, confidence, "after");
+    for (const ErrorSpread* one : {&before, &after}) {
+      is_known = is_known && std::isfinite(one->quantile_interval(0.9973, confidence).high);
+    }
   }
+  if (!is_known) text += "  ? not known yet: too few exact machines to bound it from above (more --machines)\n";
   return text;
 }
 
@@ -183,21 +207,19 @@ std::string yield_line(const YieldArguments& options, const Batch& batch, const 
                      100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
 }
 
-/// How many of the machines were made to first order alone, and what that cannot tell.
+/// How many of the machines were computed to first order alone, and what that cannot tell.
 std::string way_line(const Tally& tally, double confidence) {
   if (tally.produced() == tally.machines()) return "";
   std::string text =
-      fmt::format("  {} of them built, measured and calibrated, the others to first order and corrected by these\n",
-                  tally.produced());
+      fmt::format("  {} machines computed exactly; the others to first order, corrected by these\n", tally.produced());
   if (const double unseen = unseen_share(tally, confidence); unseen > 0.0) {
-    text += fmt::format(
-        "  no calibration failed among them: up to {} of all may all the same, and lie outside of this table\n",
-        percent(unseen));
+    text += fmt::format("  no calibration failed among them: up to {} of all machines may fail all the same\n",
+                        percent(unseen));
   }
   return text;
 }
 
-std::string text_of(const YieldArguments& options, const Batch& batch, const io::BatchResult& result) {
+std::string text_of(const YieldArguments& options, const Batch& batch, const jobs::BatchResult& result) {
   const Tally& tally = result.tally;
   std::string text =
       fmt::format("batch of {} machines of {}, seed {}\n", tally.machines(), batch.robot.name(), batch.seed);
@@ -215,7 +237,7 @@ std::string text_of(const YieldArguments& options, const Batch& batch, const io:
 
 // ---- what a program reads
 
-io::Json json_of(const YieldArguments& options, const Order& order, const io::BatchResult& result) {
+io::Json json_of(const YieldArguments& options, const Order& order, const jobs::BatchResult& result) {
   io::Json json{{"machines_asked", options.machines}, {"partial", !result.complete}};
   json.update(io::to_json(order.batch, result.tally, options.confidence));
   if (options.min_yield) json["min_yield"] = *options.min_yield;
@@ -242,7 +264,7 @@ io::Json histograms(const Batch& batch, const Tally& tally) {
   return json;
 }
 
-void write_page(const YieldArguments& options, Session& session, const Order& order, const io::BatchResult& result) {
+void write_page(const YieldArguments& options, Session& session, const Order& order, const jobs::BatchResult& result) {
   write_report(*options.report, session, order.batch.robot,
                {.kind = "yield",
                 .results = {{"yield", json_of(options, order, result)}},
@@ -251,17 +273,22 @@ void write_page(const YieldArguments& options, Session& session, const Order& or
 }
 
 void run(const YieldArguments& options, Session& session) {
-  const io::Rank rank = launched_rank();
-  if (rank.size > 1 && options.checkpoint.empty()) {
-    throw WrongUsage(
-        fmt::format("{} ranks: expected --checkpoint DIR, a folder that all of them see, got none", rank.size));
-  }
-  const std::atomic<bool>& interrupted = flag_of_interruption();
+  (void)flag_of_interruption();
   const Order order = order_of(options, session);
-  const io::BatchResult result = make(options, session, order.batch, rank, interrupted);
+  if (options.plan) {
+    const YieldPlan plan = measured_plan(order.batch, sizes_of(options, order.batch), options.machines,
+                                         options.interval, options.confidence);
+    return session.json() ? session.print_json(json_of(plan)) : session.print(text_of(plan));
+  }
+  ShownJob job(options.job, session, jobs::description(order.batch, sizes_of(options, order.batch)));
+  require_chunks(options, job);
+  const jobs::BatchResult result = make(options, session, order.batch, job);
+  if (const std::string missing = job.missing_parts(); !missing.empty()) {
+    session.json() ? session.print_json(json_of(options, order, result)) : session.print(missing);
+    return;
+  }
   const bool enough = !options.min_yield || yield(result.tally, options.confidence).interval.low >= *options.min_yield;
-  if (!result.complete || (rank.number == 0 && !enough)) session.exit_code = kVerdictIsNo;
-  if (rank.number != 0) return;
+  if (!result.complete || !enough) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, order, result);
   session.json() ? session.print_json(json_of(options, order, result))
                  : session.print(text_of(options, order.batch, result));
@@ -320,13 +347,22 @@ void add_yield(Command& program, Session& session) {
       ->check(positive())
       ->check(between(0.01, 0.999999))
       ->shows_default();
-  command->add_option("--checkpoint", options->checkpoint,
-                      "folder that keeps finished chunks: resumes a run, and joins the ranks of mpirun or srun");
+  command
+      ->add_option(
+          "--interval", options->interval,
+          "machines are computed exactly until the 95 % percentiles are known to this fraction, or half of all "
+          "machines are")
+      ->check(positive())
+      ->check(between(0.001, 10.0))
+      ->shows_default();
+  add_long_job_options(*command, options->job);
   command
       ->add_option("--chunk", options->chunk,
-                   fmt::format("machines a chunk: what a process that dies costs; default: {}, with --exact {}",
-                               kQuickChunk, io::BatchOptions{}.chunk))
+                   "machines a chunk: what a process that dies costs; default: a fifth of a second of counted work")
       ->check(whole_number(1, kLargestChunk));
+  command->add_flag("--plan", options->plan,
+                    "compute no batch: measure how long a machine takes here, and state time, memory and files for 1 "
+                    "to 1024 cores");
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

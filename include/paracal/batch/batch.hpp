@@ -4,45 +4,54 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "paracal/batch/production.hpp"
 #include "paracal/batch/tally.hpp"
 
 namespace paracal {
 
-class BatchSurrogate;
+class Surrogate;
 
-/// Everything that decides what the machines of a batch are, and how they are made.
+/// Everything that decides what the machines of a batch are, and how they are computed.
 struct Batch {
   Robot robot;
   ProductionPlan plan;  ///< settled()
   std::uint64_t seed = 1;
-  std::shared_ptr<const BatchSurrogate> surrogate = {};  ///< null: produce() makes every machine
+  std::shared_ptr<const Surrogate> surrogate = {};  ///< null: produce() makes every machine
 };
 
-/// The batch with all machines made to first order and some of them both ways, so that each error's spread is known in
-/// every part of it: of a machine m of stratum share s by an error after calibration (ranks 0.5, 0.9, 0.99, 0.999)
-///
-///   chance = 1 where m s < 100, else min(1, 0.1 / (s sqrt(m))); the largest of all errors' strata
-///
-/// whatever the number of machines, so that batches are resumed and extended. Where the strata lie is found from 4096
-/// machines of other random numbers. A plan that calibrates otherwise than to first order can be said stays as it is.
+/// The batch with all machines computed to first order, and the first of them exactly, too. A plan that calibrates
+/// otherwise than to first order can be said stays as it is.
 Batch with_surrogate(Batch batch);
-
-/// Where its strata lie: errors after calibration (mm and rad) at each of the ranks. Empty without a surrogate.
-std::vector<Accuracy> strata(const Batch& batch);
 
 /// Machines first, first + 1, ..., first + count - 1.
 struct MachineRange {
   std::uint64_t first = 0, count = 0;
 };
 
-/// Produces some machines of a batch. Memory depends on their count (about 100 bytes a machine), not on where they
-/// stand.
+/// Some machines of a batch to first order. Memory depends on their count (about 100 bytes a machine), not on where
+/// they stand.
 /// @param threads  at most this many; 0: as many as there are cores. The result is the same for any number.
 /// @param stop     may be set by another thread or a signal handler; the chunk is then dropped.
 /// @returns empty when it was stopped.
-std::optional<Tally> run_chunk(const Batch& batch, MachineRange range, unsigned threads, const std::atomic<bool>& stop);
+std::optional<Tally> to_first_order(const Batch& batch, MachineRange range, unsigned threads,
+                                    const std::atomic<bool>& stop);
+
+/// Some machines by produce(); as pairs where the batch has a surrogate. Otherwise as above.
+std::optional<Tally> exactly(const Batch& batch, MachineRange range, unsigned threads, const std::atomic<bool>& stop);
+
+/// Machines a chunk: the power of two with about a fifth of a second of work, by counted multiplications, so that it is
+/// the same on every computer. Larger where the batch would have more than 65,536 chunks.
+struct ChunkSizes {
+  std::uint64_t first_order = 0, exact = 0;
+};
+ChunkSizes chunk_sizes(const Batch& batch, std::uint64_t machines);
+
+/// So many machines are computed exactly before the interval is looked at for the k-th time: 256, 384, 512, 768, ...
+std::uint64_t exact_round(std::uint64_t k);
+
+/// How far the 95 % percentiles of a tally are known: the largest half of an interval over its percentile, of all
+/// errors before and after calibration. Infinite where one has no upper end.
+double relative_interval(const Tally& tally, double confidence);
 
 }  // namespace paracal

@@ -58,6 +58,8 @@ class Histogram {
   std::vector<Bin> counts() const;
   /// The bin of a value.
   static std::uint32_t bin_of(double value);
+  /// Where a bin begins; the first one holds zero, too.
+  static double begin_of(std::uint32_t bin);
   /// Middle of a bin.
   static double value_of(std::uint32_t bin);
   static constexpr std::uint32_t kBins = 64 * 256;

@@ -10,9 +10,9 @@ const text = strings.verdict;
 function spreadCard(key: string, before: Spread, after: Spread): HTMLElement[] {
   if (before.p95 === null || after.p95 === null) return [];
   const cut = key.lastIndexOf("_"), { scale, unit } = milli(key.slice(cut + 1));
-  const [low, high] = after.p95_interval.map((value) => scale * value!) as [number, number];
-  const decimals = decimalsFor((high - low) / 2);
-  return [card(text.p95(strings.batch.quantities[key.slice(0, cut)] ?? key), [from(digits(scale * before.p95)), fixed(scale * after.p95, decimals), unitOf(unit)], [text.after(fixed(low, decimals), fixed(high, decimals))])];
+  const [low, high] = [scale * (after.p95_interval[0] ?? 0), after.p95_interval[1] === null ? null : scale * after.p95_interval[1]!];
+  const decimals = decimalsFor(((high ?? scale * after.p95) - low) / 2);
+  return [card(text.p95(strings.batch.quantities[key.slice(0, cut)] ?? key), [from(digits(scale * before.p95)), fixed(scale * after.p95, decimals), unitOf(unit)], [high === null ? text.unknown(fixed(low, decimals)) : text.after(fixed(low, decimals), fixed(high, decimals))])];
 }
 
 /// A verdict only where a share was asked for, as --min-yield does.

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "jobs/ranks.hpp"
+
+namespace paracal::app {
+
+/// How a program was started: one process, or the ranks of MPI. Defined by launch_alone.cpp and launch_mpi.cpp.
+class Launch {
+ public:
+  Launch(int& argc, char**& argv);
+  ~Launch();
+  Launch(const Launch&) = delete;
+  Launch& operator=(const Launch&) = delete;
+
+  jobs::Ranks& ranks();
+  /// Of the program.
+  static const char* name();
+  /// Whether it has the commands alone that share their work among ranks.
+  static bool has_long_jobs_alone();
+  /// Before a rank complains: the first one does at once, others, who may have met the same, a little later.
+  void wait_for_the_first();
+  /// A rank failed, and others may wait for it: ends all of them.
+  void give_up(int exit_code);
+};
+
+}  // namespace paracal::app

@@ -1,0 +1,118 @@
+#include "mpi_ranks.hpp"
+
+#include <array>
+#include <chrono>
+#include <future>
+#include <limits>
+
+#include "paracal/error.hpp"
+
+namespace paracal::jobs {
+namespace {
+
+constexpr int kRoot = 0, kTag = 0;
+
+int length_of(const std::string& text) {
+  if (text.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw Error("a total is longer than a message can be: use fewer machines a job");
+  }
+  return static_cast<int>(text.size());
+}
+
+}  // namespace
+
+MpiRanks::MpiRanks() {
+  MPI_Comm_rank(MPI_COMM_WORLD, &number_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  const MPI_Aint bytes = number_ == kRoot ? sizeof(std::uint64_t) : 0;
+  MPI_Win_allocate(bytes, sizeof(std::uint64_t), MPI_INFO_NULL, MPI_COMM_WORLD, static_cast<void*>(&counter_),
+                   &window_);
+  MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
+}
+
+MpiRanks::~MpiRanks() {
+  MPI_Win_unlock_all(window_);
+  MPI_Win_free(&window_);
+}
+
+void MpiRanks::begin() {
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (number_ == kRoot) {
+    const std::uint64_t none = 0;
+    std::uint64_t before = 0;
+    MPI_Fetch_and_op(&none, &before, MPI_UINT64_T, kRoot, 0, MPI_REPLACE, window_);
+    MPI_Win_flush(kRoot, window_);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
+std::uint64_t MpiRanks::take() {
+  const std::uint64_t one = 1;
+  std::uint64_t taken = 0;
+  MPI_Fetch_and_op(&one, &taken, MPI_UINT64_T, kRoot, 0, MPI_SUM, window_);
+  MPI_Win_flush(kRoot, window_);
+  ++traffic_.fetches;
+  return taken;
+}
+
+void MpiRanks::work(const std::function<void()>& task) {
+  if (number_ != kRoot || size_ == 1) return task();
+  constexpr std::chrono::microseconds kBetweenLooks{200};
+  std::future<void> working = std::async(std::launch::async, task);
+  while (working.wait_for(kBetweenLooks) != std::future_status::ready) {
+    int ignored = 0;
+    MPI_Iprobe(MPI_ANY_SOURCE, kTag, MPI_COMM_WORLD, &ignored, MPI_STATUS_IGNORE);
+  }
+  working.get();
+}
+
+bool MpiRanks::all(bool here) {
+  int value = here ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, MPI_LAND, MPI_COMM_WORLD);
+  return value != 0;
+}
+
+void MpiRanks::add_up(JobStage& stage) {
+  for (int step = 1; step < size_; step *= 2) {
+    if (number_ % (2 * step) == step) {
+      send(stage.total(), number_ - step);
+      break;
+    }
+    if (number_ + step < size_) stage.add(receive(number_ + step));
+  }
+  std::string total = number_ == kRoot ? stage.total() : std::string();
+  std::uint64_t length = static_cast<std::uint64_t>(length_of(total));
+  MPI_Bcast(&length, 1, MPI_UINT64_T, kRoot, MPI_COMM_WORLD);
+  total.resize(length);
+  MPI_Bcast(total.data(), static_cast<int>(length), MPI_CHAR, kRoot, MPI_COMM_WORLD);
+  if (number_ == kRoot) return;
+  ++traffic_.messages;  // one copy reaches every other rank
+  traffic_.bytes += length;
+  stage.clear();
+  stage.add(total);
+}
+
+void MpiRanks::send(const std::string& text, int to) {
+  MPI_Send(text.data(), length_of(text), MPI_CHAR, to, kTag, MPI_COMM_WORLD);
+  ++traffic_.messages;
+  traffic_.bytes += text.size();
+}
+
+std::string MpiRanks::receive(int from) const {
+  MPI_Status status;
+  MPI_Probe(from, kTag, MPI_COMM_WORLD, &status);
+  int length = 0;
+  MPI_Get_count(&status, MPI_CHAR, &length);
+  std::string text(static_cast<std::size_t>(length), '\0');
+  MPI_Recv(text.data(), length, MPI_CHAR, from, kTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return text;
+}
+
+MpiRanks::Traffic MpiRanks::traffic_of_all() const {
+  const std::array<std::uint64_t, 3> own{traffic_.fetches, traffic_.messages, traffic_.bytes};
+  std::array<std::uint64_t, 3> sum{};
+  MPI_Allreduce(own.data(), sum.data(), 3, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+  return {sum[0], sum[1], sum[2]};
+}
+
+}  // namespace paracal::jobs
