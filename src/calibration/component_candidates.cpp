@@ -137,7 +137,7 @@ void add_noise_candidates(const StageFit& fit, std::vector<ComponentCandidate>& 
 }
 
 std::vector<ComponentCandidate> worth_trying(std::vector<ComponentCandidate> all) {
-  constexpr double kWorthTrying = 2.0, kAlike = 10.0;
+  constexpr double kAlike = 10.0;
   constexpr std::size_t kMost = 3, kMostParts = 5;
   std::erase_if(all, [](const ComponentCandidate& one) { return one.worth() < kWorthTrying; });
   std::ranges::stable_sort(all, std::greater{}, &ComponentCandidate::worth);

@@ -34,6 +34,9 @@ struct ComponentCandidate {
   bool names_part() const { return !subject.empty(); }
 };
 
+/// Candidates whose promise exceeds their price by less are not tried.
+inline constexpr double kWorthTrying = 2.0;
+
 /// By how much -2 log likelihood can drop at best when the variance of `freedom` squares, `ratio` times what was
 /// expected, is sought: freedom (ratio - 1 - log ratio), none for squares that are too small.
 double promised_drop(double ratio, double freedom);

@@ -1,7 +1,9 @@
 #include "prior_promise.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "numerics/dense.hpp"
 
@@ -10,7 +12,19 @@ namespace {
 
 /// What an error that has no prior is taken to have: nothing that counts.
 constexpr double kNoPrior = 1e4;  // standard deviations that the fit leaves it
-/// Drop at one factor, s = 1 - 1 / factor^2.
+/// Factors that are tried: 20 to a factor of ten, up to 1000.
+constexpr int kSteps = 60;
+constexpr double kStep = 1.122;
+
+constexpr double kRounding = 1e-6;  // of a bound, whose condition is that of 1 - s at most
+
+double factor_at(int step) { return std::pow(kStep, step); }
+
+/// s of this factor.
+double share_of(double factor) { return 1.0 - 1.0 / (factor * factor); }
+double largest_share() { return share_of(factor_at(kSteps)); }
+
+/// Drop at one factor.
 double drop_at(const Eigen::VectorXd& squares, const Eigen::VectorXd& known, double s) {
   double drop = 0.0;
   for (Eigen::Index i = 0; i < squares.size(); ++i) {
@@ -62,23 +76,31 @@ void PriorPromise::add_level(const Whitened& at, const Scatter& scatter, double 
   const Eigen::ArrayXd now = was + moved, information = told / variance + 1.0;
   const double objective = rows * std::log(variance) + left / variance - scatter.sum +
                            (now.square() - was.square() + (information * known).log()).sum();
+  const double most = (now.square() / (1.0 - largest_share() / information)).sum();  // bound() of all errors
+  if ((1.0 + kRounding) * most < objective) return;                                  // and of some it is smaller
   levels_.push_back(
       {objective, at.axes * now.matrix(), at.axes * information.inverse().matrix().asDiagonal() * at.axes.transpose()});
 }
 
-PriorPromise::Drop PriorPromise::of(const std::vector<std::size_t>& places) const {
-  constexpr int kSteps = 60;
-  constexpr double kStep = 1.122;  // 20 to a factor of ten: up to 1000
-  std::vector<Eigen::Index> at(places.begin(), places.end());
+/// sum v_i^2 / (1 - s k_i) = p^T (P - s C)^-1 p for the largest s: the logarithms add nothing to it. One Cholesky
+/// decomposition, which spares most levels the eigenvectors.
+double PriorPromise::bound(const Level& level, const std::vector<Eigen::Index>& at) const {
+  const Eigen::VectorXd errors = level.errors(at);
+  const Eigen::LLT<Eigen::MatrixXd> left(prior_(at, at) - largest_share() * level.covariance(at, at));
+  if (left.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return (1.0 + kRounding) * errors.dot(left.solve(errors)) - level.objective;
+}
+
+PriorPromise::Drop PriorPromise::of(const std::vector<std::size_t>& places, double least) const {
+  const std::vector<Eigen::Index> at(places.begin(), places.end());
   Drop best;
   for (const Level& one : levels_) {
+    if (bound(one, at) < std::max(best.drop, least)) continue;
     const Whitened here = whitened({0.0, one.errors(at), one.covariance(at, at)}, prior_(at, at));
     const Eigen::VectorXd squares = here.errors.cwiseAbs2();
-    const double most = (squares.array() / (1.0 - here.known.array()).max(1e-12)).sum();  // what s = 1 would save
-    if (most - one.objective < best.drop) continue;
     for (int step = 1; step <= kSteps; ++step) {
-      const double factor = std::pow(kStep, step);
-      const double drop = drop_at(squares, here.known, 1.0 - 1.0 / (factor * factor)) - one.objective;
+      const double factor = factor_at(step);
+      const double drop = drop_at(squares, here.known, share_of(factor)) - one.objective;
       if (drop > best.drop) best = {drop, factor};
     }
   }

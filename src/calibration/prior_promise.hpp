@@ -26,7 +26,8 @@ class PriorPromise {
     double factor = 1.0;
   };
   /// @param places  of sought errors that have a prior.
-  Drop of(const std::vector<std::size_t>& places) const;
+  /// @param least  what a drop must reach to be of use: one that cannot is not computed, and returned as 0.
+  Drop of(const std::vector<std::size_t>& places, double least = 0.0) const;
 
  private:
   /// The fit under noise of another size.
@@ -42,6 +43,8 @@ class PriorPromise {
     Eigen::MatrixXd axes;  ///< errors of one of each
   };
   static Whitened whitened(const Level& level, const Eigen::MatrixXd& prior);
+  /// No drop of these errors at this level is larger.
+  double bound(const Level& level, const std::vector<Eigen::Index>& at) const;
   /// @param at  the fit as it stands.
   void add_level(const Whitened& at, const Scatter& scatter, double variance);
 

@@ -104,7 +104,7 @@ class PriorCandidates {
   void add_prior(ComponentFamily family, std::string subject, double price, Places list,
                  std::function<std::string(const StageFit&, double)> say) {
     if (list.empty() || fit_.widened(list)) return;
-    const PriorPromise::Drop drop = promise_.of(list);
+    const PriorPromise::Drop drop = promise_.of(list, price + kWorthTrying);
     all_.push_back({.family = family,
                     .subject = std::move(subject),
                     .promised = drop.drop,

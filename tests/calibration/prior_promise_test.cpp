@@ -143,6 +143,23 @@ TEST_F(Promise, IsNothingWhereErrorsTakeUpHeights) {
   }
 }
 
+/// What is asked for at least spares work, and changes no promise that reaches it.
+TEST_F(Promise, IsTheSameWhereLessIsNotLookedFor) {
+  for (const double too_long : {0.0, 1.0, 5.0, 40.0}) {
+    const detail::StageFit stage = fit(too_long, false);
+    const detail::PriorPromise promise(stage);
+    std::vector<std::vector<std::size_t>> sets{rods(stage, false), rods(stage, true), of_all(stage)};
+    for (const std::size_t place : of_all(stage)) sets.push_back({place});
+    for (const std::vector<std::size_t>& places : sets) {
+      const detail::PriorPromise::Drop all = promise.of(places);
+      const detail::PriorPromise::Drop reached = promise.of(places, all.drop);
+      EXPECT_EQ(reached.drop, all.drop) << too_long << places.size();
+      EXPECT_EQ(reached.factor, all.factor) << too_long << places.size();
+      EXPECT_LT(promise.of(places, all.drop + 1e-3).drop, all.drop + 1e-3);
+    }
+  }
+}
+
 /// Errors that are a tenth of their tolerances: priors do not shrink to that, for by chance half the machines are
 /// better than their tolerances.
 TEST_F(Promise, OfNarrowerPriorsIsNone) {
