@@ -168,6 +168,25 @@ void state_rank(const Measurements& measurements, const Observation& observation
   }
 }
 
+/// Where the instruments stood.
+void describe_set_up(const StageFit& fit, const Spread& spread, Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  const Eigen::MatrixXd expanded = spread.expanded(calibration.noise_dof);
+  for (const auto& series : observation.series()) series->state_setup(fit.fit().parameters, expanded, calibration);
+  state_turned_over(observation.robot(), calibration);
+}
+
+void describe_readings(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
+                       Calibration& calibration) {
+  const Observation& observation = *after.observation;
+  add_residuals(measurements, before, after, calibration);
+  calibration.before = summarize_fit(*before.observation, before.placed());
+  calibration.after = summarize_fit(observation, after.placed());
+  const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
+  calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
+  calibration.orientation_noise = orientation_noise(observation);
+}
+
 }  // namespace
 
 void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
@@ -189,41 +208,41 @@ void add_stage(const char* name, const Observation& observation, const LeastSqua
   calibration.stages.push_back(std::move(stage));
 }
 
+void state_errors(const StageFit& fit, Calibration& calibration) {
+  if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, calibration);
+}
+
 void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
-                    Calibration& calibration) {
+                    Told told, Calibration& calibration) {
   const Observation& observation = fit.observation();
   const LeastSquaresResult& answer = fit.fit();
   if (answer.status == LeastSquaresStatus::not_evaluable) return judge(answer, false, calibration);
+  const bool everything = told == Told::everything;
   const Scatter scatter = fit.scatter();
   calibration.readings = observation.groups().size();
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
-  state_rank(measurements, observation, answer, calibration);
+  if (everything || !has_priors(observation)) state_rank(measurements, observation, answer, calibration);
   const Spread spread = state_uncertainty(measurements, fit, scatter, calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
   add_parameters(fit, held, calibration);
-  const Eigen::MatrixXd expanded = spread.expanded(calibration.noise_dof);
-  for (const auto& series : observation.series()) series->state_setup(answer.parameters, expanded, calibration);
-  state_turned_over(observation.robot(), calibration);
+  if (everything) describe_set_up(fit, spread, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);
   const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;
   if (!after || !before) return judge(answer, false, calibration);
-  add_residuals(measurements, *before, *after, calibration);
-  calibration.before = summarize_fit(nominal, before->placed());
-  calibration.after = summarize_fit(observation, after->placed());
   const Eigen::Index rows = has_priors(observation) ? 0 : after->information().row_count();
   const double found = found_parameters(fit, rows, scatter);
   calibration.chance = chance_of(before->information().squared_residuals() - answer.at_answer.squared_residuals(),
                                  found, scatter, all_stated(observation));
-  const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
-  calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
-  calibration.orientation_noise = orientation_noise(observation);
-  add_suspects(measurements, observation, after->placed(), suspects, calibration);
-  state_guided_scatter(observation, after->placed(), found, calibration);
-  add_components(calibration);
-  add_assumptions(fit, calibration);
-  add_controller(measurements, calibration);
+  if (everything) {
+    describe_readings(measurements, *before, *after, calibration);
+    add_suspects(measurements, observation, after->placed(), suspects, calibration);
+    state_guided_scatter(observation, after->placed(), found, calibration);
+    add_components(calibration);
+    add_assumptions(fit, calibration);
+    add_controller(measurements, calibration);
+  }
   state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
   judge(answer, is_determined(fit, calibration), calibration);

@@ -2,6 +2,7 @@
 
 // Private to calibration: from a finished fit to numbers that can be signed.
 
+#include "as_given.hpp"
 #include "components.hpp"
 #include "observation.hpp"
 #include "outliers.hpp"
@@ -13,8 +14,12 @@ namespace paracal::detail {
 void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
                Calibration& calibration);
 
+/// Fills parameters with their values alone.
+void state_errors(const StageFit& fit, Calibration& calibration);
+
 /// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
+/// @param told  Told::verdict: of the same verdict, parameters and uncertainty alone.
 void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
-                    Calibration& calibration);
+                    Told told, Calibration& calibration);
 
 }  // namespace paracal::detail

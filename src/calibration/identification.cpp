@@ -66,11 +66,18 @@ bool goes_fine(const Robot& robot, const Measurements& measurements, const Calib
   return robot.on_single_rods() || enough_for_fine(robot, measurements, options);
 }
 
-Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration) {
+Calibration with_errors(const detail::StageFit& stage, Calibration calibration) {
+  detail::state_errors(stage, calibration);
+  return calibration;
+}
+
+Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration,
+                     detail::Told told) {
+  if (told == detail::Told::errors) return with_errors(stage, std::move(calibration));
   detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
   const std::vector<detail::Contradiction> none;
-  const bool paper = calibration.options.method == Method::paper;
-  detail::state_evidence(used, stage, paper ? none : stage.suspects(), calibration);
+  const bool lists = told == detail::Told::everything && calibration.options.method != Method::paper;
+  detail::state_evidence(used, stage, lists ? stage.suspects() : none, told, calibration);
   return calibration;
 }
 
@@ -105,7 +112,8 @@ bool likelier(const detail::StageFit& one, const detail::StageFit& other) {
 /// Gross errors and components of variance can each be taken for the other: a wrong part for readings that contradict
 /// the rest, a gross reading for backlash. Where leaving out gross errors first takes any, components are also sought
 /// first, and that explanation is kept under which all readings are likelier.
-Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration) {
+Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration,
+                           detail::Told told) {
   const CalibrationOptions options = calibration.options;
   stage.settle();
   const detail::StageFit without = stage;
@@ -117,7 +125,7 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   const bool other = left_out && !all[1].components.empty() && likelier(all[1].fit, all[0].fit);
   StageExplanation& found = all[other ? 1 : 0];
   calibration.components = std::move(found.components);
-  return finished(used, found.fit, std::move(calibration));
+  return finished(used, found.fit, std::move(calibration), told);
 }
 
 /// The machine that the fit expects, by which priors and held errors are counted.
@@ -131,7 +139,7 @@ Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
 }  // namespace
 
 Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
-                                       const CalibrationOptions& options) {
+                                       const CalibrationOptions& options, Told told) {
   check(measurements, robot.limb_count());
   const bool paper = options.method == Method::paper;
   if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.lengths.empty())) {
@@ -165,7 +173,8 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
     rough.solve();
     detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
     if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
-      detail::state_evidence(used, rough, {}, calibration);
+      if (told == Told::errors) return with_errors(rough, std::move(calibration));
+      detail::state_evidence(used, rough, {}, told, calibration);
       return calibration;
     }
     offsets = rough.observation().errors(rough.fit().parameters);
@@ -173,9 +182,9 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   detail::StageFit stage(centre, used, options, sought, offsets, !paper);
   if (paper) {
     stage.solve_by_pseudo_inverse();
-    return finished(used, stage, std::move(calibration));
+    return finished(used, stage, std::move(calibration), told);
   }
-  return fit_and_finish(used, stage, std::move(calibration));
+  return fit_and_finish(used, stage, std::move(calibration), told);
 }
 
 }  // namespace paracal

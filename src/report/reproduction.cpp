@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "calibration/as_given.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
@@ -32,9 +33,7 @@ PosePair uncompensated(const Robot& robot, const Machine& machine, const Pose& c
   return {commanded, {actual.plate.position, machine.rotation_of(actual.plate.slide)}};
 }
 
-Calibration rough(const Robot& robot, const Measurements& readings) {
-  return calibrate(robot, readings, {.stage = Stage::rough});
-}
+CalibrationOptions rough() { return {.stage = Stage::rough}; }
 
 /// What the readings leave open in each offset, rad: each distance, which is made of two positions, moved in turn.
 std::vector<double> offset_allowances(const Robot& robot, const Measurements& readings, const Calibration& found) {
@@ -42,8 +41,8 @@ std::vector<double> offset_allowances(const Robot& robot, const Measurements& re
   for (std::size_t k = 0; k < readings.distances.size(); ++k) {
     Measurements moved = readings;
     moved.distances[k].distance += combined(kPositionReading, 2);
-    const Calibration other = rough(robot, moved);
-    for (std::size_t p = 0; p < squares.size(); ++p) {
+    const Calibration other = paracal::detail::calibrate_as_given(robot, moved, rough(), paracal::detail::Told::errors);
+    for (std::size_t p = 0; p < other.parameters.size(); ++p) {  // those that are sought come first
       squares[p] += std::pow(other.parameters[p].value - found.parameters[p].value, 2);
     }
   }
@@ -189,9 +188,9 @@ std::size_t Reproduction::count(Finding finding) const {
       std::ranges::count_if(rows, [&](const ReproductionRow& row) { return row.judgement.finding == finding; }));
 }
 
-Reproduction reproduce_huang2016(const io::PublishedHuang2016& published) {
+Reproduction reproduce_huang2016(const io::PublishedHuang2016& published, unsigned threads) {
   const Robot robot = catalogue::huang2016();
-  Reproduction reproduction{rough(robot, published.rough), {}};
+  Reproduction reproduction{calibrate(robot, published.rough, rough()), {}};
   Rows& rows = reproduction.rows;
   const std::vector<PoseError> offsets = explained(robot, published);
   add_table2(robot, published, Bound::sum_of_maxima, "table2", "Table 2: tolerances (3 sigma), means over a grid",
@@ -204,7 +203,7 @@ Reproduction reproduce_huang2016(const io::PublishedHuang2016& published) {
   add_figure5(robot, published.figures, rows);
   add_figure6(robot, published.figures, rows);
   add_observability(robot, published.figures, rows);
-  detail::add_twins(robot, published, rows);
+  detail::add_twins(robot, published, threads, rows);
   return reproduction;
 }
 

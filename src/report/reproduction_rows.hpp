@@ -31,6 +31,6 @@ class Table {
 };
 
 /// Tables 4 and 5, Figure 9 and the tilt of Figure 6 beside virtual twins of the published machine.
-void add_twins(const Robot& robot, const io::PublishedHuang2016& published, Rows& rows);
+void add_twins(const Robot& robot, const io::PublishedHuang2016& published, unsigned threads, Rows& rows);
 
 }  // namespace paracal::report::detail

@@ -133,9 +133,9 @@ void add_tilt(const Robot& robot, const io::PublishedHuang2016::Figures& publish
 
 }  // namespace
 
-void add_twins(const Robot& robot, const io::PublishedHuang2016& published, Rows& rows) {
-  add_tilt(robot, published.figures, tilt_twins(robot, published.table4, kTilted), rows);
-  const Twins twins = calibrate_twins(robot, published.table4, kTwins);
+void add_twins(const Robot& robot, const io::PublishedHuang2016& published, unsigned threads, Rows& rows) {
+  add_tilt(robot, published.figures, tilt_twins(robot, published.table4, kTilted, threads), rows);
+  const Twins twins = calibrate_twins(robot, published.table4, kTwins, threads);
   Table4(robot, published.table4, twins, rows).add_rows();
   add_table5("before", published.table5_before, twins.before, rows);
   add_table5("after", published.table5_after, twins.after, rows);

@@ -1,9 +1,12 @@
 #include "virtual_twins.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "paracal/calibration/identification.hpp"
+#include "calibration/as_given.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/kinematics/forward.hpp"
@@ -62,63 +65,98 @@ void add(const Robot& robot, const std::vector<PosePair>& pairs, const std::vect
   add(robot, pairs, stations, &PoseError::rotation, largest.rotation, largest.of_rotation);
 }
 
-/// The validation of one twin: against the commanded poses, and against those that its calibration predicts.
-void validate_twin(const Robot& robot, const Machine& actual, const Machine& believed, RandomStream& random,
-                   Twins& twins) {
-  const std::vector<Station> stations = validation_stations(robot);
-  std::vector<PosePair> before, after;
-  for (const Station& station : stations) {
-    const Joints joints = believed_joints(robot, station);
-    const Pose seen = read(pose_of(actual, joints), random);
-    before.push_back({station.commanded, seen});
-    after.push_back({pose_of(believed, joints), seen});
+/// Poses that are commanded, and where the controller, which believes the nominal robot, then sends the joints.
+struct Commanded {
+  explicit Commanded(const Robot& robot) : stations(validation_stations(robot)) {
+    joints.reserve(stations.size());
+    for (const Station& station : stations) joints.push_back(believed_joints(robot, station));
   }
-  add(robot, before, stations, twins.before);
-  add(robot, after, stations, twins.after);
+
+  std::vector<Station> stations;
+  std::vector<Joints> joints = {};
+};
+
+/// make(number) of every twin, each by itself, on so many threads; 0: all.
+template <typename Make>
+auto on_threads(int count, unsigned threads, const Make& make) {
+  std::vector<decltype(make(0))> all(static_cast<std::size_t>(count));
+  tbb::task_arena arena(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads));
+  arena.execute([&] { tbb::parallel_for(0, count, [&](int k) { all[static_cast<std::size_t>(k)] = make(k); }); });
+  return all;
+}
+
+/// The validation of a twin: against the commanded poses, and against those that its calibration predicts.
+struct Twin {
+  SourceErrors found = {};
+  std::vector<PosePair> before = {}, after = {};
+};
+
+Twin calibrated_twin(const Robot& robot, const SourceErrors& table4, const std::vector<Station>& measured,
+                     const Commanded& validation, int number) {
+  const CalibrationOptions paper{.method = Method::paper, .stage = Stage::fine};
+  RandomStream random(kSeed, static_cast<std::uint64_t>(number));
+  const SourceErrors errors = with_drawn_tilt(robot, table4, random);
+  const Measurements readings = simulate(robot, errors, measured, {.noise = kNoise}, random);
+  Twin twin{paracal::detail::calibrate_as_given(robot, readings, paper, paracal::detail::Told::errors).errors()};
+  const Machine actual = build(robot, errors), believed = build(robot, twin.found);
+  for (std::size_t k = 0; k < validation.stations.size(); ++k) {
+    const Joints& joints = validation.joints[k];
+    const Pose seen = read(pose_of(actual, joints), random);
+    twin.before.push_back({validation.stations[k].commanded, seen});
+    twin.after.push_back({pose_of(believed, joints), seen});
+  }
+  return twin;
+}
+
+/// The largest tilt in the bottom layer, and where that of all layers stands.
+struct Tilt {
+  double bottom = 0.0;
+  Place largest = {};
+};
+
+Tilt tilt_of(const Robot& robot, const Machine& machine, const Commanded& validation) {
+  const Eigen::Vector3d home = forward(machine, validation.joints.front()).plate.tilt;
+  double largest = 0.0;
+  Tilt found;
+  for (std::size_t k = 1; k < validation.stations.size(); ++k) {
+    const double tilt = (forward(machine, validation.joints[k]).plate.tilt - home).head<2>().norm();
+    const Place place = place_of(robot, validation.stations[k]);
+    if (tilt > largest) found.largest = place;
+    largest = std::max(largest, tilt);
+    if (place.layer == Place::kBottom) found.bottom = std::max(found.bottom, tilt);
+  }
+  return found;
 }
 
 }  // namespace
 
-Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count) {
+Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count, unsigned threads) {
   const std::vector<Station> measured = fine_stations(robot, kFinePoints);
-  const CalibrationOptions paper{.method = Method::paper, .stage = Stage::fine, .states_use = false};
+  const Commanded validation(robot);
   Twins twins{.count = count};
-  for (int number = 0; number < count; ++number) {
-    RandomStream random(kSeed, static_cast<std::uint64_t>(number));
-    const SourceErrors errors = with_drawn_tilt(robot, table4, random);
-    const Measurements readings = simulate(robot, errors, measured, {.noise = kNoise}, random);
-    const SourceErrors found = calibrate(robot, readings, paper).errors();
+  const auto make = [&](int number) { return calibrated_twin(robot, table4, measured, validation, number); };
+  for (const Twin& twin : on_threads(count, threads, make)) {
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
-        twins.identified[limb][k].push_back(found(limb, static_cast<Source>(k)));
+        twins.identified[limb][k].push_back(twin.found(limb, static_cast<Source>(k)));
       }
     }
-    validate_twin(robot, build(robot, errors), build(robot, found), random, twins);
+    add(robot, twin.before, validation.stations, twins.before);
+    add(robot, twin.after, validation.stations, twins.after);
   }
   return twins;
 }
 
-Tilts tilt_twins(const Robot& robot, const SourceErrors& table4, int count) {
-  const std::vector<Station> stations = validation_stations(robot);
-  std::vector<Joints> joints;
-  joints.reserve(stations.size());
-  for (const Station& station : stations) joints.push_back(believed_joints(robot, station));
-  Tilts tilts;
-  for (int number = 0; number < count; ++number) {
+Tilts tilt_twins(const Robot& robot, const SourceErrors& table4, int count, unsigned threads) {
+  const Commanded validation(robot);
+  const auto make = [&](int number) {
     RandomStream random(kSeed, static_cast<std::uint64_t>(number));
-    const Machine machine = build(robot, with_drawn_tilt(robot, table4, random));
-    const Eigen::Vector3d home = forward(machine, joints.front()).plate.tilt;
-    double largest = 0.0, bottom = 0.0;
-    Place where;
-    for (std::size_t k = 1; k < stations.size(); ++k) {
-      const double tilt = (forward(machine, joints[k]).plate.tilt - home).head<2>().norm();
-      const Place place = place_of(robot, stations[k]);
-      if (tilt > largest) where = place;
-      largest = std::max(largest, tilt);
-      if (place.layer == Place::kBottom) bottom = std::max(bottom, tilt);
-    }
-    tilts.bottom.push_back(bottom);
-    tilts.largest.push_back(where);
+    return tilt_of(robot, build(robot, with_drawn_tilt(robot, table4, random)), validation);
+  };
+  Tilts tilts;
+  for (const Tilt& one : on_threads(count, threads, make)) {
+    tilts.bottom.push_back(one.bottom);
+    tilts.largest.push_back(one.largest);
   }
   return tilts;
 }

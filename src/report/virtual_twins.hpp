@@ -35,7 +35,8 @@ struct Twins {
   std::array<std::array<std::vector<double>, kPositionSourceCount>, kMaxLimbs> identified = {};
 };
 
-Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count);
+/// @param threads  0: all; every number of them gives the same twins.
+Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count, unsigned threads);
 
 /// Tilt of the plate relative to home, |(eps_x, eps_y)| of the exact closure, over the same poses  [huang2016, section
 /// 5.1]; a machine an entry, drawn as the twins are.
@@ -44,6 +45,6 @@ struct Tilts {
   std::vector<Place> largest = {};  ///< where the largest of all layers stands
 };
 
-Tilts tilt_twins(const Robot& robot, const SourceErrors& table4, int count);
+Tilts tilt_twins(const Robot& robot, const SourceErrors& table4, int count, unsigned threads);
 
 }  // namespace paracal::report::detail

@@ -116,7 +116,7 @@ void add_reproduce(Command& program, Session& session) {
   command->get_option("--robot")->check(one_of({"huang2016"}));
   const std::shared_ptr<std::string> page = add_report_option(*command, session);
   command->callback([&session, paper, page] {
-    const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016());
+    const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016(), session.threads());
     const io::Json result = result_json(*paper, reproduction);
     if (!page->empty()) write_page(*page, session, reproduction, result);
     session.json() ? session.print_json(result) : session.print(table(reproduction));

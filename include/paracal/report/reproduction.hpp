@@ -34,6 +34,7 @@ struct Reproduction {
 /// 3, Table 3 from the four published offsets, Table 2, the numbers of points of Figures 7 and 8, and on virtual twins
 /// of the machine (Table 4's errors, Table 2's tilt errors) its tilt, Figure 6 and 9, and Tables 4 and 5, calibrated as
 /// the paper does. Judged by the rule of reproduction_rule.hpp.
-Reproduction reproduce_huang2016(const io::PublishedHuang2016& published);
+/// @param threads  0: all; the numbers are the same.
+Reproduction reproduce_huang2016(const io::PublishedHuang2016& published, unsigned threads = 0);
 
 }  // namespace paracal::report
