@@ -2,6 +2,9 @@
 
 // Private to calibration: Fedorov's exchange of poses.
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -9,7 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "exchange_poses.hpp"
@@ -30,16 +34,14 @@ class PackedRows {
   using Product = Eigen::Matrix<double, kPanel * kPanels, 6>;
 
   /// @param weighted  unknowns x (3 x candidates).
-  explicit PackedRows(const Eigen::MatrixXd& weighted)
-      : unknowns_(weighted.rows()), bundles_((weighted.cols() + kPanel * kPanels - 1) / (kPanel * kPanels)) {
-    panels_.setZero(kPanel, unknowns_ * kPanels * bundles_);
+  explicit PackedRows(const Eigen::MatrixXd& weighted) : unknowns_(weighted.rows()) {
+    const Eigen::Index bundles = (weighted.cols() + kPanel * kPanels - 1) / (kPanel * kPanels);
+    panels_.setZero(kPanel, unknowns_ * kPanels * bundles);
     for (Eigen::Index column = 0; column < weighted.cols(); ++column) {
       auto panel = panels_.middleCols(column / kPanel * unknowns_, unknowns_);
       panel.row(column % kPanel) = weighted.col(column).transpose();
     }
   }
-
-  Eigen::Index bundles() const { return bundles_; }
 
   /// Rows of a bundle times columns: twelve sums in registers while the unknowns pass once.
   Product times(Eigen::Index bundle, const Columns& columns) const {
@@ -54,7 +56,7 @@ class PackedRows {
   }
 
  private:
-  Eigen::Index unknowns_, bundles_;
+  Eigen::Index unknowns_;
   Eigen::Matrix<double, kPanel, Eigen::Dynamic> panels_;
 };
 
@@ -67,8 +69,12 @@ class Exchange {
   using Small = Eigen::Matrix<double, Rows, Rows, Eigen::ColMajor, kMost, kMost>;
   using Tall = Eigen::Matrix<double, Eigen::Dynamic, Rows, Eigen::ColMajor, Eigen::Dynamic, kMost>;
 
-  Exchange(const Problem& problem, Criterion criterion) : problem_(&problem), criterion_(criterion) {
-    if constexpr (Rows == 3) packed_ = std::make_shared<const PackedRows>(problem.weighted);
+  /// @param threads  0: all; every number of them chooses the same poses.
+  Exchange(const Problem& problem, Criterion criterion, unsigned threads)
+      : problem_(&problem),
+        criterion_(criterion),
+        arena_(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads)) {
+    if constexpr (Rows == 3) packed_.emplace(problem.weighted);
     covariance_ = Eigen::MatrixXd::Identity(problem.weighted.rows(), problem.weighted.rows());
     goal_ = problem.goal;
     refresh();
@@ -89,24 +95,24 @@ class Exchange {
   }
 
   /// The candidate that helps most now.
-  Eigen::Index best_addition() const {
-    let_interrupt();
-    Eigen::Index best = -1;
-    double most = -std::numeric_limits<double>::infinity();
-    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
-      const double gain = gain_of(near_[index(k)], far_[index(k)]);
-      if (gain > most && !is_chosen(k)) {
-        most = gain;
-        best = k;
+  Eigen::Index best_addition() {
+    std::vector<Gain> best(index(blocks()));
+    for_each_block([&](Eigen::Index first, Eigen::Index count) {
+      Gain& most = best[index(first / kBlock)];
+      for (Eigen::Index k = first; k < first + count; ++k) {
+        const double gain = gain_of(near_[index(k)], far_[index(k)]);
+        if (gain > most.gain && !is_chosen(k)) most = {gain, k};
       }
-    }
-    return best;
+    });
+    return std::ranges::max_element(best, {}, &Gain::gain)->candidate;  // the first, where some are alike
   }
 
   /// Replaces the chosen pose at `place` by the best candidate, if that is better by more than rounding.
   bool exchange(std::size_t place) {
     constexpr double kWorthwhile = 1e-6;
-    const Exchange before = *this;
+    near_before_ = near_;
+    far_before_ = far_;
+    const Eigen::MatrixXd covariance_before = covariance_;
     const double old_value = value();
     const Eigen::Index left = chosen_[place];
     move(left, -1.0);
@@ -119,7 +125,10 @@ class Exchange {
       const double scale = criterion_ == Criterion::volume ? 1.0 : std::abs(old_value);
       if (value() < old_value - kWorthwhile * scale) return true;
     }
-    *this = before;
+    std::swap(near_, near_before_);
+    std::swap(far_, far_before_);
+    covariance_ = covariance_before;
+    chosen_[place] = left;
     return false;
   }
 
@@ -134,15 +143,36 @@ class Exchange {
     const auto count = static_cast<std::size_t>(problem_->candidates());
     near_.resize(count);
     far_.resize(count);
-    for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
-      let_interrupt();
-      const auto rows = of(k);
-      near_[index(k)] = rows.transpose() * (covariance_ * rows);
-      far_[index(k)] = rows.transpose() * (far * rows);
-    }
+    for_each_block([&](Eigen::Index first, Eigen::Index number) {
+      for (Eigen::Index k = first; k < first + number; ++k) {
+        const auto rows = of(k);
+        near_[index(k)] = rows.transpose() * (covariance_ * rows);
+        far_[index(k)] = rows.transpose() * (far * rows);
+      }
+    });
   }
 
  private:
+  struct Gain {
+    double gain = -std::numeric_limits<double>::infinity();
+    Eigen::Index candidate = -1;
+  };
+
+  /// Candidates that are computed together, in whole bundles.
+  static constexpr Eigen::Index kBlock = 16 * PackedRows::kBundle;
+  Eigen::Index blocks() const { return (problem_->candidates() + kBlock - 1) / kBlock; }
+
+  /// Calls work(first candidate, count) of every block, on all threads.
+  template <typename Work>
+  void for_each_block(const Work& work) {
+    const auto one = [&](Eigen::Index block) {
+      let_interrupt();
+      const Eigen::Index first = kBlock * block;
+      work(first, std::min(kBlock, problem_->candidates() - first));
+    };
+    arena_.execute([&] { tbb::parallel_for(Eigen::Index{0}, blocks(), one); });
+  }
+
   static std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
   Eigen::Index rows() const { return problem_->rows; }
   Small identity() const { return Small::Identity(rows(), rows()); }
@@ -194,32 +224,38 @@ class Exchange {
 
   /// Calls take(k, A_k u, A_k v) for every candidate k.
   template <typename Take>
-  void for_each_candidate(const Tall& u, const Tall& v, Take&& take) const {
+  void for_each_candidate(const Tall& u, const Tall& v, const Take& take) {
     if constexpr (Rows == 3) {
       PackedRows::Columns columns(u.rows(), 6);
       columns << u, v;
-      for (Eigen::Index bundle = 0; bundle < packed_->bundles(); ++bundle) {
-        const PackedRows::Product product = packed_->times(bundle, columns);
-        const Eigen::Index first = PackedRows::kBundle * bundle;
-        for (Eigen::Index i = 0; i < PackedRows::kBundle && first + i < problem_->candidates(); ++i) {
-          take(first + i, product.template block<3, 3>(3 * i, 0), product.template block<3, 3>(3 * i, 3));
+      for_each_block([&](Eigen::Index block, Eigen::Index count) {
+        for (Eigen::Index first = block; first < block + count; first += PackedRows::kBundle) {
+          const PackedRows::Product product = packed_->times(first / PackedRows::kBundle, columns);
+          for (Eigen::Index i = 0; i < PackedRows::kBundle && first + i < problem_->candidates(); ++i) {
+            take(first + i, product.template block<3, 3>(3 * i, 0), product.template block<3, 3>(3 * i, 3));
+          }
         }
-      }
+      });
     } else {
       Eigen::MatrixXd columns(u.rows(), 2 * rows());
       columns << u, v;
-      const Eigen::MatrixXd product = problem_->weighted.transpose() * columns;
-      for (Eigen::Index k = 0; k < problem_->candidates(); ++k) {
-        take(k, product.block(rows() * k, 0, rows(), rows()), product.block(rows() * k, rows(), rows(), rows()));
-      }
+      for_each_block([&](Eigen::Index first, Eigen::Index count) {
+        const Eigen::MatrixXd product =
+            problem_->weighted.middleCols(rows() * first, rows() * count).transpose() * columns;
+        for (Eigen::Index k = 0; k < count; ++k) {
+          take(first + k, product.block(rows() * k, 0, rows(), rows()),
+               product.block(rows() * k, rows(), rows(), rows()));
+        }
+      });
     }
   }
 
   const Problem* problem_;
   Criterion criterion_;
-  std::shared_ptr<const PackedRows> packed_ = {};  ///< of three rows a candidate
+  tbb::task_arena arena_;
+  std::optional<PackedRows> packed_ = {};  ///< of three rows a candidate
   Eigen::MatrixXd covariance_, goal_;
-  std::vector<Small> near_, far_;
+  std::vector<Small> near_, far_, near_before_, far_before_;
   std::vector<Eigen::Index> chosen_;
 };
 
@@ -238,7 +274,7 @@ Selection exchange_poses(const Robot& robot, const std::vector<Station>& candida
     ++done;
     if (told) told(done, others * (1 + sweeps));
   };
-  Exchange<Rows> exchange(problem, options.criterion);
+  Exchange<Rows> exchange(problem, options.criterion, options.threads);
   exchange.add(0);
   while (static_cast<int>(exchange.chosen().size()) < options.poses) {
     if (options.criterion == Criterion::worst_direction) exchange.refresh();

@@ -136,6 +136,7 @@ void run_selection(const PosesArguments& options, Session& session) {
                                                .criterion = kCriteria.at(options.criterion),
                                                .noise = options.measuring.noise(),
                                                .readings = readings,
+                                               .threads = session.threads(),
                                                .progress = progress});
   line.clear();
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;

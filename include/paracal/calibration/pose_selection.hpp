@@ -38,6 +38,7 @@ struct SelectionOptions {
   PlannedReadings readings = {};              ///< at every pose; not distances of all pairs
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
   int largest_sweeps = 20;
+  unsigned threads = 0;  ///< 0: all; the poses are the same
   /// Told after each pose that was added or compared with all candidates: how many so far, and how many there will be
   /// if this sweep is the last.
   std::function<void(std::uint64_t done, std::uint64_t expected)> progress = {};
