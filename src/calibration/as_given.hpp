@@ -9,7 +9,8 @@
 
 namespace paracal::detail {
 
-/// What is told of a fit. Of hundreds of virtual machines nobody reads the rest, which costs as much as some iterations.
+/// What is told of a fit. Of hundreds of virtual machines nobody reads the rest, which costs as much as some
+/// iterations.
 enum class Told : std::uint8_t {
   errors,   ///< the values of the parameters, and no verdict
   verdict,  ///< the same, with their covariance and the verdict
