@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 
+#include "paracal/io/json.hpp"
+#include "paracal/version.hpp"
 #include "usage.hpp"
 
 namespace paracal::app {
@@ -39,6 +43,30 @@ void add_long_job_options(Command& command, LongJobOptions& options) {
                   "K/N: compute every N-th chunk alone, beginning with the K-th, as one of an array of jobs; needs "
                   "--checkpoint")
       ->group(heading);
+}
+
+void require_job(const LongJobOptions& options, bool is_long, std::string_view option) {
+  if (is_long || (options.checkpoint.empty() && options.part.empty())) return;
+  throw WrongUsage(fmt::format("{}: expected {} with it, got none: there is nothing that takes long",
+                               options.checkpoint.empty() ? "--part" : "--checkpoint", option));
+}
+
+io::Json description_of(const Session& session, const Robot& robot, const io::Json& files) {
+  constexpr std::array kOfNoAccount{"--threads", "--checkpoint", "--part", "--out", "--report"};
+  std::vector<std::string> words;
+  for (std::size_t k = 0; k < session.words.size(); ++k) {
+    const std::string& word = session.words[k];
+    const std::string name = word.substr(0, word.find('='));
+    const bool counts = std::ranges::find(kOfNoAccount, name) == kOfNoAccount.end();
+    if (!counts && name == word) ++k;  // its value is the next word
+    if (counts && name != "--json") words.push_back(word);
+  }
+  return {{"program", fmt::format("paracal {}", version())},
+          {"build", build()},
+          {"command", words},
+          {"seed", session.seed()},
+          {"robot", io::to_json(robot)},
+          {"files", files}};
 }
 
 ShownJob::ShownJob(const LongJobOptions& options, Session& session, const io::Json& description)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "arguments.hpp"
 #include "jobs/chunked_job.hpp"
@@ -15,6 +16,13 @@ struct LongJobOptions {
 };
 
 void add_long_job_options(Command& command, LongJobOptions& options);
+
+/// @throws WrongUsage for options of a long job where the command is none.
+void require_job(const LongJobOptions& options, bool is_long, std::string_view option);
+
+/// What decides the results of a command: its words but for those that say who computes and where results go, robot
+/// and seed, and what its files say.
+io::Json description_of(const Session& session, const Robot& robot, const io::Json& files);
 
 /// A long job on the ranks of this program; a line on standard error shows how far it is.
 class ShownJob : public LongJob {

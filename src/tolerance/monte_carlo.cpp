@@ -1,11 +1,13 @@
 #include "paracal/tolerance/monte_carlo.hpp"
 
+#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "drawing.hpp"
 #include "numerics/distributions.hpp"
@@ -14,6 +16,8 @@
 
 namespace paracal {
 namespace {
+
+using Json = nlohmann::json;
 
 constexpr std::uint64_t kChunk = 128;        // machines: their responses stay in the cache
 constexpr std::uint64_t kFirstRound = 1024;  // machines before the first look at the spread
@@ -73,6 +77,26 @@ class Sampler {
 
   std::uint64_t machines() const { return machines_; }
 
+  /// Draws so many machines more by a long job.
+  /// @returns false when that was stopped; then there are as many as before.
+  bool draw(std::uint64_t more, LongJob& job, const std::function<bool()>& goes_on) {
+    const std::uint64_t chunks = (more + kChunk - 1) / kChunk;
+    const auto results =
+        compute_each(job, fmt::format("machines-{:012}", machines_), 0, chunks,
+                     [&](std::uint64_t chunk) -> std::optional<std::string> {
+                       if (!goes_on()) return std::nullopt;
+                       Sums sums = empty_sums();
+                       Counts counts(requirements_.size());
+                       const std::uint64_t first = chunk * kChunk, last = std::min(first + kChunk, more);
+                       arena_.execute([&] { run_chunk(machines_ + first, last - first, sums, counts); });
+                       return as_json(sums, counts).dump();
+                     });
+    if (!results) return false;
+    for (const std::string& result : *results) add_json(Json::parse(result));
+    machines_ += more;
+    return true;
+  }
+
   /// Draws so many machines more.
   void draw(std::uint64_t more) {
     const std::uint64_t chunks = (more + kChunk - 1) / kChunk;
@@ -123,26 +147,26 @@ class Sampler {
 
   void run_chunk(std::uint64_t first, std::uint64_t count, Sums& sums, Counts& counts) const {
     Eigen::MatrixXd components(response_.rows(), static_cast<Eigen::Index>(count));
-    std::vector<bool> closed(count, true);
+    std::vector<char> closed(count, 1);
     let_interrupt();
     if (options_.model == Model::linear) {
       Eigen::MatrixXd errors(drawing_.matrix().cols(), components.cols());
       drawing_.draw(options_.seed, first, errors);
       components.noalias() = drawing_.matrix() * errors;
     } else {
-      for (std::uint64_t m = 0; m < count; ++m) {
+      tbb::parallel_for(std::uint64_t{0}, count, [&](std::uint64_t m) {
         let_interrupt();
         RandomStream random(options_.seed, first + m);
         auto column = components.col(static_cast<Eigen::Index>(m));
-        closed[m] = response_.exact(draw_errors(tolerances_, limbs_, random), column);
-        if (!closed[m]) column.setZero();
-      }
+        closed[m] = response_.exact(draw_errors(tolerances_, limbs_, random), column) ? 1 : 0;
+        if (closed[m] == 0) column.setZero();
+      });
     }
     add_up(components, closed, sums, counts);
   }
 
-  void add_up(const Eigen::MatrixXd& components, const std::vector<bool>& closed, Sums& sums, Counts& counts) const {
-    std::vector<bool> good = closed;
+  void add_up(const Eigen::MatrixXd& components, const std::vector<char>& closed, Sums& sums, Counts& counts) const {
+    std::vector<char> good = closed;
     sums.components += components.rowwise().sum().array();
     for (std::size_t k = 0; k < requirements_.size(); ++k) {
       const Eigen::ArrayXXd squared = response_.squared_lengths(k, components);
@@ -150,16 +174,59 @@ class Sampler {
       sums.fourth_powers.col(static_cast<Eigen::Index>(k)) += squared.square().rowwise().sum();
       const Eigen::ArrayXd largest = squared.colwise().maxCoeff().sqrt();
       for (std::size_t m = 0; m < closed.size(); ++m) {
-        if (!closed[m]) continue;
+        if (closed[m] == 0) continue;
         const double value = largest(static_cast<Eigen::Index>(m));
         counts.largest[k].add(value);
         const bool keeps = value <= requirements_[k].limit;
         if (keeps) ++counts.passed[k];
-        good[m] = good[m] && keeps;
+        good[m] = good[m] != 0 && keeps ? 1 : 0;
       }
     }
-    counts.passed_all += static_cast<std::uint64_t>(std::ranges::count(good, true));
-    counts.not_closed += static_cast<std::uint64_t>(std::ranges::count(closed, false));
+    counts.passed_all += static_cast<std::uint64_t>(std::ranges::count(good, 1));
+    counts.not_closed += static_cast<std::uint64_t>(std::ranges::count(closed, 0));
+  }
+
+  // ---- a chunk as a long job keeps it: numbers to the last bit
+
+  static Json numbers(const Eigen::ArrayXXd& array) {
+    return std::vector<double>(array.data(), array.data() + array.size());
+  }
+
+  template <typename Array>
+  static void add_numbers(const Json& json, Array& array) {
+    const auto values = json.get<std::vector<double>>();
+    if (static_cast<Eigen::Index>(values.size()) != array.size()) throw Error("expected the sums of these poses");
+    array += Eigen::Map<const Array>(values.data(), array.rows(), array.cols());
+  }
+
+  static Json as_json(const Sums& sums, const Counts& counts) {
+    Json json{{"components", numbers(sums.components)},
+              {"squares", numbers(sums.squares)},
+              {"fourth_powers", numbers(sums.fourth_powers)},
+              {"passed", counts.passed},
+              {"passed_all", counts.passed_all},
+              {"not_closed", counts.not_closed},
+              {"largest", Json::array()}};
+    for (const Histogram& largest : counts.largest) {
+      Json bins = Json::array();
+      for (const auto& [bin, count] : largest.counts()) bins.push_back({bin, count});
+      json["largest"].push_back(std::move(bins));
+    }
+    return json;
+  }
+
+  void add_json(const Json& json) {
+    add_numbers(json.at("components"), sums_.components);
+    add_numbers(json.at("squares"), sums_.squares);
+    add_numbers(json.at("fourth_powers"), sums_.fourth_powers);
+    counts_.passed_all += json.at("passed_all").get<std::uint64_t>();
+    counts_.not_closed += json.at("not_closed").get<std::uint64_t>();
+    for (std::size_t k = 0; k < counts_.passed.size(); ++k) {
+      counts_.passed[k] += json.at("passed").at(k).get<std::uint64_t>();
+      for (const Json& bin : json.at("largest").at(k)) {
+        counts_.largest[k].add(bin.at(0).get<std::uint32_t>(), bin.at(1).get<std::uint64_t>());
+      }
+    }
   }
 
   SigmaAtPose at_pose(std::size_t k, Eigen::Index p) const {
@@ -210,7 +277,8 @@ class Sampler {
 double RequirementStatistics::cpk() const { return (requirement.limit - at_worst().mean) / (3.0 * at_worst().sigma); }
 
 MonteCarlo monte_carlo(const Robot& robot, const Tolerances& tolerances, const std::vector<Requirement>& requirements,
-                       const std::vector<Pose>& poses, const MonteCarloOptions& options, const Progress& progress) {
+                       const std::vector<Pose>& poses, const MonteCarloOptions& options, const Progress& progress,
+                       LongJob* job) {
   if (requirements.empty() || poses.empty()) throw InvalidArgument("Monte Carlo: expected requirements and poses");
   if (!(options.sigma_error > 0.0) || !(options.confidence > 0.0) || !(options.confidence < 1.0)) {
     throw InvalidArgument("Monte Carlo: expected an error above 0 and a confidence between 0 and 1");
@@ -221,8 +289,14 @@ MonteCarlo monte_carlo(const Robot& robot, const Tolerances& tolerances, const s
     // At most four times as many before the next look: the first estimate of what is needed is rough.
     const std::uint64_t next = std::min(wanted, 4 * std::max(sampler.machines(), kFirstRound));
     while (sampler.machines() < next) {
-      sampler.draw(std::min(next - sampler.machines(), slice_of(options.model)));
-      if (progress && !progress(sampler.machines(), wanted)) return sampler.result();
+      const std::uint64_t more = std::min(next - sampler.machines(), slice_of(options.model));
+      const auto goes_on = [&] { return !progress || progress(sampler.machines(), wanted); };
+      if (job == nullptr || options.model == Model::linear) {
+        sampler.draw(more);
+      } else if (!sampler.draw(more, *job, goes_on)) {
+        return sampler.result();
+      }
+      if (!goes_on()) return sampler.result();
     }
     wanted = std::min(std::max(sampler.expected(), sampler.machines()), options.max_machines);
   }

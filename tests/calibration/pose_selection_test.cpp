@@ -141,11 +141,23 @@ PARACAL_ON_EVERY_ROBOT(PoseSelectionLaw);
 TEST(PackedRows, TimesSixColumns) {
   const Eigen::MatrixXd weighted = Eigen::MatrixXd::Random(11, 15), columns = Eigen::MatrixXd::Random(11, 6);
   const detail::PackedRows packed(weighted);
-  ASSERT_EQ(packed.bundles(), 2);
   Eigen::MatrixXd product(24, 6);
   product << packed.times(0, columns), packed.times(1, columns);
   EXPECT_LT((product.topRows(15) - weighted.transpose() * columns).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_TRUE(product.bottomRows(9).isZero(0.0));
+}
+
+/// Blocks of candidates do not depend on each other, so the number of threads leaves no trace; 300 candidates are five.
+TEST(PoseSelection, IsTheSameForAnyNumberOfThreads) {
+  const Robot robot = catalogue::huang2016();
+  const std::vector<Station> candidates = candidate_stations(robot, 300, 1);
+  const Selection one = select_stations(robot, candidates, {.poses = 8, .threads = 1});
+  for (const unsigned threads : {2U, 5U, 0U}) {
+    const Selection other = select_stations(robot, candidates, {.poses = 8, .threads = threads});
+    EXPECT_EQ(one.criterion, other.criterion);
+    ASSERT_EQ(one.stations.size(), other.stations.size());
+    for (std::size_t k = 0; k < one.stations.size(); ++k) EXPECT_EQ(one.stations[k].name, other.stations[k].name);
+  }
 }
 
 /// Every pose but home is added once and compared once a sweep; what is expected grows by a sweep when there is one

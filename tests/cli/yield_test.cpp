@@ -296,6 +296,38 @@ TEST_F(UnderMpi, RoundsEndAlike) {
   EXPECT_EQ(ranks(3, command)->result().out, folder.run(command).out);
 }
 
+/// Other long jobs on ranks, in parts and from a folder: the bytes of one process.
+TEST_F(UnderMpi, OtherJobsAreLongToo) {
+  for (const std::string command : {"poses --optimal 6 --candidates 60 --starts 5 --json",
+                                    "tolerance analyze --model exact --sigma-error 0.1 --max-machines 600 "
+                                    "--failure-error 0.9 --json"}) {
+    SCOPED_TRACE(command);
+    std::filesystem::remove_all(folder.path() / "folder");
+    const std::string alone = folder.run(command).out, kept = command + " --checkpoint folder";
+    EXPECT_EQ(ranks(2, command)->result().out, alone);
+    EXPECT_THAT(folder.run(kept + " --part 2/2").out, HasSubstr("part 2 of 2 is done"));
+    const std::size_t half = chunks().size();
+    EXPECT_GT(half, 0U);
+    EXPECT_EQ(folder.run(kept + " --threads 1").out, alone);
+    EXPECT_GT(chunks().size(), half);
+    EXPECT_EQ(folder.run("--seed 5 " + kept).exit_code, kWrongUsage);  // options stand behind the command
+    EXPECT_EQ(folder.run(kept + " --seed 5").exit_code, kBadInputFile);
+  }
+  EXPECT_THAT(folder.run("poses --optimal 6 --checkpoint x").err, HasSubstr("--starts"));
+  EXPECT_THAT(folder.run("tolerance analyze --part 1/2 --checkpoint x").err, HasSubstr("--model exact"));
+}
+
+/// More starts are never worse, and the first one is that of the seed.
+TEST_F(Yield, MoreStartsFindBetterPoses) {
+  const auto value = [&](const std::string& options) {
+    return json_of(folder.run("poses --optimal 6 --candidates 60 --json" + options)).at("value").get<double>();
+  };
+  const double one = value(""), second = value(" --seed 2"), two = value(" --starts 2"), eight = value(" --starts 8");
+  EXPECT_EQ(two, std::min(one, second));
+  EXPECT_LE(eight, two);
+  EXPECT_LT(eight, std::max(one, second));
+}
+
 /// mpirun ends all ranks when one is killed; the same command again makes what is missing.
 TEST_F(UnderMpi, AKilledRankCostsItsChunk) {
   const std::string command = kept_yield(4 * kMachines);

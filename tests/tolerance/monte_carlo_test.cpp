@@ -163,6 +163,34 @@ TEST(MonteCarlo, SpreadIsThatOfMachinesThatClose) {
   EXPECT_NEAR(std::hypot(one.at_worst().mean, one.at_worst().sigma) / rms, 1.0, 0.01);
 }
 
+/// A long job takes its chunks as texts and adds them in their order: the same to the last bit. Some do not close.
+TEST(MonteCarlo, IsTheSameAsALongJob) {
+  const Robot robot = catalogue::huang2016();
+  Tolerances tolerances = *robot.tolerances();
+  for (double& half_width : tolerances.half_width) half_width *= 100.0;
+  const std::vector<Requirement> requirements{{{Quantity::tilt}, 0.05}, {{Quantity::position}, 100.0}};
+  const MonteCarloOptions options{.model = Model::exact, .sigma_error = 1e-9, .max_machines = 1500};
+  const std::vector<Pose> poses = workspace_poses(robot, 40);
+  JobInMemory job;
+  const MonteCarlo here = monte_carlo(robot, tolerances, requirements, poses, options);
+  const MonteCarlo there = monte_carlo(robot, tolerances, requirements, poses, options, {}, &job);
+  ASSERT_GT(here.not_closed, 0U);
+  ASSERT_GT(here.passed, 0U);
+  EXPECT_EQ(here.machines, there.machines);
+  EXPECT_EQ(here.not_closed, there.not_closed);
+  EXPECT_EQ(here.passed, there.passed);
+  for (std::size_t k = 0; k < requirements.size(); ++k) {
+    const RequirementStatistics &one = here.requirements[k], &other = there.requirements[k];
+    EXPECT_EQ(one.passed, other.passed);
+    EXPECT_EQ(one.largest.counts(), other.largest.counts());
+    for (std::size_t pose = 0; pose < poses.size(); ++pose) {
+      EXPECT_EQ(one.poses[pose].sigma, other.poses[pose].sigma);
+      EXPECT_EQ(one.poses[pose].mean, other.poses[pose].mean);
+      EXPECT_EQ(one.poses[pose].interval.high, other.poses[pose].interval.high);
+    }
+  }
+}
+
 TEST(MonteCarlo, StopsWhenAskedAndSaysSo) {
   const Robot robot = catalogue::huang2016();
   const MonteCarlo drawn =

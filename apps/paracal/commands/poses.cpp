@@ -4,10 +4,13 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "controller.hpp"
+#include "interruption.hpp"
+#include "long_job.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
@@ -25,7 +28,8 @@ struct PosesArguments {
   MeasuringOptions measuring;
   std::string stage = "fine", criterion = "pose";
   double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
-  int optimal = 0, candidates = 10000;
+  int optimal = 0, candidates = 10000, starts = 1;
+  LongJobOptions job;
   PlanningOptions plan;
   bool fixed_to_plate = false;
   std::vector<double> tracker, facing, range;
@@ -110,6 +114,66 @@ void check_range(const PosesArguments& options) {
   }
 }
 
+/// The search for the best poses among some candidates.
+class Search {
+ public:
+  Search(const Robot& robot, const PosesArguments& options, const PlannedReadings& readings, const Session& session)
+      : robot_(robot), options_(options), readings_(readings), session_(session) {}
+
+  struct Found {
+    std::vector<Station> candidates;
+    Selection selection;
+  };
+  /// Each start draws candidates of its own; the first one those of the seed.
+  Found operator()(std::uint64_t start) const {
+    std::vector<Station> candidates = candidates_of(robot_, options_, readings_, session_.seed() + start);
+    if (candidates.size() < static_cast<std::size_t>(options_.optimal)) {
+      throw MathematicsSaysNo(
+          fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options_.optimal));
+    }
+    ProgressLine line("comparisons", 2U * static_cast<std::uint64_t>(options_.optimal - 1));
+    const bool shows = options_.starts == 1;
+    const auto progress = [&](std::uint64_t done, std::uint64_t expected) {
+      if (!shows) return;
+      line.expect(expected);
+      line.show(done);
+    };
+    Selection selection = select_stations(robot_, candidates,
+                                          {.poses = options_.optimal,
+                                           .criterion = kCriteria.at(options_.criterion),
+                                           .noise = options_.measuring.noise(),
+                                           .readings = readings_,
+                                           .threads = session_.threads(),
+                                           .progress = progress});
+    return {std::move(candidates), std::move(selection)};
+  }
+
+ private:
+  const Robot& robot_;
+  const PosesArguments& options_;
+  const PlannedReadings& readings_;
+  const Session& session_;
+};
+
+/// The start with the smallest criterion, the first of several. Empty where others compute some of them, which is said.
+std::optional<std::uint64_t> best_start(const Search& search, const PosesArguments& options, Session& session,
+                                        const Robot& robot) {
+  if (options.starts == 1) return 0;
+  ShownJob job(options.job, session, description_of(session, robot, tolerances_of(robot).half_width));
+  const auto criteria = compute_each(job, "start", 0, static_cast<std::uint64_t>(options.starts),
+                                     [&](std::uint64_t start) -> std::optional<std::string> {
+                                       if (flag_of_interruption()) return std::nullopt;
+                                       return io::Json(search(start).selection.criterion).dump();
+                                     });
+  if (!criteria) {
+    if (flag_of_interruption()) end_by_interruption();
+    session.print(job.missing_parts());
+    return std::nullopt;
+  }
+  const auto value = [](const std::string& text) { return io::Json::parse(text).get<double>(); };
+  return std::ranges::min_element(*criteria, {}, value) - criteria->begin();
+}
+
 void run_selection(const PosesArguments& options, Session& session) {
   if (options.candidates < options.optimal) {
     throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
@@ -118,27 +182,14 @@ void run_selection(const PosesArguments& options, Session& session) {
   if (options.plan.readings.measurand == Measurand::distances) {
     throw WrongUsage("--measure: expected another than distance with --optimal: each pose counts alone");
   }
+  require_job(options.job, options.starts > 1, "--starts");
   const PlannedReadings readings = options.plan.planned("--read-rotation");
   check_range(options);
   const Robot robot = session.robot();
-  const std::vector<Station> candidates = candidates_of(robot, options, readings, session.seed());
-  if (candidates.size() < static_cast<std::size_t>(options.optimal)) {
-    throw MathematicsSaysNo(
-        fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options.optimal));
-  }
-  ProgressLine line("comparisons", 2U * static_cast<std::uint64_t>(options.optimal - 1));
-  const auto progress = [&](std::uint64_t done, std::uint64_t expected) {
-    line.expect(expected);
-    line.show(done);
-  };
-  const Selection selection = select_stations(robot, candidates,
-                                              {.poses = options.optimal,
-                                               .criterion = kCriteria.at(options.criterion),
-                                               .noise = options.measuring.noise(),
-                                               .readings = readings,
-                                               .threads = session.threads(),
-                                               .progress = progress});
-  line.clear();
+  const Search search(robot, options, readings, session);
+  const std::optional<std::uint64_t> best = best_start(search, options, session, robot);
+  if (!best) return;
+  const auto [candidates, selection] = search(*best);
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
     const Identifiability seen =
@@ -202,6 +253,13 @@ void add_poses(Command& program, Session& session) {
       ->check(whole_number(2, 100000))
       ->needs(optimal)
       ->shows_default();
+  command
+      ->add_option("--starts", options->starts,
+                   "search so many times, each among other candidates, and take the best; ranks of MPI share them")
+      ->check(whole_number(1, 100000))
+      ->needs(optimal)
+      ->shows_default();
+  add_long_job_options(*command, options->job);
   command->add_option("--criterion", options->criterion, "what the best poses make small")
       ->check(one_of(criteria))
       ->needs(optimal)

@@ -6,6 +6,7 @@
 
 #include "failing.hpp"
 #include "interruption.hpp"
+#include "long_job.hpp"
 #include "measuring.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
@@ -29,6 +30,7 @@ struct ToleranceAnalyzeArguments {
   double failure_error = FailureOptions{}.relative_error;
   int sobol = 0;
   bool linearity = false;
+  LongJobOptions job;
   std::optional<double> min_yield;
   std::shared_ptr<std::string> report;
 };
@@ -42,6 +44,7 @@ struct Findings {
   FailureShare failures = {};              ///< of any limit
   std::vector<FailureShare> of_each = {};  ///< of each limit, where there are several
   bool partial = false;                    ///< stopped by its user
+  std::string missing_parts = {};          ///< of the job, which others compute: then there is no result yet
 
   Proportion yield(double confidence) const { return paracal::yield(failures, batch, confidence); }
   std::vector<SobolIndex> sobol = {};
@@ -79,7 +82,14 @@ void find_failures(const ToleranceAnalyzeArguments& options, const Robot& robot,
   for (const Requirement& one : requirements) found.of_each.push_back(share({one}));
 }
 
-Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, const Session& session) {
+/// What the files of the command say.
+io::Json files_json(const ToleranceAnalyzeArguments& options, const Tolerances& tolerances) {
+  io::Json json{{"half_widths", tolerances.half_width}, {"measured", tolerances.measured}};
+  if (!options.problem.empty()) json["problem"] = io::sha256(io::read_file(options.problem));
+  return json;
+}
+
+Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, Session& session) {
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   const std::vector<Requirement> requirements = requirements_of(options, robot, tolerances);
@@ -89,7 +99,14 @@ Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, cons
   sampling.model = options.model == "exact" ? Model::exact : Model::linear;
   sampling.seed = session.seed();
   sampling.threads = session.threads();
-  found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling, watched(interrupted));
+  if (sampling.model == Model::exact) {
+    ShownJob job(options.job, session, description_of(session, robot, files_json(options, tolerances)));
+    found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling, watched(interrupted), &job);
+    found.missing_parts = job.missing_parts();
+    if (!found.missing_parts.empty()) return found;
+  } else {
+    found.batch = monte_carlo(robot, tolerances, requirements, poses, sampling, watched(interrupted));
+  }
   find_failures(options, robot, session, requirements, poses, found);
   found.partial = interrupted;
   if (found.partial) return found;
@@ -240,8 +257,10 @@ void write_page(const ToleranceAnalyzeArguments& options, Session& session, cons
 }
 
 void run(const ToleranceAnalyzeArguments& options, Session& session) {
+  require_job(options.job, options.model == "exact", "--model exact");
   const Robot robot = session.robot();
   const Findings found = find(options, robot, session);
+  if (!found.missing_parts.empty()) return session.print(found.missing_parts);
   const bool enough =
       !options.min_yield || (is_proven(found.failures, found.batch) &&
                              found.yield(options.monte_carlo.confidence).interval.low >= *options.min_yield);
@@ -267,6 +286,7 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
   command->add_option("--model", options->model, "of the Monte Carlo")
       ->check(one_of({"linear", "exact"}))
       ->shows_default();
+  add_long_job_options(*command, options->job);
   const Rule share = between(1e-4, 1.0), confidence = between(0.5, 0.9999);
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,

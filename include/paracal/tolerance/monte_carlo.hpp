@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "paracal/long_job.hpp"
 #include "paracal/mechanism/tolerances.hpp"
 #include "paracal/tolerance/requirement.hpp"
 #include "paracal/tolerance/response.hpp"
@@ -64,9 +65,10 @@ using Progress = std::function<bool(std::uint64_t done, std::uint64_t expected)>
 /// The standard error of sigma^2 at a pose is that of the mean of |components|^2, whatever its distribution. Checked
 /// after rounds whose size follows from the spread so far.
 ///
+/// @param job  computes the machines of the exact model, chunk by chunk; else they are computed here.
 /// @throws Unreachable, InvalidArgument as LinearModel::rows.
 MonteCarlo monte_carlo(const Robot& robot, const Tolerances& tolerances, const std::vector<Requirement>& requirements,
                        const std::vector<Pose>& poses, const MonteCarloOptions& options = {},
-                       const Progress& progress = {});
+                       const Progress& progress = {}, LongJob* job = nullptr);
 
 }  // namespace paracal
