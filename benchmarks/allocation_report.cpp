@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "comparison.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/tolerance/allocation.hpp"
@@ -27,6 +28,7 @@ AllocationProblem six_variables(const Robot& robot) {
 
 void print_row(const char* title, const std::vector<double>& seconds, const Allocation& allocation) {
   const Spread spread = spread_of(seconds);
+  state(fmt::format("`allocate`: {}", title), 1e3 * spread.median, "ms");
   fmt::print("{:<46}{:>9.2f}{:>9.2f}{:>9.2f}{:>9}  {}", title, 1e3 * spread.median, 1e3 * spread.p99, 1e3 * spread.max,
              allocation.rounds, name(allocation.status));
   for (const RequirementOutcome& outcome : allocation.requirements) {

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <string>
-
 namespace paracal::benchmark {
 
-/// Time of a fine fit from parsed readings, beside Ceres Solver where that was found.
-/// @param tasks  file that calibration_opponent.py reads: the same fits, and our time; empty: none.
-void report_fine_fit(const std::string& tasks);
+/// Time of a fine fit from parsed readings, beside Ceres Solver and SciPy where they were found.
+void report_fine_fit();
 
 /// Time a pair and memory of the paper's method with the distances of all pairs of points.
 void report_pairs();

@@ -154,7 +154,54 @@ RigidMotion frame_of(const double* frame, const RigidMotion& start) {
   return {turn * start.rotation, Eigen::Vector3d(frame[3], frame[4], frame[5])};
 }
 
+/// Whitened points of all stations, with our derivatives by all unknowns.
+class OurRows final : public ceres::CostFunction {
+ public:
+  explicit OurRows(const FineSolve& fit) : fit_(&fit) {
+    fit.rows(fit.start(), rows_);
+    set_num_residuals(static_cast<int>(rows_.rows()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(fit.start().size()));
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Eigen::Index unknowns = fit_->start().size();
+    if (!fit_->rows(Eigen::Map<const Eigen::VectorXd>(parameters[0], unknowns), rows_)) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, rows_.rows()) = rows_.col(unknowns);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      Eigen::Map<RowMajor>(jacobians[0], rows_.rows(), unknowns) = rows_.leftCols(unknowns);
+    }
+    return true;
+  }
+
+ private:
+  const FineSolve* fit_;
+  mutable Eigen::MatrixXd rows_;  // one thread
+};
+
 }  // namespace
+
+std::string ceres_version() { return "Ceres " CERES_VERSION_STRING; }
+
+FineAnswer solve_with_ceres(const FineSolve& fit, CeresSolver solver) {
+  Eigen::VectorXd unknowns = fit.start();
+  const Eigen::VectorXd prior_std = fit.prior_std();
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index k = 0; k < prior_std.size(); ++k) {
+    if (prior_std(k) > 0.0) known.push_back(k);
+  }
+  Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(known.size()), unknowns.size());
+  for (std::size_t row = 0; row < known.size(); ++row) {
+    weight(static_cast<Eigen::Index>(row), known[row]) = 1.0 / prior_std(known[row]);
+  }
+  ceres::Problem problem;
+  problem.AddResidualBlock(new OurRows(fit), nullptr, unknowns.data());
+  problem.AddResidualBlock(new ceres::NormalPrior(weight, Eigen::VectorXd::Zero(unknowns.size())), nullptr,
+                           unknowns.data());
+  ceres::Solver::Summary summary;
+  ceres::Solve(options_of(solver), &problem, &summary);
+  return fit.answer(unknowns, static_cast<int>(summary.iterations.size()) - 1);
+}
 
 FineAnswer solve_with_ceres(const FineFit& fit, CeresCost cost, CeresSolver solver) {
   std::array<double, kSources> errors = numbers_of(fit.start);

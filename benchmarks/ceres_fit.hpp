@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "fine_fit.hpp"
+#include "fine_solve.hpp"
 
 namespace paracal::benchmark {
 
@@ -21,5 +23,11 @@ enum class CeresCost : std::uint8_t { one_station, all_stations };
 ///
 /// and steps begin undamped, as ours do.
 FineAnswer solve_with_ceres(const FineFit& fit, CeresCost cost, CeresSolver solver);
+
+/// The same with the rows and the Jacobian of our own fit: Ceres has the steps alone to take.
+FineAnswer solve_with_ceres(const FineSolve& fit, CeresSolver solver);
+
+/// "Ceres 2.1.0"
+std::string ceres_version();
 
 }  // namespace paracal::benchmark

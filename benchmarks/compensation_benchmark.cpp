@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "comparison.hpp"
 #include "filter_report.hpp"
 #include "host.hpp"
 #include "interleaved_timing.hpp"
@@ -38,7 +39,7 @@ constexpr std::size_t kPoses = 1000;
 constexpr int kRounds = 200;
 
 struct Candidate {
-  std::string_view name;
+  std::string name;
   Pass pass;
 };
 
@@ -102,10 +103,22 @@ void check_opponent(const Robot& robot, const RotaryDeltaKins& opponent) {
   fmt::print("joints on the axis at z = {} mm: ours {:.9f} deg, rotarydeltakins {:.9f} deg\n\n", z, ours, theirs);
 }
 
+std::vector<std::array<double, 3>> joints_of(const Task& task, const RotaryDeltaKins& opponent) {
+  std::vector<std::array<double, 3>> joints;
+  for (const Pose& pose : task.poses) {
+    joints.push_back(opponent.inverse(pose.position.x(), pose.position.y(), pose.position.z()));
+  }
+  return joints;
+}
+
+/// Places among the candidates.
+enum : std::size_t { kNominal, kExactLevel, kExact = 5, kLanesLevel = 7, kLanes, kForward = 11 };
+
 void report_times(const Task& task) {
   const SourceErrors level = without_tilt_group(task.errors);
   const auto nominal_inverse = [&task](std::size_t k) { keep(inverse(task.robot.nominal(), task.poses[k])); };
   const auto tilted_inverse = [&task](std::size_t k) { keep(inverse(task.machine, task.poses[k])); };
+  const auto nominal_forward = [&task](std::size_t k) { keep(forward(task.robot.nominal(), task.joints[k])); };
   std::vector<Candidate> candidates{
       {"nominal inverse of the library", each_pose(nominal_inverse)},
       {"exact, position group", each_pose(Call<double>(task, level, CompensationWay::exact))},
@@ -118,13 +131,26 @@ void report_times(const Task& task) {
       {"path in lanes, all errors", path_pass(task, task.errors)},
       {"stated uncertainty", uncertainty_pass(task)},
       {"inverse of the library, all errors", each_pose(tilted_inverse)},
+      {"nominal forward of the library", each_pose(nominal_forward)},
   };
-  if (const std::shared_ptr<RotaryDeltaKins> opponent = RotaryDeltaKins::of(task.robot)) {
+  std::vector<std::string> opponents;
+  const std::size_t first = candidates.size();
+  for (const LinuxcncBuild& build : linuxcnc_builds()) {
+    if (task.robot.name() != "rotary_delta") break;
+    const std::string title = "LinuxCNC rotarydeltakins " + build.title;
+    const std::shared_ptr<RotaryDeltaKins> opponent = RotaryDeltaKins::of(task.robot, build);
+    if (opponent == nullptr) {
+      not_installed("kinematics of a Delta", title, "linuxcnc-uspace");
+      continue;
+    }
     check_opponent(task.robot, *opponent);
-    candidates.push_back({"LinuxCNC rotarydeltakins, nominal", each_pose([&task, opponent](std::size_t k) {
+    opponents.push_back(title);
+    candidates.push_back({title, each_pose([&task, opponent](std::size_t k) {
                             const Eigen::Vector3d& at = task.poses[k].position;
                             keep(opponent->inverse(at.x(), at.y(), at.z()));
                           })});
+    candidates.push_back({title + ", forward", each_pose([joints = joints_of(task, *opponent), opponent](
+                                                             std::size_t k) { keep(opponent->forward(joints[k])); })});
   }
   std::vector<Pass> passes;
   passes.reserve(candidates.size());
@@ -136,6 +162,26 @@ void report_times(const Task& task) {
     const double to_ns = 1e9 / static_cast<double>(kPoses);
     fmt::print("{:<36}{:>10.0f}{:>10.0f}{:>24.2f}\n", candidates[k].name, spread.median * to_ns, spread.p99 * to_ns,
                median_ratio(seconds[k], seconds[0]));
+  }
+  if (task.robot.name() == "huang2016") {
+    for (const std::size_t k : {kExactLevel, kExact, kLanesLevel, kLanes}) {
+      state(fmt::format("compensation of `huang2016`: {}", candidates[k].name),
+            1e9 / kPoses * spread_of(seconds[k]).median, "ns a pose");
+    }
+  }
+  for (std::size_t k = 0; k < opponents.size(); ++k) {
+    const auto against = [&](const char* task_name, std::size_t ours, std::size_t theirs, const char* note) {
+      compare({.task = task_name, .opponent = opponents[k], .unit = "ns a pose", .note = note}, {seconds[ours], kPoses},
+              {seconds[theirs], kPoses});
+    };
+    const std::size_t its_inverse = first + 2 * k, its_forward = its_inverse + 1;
+    against("inverse kinematics of a Delta, nominal", kNominal, its_inverse, "");
+    against("forward kinematics of a Delta, nominal", kForward, its_forward,
+            "ours iterates and takes any errors; rotarydeltakins has a closed form for the nominal robot");
+    against("exact compensation of a Delta, position errors", kExactLevel, its_inverse,
+            "rotarydeltakins: its nominal inverse, which compensates nothing");
+    against("exact compensation of a Delta, all errors", kExact, its_inverse,
+            "rotarydeltakins: its nominal inverse, which compensates nothing");
   }
 }
 

@@ -1,12 +1,18 @@
 #include "filter_report.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <streambuf>
 
+#include "comparison.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/filter/target_filter.hpp"
 #include "peak_memory.hpp"
@@ -62,6 +68,41 @@ std::size_t filter(const TargetCorrection& correction, const std::string& block,
   return written;
 }
 
+/// The same from a file to nowhere, as a program of its own does it.
+void filter_file(const TargetCorrection& correction, const std::string& path) {
+  std::ifstream source(path);
+  std::ofstream nowhere("/dev/null");
+  keep(io::filter_gcode({path, source}, [&](std::string_view text) { nowhere << text; }, correction, {.threads = 1}));
+}
+
+/// shift_targets.awk by mawk, a process a pass.
+void compare_with_mawk(const TargetCorrection& all, const TargetCorrection& level, const std::string& lines) {
+  const std::string task = "correction of a part program (`export --target gcode`), ";
+  constexpr const char* kOpponent = "mawk, a program of 9 lines that adds a constant to each coordinate";
+  if (std::system("mawk -W version >/dev/null 2>&1") != 0) return not_installed(task + "all errors", kOpponent, "mawk");
+  const std::string path =
+      (std::filesystem::temp_directory_path() / fmt::format("paracal-lines-{}.ngc", ::getpid())).string();
+  constexpr int kBlocks = 100;
+  {
+    std::ofstream file(path);
+    for (int k = 0; k < kBlocks; ++k) file << lines;
+  }
+  const std::string command = "mawk -f " PARACAL_BENCHMARK_FOLDER "/shift_targets.awk " + path + " >/dev/null";
+  const auto seconds = interleave(
+      {[&] { filter_file(all, path); }, [&] { filter_file(level, path); }, [&] { keep(std::system(command.c_str())); }},
+      kRounds);
+  std::filesystem::remove(path);
+  const char* note =
+      "the filter also inverts the machine with errors at each line, keeps the mode of the program, divides long "
+      "blocks, sets feeds anew and refuses what it cannot correct; the awk program does none of it";
+  constexpr double kCount = static_cast<double>(kBlocks) * kLines;
+  const Work theirs{seconds[2], kCount};
+  compare({.task = task + "all errors", .opponent = kOpponent, .unit = "us a line", .note = note}, {seconds[0], kCount},
+          theirs);
+  compare({.task = task + "position errors", .opponent = kOpponent, .unit = "us a line", .note = note},
+          {seconds[1], kCount}, theirs);
+}
+
 }  // namespace
 
 void report_filter(const Task& task) {
@@ -82,6 +123,7 @@ void report_filter(const Task& task) {
     fmt::print("{:<36}{:>10.1f}{:>12.2f}\n", kNames[k], bytes_a_second / kMegabyte, 1e6 * line_size / bytes_a_second);
   }
   fmt::print("{:<36}{:>10.1f} for 2 MB, {:.1f} for 100 MB\n", "memory of the process, MB", few, many);
+  if (task.robot.name() == "huang2016") compare_with_mawk(all, level, lines);
 }
 
 }  // namespace paracal::benchmark

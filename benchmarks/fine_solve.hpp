@@ -15,6 +15,15 @@ class FineSolve {
 
   FineAnswer operator()() const;
 
+  // The same problem for another solver.
+
+  const Eigen::VectorXd& start() const { return start_; }
+  /// Rows [J | r] of the points; false where the machine does not close.
+  bool rows(const Eigen::VectorXd& unknowns, Eigen::MatrixXd& rows) const;
+  /// 0 where there is none.
+  Eigen::VectorXd prior_std() const;
+  FineAnswer answer(const Eigen::VectorXd& unknowns, int iterations) const;
+
  private:
   CalibrationOptions options_;
   detail::Observation observation_;

@@ -1,5 +1,5 @@
 // Time and heap allocations of a hexapod's kinematics at a pose: the inverse beside its floor, and the forward
-// kinematics along a path, from the pose before, beside LinuxCNC's genhexkins, the compiled module of its package.
+// kinematics along a path, from the pose before, beside LinuxCNC's genhexkins.
 //
 // Candidates take turns in many short rounds, as in kinematics_benchmark.cpp, whose header says why. Reports and never
 // judges: the exit status is 0 whatever the figures.
@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "comparison.hpp"
 #include "host.hpp"
 #include "interleaved_timing.hpp"
 #include "linuxcnc_hal.hpp"
@@ -67,7 +68,8 @@ double floor_of(const Machine& machine, const Pose& pose) {
 /// Rot(y, B) Rot(x, A).
 class Genhexkins {
  public:
-  explicit Genhexkins(const Machine& machine) : module_(KinematicsModule::load("genhexkins")) {
+  Genhexkins(const Machine& machine, const LinuxcncBuild& build)
+      : module_(KinematicsModule::load(build, "genhexkins")) {
     if (!module_.loaded()) return;
     for (std::size_t i = 0; i < 6; ++i) {
       for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -90,6 +92,11 @@ class Genhexkins {
     return module_.forward(joints.data(), &pose, &flags, &flags);
   }
 
+  void inverse(const EmcPose& pose, std::array<double, 16>& joints) const {
+    unsigned long flags = 0;
+    module_.inverse(&pose, joints.data(), &flags, &flags);
+  }
+
   static EmcPose pose_of(const Pose& pose) {
     const auto turn = [&](int axis) { return Eigen::AngleAxisd(pose.tilt(axis), Eigen::Vector3d::Unit(axis)); };
     const Eigen::Matrix3d R = (turn(0) * turn(1) * turn(2)).toRotationMatrix();
@@ -108,6 +115,8 @@ class Genhexkins {
   bool complete_ = true;
 };
 
+enum : std::size_t { kFloor, kInverse, kInverseWithErrors, kForward };
+
 struct Candidate {
   std::string name;
   Pass pass;
@@ -120,7 +129,7 @@ double allocations_per_pose(const Candidate& candidate) {
   return static_cast<double>(test::allocation_count() - before) / static_cast<double>(kPoses);
 }
 
-void print(const std::vector<Candidate>& candidates) {
+std::vector<std::vector<double>> print(const std::vector<Candidate>& candidates) {
   std::vector<Pass> passes;
   for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);
   const std::vector<std::vector<double>> seconds = interleave(passes, kRounds);
@@ -136,6 +145,7 @@ void print(const std::vector<Candidate>& candidates) {
     fmt::print("{:<38}{:>8.0f}{:>8.0f}{:>8g}  {}\n", name, time.median * to_ns, time.p99 * to_ns,
                allocations_per_pose(candidates[k]), ratio);
   }
+  return seconds;
 }
 
 /// Largest difference of two ways along the path, mm; the opponent's turns are of another convention.
@@ -189,7 +199,7 @@ void report(const Robot& robot) {
        [&] {
          for (const Pose& pose : poses) keep(floor_of(nominal, pose));
        },
-       0},
+       kFloor},
       {"inverse, nominal",
        [&] {
          for (const Pose& pose : poses) keep(inverse(nominal, pose));
@@ -200,34 +210,57 @@ void report(const Robot& robot) {
          for (const Pose& pose : poses) keep(inverse(machine, pose));
        },
        0},
-      {"forward from the last pose, nominal", along(nominal, joints), 0},
-      {"forward from the last pose, 8 errors", along(machine, with_errors), 0},
+      {"forward from the last pose, nominal", along(nominal, joints), kForward},
+      {"forward from the last pose, 8 errors", along(machine, with_errors), kForward},
   };
-  candidates[3].baseline = 3;
-  candidates[4].baseline = 3;
-  const Genhexkins opponent(nominal);
   fmt::print("\n{}: a path of {} poses, {} rounds; {:.2f} iterations a pose, back within {:.1g} mm and rad\n",
              robot.name(), kPoses, kRounds, iterations / static_cast<double>(kPoses), largest);
-  if (opponent.loaded()) {
-    candidates.push_back({"LinuxCNC genhexkins, forward, nominal",
+  std::vector<std::pair<std::string, Genhexkins>> opponents;
+  for (const LinuxcncBuild& build : linuxcnc_builds()) {
+    const std::string title = "LinuxCNC genhexkins " + build.title;
+    const Genhexkins opponent(nominal, build);
+    if (opponent.loaded()) {
+      opponents.emplace_back(title, opponent);
+      fmt::print("{} back within {:.1g} mm and deg\n", title, difference(opponent, emc, lengths));
+    } else {
+      fmt::print("{} is not there\n", title);
+      not_installed("kinematics of a hexapod", title, "linuxcnc-uspace");
+    }
+  }
+  const std::size_t first = candidates.size();
+  for (const auto& [title, opponent] : opponents) {
+    candidates.push_back({title + ", forward",
                           [&] {
                             EmcPose last = emc.back();
                             for (const auto& one : lengths) keep(opponent.forward(one, last));
                           },
-                          3});
-    fmt::print("genhexkins back within {:.1g} mm and deg\n", difference(opponent, emc, lengths));
-  } else {
-    fmt::print("LinuxCNC (linuxcnc-uspace) is not installed: no opponent\n");
+                          kForward});
+    candidates.push_back({title + ", inverse",
+                          [&] {
+                            std::array<double, 16> found{};
+                            for (const EmcPose& pose : emc) {
+                              opponent.inverse(pose, found);
+                              keep(found);
+                            }
+                          },
+                          kInverse});
   }
-  print(candidates);
+  const std::vector<std::vector<double>> seconds = print(candidates);
+  for (std::size_t k = 0; k < opponents.size(); ++k) {
+    const auto against = [&](const char* task, std::size_t ours, std::size_t theirs, const char* note) {
+      compare({.task = task, .opponent = opponents[k].first, .unit = "ns a pose", .note = note},
+              {seconds[ours], kPoses}, {seconds[theirs], kPoses});
+    };
+    against("forward kinematics of a hexapod along a path", kForward, first + 2 * k,
+            "genhexkins iterates once more, for its display pins");
+    against("inverse kinematics of a hexapod", kInverse, first + 2 * k + 1, "");
+  }
 }
 
 }  // namespace
 
 int main() {
   fmt::print("{}", host_description());
-  for (const std::string& kind : io::robot_templates()) report(io::read_robot(io::robot_template(kind)));
-  fmt::print(
-      "genhexkins as its package has it: a call iterates once more for its display pins, and Debian compiles it with\n"
-      "little optimisation (its source at -O3 is said to be about twice as quick)\n");
+  report(io::read_robot(io::robot_template("hexapod")));
+  fmt::print("genhexkins: a call of forward iterates once more, for its display pins\n");
 }

@@ -28,9 +28,15 @@ std::string compiler() {
 
 }  // namespace
 
+Host this_host() {
+  return {std::string(version()), std::string(build()), cpu_model(), std::thread::hardware_concurrency(), compiler(),
+          PARACAL_BENCHMARK_BUILD};
+}
+
 std::string host_description(std::string_view use) {
-  return fmt::format("paracal  {}\nCPU      {}, {} logical cores; {}\ncompiler {}\nbuild    {}\n", version(),
-                     cpu_model(), std::thread::hardware_concurrency(), use, compiler(), PARACAL_BENCHMARK_BUILD);
+  const Host host = this_host();
+  return fmt::format("paracal  {}\nCPU      {}, {} logical cores; {}\ncompiler {}\nbuild    {}\n", host.version,
+                     host.cpu, host.cores, use, host.compiler, host.flags);
 }
 
 }  // namespace paracal::benchmark

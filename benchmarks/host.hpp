@@ -5,7 +5,19 @@
 
 namespace paracal::benchmark {
 
-/// What the figures were measured on: CPU model, compiler, build type and flags, one a line.
+/// What the figures were measured on.
+struct Host {
+  std::string version;  ///< of the library, and its build()
+  std::string build;
+  std::string cpu;
+  unsigned cores = 0;
+  std::string compiler;
+  std::string flags;  ///< of the benchmarks and the library
+};
+
+Host this_host();
+
+/// The same, one a line.
 /// @param use  of its cores
 std::string host_description(std::string_view use = "one thread is used unless stated");
 

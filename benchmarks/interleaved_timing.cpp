@@ -40,9 +40,14 @@ Spread spread_of(std::vector<double> figures) {
 }
 
 double median_ratio(const std::vector<double>& candidate, const std::vector<double>& baseline) {
+  return ratio_quartiles(candidate, baseline).median;
+}
+
+Quartiles ratio_quartiles(const std::vector<double>& candidate, const std::vector<double>& baseline) {
   std::vector<double> ratios(candidate.size());
   std::ranges::transform(candidate, baseline, ratios.begin(), std::divides<>());
-  return spread_of(std::move(ratios)).median;
+  std::ranges::sort(ratios);
+  return {quantile(ratios, 0.25), quantile(ratios, 0.5), quantile(ratios, 0.75)};
 }
 
 }  // namespace paracal::benchmark

@@ -32,4 +32,10 @@ Spread spread_of(std::vector<double> figures);
 /// Median over the rounds of the ratio within each round.
 double median_ratio(const std::vector<double>& candidate, const std::vector<double>& baseline);
 
+/// And its quartiles.
+struct Quartiles {
+  double low = 0.0, median = 0.0, high = 0.0;
+};
+Quartiles ratio_quartiles(const std::vector<double>& candidate, const std::vector<double>& baseline);
+
 }  // namespace paracal::benchmark

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "comparison.hpp"
 #include "floor.hpp"
 #include "host.hpp"
 #include "interleaved_timing.hpp"
@@ -119,7 +120,7 @@ void print_row(const Candidate& candidate, const std::string& baseline_name, con
   fmt::print("{:<26}{:>8.0f}{:>8.0f}{:>8.0f}  {:<18}{:>11}{:>7g}{:>7.0f}{:>6.0f}{:>9.2f}{:>6.0f}%\n", candidate.name,
              time.median * to_ns, time.p99 * to_ns, time.max * to_ns, ratio, iterations,
              allocations_per_pose(candidate), candidate.operations.arithmetic, candidate.operations.functions,
-             work / time.median * 1e-9, 100.0 * median_ratio(peak, seconds) * work / peak_operations());
+             work / time.median * 1e-9, 100.0 * median_ratio(peak, seconds) * work / compiled_peak().operations);
 }
 
 void report(const Robot& robot) {
@@ -128,16 +129,29 @@ void report(const Robot& robot) {
   const std::vector<Candidate> candidates = candidates_of(task, floor);
   std::vector<Pass> passes;
   for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);
-  passes.push_back(peak_pass);
+  const Peak machine = machine_peak();
+  passes.push_back(compiled_peak().pass);
+  passes.push_back(machine.pass);
   const std::vector<std::vector<double>> seconds = interleave(passes, kRounds);
-  const std::vector<double>& peak = seconds.back();
+  const std::vector<double>& peak = seconds[candidates.size()];
   print_header(task);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::size_t baseline = candidates[k].baseline;
     print_row(candidates[k], baseline == kFloor ? "floor" : "inverse", seconds[k], seconds[baseline], peak);
+    if (task.robot.name() == "huang2016" && k != kFloor) {
+      compare_with_peak(candidates[k].name, "ns a pose", kPoses, candidates[k].operations.arithmetic, seconds[k],
+                        machine, seconds.back(), peak);
+    }
   }
-  fmt::print("peak of one core, multiply and add in turn: {:.1f} GFLOP/s\n",
-             peak_operations() / spread_of(peak).median * 1e-9);
+  if (task.robot.name() == "huang2016") {
+    compare({.task = "inverse kinematics of `huang2016`, nominal",
+             .opponent = "a floor: its 4 square roots and 4 arctangents alone",
+             .unit = "ns a pose"},
+            {seconds[kInverse], kPoses}, {seconds[kFloor], kPoses});
+  }
+  fmt::print("peak of one core, multiply and add in turn: {:.1f} GFLOP/s; {}: {:.1f} GFLOP/s\n",
+             compiled_peak().operations / spread_of(peak).median * 1e-9, machine.name,
+             machine.operations / spread_of(seconds.back()).median * 1e-9);
   fmt::print("floor's arctangents against the joints of the inverse: {:.1g} rad apart at most\n",
              floor.difference(task));
 }

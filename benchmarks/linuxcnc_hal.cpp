@@ -67,8 +67,14 @@ extern "C" {
 
 namespace paracal::benchmark {
 
-KinematicsModule KinematicsModule::load(const std::string& name) {
-  void* const module = ::dlopen(("/usr/lib/linuxcnc/modules/" + name + ".so").c_str(), RTLD_NOW);
+std::vector<LinuxcncBuild> linuxcnc_builds() {
+  const char* const folder = std::getenv("PARACAL_LINUXCNC_O3");
+  return {{"as shipped (-Os)", "/usr/lib/linuxcnc/modules"},
+          {"compiled with -O3 -flto", folder == nullptr ? "" : folder}};
+}
+
+KinematicsModule KinematicsModule::load(const LinuxcncBuild& build, const std::string& name) {
+  void* const module = ::dlopen((build.folder + "/" + name + ".so").c_str(), RTLD_NOW);
   if (module == nullptr) return {};
   const auto start = reinterpret_cast<int (*)()>(::dlsym(module, "rtapi_app_main"));
   if (start == nullptr || start() != 0) return {};

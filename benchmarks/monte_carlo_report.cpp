@@ -7,8 +7,10 @@
 #include <cmath>
 #include <utility>
 
+#include "comparison.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/tolerance/response.hpp"
+#include "peak.hpp"
 #include "tilt_task.hpp"
 #include "tolerance/drawing.hpp"
 #include "tolerance_reports.hpp"
@@ -82,7 +84,7 @@ class Parts {
   tbb::task_arena arena_;
 };
 
-enum : std::size_t { kAll, kDraw, kProduct, kPeak, kOpponent };
+enum : std::size_t { kAll, kDraw, kProduct, kPeak, kMachinePeak, kCompiledPeak, kOpponent };
 
 using Rounds = std::vector<std::vector<double>>;
 
@@ -137,9 +139,9 @@ OpenTurnsTilt opponent_of(const TiltTask& task, const Parts& parts) {
 }
 
 constexpr std::array<std::pair<OpenTurnsWay, const char*>, 3> kWays{{
-    {OpenTurnsWay::linear_function, "OpenTURNS, LinearFunction"},
-    {OpenTurnsWay::small_samples, "OpenTURNS, the same, small samples"},
-    {OpenTurnsWay::bare_product, "OpenTURNS, its matrix product"},
+    {OpenTurnsWay::linear_function, "LinearFunction on one sample"},
+    {OpenTurnsWay::small_samples, "LinearFunction on small samples"},
+    {OpenTurnsWay::bare_product, "its matrix product"},
 }};
 
 /// How far two sigmas at the worst pose are apart, in standard errors.
@@ -151,13 +153,19 @@ double standard_errors_apart(const SigmaAtPose& ours, double theirs) {
 
 void print_opponent(const TiltTask& task, const OpenTurnsTilt& opponent, const Rounds& seconds, unsigned threads) {
   const RequirementStatistics drawn = task.monte_carlo(Model::linear, kMachines, threads).requirements.front();
-  fmt::print("OpenTURNS, sigma only; TBB on {} thread{}, BLAS {}\n", threads, threads == 1 ? "" : "s",
-             OpenTurnsTilt::blas());
+  const std::string library = OpenTurnsTilt::libraries();
+  fmt::print("{}, sigma only; {} thread{}\n", library, threads, threads == 1 ? "" : "s");
   for (std::size_t k = 0; k < kWays.size(); ++k) {
     const auto [way, title] = kWays[k];
     print_row(title, seconds[kOpponent + k], kOpponentMachines, task.poses.size());
     const double theirs = opponent.sigma(way, kOpponentMachines, threads)(static_cast<Eigen::Index>(drawn.worst));
     const double ratio = median_ratio(seconds[kOpponent + k], seconds[kAll]) * kMachines / kOpponentMachines;
+    compare({.task = "linear Monte Carlo of tilt, 121 poses",
+             .opponent = fmt::format("{}, {}", library, title),
+             .unit = "us a machine",
+             .threads = static_cast<int>(threads),
+             .note = "OpenTURNS computes sigma alone; ours also its interval and the yield"},
+            {seconds[kAll], kMachines}, {seconds[kOpponent + k], kOpponentMachines});
     fmt::print(
         "  {:.2f} times ours (aim: at least 20); sigma at the worst pose {:.4f} mrad, ours {:.4f}: {:.1f} standard "
         "errors apart\n",
@@ -171,8 +179,12 @@ void print_opponent(const TiltTask& task, const OpenTurnsTilt& opponent, const R
 void report_linear_monte_carlo(unsigned threads) {
   const TiltTask task;
   Parts parts(task, threads);
-  std::vector<Pass> passes{[&] { keep(task.monte_carlo(Model::linear, kMachines, threads)); }, [&] { parts.draw(); },
-                           [&] { parts.multiply(); }, [&] { parts.multiply_large(); }};
+  std::vector<Pass> passes{[&] { keep(task.monte_carlo(Model::linear, kMachines, threads)); },
+                           [&] { parts.draw(); },
+                           [&] { parts.multiply(); },
+                           [&] { parts.multiply_large(); },
+                           machine_peak().pass,
+                           compiled_peak().pass};
 #ifdef PARACAL_BENCHMARK_OPENTURNS
   const OpenTurnsTilt opponent = opponent_of(task, parts);
   for (const auto& [way, title] : kWays) {
@@ -184,8 +196,17 @@ void report_linear_monte_carlo(unsigned threads) {
              task.poses.size(), parts.matrix().rows(), parts.matrix().cols(), kMachines, threads,
              threads == 1 ? "" : "s", kRounds);
   print_ours(task, parts, seconds);
+  if (threads == 1) {
+    for (const auto& [name, part] : {std::pair{"linear Monte Carlo of tilt, its product counted", kAll},
+                                     std::pair{"its matrix product alone", kProduct}}) {
+      compare_with_peak(name, "ns a machine", kMachines, parts.operations_a_machine(), seconds[part], machine_peak(),
+                        seconds[kMachinePeak], seconds[kCompiledPeak]);
+    }
+  }
 #ifdef PARACAL_BENCHMARK_OPENTURNS
   print_opponent(task, opponent, seconds, threads);
+#else
+  not_installed("linear Monte Carlo of tilt", "OpenTURNS", "libopenturns-dev");
 #endif
 }
 

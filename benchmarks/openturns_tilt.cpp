@@ -1,10 +1,19 @@
 #include "openturns_tilt.hpp"
 
-#include <fstream>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <openturns/PlatformInfo.hxx>
 #include <openturns/TBB.hxx>
 
 namespace paracal::benchmark {
 namespace {
+
+/// A function of a library that this process has loaded, maybe.
+template <typename Function>
+Function* loaded(const char* name) {
+  return reinterpret_cast<Function*>(::dlsym(RTLD_DEFAULT, name));
+}
 
 OT::Point point_of(const Eigen::VectorXd& numbers) {
   OT::Point point(static_cast<OT::UnsignedInteger>(numbers.size()));
@@ -26,7 +35,7 @@ unsigned machines_a_sample(OpenTurnsWay way, unsigned machines) {
     case OpenTurnsWay::small_samples:
       return 64;
     case OpenTurnsWay::bare_product:
-      return 512;
+      return 128;
   }
   return machines;
 }
@@ -48,6 +57,7 @@ OT::Sample OpenTurnsTilt::response(OpenTurnsWay way, const OT::Sample& errors) c
 
 Eigen::VectorXd OpenTurnsTilt::sigma(OpenTurnsWay way, unsigned machines, unsigned threads) const {
   OT::TBB::SetThreadsNumber(threads);
+  if (const auto set_threads = loaded<void(int)>("openblas_set_num_threads")) set_threads(static_cast<int>(threads));
   const unsigned sample = machines_a_sample(way, machines), samples = machines / sample;
   const auto poses = static_cast<Eigen::Index>(matrix_.getNbRows()) / 2;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(2 * poses);
@@ -58,12 +68,14 @@ Eigen::VectorXd OpenTurnsTilt::sigma(OpenTurnsWay way, unsigned machines, unsign
   return ((sum.head(poses) + sum.tail(poses)) / samples).cwiseSqrt();
 }
 
-std::string OpenTurnsTilt::blas() {
-  std::ifstream maps("/proc/self/maps");
-  for (std::string line; std::getline(maps, line);) {
-    if (line.find("libblas") != std::string::npos) return line.substr(line.find('/'));
+std::string OpenTurnsTilt::libraries() {
+  std::string blas = "a BLAS that is not OpenBLAS";
+  if (const auto describe = loaded<const char*()>("openblas_get_config")) {
+    const std::string said = describe();  // "OpenBLAS 0.3.21 NO_LAPACKE ..."
+    blas = said.substr(0, said.find(' ', said.find(' ') + 1));
+    if (const auto core = loaded<const char*()>("openblas_get_corename")) blas += fmt::format(" ({})", core());
   }
-  return "unknown";
+  return fmt::format("OpenTURNS {} on {}", OT::PlatformInfo::GetVersion(), blas);
 }
 
 }  // namespace paracal::benchmark

@@ -21,7 +21,7 @@ enum class OpenTurnsWay : std::uint8_t {
 ///
 ///   - Normal without correlation: numbers by the ziggurat, without a product by a Cholesky factor. OpenTURNS draws on
 ///     one thread, its generator being one global state.
-///   - The response, by one of the ways above. The BLAS decides on its threads.
+///   - The response, by one of the ways above. OpenBLAS on as many threads as asked; another BLAS decides itself.
 ///   - Sample::computeVariance: a reduction on as many threads (TBB) as asked.
 ///
 /// It does less than monte_carlo(): neither fourth powers, for the interval of sigma, nor the largest value of every
@@ -36,8 +36,8 @@ class OpenTurnsTilt {
   /// @param machines  a multiple of 512.
   Eigen::VectorXd sigma(OpenTurnsWay way, unsigned machines, unsigned threads) const;
 
-  /// File of the BLAS that this process has loaded.
-  static std::string blas();
+  /// OpenTURNS and the BLAS that this process has loaded.
+  static std::string libraries();
 
  private:
   OT::Sample response(OpenTurnsWay way, const OT::Sample& errors) const;

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "comparison.hpp"
 #include "host.hpp"
 #include "interleaved_timing.hpp"
 #include "paracal/printer/printer_calibration.hpp"
@@ -61,8 +62,35 @@ DeltaGeometry first_guess(DeltaGeometry geometry) {
   return geometry;
 }
 
-void report(const KlipperSet& set) {
-  constexpr int kRounds = 15, kRepeats = 50;
+constexpr int kRounds = 15, kRepeats = 50;
+
+/// Seconds of all sets of a kind, round by round.
+struct Sum {
+  std::vector<double> fit = std::vector<double>(kRounds), descent = fit, whole = fit;
+  int sets = 0;
+
+  void add(const std::vector<std::vector<double>>& seconds) {
+    for (std::size_t k = 0; k < kRounds; ++k) {
+      fit[k] += seconds[0][k] / kRepeats;
+      descent[k] += seconds[1][k];
+      whole[k] += seconds[2][k];
+    }
+    ++sets;
+  }
+
+  void record(const std::string& readings) const {
+    if (sets == 0) return;
+    compare({.task = fmt::format("the firmware's fit of a printer, {} ({} sets)", readings, sets),
+             .opponent = "Klipper's coordinate descent, compiled: its algorithm in our code",
+             .unit = "ms a fit",
+             .note = "the firmware runs it in Python"},
+            {fit, static_cast<double>(sets)}, {descent, static_cast<double>(sets)});
+    state(fmt::format("`calibrate --printer`, {}, each reading left out in turn", readings),
+          1e3 * spread_of(whole).median / sets, "ms");
+  }
+};
+
+void report(const KlipperSet& set, Sum& sum) {
   const DeltaGeometry start = first_guess(set.geometry);
   const auto fits = [&] {
     for (int k = 0; k < kRepeats; ++k) keep(fit_as_firmware(start, set.readings));
@@ -70,6 +98,7 @@ void report(const KlipperSet& set) {
   const auto descends = [&] { keep(coordinate_descent(start, set.readings)); };
   const auto calibrates = [&] { keep(calibrate_printer(set.geometry, set.readings)); };
   const auto seconds = interleave({fits, descends, calibrates}, kRounds);
+  sum.add(seconds);
   const Spread fit = spread_of(seconds[0]), descent = spread_of(seconds[1]), whole = spread_of(seconds[2]);
   const Descent found = coordinate_descent(start, set.readings);
   const DeltaFit best = fit_as_firmware(start, set.readings);
@@ -123,7 +152,10 @@ void run() {
       "SciPy; whole calibration with leave-one-out, ms\n\n");
   fmt::print("{:<5}{:>4}{:>4}{:>9}{:>9}{:>9}{:>10}{:>9}{:>8}{:>12}{:>12}{:>10}\n", "set", "h", "d", "fit", "p99", "max",
              "descent", "times", "rounds", "cost above", "SciPy's", "whole");
-  for (const KlipperSet& set : sets) report(set);
+  Sum heights, distances;
+  for (const KlipperSet& set : sets) report(set, set.readings.distances.empty() ? heights : distances);
+  heights.record("heights");
+  distances.record("heights and distances");
   report_left_out(sets);
 }
 

@@ -3,32 +3,38 @@
 #include <array>
 #include <map>
 
-#include "linuxcnc_hal.hpp"
-
 namespace paracal::benchmark {
 namespace {
 
 class Module final : public RotaryDeltaKins {
  public:
-  explicit Module(KinematicsModule::Inverse function) : inverse_(function) {}
+  explicit Module(const KinematicsModule& module) : module_(module) {}
 
   std::array<double, 3> inverse(double x, double y, double z) const override {
     const EmcPose pose{.x = x, .y = y, .z = z};
     std::array<double, 9> joints{};
     unsigned long flags = 0;
-    inverse_(&pose, joints.data(), &flags, &flags);
+    module_.inverse(&pose, joints.data(), &flags, &flags);
     return {joints[0], joints[1], joints[2]};
   }
 
+  EmcPose forward(const std::array<double, 3>& joints) const override {
+    const std::array<double, 9> all{joints[0], joints[1], joints[2]};
+    EmcPose pose;
+    unsigned long flags = 0;
+    module_.forward(all.data(), &pose, &flags, &flags);
+    return pose;
+  }
+
  private:
-  KinematicsModule::Inverse inverse_;
+  KinematicsModule module_;
 };
 
 }  // namespace
 
-std::unique_ptr<RotaryDeltaKins> RotaryDeltaKins::of(const Robot& robot) {
+std::unique_ptr<RotaryDeltaKins> RotaryDeltaKins::of(const Robot& robot, const LinuxcncBuild& build) {
   if (robot.limb_count() != 3 || robot.actuator() != Actuator::revolute) return nullptr;
-  const KinematicsModule module = KinematicsModule::load("rotarydeltakins");
+  const KinematicsModule module = KinematicsModule::load(build, "rotarydeltakins");
   if (!module.loaded()) return nullptr;
   const Geometry& geometry = robot.geometry();
   const std::map<std::string, double> lengths{{"rotarydeltakins.platformradius", geometry.base_radius},
@@ -38,7 +44,7 @@ std::unique_ptr<RotaryDeltaKins> RotaryDeltaKins::of(const Robot& robot) {
   for (const auto& [name, length] : lengths) {
     if (!KinematicsModule::set(name, length)) return nullptr;
   }
-  return std::make_unique<Module>(module.inverse);
+  return std::make_unique<Module>(module);
 }
 
 }  // namespace paracal::benchmark

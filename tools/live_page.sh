@@ -7,23 +7,7 @@ cd "$(dirname "$0")/.."
 build=$PWD/build/live
 command -v emcc >/dev/null || { echo "live_page: expected emscripten, got none; tools/setup.sh live installs it" >&2; exit 1; }
 
-# apt-get with the sources of Debian's own lists in folders of the build, so that those of the machine stay as they are.
-apt_here() {
-  apt-get -qq -o Dir::Etc::SourceList="$build/apt/sources.list" -o Dir::Etc::SourceParts="$build/apt/parts" -o Dir::State::Lists="$build/apt/lists" "$@"
-}
-
-fetch_sources() {
-  echo "fetching the sources of fmtlib, libcsv, libmd and nlopt"
-  rm -rf "$build/apt" "$build/sources"
-  mkdir -p "$build/apt/parts" "$build/apt/lists/partial" "$build/sources"
-  sed -n 's/^deb /deb-src /p' /etc/apt/sources.list >"$build/apt/sources.list" 2>/dev/null || true
-  [[ ! -f /etc/apt/sources.list.d/debian.sources ]] ||
-    sed 's/^Types:.*/Types: deb-src/' /etc/apt/sources.list.d/debian.sources >"$build/apt/parts/debian.sources"
-  apt_here update
-  (cd "$build/sources" && apt_here source fmtlib libcsv libmd nlopt >"$build/apt/log" 2>&1) || { cat "$build/apt/log" >&2; exit 1; }
-  touch "$build/sources/complete"
-}
-[[ -f $build/sources/complete ]] || fetch_sources
+tools/debian_sources.sh "$build" fmtlib libcsv libmd nlopt
 
 export NODE_PATH=/usr/share/nodejs  # where Debian has what emscripten's linker reads JavaScript with
 log=$(mktemp)

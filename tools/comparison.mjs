@@ -1,0 +1,74 @@
+// The section "Speed" of docs/evidence.md, out of what the benchmarks recorded: node tools/comparison.mjs RECORDS LOAD [--write]. LOAD: how busy the
+// computer was before. tools/comparison.sh calls it; tests/documents/ holds the section to docs/comparison.json. Other words for the same figures: change them
+// here, then node tools/comparison.mjs docs/comparison.json --write.
+import { readFileSync, writeFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const rounded = (key, value) => (typeof value === "number" ? Number(value.toPrecision(3)) : value);
+const number = (value) => (value >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(2))));
+const percent = (share) => `${number(100 * share)} %`;
+const row = (cells) => `| ${cells.join(" | ")} |`;
+const table = (head, rows) => [row(head), row(head.map(() => "---")), ...rows.map(row)].join("\n");
+
+/// One object out of the lines of all programs; the host is that of the last.
+export function collected(lines, load, date) {
+  const records = lines.trim().split("\n").map((line) => JSON.parse(line));
+  const host = records.findLast((record) => record.version);
+  return { ...host, date, load, records: records.filter((record) => !record.version) };
+}
+
+function compared({ times, opponent, task, ours, theirs, unit, threads, note, missing }) {
+  if (missing) return ["not installed", opponent, task, "", "", "", `package ${missing}`];
+  const [low, median, high] = times.map(number);
+  return [`${median} (${low} to ${high})`, opponent, task, number(ours), `${number(theirs)} ${unit}`, threads, note];
+}
+
+export function speed({ version, build, cpu, cores, compiler, flags, date, load, records }) {
+  const comparisons = records.filter(({ opponent }) => opponent).sort((a, b) => (a.times?.[1] ?? 0) - (b.times?.[1] ?? 0));
+  const peaks = records.filter(({ share }) => share !== undefined).sort((a, b) => a.share - b.share);
+  const times = records.filter(({ what }) => what);
+  const { peak, peak_gflops, compiled_gflops } = peaks[0];
+  return `## Speed
+
+Do not edit this section: \`tools/comparison.sh --write\` measures and writes it, and a test compares it with [comparison.json](comparison.json).
+Without \`--write\` it prints the same. \`tools/setup.sh comparison\` installs the other programs.
+
+Measured on ${date} with paracal ${version} (${build.split(",")[0]}) on an ${cpu} with ${cores} logical cores, load ${load} before the start.
+Compiler ${compiler}, \`${flags.replace(/: +/, ": ")}\` without \`-march\`: paracal uses no vector instructions beyond SSE2. The other programs are Debian's, unless the table says otherwise.
+
+### Beside other programs
+
+The first column is the time of the other program divided by the time of paracal. Below 1 the other program is faster. The least flattering row stands first.
+In each round both do the same task one after the other. The column gives the median of the ratios within the rounds; the middle half of the rounds is in brackets.
+
+${table(["ratio", "other program", "task", "paracal", "other", "threads, both", "what differs"], comparisons.map(compared))}
+
+### Beside the limits of the processor
+
+The peak is what one core reaches when it only multiplies and adds, in registers: ${number(peak_gflops)} GFLOP/s with ${peak}, the widest instructions of this processor,
+and ${number(compiled_gflops)} GFLOP/s with the instructions that paracal is compiled for. Operations are additions, multiplications, divisions and square roots; sines and arctangents do not count.
+
+${table(["function, one thread", "time", "GFLOP/s", `share of the ${peak} peak`, "share of the peak as compiled"], peaks.map((one) => [one.task, `${number(one.ours)} ${one.unit}`, number(one.gflops), percent(one.share), percent(one.share_compiled)]))}
+
+### Times without an opponent
+
+${table(["task, one thread", "median"], times.map(({ what, value, unit }) => [what, `${number(value)} ${unit}`]))}
+
+How long batches take: [scale](scale.md).
+`;
+}
+
+/// The document with this section in the place of its own.
+export const withSpeed = (document, measured) => document.replace(/^## Speed\n[^]*?(?=^## |(?![^]))/m, () => speed(measured));
+
+function main(path, load) {
+  const text = readFileSync(path, "utf8");
+  const measured = path.endsWith(".json") ? JSON.parse(text) : JSON.parse(JSON.stringify(collected(text, Number(load), new Date().toISOString().slice(0, 10)), rounded));
+  console.log(speed(measured));
+  if (process.argv.at(-1) !== "--write") return;
+  const { records, ...host } = measured;
+  const lines = records.map((record) => `    ${JSON.stringify(record)}`).join(",\n");
+  writeFileSync("docs/comparison.json", `${JSON.stringify(host, null, 2).slice(0, -2)},\n  "records": [\n${lines}\n  ]\n}\n`);
+  writeFileSync("docs/evidence.md", withSpeed(readFileSync("docs/evidence.md", "utf8"), measured));
+}
+if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) main(...process.argv.slice(2));

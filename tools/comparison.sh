@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Every comparison with another program and with the limits of the processor, least flattering first: comparison.sh [--write]. Builds the benchmarks (preset
+# comparison), runs them for some ten minutes and prints the section "Speed" of docs/evidence.md; with --write it puts it there, beside docs/comparison.json.
+# What is not installed is named in the table (tools/setup.sh comparison installs it). LinuxCNC's sources are fetched, to be compiled at -O3.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+(($# == 0)) || [[ $* == --write ]] || { echo "comparison: expected nothing or --write, got $*" >&2; exit 2; }
+build=$PWD/build/comparison
+
+tools/setup.sh run
+tools/build.sh comparison >&2
+
+# All objects of a module at once and as one program: what LinuxCNC's makefile compiles with -Os, one by one.
+module() {  # NAME SOURCE...
+  gcc -O3 -flto -fno-semantic-interposition -fPIC -shared -DRTAPI -DUSPACE -D_GNU_SOURCE -D__MODULE__ -I/usr/include/linuxcnc -I"$sources" -Iemc/kinematics \
+    -Ilibnml/posemath -o "$PARACAL_LINUXCNC_O3/$1.so" "${@:2}"
+}
+export PARACAL_LINUXCNC_O3=$build/linuxcnc
+mkdir -p "$PARACAL_LINUXCNC_O3"
+if tools/debian_sources.sh "$build" linuxcnc >&2; then
+  sources=$(echo "$build"/sources/linuxcnc-*/src)
+  cd "$sources"
+  module rotarydeltakins emc/kinematics/rotarydeltakins.c
+  module genhexkins emc/kinematics/{genhexkins,switchkins,kins_util,userkfuncs}.c libnml/posemath/{_posemath,sincos}.c
+  cd - >/dev/null
+fi
+
+# OpenBLAS of 2022 does not know every processor since, and then leaves AVX-512 aside.
+if grep -qm 1 ' avx512f ' /proc/cpuinfo; then export OPENBLAS_CORETYPE=${OPENBLAS_CORETYPE:-SkylakeX}; fi
+export PARACAL_COMPARISON=$build/records.jsonl
+rm -f "$PARACAL_COMPARISON"
+load=$(cut -d ' ' -f 1 /proc/loadavg)
+for program in benchmark tolerance-benchmark hexapod-benchmark 'compensation-benchmark 1000' calibration-benchmark printer-benchmark; do
+  echo "paracal-$program" >&2
+  # shellcheck disable=SC2086  # with its argument
+  "$build"/benchmarks/paracal-$program >"$build/paracal-${program%% *}.log"
+done
+node tools/comparison.mjs "$PARACAL_COMPARISON" "$load" "$@"
