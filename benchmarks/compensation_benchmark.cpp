@@ -164,9 +164,13 @@ void report_times(const Task& task) {
                median_ratio(seconds[k], seconds[0]));
   }
   if (task.robot.name() == "huang2016") {
-    for (const std::size_t k : {kExactLevel, kExact, kLanesLevel, kLanes}) {
-      state(fmt::format("compensation of `huang2016`: {}", candidates[k].name),
-            1e9 / kPoses * spread_of(seconds[k]).median, "ns a pose");
+    const std::vector<std::pair<std::size_t, const char*>> stated{{kExactLevel, "position errors, one pose a call"},
+                                                                  {kExact, "all errors, one pose a call"},
+                                                                  {kLanesLevel, "position errors, a path a call"},
+                                                                  {kLanes, "all errors, a path a call"}};
+    for (const auto& [k, what] : stated) {
+      state(fmt::format("exact compensation of `huang2016`, {}", what), 1e9 / kPoses * spread_of(seconds[k]).median,
+            "ns a pose");
     }
   }
   for (std::size_t k = 0; k < opponents.size(); ++k) {
@@ -177,7 +181,7 @@ void report_times(const Task& task) {
     const std::size_t its_inverse = first + 2 * k, its_forward = its_inverse + 1;
     against("inverse kinematics of a Delta, nominal", kNominal, its_inverse, "");
     against("forward kinematics of a Delta, nominal", kForward, its_forward,
-            "ours iterates and takes any errors; rotarydeltakins has a closed form for the nominal robot");
+            "paracal iterates and takes any errors; rotarydeltakins has a closed form for the nominal robot");
     against("exact compensation of a Delta, position errors", kExactLevel, its_inverse,
             "rotarydeltakins: its nominal inverse, which compensates nothing");
     against("exact compensation of a Delta, all errors", kExact, its_inverse,

@@ -71,7 +71,7 @@ void report_exact_monte_carlo(unsigned threads) {
       task.poses.size(), solutions.per_machine(), kMachines, threads, threads == 1 ? "" : "s", kRounds);
   fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}{:>9}\n", "us a machine", "median", "p99", "max", "Mega poses/s", "ratio");
   compare({.task = "exact Monte Carlo of tilt, 121 poses",
-           .opponent = "a floor: its forward solutions alone",
+           .opponent = "lower bound: its forward solutions alone",
            .unit = "us a machine",
            .threads = static_cast<int>(threads),
            .note = "the rest draws machines and counts"},

@@ -78,7 +78,7 @@ void filter_file(const TargetCorrection& correction, const std::string& path) {
 /// shift_targets.awk by mawk, a process a pass.
 void compare_with_mawk(const TargetCorrection& all, const TargetCorrection& level, const std::string& lines) {
   const std::string task = "correction of a part program (`export --target gcode`), ";
-  constexpr const char* kOpponent = "mawk, a program of 9 lines that adds a constant to each coordinate";
+  constexpr const char* kOpponent = "mawk, benchmarks/shift_targets.awk: adds a constant to each coordinate";
   if (std::system("mawk -W version >/dev/null 2>&1") != 0) return not_installed(task + "all errors", kOpponent, "mawk");
   const std::string path =
       (std::filesystem::temp_directory_path() / fmt::format("paracal-lines-{}.ngc", ::getpid())).string();
@@ -93,8 +93,8 @@ void compare_with_mawk(const TargetCorrection& all, const TargetCorrection& leve
       kRounds);
   std::filesystem::remove(path);
   const char* note =
-      "the filter also inverts the machine with errors at each line, keeps the mode of the program, divides long "
-      "blocks, sets feeds anew and refuses what it cannot correct; the awk program does none of it";
+      "paracal also inverts the machine with errors at each line, follows the modes of the program, divides long "
+      "blocks, adjusts feeds and refuses what it cannot correct; the awk program does nothing of this";
   constexpr double kCount = static_cast<double>(kBlocks) * kLines;
   const Work theirs{seconds[2], kCount};
   compare({.task = task + "all errors", .opponent = kOpponent, .unit = "us a line", .note = note}, {seconds[0], kCount},

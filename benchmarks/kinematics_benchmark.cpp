@@ -87,8 +87,8 @@ std::vector<Candidate> candidates_of(const Task& task, const Floor& floor) {
        operations.forward_start + forward_iterations.mean * operations.forward_iteration, forward_iterations, kInverse},
       {"inverse, 14 errors a limb", each_pose(actual_inverse),
        operations.inverse + inverse_iterations.mean * operations.inverse_iteration, inverse_iterations, kInverse},
-      {"error_model", each_pose(linear_model), operations.error_model, {}, kInverse},
-      {"exact_jacobian", each_pose(jacobian), operations.exact_jacobian, {}, kInverse},
+      {"linear error model", each_pose(linear_model), operations.error_model, {}, kInverse},
+      {"exact Jacobian", each_pose(jacobian), operations.exact_jacobian, {}, kInverse},
   };
 }
 
@@ -139,13 +139,13 @@ void report(const Robot& robot) {
     const std::size_t baseline = candidates[k].baseline;
     print_row(candidates[k], baseline == kFloor ? "floor" : "inverse", seconds[k], seconds[baseline], peak);
     if (task.robot.name() == "huang2016" && k != kFloor) {
-      compare_with_peak(candidates[k].name, "ns a pose", kPoses, candidates[k].operations.arithmetic, seconds[k],
-                        machine, seconds.back(), peak);
+      compare_with_peak(fmt::format("`huang2016`: {}", candidates[k].name), "ns a pose", kPoses,
+                        candidates[k].operations.arithmetic, seconds[k], machine, seconds.back(), peak);
     }
   }
   if (task.robot.name() == "huang2016") {
     compare({.task = "inverse kinematics of `huang2016`, nominal",
-             .opponent = "a floor: its 4 square roots and 4 arctangents alone",
+             .opponent = "lower bound: its 4 square roots and 4 arctangents alone",
              .unit = "ns a pose"},
             {seconds[kInverse], kPoses}, {seconds[kFloor], kPoses});
   }

@@ -164,7 +164,7 @@ void print_opponent(const TiltTask& task, const OpenTurnsTilt& opponent, const R
              .opponent = fmt::format("{}, {}", library, title),
              .unit = "us a machine",
              .threads = static_cast<int>(threads),
-             .note = "OpenTURNS computes sigma alone; ours also its interval and the yield"},
+             .note = "OpenTURNS computes sigma alone; paracal also computes its interval and the yield"},
             {seconds[kAll], kMachines}, {seconds[kOpponent + k], kOpponentMachines});
     fmt::print(
         "  {:.2f} times ours (aim: at least 20); sigma at the worst pose {:.4f} mrad, ours {:.4f}: {:.1f} standard "
@@ -197,8 +197,9 @@ void report_linear_monte_carlo(unsigned threads) {
              threads == 1 ? "" : "s", kRounds);
   print_ours(task, parts, seconds);
   if (threads == 1) {
-    for (const auto& [name, part] : {std::pair{"linear Monte Carlo of tilt, its product counted", kAll},
-                                     std::pair{"its matrix product alone", kProduct}}) {
+    for (const auto& [name, part] :
+         {std::pair{"linear Monte Carlo of tilt, all of it (operations of its product alone)", kAll},
+          std::pair{"linear Monte Carlo of tilt: its matrix product alone", kProduct}}) {
       compare_with_peak(name, "ns a machine", kMachines, parts.operations_a_machine(), seconds[part], machine_peak(),
                         seconds[kMachinePeak], seconds[kCompiledPeak]);
     }

@@ -6,6 +6,7 @@ import { pathToFileURL } from "node:url";
 
 const rounded = (key, value) => (typeof value === "number" ? Number(value.toPrecision(3)) : value);
 const number = (value) => (value >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(2))));
+const micro = (unit) => unit.replace(/^us/, "µs");
 const percent = (share) => `${number(100 * share)} %`;
 const row = (cells) => `| ${cells.join(" | ")} |`;
 const table = (head, rows) => [row(head), row(head.map(() => "---")), ...rows.map(row)].join("\n");
@@ -20,7 +21,7 @@ export function collected(lines, load, date) {
 function compared({ times, opponent, task, ours, theirs, unit, threads, note, missing }) {
   if (missing) return ["not installed", opponent, task, "", "", "", `package ${missing}`];
   const [low, median, high] = times.map(number);
-  return [`${median} (${low} to ${high})`, opponent, task, number(ours), `${number(theirs)} ${unit}`, threads, note];
+  return [`${median} (${low} to ${high})`, opponent, task, number(ours), `${number(theirs)} ${micro(unit)}`, threads, note];
 }
 
 export function speed({ version, build, cpu, cores, compiler, flags, date, load, records }) {
@@ -48,7 +49,7 @@ ${table(["ratio", "other program", "task", "paracal", "other", "threads, both", 
 The peak is what one core reaches when it only multiplies and adds, in registers: ${number(peak_gflops)} GFLOP/s with ${peak}, the widest instructions of this processor,
 and ${number(compiled_gflops)} GFLOP/s with the instructions that paracal is compiled for. Operations are additions, multiplications, divisions and square roots; sines and arctangents do not count.
 
-${table(["function, one thread", "time", "GFLOP/s", `share of the ${peak} peak`, "share of the peak as compiled"], peaks.map((one) => [one.task, `${number(one.ours)} ${one.unit}`, number(one.gflops), percent(one.share), percent(one.share_compiled)]))}
+${table(["function, one thread", "time", "GFLOP/s", `share of the ${peak} peak`, "share of the peak as compiled"], peaks.map((one) => [one.task, `${number(one.ours)} ${micro(one.unit)}`, number(one.gflops), percent(one.share), percent(one.share_compiled)]))}
 
 ### Times without an opponent
 

@@ -25,8 +25,9 @@ if tools/debian_sources.sh "$build" linuxcnc >&2; then
   cd - >/dev/null
 fi
 
-# OpenBLAS of 2022 does not know every processor since, and then leaves AVX-512 aside.
-if grep -qm 1 ' avx512f ' /proc/cpuinfo; then export OPENBLAS_CORETYPE=${OPENBLAS_CORETYPE:-SkylakeX}; fi
+# OpenBLAS at its best, whatever the environment asks of it: with AVX-512 where the processor has it. The benchmark sets its threads.
+unset "${!OPENBLAS_@}" "${!MKL_@}"
+if grep -qm 1 ' avx512f ' /proc/cpuinfo; then export OPENBLAS_CORETYPE=SkylakeX; fi
 export PARACAL_COMPARISON=$build/records.jsonl
 rm -f "$PARACAL_COMPARISON"
 load=$(cut -d ' ' -f 1 /proc/loadavg)
