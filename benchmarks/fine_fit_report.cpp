@@ -53,7 +53,7 @@ std::vector<Solver> solvers_of(const std::vector<FineFit>& fits,
     add_ceres("automatic derivatives a station", name, CeresCost::one_station, solver);
     add_ceres("automatic derivatives, the closure's by hand", name, CeresCost::all_stations, solver);
     solvers.push_back(
-        {fmt::format("{}, our Jacobian, {}", ceres_version(), name),
+        {fmt::format("{}, with the Jacobian of paracal, {}", ceres_version(), name),
          [&fine_solves, solver = solver](std::size_t k) { return solve_with_ceres(*fine_solves[k], solver); }});
   }
 #endif

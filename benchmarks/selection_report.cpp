@@ -97,7 +97,7 @@ void report_selection() {
             {seconds[0]}, {theirs, 1.0 / times});
   };
   against("plain method, in our code: evaluates each exchange afresh", seconds[1]);
-  against("the same with the sum over the other 19 poses kept", seconds[2]);
+  against("plain method, in our code: keeps the sum over the other 19 poses", seconds[2]);
   fmt::print(
       "\nSelecting {} of {} poses, huang2016: {} sweeps judge {} x {} exchanges each and make {}; {} rounds.\n"
       "Afresh: extrapolated to as many exchanges from {}; ours grows the first set besides.\n",

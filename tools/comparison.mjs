@@ -24,7 +24,7 @@ function compared({ times, opponent, task, ours, theirs, unit, threads, note, mi
   return [`${median} (${low} to ${high})`, opponent, task, number(ours), `${number(theirs)} ${micro(unit)}`, threads, note];
 }
 
-export function speed({ version, build, cpu, cores, compiler, flags, date, load, records }) {
+export function speed({ version, cpu, cores, compiler, flags, date, load, records }) {
   const comparisons = records.filter(({ opponent }) => opponent).sort((a, b) => (a.times?.[1] ?? 0) - (b.times?.[1] ?? 0));
   const peaks = records.filter(({ share }) => share !== undefined).sort((a, b) => a.share - b.share);
   const times = records.filter(({ what }) => what);
@@ -34,8 +34,9 @@ export function speed({ version, build, cpu, cores, compiler, flags, date, load,
 Do not edit this section: \`tools/comparison.sh --write\` measures and writes it, and a test compares it with [comparison.json](comparison.json).
 Without \`--write\` it prints the same. \`tools/setup.sh comparison\` installs the other programs.
 
-Measured on ${date} with paracal ${version} (${build.split(",")[0]}) on an ${cpu} with ${cores} logical cores, load ${load} before the start.
+Measured on ${date} with paracal ${version} on an ${cpu} with ${cores} logical cores, load ${load} before the start.
 Compiler ${compiler}, \`${flags.replace(/: +/, ": ")}\` without \`-march\`: paracal uses no vector instructions beyond SSE2. The other programs are Debian's, unless the table says otherwise.
+In brackets after OpenBLAS stands the processor for which its code was written: SkylakeX has AVX-512, Haswell has AVX2.
 
 ### Beside other programs
 

@@ -17,7 +17,7 @@ module() {  # NAME SOURCE...
 }
 export PARACAL_LINUXCNC_O3=$build/linuxcnc
 mkdir -p "$PARACAL_LINUXCNC_O3"
-if tools/debian_sources.sh "$build" linuxcnc >&2; then
+if [[ -d /usr/include/linuxcnc ]] && tools/debian_sources.sh "$build" linuxcnc >&2; then
   sources=$(echo "$build"/sources/linuxcnc-*/src)
   cd "$sources"
   module rotarydeltakins emc/kinematics/rotarydeltakins.c

@@ -5,6 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
+import { speed, withSpeed } from "../../tools/comparison.mjs";
 import { deadLinks, headings } from "./markdown.mjs";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
@@ -36,9 +37,31 @@ test("headings have the anchors of a git host", () => {
   assert.deepEqual(headings("# What is `a_b`, in mm?\n## Twice\n## Twice\n").map(({ slug }) => slug), ["what-is-a_b-in-mm", "twice", "twice-1"]);
 });
 
+const found = (path, pattern) => read(path).match(pattern)?.[1];
+const version = found("CMakeLists.txt", /^project\(paracal VERSION (\S+) /m);
+
+test("the speed in evidence.md was measured with this version, and nobody edited it", () => {
+  const measured = JSON.parse(read("docs/comparison.json"));
+  const evidence = read("docs/evidence.md");
+  assert.equal(measured.version, version, "docs/comparison.json is of another version: run tools/comparison.sh --write");
+  assert.equal(withSpeed(evidence, measured), evidence, "docs/evidence.md, \"Speed\", was edited: run tools/comparison.sh --write");
+  // The test sees a figure that was changed, a sentence that was added, and another order.
+  const section = speed(measured);
+  const [first, second] = section.match(/^\| [\d.n].*$/gm);
+  for (const edited of [section.replace(/\d(?= ms a fit)/, (digit) => (Number(digit) + 1) % 10), `${section}\n1000 times as fast.\n`, section.replace(`${first}\n${second}`, `${second}\n${first}`)]) {
+    assert.notEqual(edited, section);
+    const document = evidence.replace(section, () => edited);
+    assert.notEqual(withSpeed(document, measured), document);
+  }
+});
+
+test("the least flattering comparison stands first", () => {
+  const ratios = speed(JSON.parse(read("docs/comparison.json"))).match(/^\| [\d.]+(?= \([\d.]+ to )/gm).map((cell) => Number(cell.slice(2)));
+  assert.ok(ratios.length > 10 && ratios[0] < 1);
+  assert.deepEqual(ratios, ratios.toSorted((a, b) => a - b));
+});
+
 test("the version is the same wherever it stands", () => {
-  const found = (path, pattern) => read(path).match(pattern)?.[1];
-  const version = found("CMakeLists.txt", /^project\(paracal VERSION (\S+) /m);
   assert.match(version, /^\d+\.\d+\.\d+$/);
   const [, released, date] = read("CHANGELOG.md").match(/^## \[(\d\S*)\] - (\S+)$/m);
   assert.equal(found("CITATION.cff", /^version: (.*)$/m), version, "CITATION.cff");
