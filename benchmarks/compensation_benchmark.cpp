@@ -140,7 +140,7 @@ void report_times(const Task& task) {
     const std::string title = "LinuxCNC rotarydeltakins " + build.title;
     const std::shared_ptr<RotaryDeltaKins> opponent = RotaryDeltaKins::of(task.robot, build);
     if (opponent == nullptr) {
-      not_installed("kinematics of a Delta", title, "linuxcnc-uspace");
+      not_installed("kinematics of a Delta", title, "linuxcnc-uspace-dev");
       continue;
     }
     check_opponent(task.robot, *opponent);

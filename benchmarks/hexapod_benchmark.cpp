@@ -224,7 +224,7 @@ void report(const Robot& robot) {
       fmt::print("{} back within {:.1g} mm and deg\n", title, difference(opponent, emc, lengths));
     } else {
       fmt::print("{} is not there\n", title);
-      not_installed("kinematics of a hexapod", title, "linuxcnc-uspace");
+      not_installed("kinematics of a hexapod", title, "linuxcnc-uspace-dev");
     }
   }
   const std::size_t first = candidates.size();

@@ -99,7 +99,7 @@ double ScipyFits::solve(const std::string& method) {
   return std::strtod(answer().c_str(), nullptr);
 }
 
-std::string ScipyFits::answer() {
+std::string ScipyFits::answer() const {
   std::string line;
   for (char next = 0; ::read(stream_, &next, 1) == 1 && next != '\n';) line += next;
   return line;

@@ -25,7 +25,7 @@ class ScipyFits {
   double solve(const std::string& method);
 
  private:
-  std::string answer();
+  std::string answer() const;
 
   std::string tasks_;  ///< path
   int stream_ = -1;
