@@ -1,15 +1,19 @@
 // What a calibration says of machines whose truth the model does not hold: the table of docs/judgement.md.
 //
-//   paracal-judgement-benchmark [MACHINES [WORLD [ROBOT [notes]]]]
+//   [mpirun -n RANKS] paracal-judgement-benchmark [MACHINES [WORLD [ROBOT [notes]]]]
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "jobs/chunked_job.hpp"
+#include "launch.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
@@ -31,9 +35,50 @@ void print(const World& world, const Judgement& all, double ms) {
       share(all.use_exceeded, all.accepted), median(all.U_over_oracle), ms);
 }
 
+// ---- a world in chunks of machines, which any rank computes
+
+constexpr int kChunk = 4;
+
+nlohmann::json as_json(const Judgement& one) {
+  return {{"counts",
+           {one.machines, one.accepted, one.noted, one.errors, one.errors_held, one.distances, one.distances_held,
+            one.use_exceeded}},
+          {"largest_distance_error", one.largest_distance_error},
+          {"largest_U", one.largest_U},
+          {"U_over_oracle", one.U_over_oracle},
+          {"notes", one.notes}};
+}
+
+void add(const nlohmann::json& json, Judgement& all) {
+  const std::array counts{&all.machines,    &all.accepted,  &all.noted,          &all.errors,
+                          &all.errors_held, &all.distances, &all.distances_held, &all.use_exceeded};
+  for (std::size_t k = 0; k < counts.size(); ++k) *counts[k] += json.at("counts").at(k).get<int>();
+  const auto append = [&](auto& values, const char* key) {
+    for (const auto& value : json.at(key)) values.push_back(value);
+  };
+  append(all.largest_distance_error, "largest_distance_error");
+  append(all.largest_U, "largest_U");
+  append(all.U_over_oracle, "U_over_oracle");
+  append(all.notes, "notes");
+}
+
+Judgement judged(LongJob& job, const Bench& bench, const World& world, int machines) {
+  const auto chunks = static_cast<std::uint64_t>((machines + kChunk - 1) / kChunk);
+  Judgement all;
+  const auto results = compute_each(job, "judgement", 0, chunks, [&](std::uint64_t chunk) {
+    const int first = kChunk * static_cast<int>(chunk);
+    return std::optional(as_json(judge_world(bench, world, first, std::min(kChunk, machines - first), true)).dump());
+  });
+  for (const std::string& result : results.value()) add(nlohmann::json::parse(result), all);
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  app::Launch launch(argc, argv);
+  jobs::ChunkedJob job(launch.ranks(), {}, {});
+  if (launch.ranks().number() != 0) (void)std::freopen("/dev/null", "w", stdout);
   const int machines = argc > 1 ? std::atoi(argv[1]) : 200;
   const std::string_view wanted = argc > 2 ? argv[2] : "";
   const std::string_view wanted_robot = argc > 3 ? argv[3] : "";
@@ -52,7 +97,7 @@ int main(int argc, char** argv) {
     for (const World& world : wrong_worlds()) {
       if (!wanted.empty() && world.name.find(wanted) == std::string::npos) continue;
       const auto start = std::chrono::steady_clock::now();
-      const Judgement all = judge_world(bench, world, 0, machines, true);
+      const Judgement all = judged(job, bench, world, machines);
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
       print(world, all, took.count() / machines);
       if (show_notes) {

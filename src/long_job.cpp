@@ -32,7 +32,8 @@ class EachOf : public JobStage {
     if (json.size() != 1 || !json.contains(std::to_string(chunk))) throw Error("expected the result of one chunk");
   }
   void add(std::string_view result) override {
-    for (const auto& [chunk, one] : Json::parse(result).items()) results_[std::stoull(chunk)] = one.dump();
+    const Json chunks = Json::parse(result);
+    for (const auto& [chunk, one] : chunks.items()) results_[std::stoull(chunk)] = one.dump();
   }
   std::string total() const override {
     std::string text;

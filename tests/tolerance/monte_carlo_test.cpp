@@ -168,7 +168,7 @@ TEST(MonteCarlo, IsTheSameAsALongJob) {
   const Robot robot = catalogue::huang2016();
   Tolerances tolerances = *robot.tolerances();
   for (double& half_width : tolerances.half_width) half_width *= 100.0;
-  const std::vector<Requirement> requirements{{{Quantity::tilt}, 0.05}, {{Quantity::position}, 100.0}};
+  const std::vector<Requirement> requirements{{{Quantity::tilt}, 0.3}, {{Quantity::position}, 1e3}};
   const MonteCarloOptions options{.model = Model::exact, .sigma_error = 1e-9, .max_machines = 1500};
   const std::vector<Pose> poses = workspace_poses(robot, 40);
   JobInMemory job;
