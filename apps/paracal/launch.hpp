@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "jobs/ranks.hpp"
 
 namespace paracal::app {
@@ -12,7 +14,7 @@ class Launch {
   Launch(const Launch&) = delete;
   Launch& operator=(const Launch&) = delete;
 
-  jobs::Ranks& ranks();
+  jobs::Ranks& ranks() { return *ranks_; }
   /// Of the program.
   static const char* name();
   /// Whether it has the commands alone that share their work among ranks.
@@ -21,6 +23,9 @@ class Launch {
   void wait_for_the_first();
   /// A rank failed, and others may wait for it: ends all of them.
   void give_up(int exit_code);
+
+ private:
+  std::unique_ptr<jobs::Ranks> ranks_;
 };
 
 }  // namespace paracal::app

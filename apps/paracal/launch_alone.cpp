@@ -2,13 +2,8 @@
 
 namespace paracal::app {
 
-Launch::Launch(int& /*argc*/, char**& /*argv*/) {}
+Launch::Launch(int& /*argc*/, char**& /*argv*/) : ranks_(std::make_unique<jobs::Alone>()) {}
 Launch::~Launch() = default;
-
-jobs::Ranks& Launch::ranks() {
-  static jobs::Alone alone;
-  return alone;
-}
 
 const char* Launch::name() { return "paracal"; }
 bool Launch::has_long_jobs_alone() { return false; }

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <optional>
 #include <thread>
 
 #include "jobs/mpi_ranks.hpp"
@@ -12,14 +11,12 @@
 namespace paracal::app {
 namespace {
 
-std::optional<jobs::MpiRanks> ranks_of_mpi;
-
 /// On standard error, where PARACAL_MPI_TRAFFIC is set.
-void say_traffic() {
-  const jobs::MpiRanks::Traffic all = ranks_of_mpi->traffic_of_all();
-  if (ranks_of_mpi->number() != 0 || std::getenv("PARACAL_MPI_TRAFFIC") == nullptr) return;
+void say_traffic(const jobs::MpiRanks& ranks) {
+  const jobs::MpiRanks::Traffic all = ranks.traffic_of_all();
+  if (ranks.number() != 0 || std::getenv("PARACAL_MPI_TRAFFIC") == nullptr) return;
   std::fprintf(stderr, "paracal-mpi: %llu ranks: %llu fetches of 8 bytes, %llu messages with %llu bytes\n",
-               static_cast<unsigned long long>(ranks_of_mpi->size()), static_cast<unsigned long long>(all.fetches),
+               static_cast<unsigned long long>(ranks.size()), static_cast<unsigned long long>(all.fetches),
                static_cast<unsigned long long>(all.messages), static_cast<unsigned long long>(all.bytes));
 }
 
@@ -27,26 +24,25 @@ void say_traffic() {
 
 Launch::Launch(int& argc, char**& argv) {
   int provided = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  ranks_of_mpi.emplace();
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided);
+  ranks_ = std::make_unique<jobs::MpiRanks>();
 }
 
 Launch::~Launch() {
-  say_traffic();
-  ranks_of_mpi.reset();
+  say_traffic(static_cast<const jobs::MpiRanks&>(*ranks_));
+  ranks_.reset();
   MPI_Finalize();
 }
 
-jobs::Ranks& Launch::ranks() { return *ranks_of_mpi; }
 const char* Launch::name() { return "paracal-mpi"; }
 bool Launch::has_long_jobs_alone() { return true; }
 
 void Launch::wait_for_the_first() {
-  if (ranks_of_mpi->number() != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+  if (ranks_->number() != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
 void Launch::give_up(int exit_code) {
-  if (ranks_of_mpi->size() > 1) MPI_Abort(MPI_COMM_WORLD, exit_code);
+  if (ranks_->size() > 1) MPI_Abort(MPI_COMM_WORLD, exit_code);
 }
 
 }  // namespace paracal::app

@@ -103,7 +103,7 @@ std::optional<Tally> exactly(const Batch& batch, MachineRange range, unsigned th
 }
 
 ChunkSizes chunk_sizes(const Batch& batch, std::uint64_t machines) {
-  constexpr double kOfAClosure = 12'000.0;  // multiplications that find a pose, or its row of a fit, per pose
+  constexpr double kOfAClosure = 30'000.0;  // multiplications of a matrix product that take as long as one pose
   constexpr double kOfAFit = 12.0;          // closures of each station: trials, Jacobians, outliers
   const ProductionPlan& plan = batch.plan;
   const double exact = kOfAClosure * (kOfAFit * static_cast<double>(plan.stations.size()) +

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <chrono>
-#include <future>
+#include <condition_variable>
 #include <limits>
+#include <mutex>
+#include <thread>
 
 #include "paracal/error.hpp"
 
@@ -57,13 +59,19 @@ std::uint64_t MpiRanks::take() {
 
 void MpiRanks::work(const std::function<void()>& task) {
   if (number_ != kRoot || size_ == 1) return task();
-  constexpr std::chrono::microseconds kBetweenLooks{200};
-  std::future<void> working = std::async(std::launch::async, task);
-  while (working.wait_for(kBetweenLooks) != std::future_status::ready) {
-    int ignored = 0;
-    MPI_Iprobe(MPI_ANY_SOURCE, kTag, MPI_COMM_WORLD, &ignored, MPI_STATUS_IGNORE);
-  }
-  working.get();
+  static constexpr std::chrono::milliseconds kBetweenLooks{
+      5};  // short beside a chunk; looking takes time from the work
+  const std::jthread answering([](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any woken;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      int ignored = 0;
+      MPI_Iprobe(MPI_ANY_SOURCE, kTag, MPI_COMM_WORLD, &ignored, MPI_STATUS_IGNORE);
+      woken.wait_for(lock, stop, kBetweenLooks, [] { return false; });
+    }
+  });
+  task();
 }
 
 bool MpiRanks::all(bool here) {
@@ -81,7 +89,7 @@ void MpiRanks::add_up(JobStage& stage) {
     if (number_ + step < size_) stage.add(receive(number_ + step));
   }
   std::string total = number_ == kRoot ? stage.total() : std::string();
-  std::uint64_t length = static_cast<std::uint64_t>(length_of(total));
+  auto length = static_cast<std::uint64_t>(length_of(total));
   MPI_Bcast(&length, 1, MPI_UINT64_T, kRoot, MPI_COMM_WORLD);
   total.resize(length);
   MPI_Bcast(total.data(), static_cast<int>(length), MPI_CHAR, kRoot, MPI_COMM_WORLD);
@@ -98,7 +106,7 @@ void MpiRanks::send(const std::string& text, int to) {
   traffic_.bytes += text.size();
 }
 
-std::string MpiRanks::receive(int from) const {
+std::string MpiRanks::receive(int from) {
   MPI_Status status;
   MPI_Probe(from, kTag, MPI_COMM_WORLD, &status);
   int length = 0;

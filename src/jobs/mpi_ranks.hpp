@@ -11,11 +11,11 @@
 namespace paracal::jobs {
 
 /// The ranks of MPI_COMM_WORLD. Chunks are taken by one-sided fetch-and-add on a counter of rank 0, totals added up
-/// along a binary tree. Rank 0 answers others while it works, whatever the network: it works in another thread and lets
-/// MPI make progress in this one.
+/// along a binary tree. Rank 0 answers others while it works, whatever the network: another thread lets MPI make
+/// progress meanwhile.
 class MpiRanks : public Ranks {
  public:
-  /// MPI is initialised, with MPI_THREAD_FUNNELED at least, until this has gone.
+  /// MPI is initialised, with MPI_THREAD_SERIALIZED at least, until this has gone.
   MpiRanks();
   ~MpiRanks() override;
   MpiRanks(const MpiRanks&) = delete;
@@ -39,7 +39,7 @@ class MpiRanks : public Ranks {
 
  private:
   void send(const std::string& text, int to);
-  std::string receive(int from) const;
+  static std::string receive(int from);
 
   int number_ = 0, size_ = 1;
   std::uint64_t* counter_ = nullptr;  ///< rank 0's: chunks taken

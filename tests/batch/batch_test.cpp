@@ -117,18 +117,18 @@ TEST(Batch, RefusesRunsThatMakeNoSense) {
 /// A power of two with the work of about a fifth of a second, more of it where there would be too many files.
 TEST(ChunkSizes, FollowFromCountedWork) {
   const Batch exact = a_batch(), quick = with_surrogate(exact);
-  EXPECT_EQ(chunk_sizes(exact, 1'000).exact, 128U);
+  EXPECT_EQ(chunk_sizes(exact, 1'000).exact, 64U);
   EXPECT_EQ(chunk_sizes(exact, 1'000).first_order, 0U);
   EXPECT_EQ(chunk_sizes(exact, 1'000'000'000).exact, 16'384U);  // 61,036 chunks
   EXPECT_EQ(chunk_sizes(quick, 1'000).first_order, 8'192U);
-  EXPECT_EQ(chunk_sizes(quick, 1'000).exact, 128U);
+  EXPECT_EQ(chunk_sizes(quick, 1'000).exact, 64U);
   EXPECT_EQ(chunk_sizes(quick, 1'000'000'000).first_order, 16'384U);
-  EXPECT_EQ(chunk_sizes(quick, 1'000'000'000).exact, 128U);
+  EXPECT_EQ(chunk_sizes(quick, 1'000'000'000).exact, 64U);
   Batch larger = exact;
   for (int k = 0; k < 3; ++k)
     larger.plan.validation.insert(larger.plan.validation.end(), exact.plan.validation.begin(),
                                   exact.plan.validation.end());
-  EXPECT_EQ(chunk_sizes(larger, 1'000).exact, 64U);
+  EXPECT_EQ(chunk_sizes(larger, 1'000).exact, 16U);
 }
 
 TEST(ExactRounds, GrowByHalvesAndThirds) {

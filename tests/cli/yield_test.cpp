@@ -233,7 +233,7 @@ TEST_F(Yield, GoesOnWithTheChunksOfTheFolder) {
 
 /// Files of a long job stay small: 10 kB a chunk.
 TEST_F(Yield, ChunksAreSmall) {
-  EXPECT_EQ(folder.run("yield --machines 20000 --interval 1 --checkpoint folder").exit_code, kDone);
+  EXPECT_EQ(folder.run("yield --machines 10000 --interval 1 --checkpoint folder").exit_code, kDone);
   ASSERT_GE(chunks().size(), 5U);
   for (const std::string& name : chunks()) EXPECT_LT(folder.read("folder/" + name).size(), 10'000U) << name;
 }
@@ -292,7 +292,7 @@ TEST_F(UnderMpi, AnyNumberOfRanksHasTheSameBytes) {
 
 /// Rounds of exact machines end at the same one on all ranks.
 TEST_F(UnderMpi, RoundsEndAlike) {
-  const std::string command = "yield --machines 3000 --interval 0.06 --chunk 256 --json";
+  const std::string command = "yield --machines 1000 --interval 0.1 --chunk 256 --json";
   EXPECT_EQ(ranks(3, command)->result().out, folder.run(command).out);
 }
 
