@@ -110,7 +110,7 @@ ChunkSizes chunk_sizes(const Batch& batch, std::uint64_t machines) {
                                       2.0 * static_cast<double>(plan.validation.size()));
   if (!batch.surrogate) return {.exact = chunk_of(exact, machines)};
   return {.first_order = chunk_of(batch.surrogate->multiplications(), machines),
-          .exact = std::min(chunk_of(exact, 1), exact_round(0) / 2)};
+          .exact = std::min(chunk_of(exact, 1), kLargestExactChunk)};
 }
 
 std::uint64_t exact_round(std::uint64_t k) {

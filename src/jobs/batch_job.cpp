@@ -67,9 +67,10 @@ std::uint64_t fewest_exact(std::uint64_t machines) {
   return std::min(machines / kOneIn, kEnough);
 }
 
-/// Exact machines that are enough, whatever the interval: all of a small batch, half of a larger one.
-std::uint64_t most_exact(std::uint64_t machines, std::uint64_t chunk) {
-  return std::min(machines, std::max(exact_round(0), machines / 2 / chunk * chunk));
+/// Exact machines that are enough, whatever the interval: all of a small batch, half of a larger one. Whole chunks of
+/// any size, so that these leave no trace.
+std::uint64_t most_exact(std::uint64_t machines) {
+  return std::min(machines, std::max(exact_round(0), machines / 2 / kLargestExactChunk * kLargestExactChunk));
 }
 
 }  // namespace
@@ -90,6 +91,10 @@ ChunkSizes chunk_sizes(const Json& description) {
 BatchResult run_batch(const Batch& batch, const BatchJobOptions& options, ChunkSizes sizes, LongJob& job,
                       const std::atomic<bool>& stop) {
   if (options.machines == 0) throw InvalidArgument("batch: expected at least one machine, got 0");
+  if (batch.surrogate && kLargestExactChunk % sizes.exact != 0) {
+    throw InvalidArgument(
+        fmt::format("chunks: expected a divisor of {} exact machines, got {}", kLargestExactChunk, sizes.exact));
+  }
   BatchResult result;
   const auto run = [&](const std::string& name, MachineRange machines, std::uint64_t size, auto compute) {
     MachineStage stage(name, machines, size,
@@ -103,14 +108,14 @@ BatchResult run_batch(const Batch& batch, const BatchJobOptions& options, ChunkS
     return result;
   }
   if (!run("first-order", {0, options.machines}, sizes.first_order, to_first_order)) return result;
-  const std::uint64_t most = most_exact(options.machines, sizes.exact);
+  const std::uint64_t most = most_exact(options.machines);
   const std::uint64_t fewest = std::max(options.least_exact, fewest_exact(options.machines));
   std::uint64_t done = 0;
   for (std::uint64_t round = 0; done < most; ++round) {
     if (done >= fewest && done > 0 && relative_interval(result.tally, options.confidence) <= options.interval) {
       break;
     }
-    const std::uint64_t next = std::min(most, (exact_round(round) + sizes.exact - 1) / sizes.exact * sizes.exact);
+    const std::uint64_t next = std::min(most, exact_round(round));
     if (next <= done) continue;
     if (!run("exact", {done, next - done}, sizes.exact, exactly)) return result;
     done = next;

@@ -197,8 +197,8 @@ TEST(ExactRounds, EndAtTheInterval) {
   };
   EXPECT_EQ(rounds(4'000, 1.0, 0).back(), 256U);
   EXPECT_EQ(rounds(4'000, 1.0, 500).back(), 512U);
-  EXPECT_EQ(rounds(4'000, 1e-6, 0).back(), 1984U);
-  EXPECT_EQ(rounds(1'000, 1e-6, 0).back(), 448U);
+  EXPECT_EQ(rounds(4'000, 1e-6, 0).back(), 1920U);
+  EXPECT_EQ(rounds(1'000, 1e-6, 0).back(), 384U);
   EXPECT_EQ(rounds(300, 1e-6, 0).back(), 256U);
   EXPECT_EQ(rounds(20'000, 1.0, 0).back(), 1536U);   // one in 16
   EXPECT_EQ(rounds(100'000, 1.0, 0).back(), 4096U);  // the 99.9 %

@@ -292,7 +292,7 @@ TEST_F(UnderMpi, AnyNumberOfRanksHasTheSameBytes) {
 
 /// Rounds of exact machines end at the same one on all ranks.
 TEST_F(UnderMpi, RoundsEndAlike) {
-  const std::string command = "yield --machines 1000 --interval 0.1 --chunk 256 --json";
+  const std::string command = "yield --machines 1000 --interval 0.1 --chunk 100 --json";
   EXPECT_EQ(ranks(3, command)->result().out, folder.run(command).out);
 }
 
@@ -333,7 +333,13 @@ TEST_F(UnderMpi, AKilledRankCostsItsChunk) {
   const std::string command = kept_yield(4 * kMachines);
   const auto killed = ranks(2, command);
   wait_for_chunks(2);
-  const ProgramResult kill = run_program({}, {.launcher = {"/bin/sh", "-c", "pkill -9 -n -x paracal-mpi; true"}});
+  // One of this folder: other tests have ranks of their own.
+  const ProgramResult kill = run_program(
+      {},
+      {.folder = folder.path(),
+       .launcher = {"/bin/sh", "-c",
+                    "for p in $(pgrep -x paracal-mpi); do [ \"$(readlink /proc/$p/cwd)\" = \"$PWD\" ] && kill -9 $p && "
+                    "exit 0; done; exit 1"}});
   EXPECT_EQ(kill.exit_code, 0);
   (void)killed->result();
   EXPECT_EQ(ranks(2, command)->result().out, folder.run(yield_of(4 * kMachines)).out);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -127,7 +128,7 @@ Order order_of(const YieldArguments& options, Session& session) {
 ChunkSizes sizes_of(const YieldArguments& options, const Batch& batch) {
   if (options.chunk == 0) return chunk_sizes(batch, options.machines);
   return {.first_order = batch.surrogate ? options.chunk : 0,
-          .exact = batch.surrogate ? std::min(options.chunk, exact_round(0) / 2) : options.chunk};
+          .exact = batch.surrogate ? std::bit_floor(std::min(options.chunk, kLargestExactChunk)) : options.chunk};
 }
 
 /// A folder keeps the chunks that it was begun with.

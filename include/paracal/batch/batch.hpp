@@ -47,6 +47,9 @@ struct ChunkSizes {
 };
 ChunkSizes chunk_sizes(const Batch& batch, std::uint64_t machines);
 
+/// All rounds are whole chunks of this size, and of any power of two below.
+inline constexpr std::uint64_t kLargestExactChunk = 128;
+
 /// So many machines are computed exactly before the interval is looked at for the k-th time: 256, 384, 512, 768, ...
 std::uint64_t exact_round(std::uint64_t k);
 
