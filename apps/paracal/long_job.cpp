@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 
+#include "launch.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/version.hpp"
 #include "usage.hpp"
@@ -84,7 +85,7 @@ ShownJob::ShownJob(const LongJobOptions& options, Session& session, const io::Js
             .warning =
                 [this](const std::string& text) {
                   line_.clear();
-                  std::fprintf(stderr, "paracal: %s\n", text.c_str());
+                  std::fprintf(stderr, "%s: %s\n", Launch::name(), text.c_str());
                 }},
            description) {}
 

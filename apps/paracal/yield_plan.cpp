@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "interruption.hpp"
+#include "jobs/batch_job.hpp"
 #include "jobs/gzip.hpp"
 #include "paracal/io/tally_json.hpp"
 
@@ -42,12 +43,12 @@ double peak_megabytes() {
 
 std::uint64_t chunks_of(std::uint64_t machines, std::uint64_t size) { return (machines + size - 1) / size; }
 
-/// The interval shrinks with the root of the number, or a batch of so many machines ends at half of them.
+/// The interval shrinks with the root of the number.
 std::uint64_t expected_exact(const Tally& tally, std::uint64_t machines, double interval, double confidence) {
-  const auto tried = static_cast<double>(tally.produced());
   const double ratio = relative_interval(tally, confidence) / interval;
-  const double most = std::max(0.5 * static_cast<double>(machines), std::min(tried, static_cast<double>(machines)));
-  return static_cast<std::uint64_t>(std::min(tried * std::max(ratio * ratio, 1.0), most));
+  const auto [fewest, most] = jobs::exact_machines(machines);
+  const double wanted = static_cast<double>(tally.produced()) * std::max(ratio * ratio, 1.0);
+  return std::clamp(static_cast<std::uint64_t>(std::min(wanted, static_cast<double>(most))), fewest, most);
 }
 
 std::string time_text(double seconds) {

@@ -66,6 +66,7 @@ double unseen_share(const Tally& tally, double confidence) {
 }
 
 Proportion yield(const Tally& tally, double confidence) {
+  if (tally.produced() == 0) return proportion(0, 0, confidence);
   if (tally.produced() == tally.machines()) return proportion(tally.passed, tally.produced(), confidence);
   return ErrorSpread(tally, {.used_up = true}).share_within(1.0, confidence);
 }

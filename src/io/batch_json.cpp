@@ -105,8 +105,9 @@ Json quantities_json(const Batch& batch, const Tally& tally, double confidence) 
 Json passed_json(const Batch& batch, const Tally& tally, double confidence) {
   if (!has_limits(batch.plan)) return {{"passed", nullptr}, {"yield", nullptr}, {"dpmo", nullptr}};
   const Proportion share = yield(tally, confidence);
-  const auto passed = tally.first_order ? std::llround(share.value * static_cast<double>(tally.machines()))
-                                        : static_cast<std::int64_t>(tally.passed);
+  const auto passed = tally.first_order && tally.produced() > 0
+                          ? std::llround(share.value * static_cast<double>(tally.machines()))
+                          : static_cast<std::int64_t>(tally.passed);
   Json json{{"passed", passed}, {"yield", to_json(share)}, {"dpmo", to_json(defects_per_million(share))}};
   json["yield"]["confidence"] = confidence;
   return json;

@@ -61,18 +61,6 @@ class MachineStage : public JobStage {
   Tally tally_;
 };
 
-/// Exact machines that any batch has: one in sixteen, up to where the 99.9 % percentile gets an upper end.
-std::uint64_t fewest_exact(std::uint64_t machines) {
-  constexpr std::uint64_t kOneIn = 16, kEnough = 4096;  // z^2 / n < 0.001 at 95 %
-  return std::min(machines / kOneIn, kEnough);
-}
-
-/// Exact machines that are enough, whatever the interval: all of a small batch, half of a larger one. Whole chunks of
-/// any size, so that these leave no trace.
-std::uint64_t most_exact(std::uint64_t machines) {
-  return std::min(machines, std::max(exact_round(0), machines / 2 / kLargestExactChunk * kLargestExactChunk));
-}
-
 }  // namespace
 
 Json description(const Batch& batch, ChunkSizes sizes) {
@@ -86,6 +74,13 @@ ChunkSizes chunk_sizes(const Json& description) {
   const ChunkSizes sizes{chunks.at("first_order").get<std::uint64_t>(), chunks.at("exact").get<std::uint64_t>()};
   if (sizes.exact == 0) throw InvalidArgument("chunks: expected at least one machine a chunk, got 0");
   return sizes;
+}
+
+ExactMachines exact_machines(std::uint64_t machines) {
+  constexpr std::uint64_t kOneIn = 16, kEnough = 4096;  // z^2 / n < 0.001 at 95 %
+  const std::uint64_t half = machines / 2 / kLargestExactChunk * kLargestExactChunk;
+  const std::uint64_t most = std::min(machines, std::max(exact_round(0), half));
+  return {std::min({machines / kOneIn, kEnough, most}), most};
 }
 
 BatchResult run_batch(const Batch& batch, const BatchJobOptions& options, ChunkSizes sizes, LongJob& job,
@@ -108,8 +103,8 @@ BatchResult run_batch(const Batch& batch, const BatchJobOptions& options, ChunkS
     return result;
   }
   if (!run("first-order", {0, options.machines}, sizes.first_order, to_first_order)) return result;
-  const std::uint64_t most = most_exact(options.machines);
-  const std::uint64_t fewest = std::max(options.least_exact, fewest_exact(options.machines));
+  const auto [fewest_of_any, most] = exact_machines(options.machines);
+  const std::uint64_t fewest = std::max(options.least_exact, fewest_of_any);
   std::uint64_t done = 0;
   for (std::uint64_t round = 0; done < most; ++round) {
     if (done >= fewest && done > 0 && relative_interval(result.tally, options.confidence) <= options.interval) {

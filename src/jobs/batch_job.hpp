@@ -28,8 +28,16 @@ struct BatchResult {
 /// @param sizes  of chunks, which a folder may have begun with others of
 io::Json description(const Batch& batch, ChunkSizes sizes);
 
+/// Of a batch with a surrogate, whatever its interval: at least one in sixteen, up to where the 99.9 % percentile gets
+/// an upper end; at most all of a small batch, half of a larger one. Whole chunks of any size, so that these leave no
+/// trace.
+struct ExactMachines {
+  std::uint64_t fewest = 0, most = 0;
+};
+ExactMachines exact_machines(std::uint64_t machines);
+
 /// Machines 0 ... machines - 1 to first order, and the first of them exactly, in rounds (exact_round()) until the
-/// interval is reached or half of the machines are; all of them exactly where the batch has no surrogate.
+/// interval is reached or there are enough (exact_machines()); all of them exactly where the batch has no surrogate.
 /// @param stop  may be set by another thread or a signal handler.
 BatchResult run_batch(const Batch& batch, const BatchJobOptions& options, ChunkSizes sizes, LongJob& job,
                       const std::atomic<bool>& stop);

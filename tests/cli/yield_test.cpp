@@ -249,6 +249,7 @@ TEST_F(Yield, PlansWithoutComputing) {
   EXPECT_EQ(plan["chunks"], 61'036);
   EXPECT_NEAR(plan["core_seconds"].get<double>() / (1e6 * plan["exact_machine_ms"].get<double>()), 1.0, 1e-6);
   EXPECT_LT(plan["bytes_a_chunk"].get<double>(), 1e6);
+  EXPECT_GE(json_of(folder.run("yield --machines 1e6 --plan --json"))["exact_machines"], 4096);
   const json few = json_of(folder.run("yield --machines 100 --plan --json"));
   EXPECT_EQ(few["exact_machines"], 100);
 }
@@ -422,6 +423,29 @@ TEST_F(Yield, InterruptedAtOnceItHasNothing) {
   EXPECT_EQ(object["partial"], true);
   EXPECT_EQ(object["machines"], 0);
   EXPECT_TRUE(object["yield"]["value"].is_null());
+}
+
+/// Machines to first order alone tell nothing, and no nan is printed.
+TEST_F(Yield, InterruptedBeforeTheFirstExactMachineItKnowsNothing) {
+  for (const bool as_json : {true, false}) {
+    std::filesystem::remove_all(folder.path() / "folder");
+    const auto program = start(fmt::format("yield --machines {} --max-tilt-rad 0.001 --checkpoint folder{}", kEndless,
+                                           as_json ? " --json" : ""));
+    wait_for_chunks(1);
+    program->send(SIGINT);
+    const ProgramResult result = program->result();
+    EXPECT_EQ(result.exit_code, kVerdictIsNo);
+    if (!as_json) {
+      EXPECT_THAT(result.out, AllOf(HasSubstr("nothing is known"), Not(HasSubstr("nan"))));
+      continue;
+    }
+    const json object = json::parse(result.out);
+    EXPECT_EQ(object["produced"], 0);
+    EXPECT_EQ(object["passed"], 0);
+    EXPECT_TRUE(object["yield"]["value"].is_null());
+    EXPECT_EQ(object["yield"]["low"], 0.0);
+    EXPECT_EQ(object["yield"]["high"], 1.0);
+  }
 }
 
 // ---- progress

@@ -226,7 +226,7 @@ std::string text_of(const YieldArguments& options, const Batch& batch, const job
       fmt::format("batch of {} machines of {}, seed {}\n", tally.machines(), batch.robot.name(), batch.seed);
   const auto out = std::back_inserter(text);
   if (!result.complete) fmt::format_to(out, "  partial: stopped, {} machines were asked for\n", options.machines);
-  if (tally.machines() == 0) return text;
+  if (tally.produced() == 0) return text + "  no machine computed exactly yet: nothing is known\n";
   fmt::format_to(out,
                  "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
                  tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
