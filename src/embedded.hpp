@@ -19,6 +19,8 @@ std::span<const EmbeddedFile> robot_templates();
 std::span<const EmbeddedFile> export_templates();
 /// The files of schema, in the program alone.
 std::span<const EmbeddedFile> result_schemas();
+/// The texts of paracal help TOPIC, in the program alone.
+std::span<const EmbeddedFile> help_topics();
 /// The page of reports, built from web/; in the program alone, so that the library needs no Node.js to build.
 std::span<const EmbeddedFile> report_page();
 /// The licences of the libraries that the program is made of, and of what is in the page; in the program alone.

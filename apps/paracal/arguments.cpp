@@ -6,8 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <type_traits>
+#include <utility>
 
+#include "help.hpp"
 #include "paracal/spelling.hpp"
 #include "session.hpp"
 #include "usage.hpp"
@@ -112,8 +114,8 @@ Option* Option::shows_default(const std::string& text) {
   return this;
 }
 
-Option* Option::group(const std::string& heading) {
-  option_->group(heading);
+Option* Option::hide() {
+  option_->group(kHidden);
   return this;
 }
 
@@ -128,9 +130,30 @@ bool Option::is_given() const { return option_->count() > 0; }
 
 std::vector<std::string> Option::values() const { return option_->results(); }
 
+namespace {
+
+/// What a value is where the option does not say.
+template <typename Value>
+std::string usual_kind(const std::string& name) {
+  if constexpr (std::is_same_v<Value, std::string> || std::is_same_v<Value, std::vector<std::string>>) return "FILE";
+  if constexpr (std::is_integral_v<Value>) return "N";
+  for (const auto& [end, unit] : {std::pair{"-mm", "MM"}, {"-deg", "DEG"}, {"-ppm", "PPM"}, {"-c", "CELSIUS"}}) {
+    if (name.ends_with(end)) return unit;
+  }
+  return "NUMBER";
+}
+
+}  // namespace
+
+Option* Command::keep(CLI::Option* option, const std::string& kind) {
+  if (!kind.empty()) option->type_name(kind);
+  option->group(heading_);
+  return &options_.emplace_back(*option);
+}
+
 template <typename Value>
 Option* Command::add_option(const std::string& name, Value& value, const std::string& text) {
-  return keep(command_->add_option(name, value, text));
+  return keep(command_->add_option(name, value, text), usual_kind<Value>(name));
 }
 template Option* Command::add_option(const std::string&, std::string&, const std::string&);
 template Option* Command::add_option(const std::string&, int&, const std::string&);
@@ -142,17 +165,18 @@ template Option* Command::add_option(const std::string&, std::vector<double>&, c
 template Option* Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 
 Option* Command::add_flag(const std::string& name, bool& value, const std::string& text) {
-  return keep(command_->add_flag(name, value, text));
+  return keep(command_->add_flag(name, value, text), "");
 }
 
 Option* Command::add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,
                             const std::string& text) {
-  return keep(command_->add_option_function<std::string>(name, choose, text));
+  return keep(command_->add_option_function<std::string>(name, choose, text), "NAME");
 }
 
 Command* Command::add_command(const std::string& name, const std::string& text, const std::string& group) {
   CLI::App* const command = command_->add_subcommand(name, text);
   command->group(group);
+  command->get_help_ptr()->group("Common");
   return &commands_.emplace_back(*command);
 }
 
@@ -168,10 +192,11 @@ Option* Command::get_option(std::string_view name) {
 
 Arguments::Arguments(const ProgramText& text)
     : app_(std::make_unique<CLI::App>(text.about, text.name)), program_(*app_) {
-  app_->set_version_flag("--version", text.version);
+  app_->set_help_flag("-h,--help", "show this help");
+  app_->set_version_flag("--version", text.version, "show the version");
   // Shown as the version is: nothing else is done.
   const auto show = [licences = text.licences] { throw CLI::CallForVersion(licences(), 0); };
-  app_->add_flag_callback("--licenses", show, "Licences of the software in this program and exit");
+  app_->add_flag_callback("--licenses", show, "show the licences of the software in this program");
   app_->require_subcommand(0, 1);
   app_->footer(text.footer);
 }
@@ -181,18 +206,34 @@ Arguments::~Arguments() = default;
 std::optional<int> Arguments::run(const std::vector<std::string>& words, const io::TextSink& standard_output) {
   try {
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));  // the first last, as it wants them
-  } catch (const CLI::Success& help_or_the_like) {
-    std::ostringstream text;
-    const int code = app_->exit(help_or_the_like, text, text);
-    standard_output(text.str());
-    return code;
+  } catch (const CLI::CallForHelp&) {
+    const CommandText program = describe();
+    const CommandText* const chosen = find_command(program, chosen_words(*app_));
+    standard_output(help_text(chosen == nullptr ? program : *chosen));
+    return 0;
+  } catch (const CLI::CallForVersion& version) {
+    standard_output(std::string(version.what()) + "\n");
+    return 0;
   } catch (const CLI::ParseError& error) {
     throw WrongUsage(usage_complaint(*app_, error));
   }
-  if (app_->get_subcommands().empty()) throw WrongUsage("expected a subcommand; paracal --help lists them");
+  if (app_->get_subcommands().empty()) throw WrongUsage("expected a command, got none; see paracal --help");
   return std::nullopt;
 }
 
-CommandText Arguments::describe() const { return description(*app_); }
+void Command::add_examples(CommandText& text) const {
+  text.examples = examples_;
+  for (CommandText& below : text.commands) {
+    for (const Command& one : commands_) {
+      if (one.command_->get_name() == word_of(below)) one.add_examples(below);
+    }
+  }
+}
+
+CommandText Arguments::describe() const {
+  CommandText all = description(*app_);
+  program_.add_examples(all);
+  return all;
+}
 
 }  // namespace paracal::app

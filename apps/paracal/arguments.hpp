@@ -56,6 +56,9 @@ Rule non_negative();
 /// Whole numbers from `smallest` to `largest`, 1e6 and the like, too.
 Rule whole_number(std::uint64_t smallest, std::uint64_t largest);
 
+/// Heading of what --help does not show.
+inline constexpr const char* kHidden = "hidden";
+
 /// An option of a command. Everything that declares returns the option itself.
 class Option {
  public:
@@ -70,9 +73,8 @@ class Option {
   Option* expected(int count) { return expected(count, count); }
   Option* shows_default();
   Option* shows_default(const std::string& text);
-  /// Its heading in --help.
-  Option* group(const std::string& heading);
-  /// What --help calls its value.
+  Option* hide();
+  /// What --help calls its value: DEG, FILE.
   Option* takes(const std::string& what);
 
   std::string name() const;
@@ -89,11 +91,15 @@ class Command {
  public:
   explicit Command(CLI::App& command) : command_(&command) {}
   /// @param value  set when the arguments are parsed: a string, a number, an optional<double>, or a vector of either.
+  ///               --help calls a string FILE, an integer N, and other numbers by the unit at the end of the name.
   template <typename Value>
   Option* add_option(const std::string& name, Value& value, const std::string& text);
   Option* add_flag(const std::string& name, bool& value, const std::string& text);
   Option* add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,
                      const std::string& text);
+  /// The heading in --help of the options that follow; kHidden: they are not shown.
+  void heading(const std::string& heading) { heading_ = heading; }
+  void example(const std::string& purpose, const std::string& line) { examples_.push_back({purpose, line}); }
   Command* add_command(const std::string& name, const std::string& text, const std::string& group);
   /// Without one of its commands it is wrong usage.
   void require_command();
@@ -106,8 +112,12 @@ class Command {
   const std::deque<Option>& options() const { return options_; }
 
  private:
-  Option* keep(CLI::Option* option) { return &options_.emplace_back(*option); }
+  friend class Arguments;
+  Option* keep(CLI::Option* option, const std::string& kind);
+  void add_examples(CommandText& text) const;
   CLI::App* command_;
+  std::string heading_ = "Options";
+  std::vector<Example> examples_ = {};
   std::deque<Option> options_ = {};
   std::deque<Command> commands_ = {};
 };

@@ -131,15 +131,15 @@ void settle(const std::vector<io::TextFile>& tables, const Robot& robot, Command
 }  // namespace
 
 void add_controller_options(Command& command, ControllerOptions& options) {
+  command.heading("Controller");
   command.add_option("--controller-joints", options.joints,
-                     "poses with the joints that the controller displays there (CSV: x_mm,y_mm,z_mm[,phi_deg],q1_deg, "
-                     "... or q1_mm, ...): whether it computes with the dimensions of the robot file");
+                     "poses and the joints that the controller displays there (CSV: x_mm,y_mm,z_mm[,phi_deg],q1_deg,"
+                     "...); checks whether the controller uses the dimensions of the robot file");
 }
 
 void add_controller_robot_option(Command& command, ControllerOptions& options) {
   command.add_option("--controller", options.robot,
-                     "robot file (TOML) with the dimensions that the controller computes joints with, where they are "
-                     "not those of --robot");
+                     "robot file (TOML) with the dimensions that the controller uses, if they differ from --robot");
 }
 
 ControllerModel stated_controller(const ControllerOptions& options, const Robot& robot) {

@@ -38,16 +38,12 @@ io::TextFile input_table(const std::string& name, const io::TableStyle& style) {
 }
 
 void add_table_options(Command& command, io::TableStyle& style) {
-  constexpr const char* kHeading = "Tables";
-  command
-      .add_flag("--decimal-comma", style.decimal_comma,
-                "numbers of tables have a decimal comma; without it a table must show that they have")
-      ->group(kHeading);
-  command
-      .add_option("--ignore-columns", style.ignored_columns,
-                  "columns of tables that are passed over, by their headings")
+  command.heading("Tables (CSV)");
+  command.add_flag("--decimal-comma", style.decimal_comma,
+                   "read 1,5 as one and a half; needed only where a table does not show it");
+  command.add_option("--ignore-columns", style.ignored_columns, "ignore the columns with these headings")
       ->separated_by(',')
-      ->group(kHeading);
+      ->takes("NAME,...");
 }
 
 bool is_calibration(const std::string& errors_file) {

@@ -34,16 +34,15 @@ jobs::Part part_of(const LongJobOptions& options, const jobs::Ranks& ranks) {
 }  // namespace
 
 void add_long_job_options(Command& command, LongJobOptions& options) {
-  const std::string heading = "Long jobs";
+  command.heading("Long jobs");
   command
       .add_option("--checkpoint", options.checkpoint,
-                  "folder that keeps finished chunks: the same command again goes on where it stopped")
-      ->group(heading);
+                  "keep finished chunks in this folder; the same command later continues where it stopped")
+      ->takes("FOLDER");
   command
       .add_option("--part", options.part,
-                  "K/N: compute every N-th chunk alone, beginning with the K-th, as one of an array of jobs; needs "
-                  "--checkpoint")
-      ->group(heading);
+                  "compute only every N-th chunk, starting with the K-th, as one job of an array; needs --checkpoint")
+      ->takes("K/N");
 }
 
 void require_job(const LongJobOptions& options, bool is_long, std::string_view option) {
@@ -72,15 +71,16 @@ io::Json description_of(const Session& session, const Robot& robot, const io::Js
 
 ShownJob::ShownJob(const LongJobOptions& options, Session& session, const io::Json& description)
     : part_(part_of(options, session.ranks())),
-      line_("chunks", 0),
+      line_("chunks"),
       job_(session.ranks(),
            {.checkpoint = options.checkpoint,
             .part = part_,
             .progress =
-                [this, shows = session.ranks().number() == 0](std::uint64_t done, std::uint64_t of) {
+                [this, shows = session.ranks().number() == 0](std::uint64_t stage, std::uint64_t done,
+                                                              std::uint64_t of) {
                   if (!shows) return;
-                  line_.expect(of);
-                  line_.show(done);
+                  if (std::exchange(stage_, stage) != stage) line_.begin(stage);
+                  line_.show(done, of);
                 },
             .warning =
                 [this](const std::string& text) {

@@ -39,6 +39,7 @@ class ShownJob : public LongJob {
  private:
   jobs::Part part_;
   ProgressLine line_;
+  std::uint64_t stage_ = 0;
   jobs::ChunkedJob job_;
 };
 

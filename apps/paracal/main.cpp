@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 
 #include "launch.hpp"
 #include "program.hpp"
 #include "session.hpp"
+#include "terminal.hpp"
 
 namespace {
 
@@ -17,7 +19,8 @@ using namespace paracal::app;
 
 int complain(Launch& launch, const std::exception& error, ExitCode code) {
   launch.wait_for_the_first();
-  std::fprintf(stderr, "%s: %s\n", Launch::name(), paracal::printable(error.what()).c_str());
+  const std::string name = emphasised(STDERR_FILENO, Emphasis::bad, std::string(Launch::name()) + ":");
+  std::fprintf(stderr, "%s %s\n", name.c_str(), paracal::printable(error.what()).c_str());
   launch.give_up(code);
   return code;
 }

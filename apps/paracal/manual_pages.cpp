@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "help.hpp"
+
 namespace paracal::app {
 namespace {
 
@@ -28,25 +30,15 @@ std::string option_entry(const OptionText& option) {
     names += (names.empty() ? "" : ", ") + fmt::format("\\fB{}\\fR", roff(name));
   }
   if (names.empty()) names = fmt::format("\\fI{}\\fR", roff(option.positional));
-  // Between two choices a line may end, wherever it does, and nowhere else.
-  const std::string value = option.value.empty() ? "" : " \\%" + escaped(roff(option.value), {{',', ",\\:\\%"}});
+  // Between two choices a line may end, and nowhere else.
+  const std::string value = option.value.empty() ? "" : " \\%" + escaped(roff(option.value), {{'|', "|\\:\\%"}});
   return fmt::format(".TP\n.na\n{}{}\n.ad\n{}\n", names, value, roff(option.text));
-}
-
-/// Headings in the order in which they come first.
-template <typename Item>
-std::vector<std::string> groups_of(const std::vector<Item>& items) {
-  std::vector<std::string> groups;
-  for (const Item& item : items) {
-    if (std::ranges::find(groups, item.group) == groups.end()) groups.push_back(item.group);
-  }
-  return groups;
 }
 
 std::string options_section(const CommandText& command) {
   std::string text;
-  for (const std::string& group : groups_of(command.options)) {
-    text += group == "Options" ? ".SH OPTIONS\n" : fmt::format(".SS {}\n", roff(group));
+  for (const std::string& group : headings(command.options)) {
+    text += fmt::format("{}.SS {}\n", text.empty() ? ".SH OPTIONS\n" : "", roff(group));
     for (const OptionText& option : command.options) {
       if (option.group == group) text += option_entry(option);
     }
@@ -56,7 +48,7 @@ std::string options_section(const CommandText& command) {
 
 std::string commands_section(const CommandText& command) {
   std::string text = command.commands.empty() ? "" : ".SH COMMANDS\n";
-  for (const std::string& group : groups_of(command.commands)) {
+  for (const std::string& group : headings(command.commands)) {
     text += fmt::format(".SS {}\n", roff(group));
     for (const CommandText& one : command.commands) {
       if (one.group == group) text += fmt::format(".TP\n\\fB{}\\fR(1)\n{}\n", roff(page_name(one)), roff(one.text));
@@ -66,11 +58,15 @@ std::string commands_section(const CommandText& command) {
 }
 
 std::string synopsis(const CommandText& command) {
-  std::string text = fmt::format(".SH SYNOPSIS\n.B {}\n[\\fIOPTIONS\\fR]", roff(command.name));
-  for (const OptionText& option : command.options) {
-    if (option.names.empty()) text += fmt::format(" \\fI{}\\fR", roff(option.positional));
+  return fmt::format(".SH SYNOPSIS\n.B {}\n", roff(usage_line(command)));
+}
+
+std::string examples_section(const CommandText& command) {
+  std::string text = command.examples.empty() ? "" : ".SH EXAMPLES\n";
+  for (const Example& one : command.examples) {
+    text += fmt::format(".TP\n{}:\n.nf\n{}\n.fi\n", roff(one.purpose), roff(one.line));
   }
-  return text + (command.commands.empty() ? "\n" : " \\fICOMMAND\\fR\n");
+  return text;
 }
 
 /// @param above  the page of the command or program that it belongs to; empty: of the program itself.
@@ -80,7 +76,7 @@ std::string page_of(const CommandText& command, const std::string& above, const 
   const std::string text = command.text.substr(command.text.starts_with("paracal: ") ? 9 : 0);
   std::string page = fmt::format(".TH {} 1 \"\" \"paracal {}\" \"paracal\"\n", roff(title), version);
   page += fmt::format(".SH NAME\n{} \\- {}\n", roff(page_name(command)), roff(text));
-  page += synopsis(command) + options_section(command) + commands_section(command);
+  page += synopsis(command) + options_section(command) + commands_section(command) + examples_section(command);
   if (!command.footer.empty()) page += fmt::format(".SH EXIT STATUS\n{}\n", roff(command.footer));
   if (!above.empty()) page += fmt::format(".SH SEE ALSO\n\\fB{}\\fR(1)\n", roff(above));
   return page;

@@ -106,7 +106,7 @@ std::string at_help() {
   for (const LengthWords& kind : length_kinds()) {
     if (!kind.at.empty()) text += fmt::format("{}of {}: {}", text.empty() ? "" : "; ", kind.name, kind.at);
   }
-  return text + " (x,y,z in the robot's frame)";
+  return text + " (in the robot's frame)";
 }
 
 std::string kinds_with_at() {
@@ -160,14 +160,16 @@ std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& o
     readings.measurand = chosen.measurand;
     readings.length = chosen.length;
   };
-  Option* measure = command
-                        .add_choice("--measure", choose,
-                                    "what is measured: coordinates; position and orientation of a body; distances "
-                                    "between all poses, or from the first to "
-                                    "each; heights above one plane; lengths from a fixed point; a dial gauge")
-                        ->check(one_of(names))
-                        ->shows_default(names.front());
+  Option* measure =
+      command
+          .add_choice("--measure", choose,
+                      "what is measured: coordinates of a point; position and orientation of a body (pose); "
+                      "distances between all poses or from home; heights above a plane; lengths from a "
+                      "fixed point (ball-bar); readings of a dial gauge")
+          ->check(one_of(names))
+          ->shows_default(names.front());
   Option* at = command.add_option("--at", options.at, at_help())
+                   ->takes("X,Y,Z")
                    ->separated_by(',')
                    ->expected(3)
                    ->check(within(plausible::length(kLargestReach)));
@@ -181,90 +183,96 @@ Option* add_mount_option(Command& command, ReflectorMount& mount) {
   const auto choose = [&mount](const std::string& wanted) {
     mount = *std::ranges::find(kReflectorMounts, wanted, [](ReflectorMount one) { return name(one); });
   };
-  return command.add_choice("--reflectors", choose, "what the second reflector, or a body, is mounted on")
+  return command.add_choice("--reflectors", choose, "where the second reflector or the measured body is mounted")
       ->check(one_of(names))
       ->shows_default(names.front());
 }
 
 void add_noise_options(Command& command, MeasuringOptions& options) {
+  command.heading("Uncertainty of the instrument (one standard deviation)");
   command
-      .add_option(
-          "--sigma-mm", options.sigma_mm,
-          "standard deviation of a coordinate (0.017; of a body's 0.3), distance or ball bar (0.05) that states none")
+      .add_option("--sigma-mm", options.sigma_mm,
+                  "of coordinates, distances and lengths without a stated sigma (default: points 0.017, bodies 0.3, "
+                  "others 0.05)")
       ->check(positive());
   command
       .add_option("--height-sigma-mm", options.height_sigma_mm,
-                  "standard deviation of a height above a plane or of a dial that states none (0.05)")
+                  "of heights and dial readings without a stated sigma (default: 0.05)")
       ->check(positive());
-  command
-      .add_option("--dial-angle-deg", options.dial_angle_deg,
-                  "standard deviation of the angles by which a dial is set up askew (0.5)")
+  command.add_option("--dial-angle-deg", options.dial_angle_deg, "of the direction of a dial gauge (default: 0.5)")
       ->check(between(0.0, 10.0));
   command
       .add_option("--sigma-deg", options.sigma_deg,
-                  "standard deviation of rotations, and of orientations that state none (0.3)")
+                  "of rotations and orientations without a stated sigma (default: 0.3)")
       ->check(positive());
   command
       .add_option("--tracker-um", options.tracker_um,
-                  "tracker at the origin of its frame: transverse um, um per m, radial um, um per m, e.g. 15,6,10,0.3")
+                  "laser tracker at the origin of its frame: transverse and radial, each constant and per m, such as "
+                  "15,6,10,0.3")
+      ->takes("UM,UM/M,UM,UM/M")
       ->separated_by(',')
       ->expected(4)
       ->check(non_negative());
 }
 
 Option* add_measuring_options(Command& command, MeasuringOptions& options) {
-  Option* measurements =
-      command
-          .add_option(
-              "--measurements", options.files,
-              "points (CSV: pose,x_cmd_mm,...,x_mm,y_mm,z_mm[,...]; with qw,qx,qy,qz a body's poses), distances (CSV: "
-              "from,to,distance_mm[,...]), heights above a plane (CSV: pose,height_mm[,sigma_mm]), lengths from "
-              "a fixed point (pose,ball_bar_mm[,...]) or a dial's (pose,dial_mm,direction_x,...); several "
-              "files, each in its own frame")
-          ->required();
+  command.heading("Measurements");
+  Option* measurements = command
+                             .add_option("--measurements", options.files,
+                                         "tables of readings (CSV): points, poses of a body, distances, heights, ball "
+                                         "bar or dial readings; each file "
+                                         "has its own frame; docs/files.md lists the columns")
+                             ->required();
   command.add_option("--poses", options.poses,
-                     "poses that distances, lengths or an instrument's export name (CSV): one table for all, or one "
-                     "for each file that names poses");
-  command.add_option("--columns", options.columns,
-                     "where an instrument's text export holds what is needed: numbers (name=3,x=4,y=5,z=6), headings "
-                     "(name=Target,x=X,y=Y,z=Z), or spatialanalyzer ([[collection] group] target x y z); without it: "
-                     "as its header row says");
-  command.add_option("--unit", options.unit, "unit of the export, where no header row states it: mm, m, um or inch");
-  command.add_option("--match", options.match, "how points of an export find their poses: by name, or in their order")
+                     "commanded poses (CSV) of tables that only name them: one table for all files, or one for each");
+  command
+      .add_option("--columns", options.columns,
+                  "columns of an instrument's text export: numbers (name=3,x=4,y=5,z=6), headings "
+                  "(name=Target,x=X,y=Y,z=Z) or spatialanalyzer; default: its header row")
+      ->takes("COLUMNS");
+  command.add_option("--unit", options.unit, "unit of the export, if its header row states none")
+      ->takes("mm|m|um|inch");
+  command.add_option("--match", options.match, "how points of an export are assigned to poses")
       ->check(one_of({"name", "order"}))
       ->shows_default();
   add_table_options(command, options.style);
   add_noise_options(command, options);
   command
-      .add_option(
-          "--distance-bias-mm", options.distance_bias_mm,
-          "standard deviation of an error that all distances, or all of a ball bar, share: a zero, a wall's width")
+      .add_option("--distance-bias-mm", options.distance_bias_mm,
+                  "of an error that all distances or all ball bar lengths share, such as a zero error")
       ->check(non_negative())
       ->shows_default();
   command
       .add_option("--scale-ppm", options.scale_ppm,
-                  "standard deviation of the scale of the readings against the machine (1 K of steel: 11.5)")
+                  "of the scale of the readings relative to the machine (1 K of steel: 11.5)")
       ->check(between(0.0, 1e4))
       ->shows_default();
+  command.heading("Temperature");
   command
-      .add_option("--temperature-c", options.temperature_c, "of the machine while it was measured; lengths are of 20")
+      .add_option("--temperature-c", options.temperature_c,
+                  "temperature of the machine during the measurement; results refer to 20")
       ->check(between(-50.0, 150.0));
   command
-      .add_option("--expansion-ppm", options.expansion_ppm, "of the machine per K: steel 11.5, aluminium 23, carbon 0")
+      .add_option("--expansion-ppm", options.expansion_ppm,
+                  "thermal expansion of the machine per K: steel 11.5, aluminium 23, carbon 0")
       ->check(between(-10.0, 100.0))
       ->shows_default();
   command
       .add_option("--instrument-expansion-ppm", options.instrument_expansion_ppm,
-                  "of the instrument per K; 0: it corrects itself")
+                  "thermal expansion of the instrument per K; 0: it compensates its own")
       ->check(between(-10.0, 100.0))
       ->shows_default();
-  command.add_option("--frame", options.frame, "frame of measured points")
+  command.heading("Frames");
+  command.add_option("--frame", options.frame, "frame of the measured points: the robot's, or unknown and fitted")
       ->check(one_of({"unknown", "robot"}))
       ->shows_default();
-  command.add_option("--body", options.body, "where the body of measured poses sits; plate: in the plate's own frame")
+  command
+      .add_option("--body", options.body, "mounting of the measured body: in the plate's frame, or unknown and fitted")
       ->check(one_of({"unknown", "plate"}))
       ->shows_default();
-  command.add_option("--rotation", options.rotation, "zero of measured rotations: relative (unknown) or absolute")
+  command
+      .add_option("--rotation", options.rotation,
+                  "zero of the measured rotations: unknown and fitted (relative), or the robot's (absolute)")
       ->check(one_of({"relative", "absolute"}))
       ->shows_default();
   return measurements;
@@ -282,32 +290,35 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
 }
 
 void add_instrument_options(Command& command, InstrumentOptions& options) {
-  Option* noise =
-      command.add_option("--noise-mm", options.noise_mm, "standard deviation of a coordinate, distance or height read")
-          ->check(non_negative())
-          ->shows_default();
+  command.heading("Simulated instrument (one standard deviation)");
+  Option* noise = command.add_option("--noise-mm", options.noise_mm, "of a measured coordinate, distance or height")
+                      ->check(non_negative())
+                      ->shows_default();
   command
-      .add_option("--tracker-um", options.tracker_um,
-                  "instead: a tracker at the origin of its frame: transverse um, um per m, radial um, um per m")
+      .add_option(
+          "--tracker-um", options.tracker_um,
+          "laser tracker at the origin of its frame, instead of --noise-mm: transverse and radial, each constant "
+          "and per m")
+      ->takes("UM,UM/M,UM,UM/M")
       ->separated_by(',')
       ->expected(4)
       ->check(non_negative())
       ->excludes(noise);
-  command
-      .add_option("--repeatability-mm", options.repeatability_mm, "standard deviation of a coordinate of the machine")
+  command.add_option("--repeatability-mm", options.repeatability_mm, "repeatability of the machine, per coordinate")
       ->check(non_negative())
       ->shows_default();
-  command.add_option("--repeats", options.repeats, "visits of every pose")
+  command.add_option("--repeats", options.repeats, "number of visits to every pose")
       ->check(whole_number(1, 10000))
       ->shows_default();
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
-                  "standard deviation of a rotary encoder that reads phi, or of an orientation about each axis")
+                  "of measured phi, or of an orientation about each axis")
       ->check(non_negative())
       ->shows_default();
   command
       .add_option("--second", options.second,
-                  "second reflector from the first, mm, in the frame of what carries it: x,y,z")
+                  "offset of a second reflector from the first in mm, in the frame of its mount")
+      ->takes("X,Y,Z")
       ->separated_by(',')
       ->expected(3)
       ->check(within(plausible::length(kLargestReach)));

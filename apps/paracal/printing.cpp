@@ -95,13 +95,15 @@ std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const
 
 }  // namespace
 
-Option* add_printer_file(Command& command, PrinterFile& file, const std::string& text) {
-  Option* name = command.add_option("--printer", file.name, text)->excludes(command.get_option("--robot"));
-  command.add_option("--firmware", file.firmware, "with --printer: whose configuration it is")
+Option* add_printer_option(Command& command, PrinterFile& file) {
+  return command.add_option("--printer", file.name, "configuration of a delta printer, instead of --robot")
+      ->excludes(command.get_option("--robot"));
+}
+
+Option* add_firmware_option(Command& command, PrinterFile& file) {
+  return command.add_option("--firmware", file.firmware, "firmware of the printer")
       ->check(any_firmware())
-      ->needs(name)
       ->shows_default();
-  return name;
 }
 
 PrinterState read_printer(const PrinterFile& file) {
@@ -122,34 +124,25 @@ PrinterState read_printer(const PrinterFile& file) {
           .text = text};
 }
 
-Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs) {
-  Option* file =
-      add_printer_file(command, options.printer,
-                       "instead: a delta printer's own configuration: Klipper's printer.cfg with what DELTA_CALIBRATE "
-                       "left in it, or the M-codes of another firmware");
-  command
-      .add_option("--readings", options.readings,
-                  "with --printer: what was measured besides (CSV): heights of the bed, printed distances")
-      ->needs(file)
-      ->separated_by(',');
-  command.add_option("--write", options.write, "with --printer: how to write new values; default: as --firmware")
-      ->check(any_firmware())
-      ->needs(file);
-  outputs
-      .declare(command.add_option("--config", options.config,
-                                  "with --printer: write the whole of a printer.cfg with the advised values in force"))
-      ->needs(file);
-  command
-      .add_flag("--apply", options.apply,
-                "with --printer: show what changes in the printer.cfg, change it, and keep what it was beside it")
-      ->needs(file);
-  command
-      .add_flag(
-          "--accept-shift", options.accept_shift,
-          "with --printer: a common shift of all heights is the bed's, and the new values follow it; without this "
-          "a shift above 0.5 mm is stated and not followed")
-      ->needs(file);
-  return file;
+std::vector<Option*> add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs) {
+  Option* const readings = command
+                               .add_option("--readings", options.readings,
+                                           "further readings (CSV): heights of the bed, distances on printed parts")
+                               ->separated_by(',')
+                               ->takes("FILE,...");
+  Option* const write =
+      command
+          .add_option("--write", options.write, "firmware that the new values are written for (default: as --firmware)")
+          ->check(any_firmware());
+  Option* const config = outputs.declare(
+      command.add_option("--config", options.config, "write the whole printer.cfg with the new values to this file"));
+  Option* const apply = command.add_flag(
+      "--apply", options.apply, "change the printer.cfg itself, show the changed lines, and keep a backup beside it");
+  Option* const shift =
+      command.add_flag("--accept-shift", options.accept_shift,
+                       "let the new values follow a common shift of all heights of more than 0.5 mm, because the bed "
+                       "has moved; otherwise such a shift is only reported");
+  return {add_firmware_option(command, options.printer), readings, write, config, apply, shift};
 }
 
 namespace {

@@ -18,9 +18,8 @@ struct PrinterFile {
   std::string name, firmware = "klipper";
 };
 
-/// --printer and --firmware.
-/// @returns --printer.
-Option* add_printer_file(Command& command, PrinterFile& file, const std::string& text);
+Option* add_printer_option(Command& command, PrinterFile& file);
+Option* add_firmware_option(Command& command, PrinterFile& file);
 
 /// What it says.
 struct PrinterState {
@@ -46,9 +45,8 @@ struct PrinterOptions {
   bool accept_shift = false;  ///< a common shift of all heights is the bed's
 };
 
-/// --printer, --firmware, --readings, --write, --config, --apply and --accept-shift.
-/// @returns --printer.
-Option* add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs);
+/// --firmware, --readings, --write, --config, --apply and --accept-shift.
+std::vector<Option*> add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs);
 
 /// Calibrates a printer from its own file, and from what else was read on it.
 /// @param page  report to write; empty: none.

@@ -34,6 +34,7 @@ void add_commands(Arguments& arguments, Session& session) {
   add_identifiability(program, session);
   add_simulate(program, session);
   add_calibrate(program, session);
+  add_printer(program, session);
   add_validate(program, session);
   add_report(program, session);
   add_sensitivity(program, session);
@@ -43,6 +44,7 @@ void add_commands(Arguments& arguments, Session& session) {
   add_export(program, session);
   add_schema(program, session);
   add_reproduce(program, session);
+  add_help(arguments, session);
   add_manual(arguments, session);
 }
 
@@ -50,12 +52,12 @@ void add_commands(Arguments& arguments, Session& session) {
 
 int run_program(const std::vector<std::string>& words, const io::TextSink& standard_output, jobs::Ranks& ranks) {
   Arguments arguments(
-      {.about = "paracal: accuracy of parallel robots, from drawing tolerances to a compensated controller",
+      {.about = "paracal: estimates and compensates the geometric errors of parallel robots",
        .name = Launch::name(),
        .version = fmt::format("{} {} ({})", Launch::name(), version(), build()),
        .footer =
-           "Exit codes: 0 done; 1 done, and the verdict is no; 2 wrong usage; 3 bad input file; 4 the mathematics "
-           "says no.",
+           "Exit codes: 0 done; 1 done, criteria not met; 2 wrong usage; 3 bad input file; 4 no solution (pose out of "
+           "reach or singular).",
        .licences = licences});
   Session session(standard_output, ranks);
   session.words = words;

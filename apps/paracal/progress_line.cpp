@@ -20,22 +20,27 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(std::string what, std::uint64_t total)
-    : what_(std::move(what)), total_(total), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+bool ProgressLine::is_shown() { return isatty(STDERR_FILENO) == 1; }
 
-void ProgressLine::show(std::uint64_t done) {
+void ProgressLine::begin(std::uint64_t stage) {
+  started_ = false;
+  stage_ = stage > 1 ? fmt::format("stage {}: ", stage) : "";
+}
+
+void ProgressLine::show(std::uint64_t done, std::uint64_t total) {
   if (!on_terminal_) return;
   if (!started_) {
     started_ = true;
     at_start_ = done;
     start_ = Clock::now();
   }
-  std::string text = fmt::format("{}{} of {} {}", kEraseLine, done, total_, what_);
+  const std::string of = total > 0 ? fmt::format(" of {}", total) : "";
+  std::string text = fmt::format("{}{}{}{} {}", kEraseLine, stage_, done, of, what_);
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   if (done > at_start_ && seconds > 0.0) {
     const double rate = static_cast<double>(done - at_start_) / seconds;
-    const double remaining = static_cast<double>(total_ - done) / rate;
-    text += fmt::format(", {:.3g} a second, {} to go", rate, clock_text(remaining));
+    text += fmt::format(", {:.3g} per second", rate);
+    if (total > 0) text += fmt::format(", {} left", clock_text(static_cast<double>(total - done) / rate));
   }
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);

@@ -11,7 +11,7 @@ namespace paracal::app {
 
 std::shared_ptr<std::string> add_report_option(Command& command, Session& session) {
   auto file = std::make_shared<std::string>();
-  session.outputs.declare(command.add_option("--report", *file, "also write a page to look at (HTML, self-contained)"));
+  session.outputs.declare(command.add_option("--report", *file, "also write an HTML report, one self-contained file"));
   return file;
 }
 

@@ -23,9 +23,9 @@ std::string in_array(const io::Json& json) {
 }  // namespace
 
 void add_json_lines_option(Command& command, bool& json_lines) {
-  command.add_flag("--json-lines", json_lines, "one JSON object a row, each in a line of its own")
-      ->excludes(command.get_option("--json"))
-      ->group("Common");
+  command.heading("Common");
+  command.add_flag("--json-lines", json_lines, "print one JSON object per row, each on its own line")
+      ->excludes(command.get_option("--json"));
 }
 
 RowOutput::RowOutput(Session& session, bool json_lines, const std::vector<JsonColumn>& columns)

@@ -15,28 +15,27 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/mechanism/level.hpp"
 #include "paracal/units.hpp"
+#include "terminal.hpp"
 
 namespace paracal::app {
 
 Command* Session::add_command(Command& parent, const std::string& name, const std::string& job,
                               const std::string& what) {
   Command* command = parent.add_command(name, what, job);
+  command->heading("Common");
   command
-      ->add_option(
-          "--robot", robot_,
-          "robot file (TOML) or catalogue name; a calibration or a line \"# robot: NAME\" of a table says it, too")
-      ->group("Common");
-  command->add_flag("--json", json_, "one JSON object on standard output, nothing else")->group("Common");
-  outputs.declare(
-      command->add_option("--out", out_, "write the result to this file, whole or not at all")->group("Common"));
-  command->add_option("--seed", seed_, "seed of commands that draw random numbers")
+      ->add_option("--robot", robot_,
+                   "robot file (TOML) or catalogue name; not needed where a calibration or a table names its robot")
+      ->takes("FILE|NAME");
+  command->add_flag("--json", json_, "print one JSON object on standard output and nothing else");
+  outputs.declare(command->add_option("--out", out_, "write the result to this file, completely or not at all"));
+  command->add_option("--seed", seed_, "seed of all random numbers")
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-      ->shows_default()
-      ->group("Common");
-  command->add_option("--threads", threads_, "threads of commands that work in parallel; 0: all")
+      ->shows_default();
+  command->add_option("--threads", threads_, "number of threads; 0: all cores")
       ->check(whole_number(0, std::numeric_limits<unsigned>::max()))
-      ->shows_default()
-      ->group("Common");
+      ->shows_default();
+  command->heading("Options");
   command->check_all([this, command] { outputs.check(*command); });
   return command;
 }
@@ -183,6 +182,8 @@ io::TextSink Session::result_sink() {
 }
 
 void Session::print(std::string_view text) { result_sink()(text); }
+
+void Session::print_summary(std::string_view text) { standard_output_(highlighted(std::string(text))); }
 
 namespace {
 

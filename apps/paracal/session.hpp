@@ -104,8 +104,8 @@ class Session {
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text);
   void print_json(const io::Json& json);
-  /// What goes to standard output even with --out.
-  void print_summary(std::string_view text) { standard_output_(text); }
+  /// What goes to standard output even with --out; a terminal shows verdicts and notes in colour.
+  void print_summary(std::string_view text);
   /// For standard error, once all outputs are in their places: nobody reads of targets that are then not there.
   void say_when_done(std::string text) { last_words_ = std::move(text); }
   /// Puts the outputs into their places and says so.
@@ -147,7 +147,9 @@ void add_compensate(Command& program, Session& session);
 void add_export(Command& program, Session& session);
 void add_schema(Command& program, Session& session);
 void add_demo(Command& program, Session& session);
-/// Reads the whole tree of commands, once it is called.
+void add_printer(Command& program, Session& session);
+/// Both read the whole tree of commands once they are called.
+void add_help(Arguments& arguments, Session& session);
 void add_manual(Arguments& arguments, Session& session);
 
 }  // namespace paracal::app

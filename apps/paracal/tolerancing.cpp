@@ -37,14 +37,18 @@ Rule zone_validator() {
 
 std::array<Option*, 3> add_angle_options(Command& command, AngleOption& angle, const std::string& option_in_rad,
                                          const std::string& stem, const std::string& text) {
-  Option* rad = command.add_option(option_in_rad, angle.rad, text + ", rad")->check(within(plausible::kLimitRad));
-  Option* deg = command.add_option(stem + "-deg", angle.deg, "the same in deg")
+  Option* rad = command.add_option(option_in_rad, angle.rad, text + ", in rad")
+                    ->check(within(plausible::kLimitRad))
+                    ->takes("RAD");
+  Option* deg = command.add_option(stem + "-deg", angle.deg, "the same limit in degrees")
                     ->check(within(plausible::kLimitDeg))
                     ->excludes(rad);
-  Option* zone = command.add_option(stem + "-mm", angle.zone, "the same in mm over a length in mm, 0.1/100")
-                     ->check(zone_validator())
-                     ->excludes(rad)
-                     ->excludes(deg);
+  Option* zone =
+      command.add_option(stem + "-mm", angle.zone, "the same limit in mm over a length in mm, such as 0.1/100")
+          ->takes("MM/MM")
+          ->check(zone_validator())
+          ->excludes(rad)
+          ->excludes(deg);
   return {rad, deg, zone};
 }
 

@@ -13,10 +13,13 @@ AcceptanceLimits LimitOptions::limits() const {
 }
 
 void add_limit_options(Command& command, LimitOptions& options) {
-  command.add_option("--limit-mm", options.limit_mm, "largest distance error allowed")->check(positive());
-  command.add_option("--limit-aligned-mm", options.limit_aligned_mm, "largest position error allowed, after alignment")
+  command.heading("Limits");
+  command.add_option("--limit-mm", options.limit_mm, "largest allowed distance error")->check(positive());
+  command
+      .add_option("--limit-aligned-mm", options.limit_aligned_mm,
+                  "largest allowed position error after the best alignment of both frames")
       ->check(positive());
-  command.add_option("--limit-deg", options.limit_deg, "largest rotation error allowed")
+  command.add_option("--limit-deg", options.limit_deg, "largest allowed rotation error")
       ->check(within(plausible::kLimitDeg));
 }
 
@@ -39,10 +42,10 @@ std::vector<std::string> ValidatingOptions::own(const io::CalibratedMachine& mac
 }
 
 Option* add_validating_options(Command& command, ValidatingOptions& options) {
-  command.add_option("--calibration", options.calibration, "calibration (JSON)")->required();
+  command.add_option("--calibration", options.calibration, "calibration to check (JSON)")->required();
   Option* measurements = add_measuring_options(command, options.measuring);
-  add_controller_options(command, options.controller);
   add_mount_option(command, options.reflectors);
+  add_controller_options(command, options.controller);
   add_limit_options(command, options.limits);
   return measurements;
 }

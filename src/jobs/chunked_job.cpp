@@ -15,12 +15,13 @@ ChunkedJob::ChunkedJob(Ranks& ranks, ChunkedJobOptions options, const io::Json& 
 
 bool ChunkedJob::run(JobStage& stage) {
   stage.clear();
+  ++stages_;
   ranks_.begin();
   const std::uint64_t chunks = stage.last() - stage.first();
   const std::uint64_t left_before = left_to_others_;
   bool stopped = false;
   for (std::uint64_t k = ranks_.take(); k < chunks && !stopped; k = ranks_.take()) {
-    if (options_.progress) options_.progress(k, chunks);
+    if (options_.progress) options_.progress(stages_, k, chunks);
     ranks_.work([&] {
       const std::uint64_t left = left_to_others_;
       const std::optional<std::string> result = result_of(stage, stage.first() + k);

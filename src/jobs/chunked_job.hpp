@@ -23,8 +23,8 @@ struct Part {
 struct ChunkedJobOptions {
   std::filesystem::path checkpoint = {};  ///< folder; empty: nothing is kept
   Part part = {};                         ///< more than one needs a checkpoint
-  /// Told of chunks that were taken, of how many.
-  std::function<void(std::uint64_t, std::uint64_t)> progress = {};
+  /// Called with the number of the stage (from 1), the chunks that were taken, and all chunks of the stage.
+  std::function<void(std::uint64_t, std::uint64_t, std::uint64_t)> progress = {};
   std::function<void(const std::string&)> warning = {};  ///< told of damaged files that are computed again
 };
 
@@ -52,6 +52,7 @@ class ChunkedJob : public LongJob {
   io::Json agreed_;
   std::optional<Checkpoint> checkpoint_;
   std::uint64_t left_to_others_ = 0;
+  std::uint64_t stages_ = 0;  ///< begun
 };
 
 }  // namespace paracal::jobs

@@ -447,7 +447,7 @@ TEST(Usage, SaysWhatWasProbablyMeant) {
       {"calibrate --stage fnie", "--stage: expected one of rough, fine, auto, got fnie (did you mean fine?)"},
       {"robot --robot huang2061", "got \"huang2061\" (did you mean huang2016?)"},
       {"poses --quiet", "see paracal poses --help"},
-      {"inverse", "--poses is required"}};
+      {"inverse", "expected --poses FILE, got none"}};
   for (const auto& [command, message] : cases) {
     const ProgramResult result = run_program(words(command));
     EXPECT_EQ(result.exit_code, kWrongUsage) << command;

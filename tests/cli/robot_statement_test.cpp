@@ -94,7 +94,8 @@ TEST_F(StatedRobot, SomeCommandsNeedNone) {
   EXPECT_THAT(done("robot --list"), HasSubstr("huang2016"));
   done("reproduce huang2016");
   expect_refused("reproduce huang2016 --robot rotary_delta", kWrongUsage, "--robot");
-  expect_refused("calibrate --printer printer.cfg --robot huang2016", kWrongUsage, "--robot excludes --printer");
+  expect_refused("calibrate --printer printer.cfg --robot huang2016", kWrongUsage,
+                 "expected --robot or --printer, got both");
   done("calibrate --measurements " + kData + "/distances.csv --poses " + kData + "/poses.csv");
 }
 

@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -16,6 +15,7 @@
 #include "jobs/gzip.hpp"
 #include "json_checks.hpp"
 #include "paracal/io/file.hpp"
+#include "terminal.hpp"
 
 namespace paracal::test::yield_test {
 namespace {
@@ -188,8 +188,8 @@ TEST_F(Yield, DoesNotDependOnThreadsOrChunks) {
   }
 }
 
-/// Enough machines that most are computed to first order: said, the same for any threads, chunks and interruptions, and
-/// not mixed with the other way.
+/// Enough machines that most are computed to first order: said, the same for any threads, chunks and interruptions,
+/// and not mixed with the other way.
 TEST_F(Yield, ComputesMostMachinesToFirstOrder) {
   const std::string command =
       "yield --robot rotary_delta --machines 2000 --max-position-aligned-mm 0.05 --interval 0.05";
@@ -450,34 +450,6 @@ TEST_F(Yield, InterruptedBeforeTheFirstExactMachineItKnowsNothing) {
 
 // ---- progress
 
-/// A terminal that a program writes to and the test reads.
-class Terminal {
- public:
-  Terminal() : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
-    if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0) throw std::runtime_error("no terminal");
-    path_ = ptsname(master_);
-    slave_ = open(path_.c_str(), O_RDWR | O_NOCTTY);  // so that what was written is kept until it is read
-  }
-  ~Terminal() {
-    close(slave_);
-    close(master_);
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-
-  const std::string& path() const { return path_; }
-  std::string written() const {
-    std::string text(4096, '\0');
-    const ssize_t size = read(master_, text.data(), text.size());
-    text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-    return text;
-  }
-
- private:
-  int master_, slave_;
-  std::string path_;
-};
-
 TEST_F(Yield, ShowsItsProgressOnATerminalOnly) {
   const Terminal terminal;
   const ProgramResult result = run_program(of_huang2016(yield_of(kMachines, fmt::format("--chunk {}", kChunk))),
@@ -485,7 +457,7 @@ TEST_F(Yield, ShowsItsProgressOnATerminalOnly) {
   EXPECT_TRUE(result.out == undisturbed());
   const std::string shown = terminal.written();
   EXPECT_THAT(shown, AllOf(HasSubstr(fmt::format("1 of {} chunks", (kMachines + kChunk - 1) / kChunk)),
-                           HasSubstr("a second"), HasSubstr("to go"), Not(HasSubstr("\n"))));
+                           HasSubstr("per second"), HasSubstr("left"), Not(HasSubstr("\n"))));
   EXPECT_TRUE(shown.ends_with("\r\033[K")) << "is not cleared";
 }
 

@@ -6,13 +6,23 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 program=$(realpath "$1")
 shift
 documents=("$@")
-((${#documents[@]})) || documents=("$root"/README.md "$root"/CONTRIBUTING.md "$root"/samples/README.md "$root"/docs/*.md "$root"/data/*/README.md)
+all=$(($# == 0))
+((all)) && documents=("$root"/README.md "$root"/CONTRIBUTING.md "$root"/samples/README.md "$root"/docs/*.md "$root"/data/*/README.md)
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 mkdir "$scratch/bin" "$scratch/kept"
 ln -s "$program" "$scratch/bin/paracal"
 PATH=$scratch/bin:$PATH
+
+# The examples of the manual pages, as one more document; those of calibrate first, whose result others read.
+if ((all)); then
+  mkdir "$scratch/pages"
+  paracal manual "$scratch/pages"
+  examples=$scratch/examples-of-manual-pages.md
+  awk '/^\.nf$/ { getline; gsub(/\\-/, "-"); print "\n    " $0 "\n" }' "$scratch/pages/paracal-calibrate.1" "$scratch"/pages/*.1 >"$examples"
+  documents+=("$examples")
+fi
 
 patterns=() met=()
 while IFS= read -r line; do
@@ -85,7 +95,7 @@ for document in "${documents[@]}"; do
   done
 done
 
-if (($# == 0)); then
+if ((all)); then
   for k in "${!patterns[@]}"; do
     ((met[k])) || { echo "not_run.txt: no document has a command like ${patterns[k]}"; failures=$((failures + 1)); }
   done

@@ -101,7 +101,8 @@ void run(const CalibrateArguments& options, Session& session) {
     printer.style = options.measuring.style;
     return calibrate_printer_file(printer, *options.report, session);
   }
-  if (options.measuring.files.empty()) throw WrongUsage("expected --measurements or --printer");
+  if (options.measuring.files.empty())
+    throw WrongUsage("expected --measurements FILE, got none; see paracal calibrate --help");
   const Robot robot = session.robot({.tables = options.measuring.tables()});
   const auto [measurements, controller] =
       read_commanded(options.measuring, options.controller, stated_controller(options.controller, robot), robot);
@@ -130,32 +131,45 @@ void run(const CalibrateArguments& options, Session& session) {
 void add_calibrate(Command& program, Session& session) {
   Command* command =
       session.add_command(program, "calibrate", "Calibrate a machine",
-                          "identify source errors from measurements; --out keeps the calibration (JSON)");
+                          "estimate the machine's errors from measurements; --out saves the calibration (JSON)");
   const auto options = std::make_shared<CalibrateArguments>();
   add_measuring_options(*command, options->measuring);
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);
+  add_mount_option(*command, options->reflectors);
   add_controller_options(*command, options->controller);
   add_controller_robot_option(*command, options->controller);
   add_limit_options(*command, options->limits);
-  add_printer_options(*command, options->printer, session.outputs)->excludes(measurements);
-  command->add_flag("--sigma-known", options->measuring.sigma_known,
-                    "--sigma-mm and --sigma-deg are facts: the residuals do not correct them");
-  add_mount_option(*command, options->reflectors);
+  command->heading(kHidden);  // shown by paracal printer
+  Option* const printer = add_printer_option(*command, options->printer.printer)->excludes(measurements);
+  for (Option* one : add_printer_options(*command, options->printer, session.outputs)) one->needs(printer);
+  command->heading("Fit");
   command
       ->add_option("--stage", options->stage,
-                   "rough: the encoder offsets; fine: everything; auto: as far as the data carry")
+                   "rough: encoder offsets only; fine: all errors; auto: as much as the measurements support")
       ->check(one_of({"rough", "fine", "auto"}))
       ->shows_default();
-  command->add_option("--method", options->method, "best: exact model, full covariance, priors; paper: Eqs. 19 and 21")
+  command
+      ->add_option("--method", options->method,
+                   "best: exact model with priors and full covariance; paper: Eqs. 19 and 21 of Huang et al. (2016)")
       ->check(one_of({"best", "paper"}))
       ->shows_default();
-  command->add_option("--tolerances", options->tolerances, "priors (TOML); default: the robot's tolerances");
-  command->add_option("--fix", options->fixed, "source errors held at zero, e.g. alpha0,e_x2")->separated_by(',');
-  command->add_option("--free", options->free, "source errors sought without a prior")->separated_by(',');
-  command->add_flag("--keep-outliers", options->keep_outliers,
-                    "name readings that contradict the others, but use them");
+  command->add_option("--tolerances", options->tolerances, "tolerances used as priors (TOML; default: the robot's)");
+  command->add_option("--fix", options->fixed, "errors fixed at zero, such as alpha0,e_x2")
+      ->separated_by(',')
+      ->takes("NAME,...");
+  command->add_option("--free", options->free, "errors estimated without a prior")
+      ->separated_by(',')
+      ->takes("NAME,...");
+  command->add_flag("--sigma-known", options->measuring.sigma_known,
+                    "do not correct --sigma-mm and --sigma-deg by the residuals");
+  command->add_flag("--keep-outliers", options->keep_outliers, "report outliers, but do not exclude them");
+  command->heading("Results");
   options->report = add_report_option(*command, session);
+  command->example("Calibrate from a laser tracker's points and save the result",
+                   "paracal calibrate --measurements measured.csv --out calibration.json");
+  command->example("Use distances between named poses",
+                   "paracal calibrate --measurements bar.csv --poses bar_plan.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -193,19 +193,27 @@ void run(const CompensateArguments& options, Session& session) {
 
 void add_compensate(Command& program, Session& session) {
   Command* command = session.add_command(program, "compensate", "Compensate a machine",
-                                         "corrected joint angles, and corrected targets for closed controllers");
+                                         "compute corrected joint angles, or corrected targets for closed controllers");
   const auto options = std::make_shared<CompensateArguments>();
-  command->add_option("--calibration", options->calibration, "calibration (JSON)");
-  command->add_option("--errors", options->errors, "source errors (TOML) instead of a calibration");
-  command->add_option("--poses", options->poses, "pose table (CSV): where the plate is wanted")->required();
-  command->add_option("--way", options->way, "exact; or as in the paper: linear (Eqs. 22, 23) or tilt-aware (Eq. 8)")
+  command->add_option("--calibration", options->calibration, "calibration of the machine (JSON)");
+  command->add_option("--errors", options->errors, "errors of the machine (TOML), instead of a calibration");
+  command->add_option("--poses", options->poses, "wanted poses (CSV)")->required();
+  command
+      ->add_option(
+          "--way", options->way,
+          "method of compensation: exact; or linear (Eqs. 22 and 23) or tilt-aware (Eq. 8) of Huang et al. (2016)")
       ->check(one_of({"exact", "tilt-aware", "linear"}))
       ->shows_default();
   command->add_flag("--targets", options->targets,
-                    "print corrected targets (CSV), for a controller that computes with the nominal robot");
+                    "print corrected targets (CSV) for a controller that uses the nominal dimensions");
   add_controller_options(*command, options->controller);
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);
+  command->example("Joint angles for the poses of a table",
+                   "paracal compensate --calibration calibration.json --poses work.csv");
+  command->example(
+      "Corrected targets for a closed controller",
+      "paracal compensate --calibration calibration.json --poses work.csv --targets --out targets_out.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -155,9 +155,10 @@ void run(const std::string& folder_name, const std::string& robot, Session& sess
 
 void add_demo(Command& program, Session& session) {
   Command* command = session.add_command(
-      program, "demo", "Try it", "a virtual machine from plan to compensated controller, with every file and command");
+      program, "demo", "Try it", "run a whole calibration of a simulated machine, and keep every file and command");
   const auto folder = std::make_shared<std::string>("paracal-demo");
-  command->add_option("folder", *folder, "where its files go; empty, or not there yet")->shows_default();
+  command->add_option("folder", *folder, "folder for the files")->shows_default();
+  command->example("Run it in the folder paracal-demo", "paracal demo");
   command->callback([&session, command, folder] { run(*folder, robot_of(*command), session); });
 }
 

@@ -142,12 +142,18 @@ void run(const std::vector<double>& numbers, Session& session) {
 
 void add_error_model(Command& program, Session& session) {
   Command* command =
-      session.add_command(program, "error-model", "Error model", "how source errors move and tilt the plate at a pose");
+      session.add_command(program, "error-model", "Error model", "show how errors move and tilt the plate at a pose");
   const auto pose = std::make_shared<std::vector<double>>();
-  command->add_option("--pose", *pose, "x,y,z,phi, or x,y,z and three tilts, in mm and deg (angles may be left out)")
+  command
+      ->add_option(
+          "--pose", *pose,
+          "pose in mm and deg; six numbers x,y,z and three tilts for six degrees of freedom; angles may be omitted")
+      ->takes("X,Y,Z[,PHI]")
       ->required()
       ->separated_by(',')
       ->expected(3, 6);
+  command->example("At one pose of the published robot",
+                   "paracal error-model --robot huang2016 --pose 200,-130,-930,30");
   command->callback([&session, pose] { run(*pose, session); });
 }
 

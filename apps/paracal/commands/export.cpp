@@ -163,9 +163,10 @@ void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& diale
     dialect = std::ranges::find(kDialects, wanted, [](const auto& one) { return one.first; })->second;
   };
   command
-      .add_choice("--dialect", choose,
-                  "gcode: who is to read the program: linuxcnc, klipper, marlin, rrf (RepRapFirmware) or fanuc-like; "
-                  "without it, what they do not agree on is passed through")
+      .add_choice(
+          "--dialect", choose,
+          "controller that reads the program (rrf: RepRapFirmware); without it, codes that differ between controllers "
+          "stay unchanged")
       ->check(one_of(names));
 }
 
@@ -173,64 +174,75 @@ void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& diale
 
 void add_export(Command& program, Session& session) {
   Command* command = session.add_command(program, "export", "Compensate a machine",
-                                         "the compensator for a controller, or files with corrected targets");
+                                         "write the compensation for a controller, or a file with corrected targets");
   const auto options = std::make_shared<ExportArguments>();
-  command->add_option("--calibration", options->calibration, "calibration (JSON)")->required();
-  add_controller_options(*command, options->controller);
+  command->add_option("--calibration", options->calibration, "calibration of the machine (JSON)")->required();
   command
       ->add_option(
           "--target", options->target,
-          "c99: one freestanding header, C99 and C++; linuxcnc: a kinematics component (paracal_kins.comp); st: "
-          "IEC 61131-3 Structured Text; genhexkins: HAL lines for LinuxCNC's own kinematics of hexapods; json: the "
-          "compensator's parameters; gcode, csv: a program or a pose table with corrected targets")
+          "c99: C and C++ header; linuxcnc: kinematics component (paracal_kins.comp); st: IEC 61131-3 Structured Text; "
+          "genhexkins: HAL lines for LinuxCNC's hexapod kinematics; json: parameters; gcode, csv: part program or pose "
+          "table with corrected targets")
       ->required()
       ->check(one_of({"c99", "linuxcnc", "st", "genhexkins", "json", "gcode", "csv"}));
   command
       ->add_choice(
           "--config", [options](const std::string& folder) { options->folder = folder; },
-          "linuxcnc: a folder, empty or not there yet, for a whole configuration with simulated motors: "
-          "component, INI, HAL, tools, README.md")
+          "linuxcnc: write a complete configuration with simulated motors into this new or empty folder")
       ->takes("FOLDER");
-  command->add_option("--input", options->filter.input, "gcode, csv: the file to correct; standard input without it");
+  add_controller_options(*command, options->controller);
+  command->heading("Part programs and tables (--target gcode, csv)");
+  command->add_option("--input", options->filter.input, "file to correct (default: standard input)");
+  command->heading("Part programs (--target gcode)");
   command
-      ->add_option("--origin", options->filter.origin,
-                   "gcode: x,y,z in mm of the program's origin in the robot's frame; default: the robot's "
-                   "controller.origin_mm, or 0")
+      ->add_option(
+          "--origin", options->filter.origin,
+          "the program's origin in the robot's frame, mm (default: controller.origin_mm of the robot file, or 0)")
+      ->takes("X,Y,Z")
       ->separated_by(',')
       ->expected(3)
       ->check(within(plausible::length(kLargestReach)));
-  command
-      ->add_option("--start", options->filter.start,
-                   "gcode: x,y,z,phi in mm and deg where the program's coordinates stand before its first line")
+  command->add_option("--start", options->filter.start, "position before the first line of the program, mm and deg")
+      ->takes("X,Y,Z[,PHI]")
       ->separated_by(',')
       ->expected(3, 4)
       ->check(within(plausible::length(kLargestReach)));
-  command->add_flag("--partial", options->filter.partial,
-                    "gcode, csv: correct what can be corrected, leave the rest as it is and say where (exit code 1); "
-                    "without it such a file is refused");
-  command->add_option(
-      "--chord-mm", options->filter.chord_mm,
-      "gcode: how far the plate may leave an arc, which becomes chords, and a straight line along which "
-      "the correction bends, which is divided; default 0.01");
+  command->heading("Part programs and tables (--target gcode, csv)");
+  command->add_flag(
+      "--partial", options->filter.partial,
+      "correct the lines that can be corrected and list the others (exit code 1); otherwise such a file is "
+      "refused");
+  command->heading("Part programs (--target gcode)");
+  command->add_option("--chord-mm", options->filter.chord_mm,
+                      "largest deviation of the pieces that replace an arc or a bent line (default: 0.01)");
   add_dialect_option(*command, options->filter.dialect);
   command->add_option("--work-offsets", options->filter.work_offsets,
-                      "gcode: LinuxCNC's parameter file (linuxcnc.var, in mm), which says where G54 to G59.3 lie");
-  command->add_option("--tools", options->filter.tools,
-                      "gcode: LinuxCNC's tool table (tool.tbl, in mm) with the lengths that G43 adds; --origin is then "
-                      "that of a tool without length");
-  command->add_option("--harmless", options->filter.harmless,
-                      "gcode: a macro or code that leaves plate, origin and modes as they are, such as "
-                      "TIMELAPSE_TAKE_FRAME or G187; may be given again");
+                      "LinuxCNC parameter file (linuxcnc.var, in mm) with the offsets G54 to G59.3");
+  command->add_option(
+      "--tools", options->filter.tools,
+      "LinuxCNC tool table (tool.tbl, in mm) with the lengths for G43; --origin then refers to a tool of length "
+      "0");
+  command
+      ->add_option(
+          "--harmless", options->filter.harmless,
+          "a macro or code that moves nothing and changes no mode, such as TIMELAPSE_TAKE_FRAME or G187; may be "
+          "given several times")
+      ->takes("NAME");
   command->add_option("--harmless-words", options->filter.harmless_words,
-                      "gcode: a file of such words, one a line; # begins a comment");
-  command->add_flag("--in-place", options->filter.in_place,
-                    "gcode, csv: replace the input file, as a slicer's post-processing script does; exit code 0 where "
-                    "only approach and retreat stay uncorrected");
-  command->add_flag("--check", options->filter.check,
-                    "gcode, csv: write no text, but what would happen and which targets move farthest; exit code 1 "
-                    "where the file would be refused or left in parts");
-  command->add_flag("--header", options->filter.header,
-                    "gcode, csv: say first, in comments, where the targets come from");
+                      "file with such names, one per line; # starts a comment");
+  command->heading("Part programs and tables (--target gcode, csv)");
+  command->add_flag(
+      "--in-place", options->filter.in_place,
+      "replace the input file, as a slicer's post-processing script does; exit code 0 if only approach and "
+      "retreat stay uncorrected");
+  command->add_flag(
+      "--check", options->filter.check,
+      "write nothing; report what would happen and the largest corrections; exit code 1 if the file would be "
+      "refused or corrected only in part");
+  command->add_flag("--header", options->filter.header, "start the output with comments on its origin");
+  command->example("A C header", "paracal export --calibration calibration.json --target c99 --out compensator.h");
+  command->example("Correct a part program",
+                   "paracal export --calibration calibration.json --target gcode --input part.ngc --out corrected.ngc");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -60,13 +60,13 @@ void run(const ForwardArguments& options, Session& session) {
 }  // namespace
 
 void add_forward(Command& program, Session& session) {
-  Command* command = session.add_command(program, "forward", "Kinematics", "exact poses that joint angles lead to");
+  Command* command = session.add_command(program, "forward", "Kinematics", "compute the exact poses for joint angles");
   const auto options = std::make_shared<ForwardArguments>();
-  command->add_option("--joints", options->joints, "joint table (CSV)")->required();
-  command->add_option("--errors", options->errors,
-                      "source errors (TOML) or a calibration (JSON): the machine as built");
+  command->add_option("--joints", options->joints, "joint table (CSV: q1_deg,... or q1_mm,...)")->required();
+  command->add_option("--errors", options->errors, "errors of the machine as built (TOML), or a calibration (JSON)");
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);
+  command->example("Poses of the nominal robot", "paracal forward --robot huang2016 --joints joints.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

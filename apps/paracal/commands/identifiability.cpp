@@ -138,23 +138,26 @@ void run(const IdentifiabilityArguments& options, Session& session) {
 
 void add_identifiability(Command& program, Session& session) {
   Command* command = session.add_command(program, "identifiability", "Calibrate a machine",
-                                         "what a plan will reveal, and what it cannot, before measuring");
+                                         "predict what a measurement plan can determine, before measuring");
   const auto options = std::make_shared<IdentifiabilityArguments>();
-  command->add_option("--poses", options->poses, "poses to be measured (CSV)")->required();
+  command->add_option("--poses", options->poses, "poses of the plan (CSV)")->required();
   add_table_options(*command, options->measuring.style);
+  command->heading("Measurement");
   add_planning_options(*command, options->plan);
-  command->add_option("--frame", options->measuring.frame, "frame of coordinates")
+  command->add_option("--frame", options->measuring.frame, "frame of the measured coordinates")
       ->check(one_of({"unknown", "robot"}))
       ->shows_default();
   command
-      ->add_option("--body", options->measuring.body, "where the body of poses sits; plate: in the plate's own frame")
+      ->add_option("--body", options->measuring.body,
+                   "mounting of the measured body: in the plate's frame, or unknown and fitted")
       ->check(one_of({"unknown", "plate"}))
       ->shows_default();
-  command->add_option("--rotation", options->rotation, "whether phi is read, and from which zero")
+  command->add_option("--rotation", options->rotation, "whether phi is measured, and from which zero")
       ->check(one_of({"none", "relative", "absolute"}))
       ->shows_default();
-  command->add_flag("--second", options->plan.readings.second, "a second reflector is read, too: tilt");
+  command->add_flag("--second", options->plan.readings.second, "a second reflector is measured, too; it shows tilt");
   add_noise_options(*command, options->measuring);
+  command->example("Check a plan", "paracal identifiability --poses plan.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

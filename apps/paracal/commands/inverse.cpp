@@ -48,13 +48,13 @@ void run(const InverseArguments& options, Session& session) {
 }  // namespace
 
 void add_inverse(Command& program, Session& session) {
-  Command* command = session.add_command(program, "inverse", "Kinematics", "joint angles that reach poses");
+  Command* command = session.add_command(program, "inverse", "Kinematics", "compute the joint angles for poses");
   const auto options = std::make_shared<InverseArguments>();
-  command->add_option("--poses", options->poses, "pose table (CSV)")->required();
-  command->add_option("--errors", options->errors,
-                      "source errors (TOML) or a calibration (JSON): the machine as built");
+  command->add_option("--poses", options->poses, "pose table (CSV: x_mm,y_mm,z_mm,phi_deg)")->required();
+  command->add_option("--errors", options->errors, "errors of the machine as built (TOML), or a calibration (JSON)");
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);
+  command->example("Joint angles of the nominal robot", "paracal inverse --robot huang2016 --poses work.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

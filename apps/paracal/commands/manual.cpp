@@ -35,9 +35,9 @@ void run(const std::filesystem::path& folder, CommandText program, Session& sess
 // Hidden: for those who build and package the program.
 void add_manual(Arguments& arguments, Session& session) {
   Command* command =
-      arguments.program().add_command("manual", "manual pages and completions, made from the options", "");
+      arguments.program().add_command("manual", "manual pages and completions, made from the options", kHidden);
   const auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "where they go")->required();
+  command->add_option("folder", *folder, "folder for the pages")->required();
   command->callback([&arguments, &session, folder] { run(*folder, arguments.describe(), session); });
 }
 

@@ -131,12 +131,10 @@ class Search {
       throw MathematicsSaysNo(
           fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options_.optimal));
     }
-    ProgressLine line("comparisons", 2U * static_cast<std::uint64_t>(options_.optimal - 1));
+    ProgressLine line("comparisons");
     const bool shows = options_.starts == 1;
-    const auto progress = [&](std::uint64_t done, std::uint64_t expected) {
-      if (!shows) return;
-      line.expect(expected);
-      line.show(done);
+    const auto progress = [&](std::uint64_t done, std::uint64_t /*expected*/) {
+      if (shows) line.show(done);
     };
     Selection selection = select_stations(robot_, candidates,
                                           {.poses = options_.optimal,
@@ -232,66 +230,74 @@ void run_selection(const PosesArguments& options, Session& session) {
 }  // namespace
 
 void add_poses(Command& program, Session& session) {
-  Command* command = session.add_command(program, "poses", "Calibrate a machine", "which poses to measure");
+  Command* command = session.add_command(program, "poses", "Calibrate a machine", "choose the poses to measure");
   const auto options = std::make_shared<PosesArguments>();
   std::vector<std::string> criteria;
   criteria.reserve(kCriteria.size());
   for (const auto& [criterion, unused] : kCriteria) criteria.push_back(criterion);
-  command->add_option("--stage", options->stage, "the paper's scheme, to the n at which O2 settles")
+  command->heading("Plan of Huang et al. (2016)");
+  command->add_option("--stage", options->stage, "stage of the calibration; adds points until O2 changes little")
       ->check(one_of({"rough", "fine"}))
       ->shows_default();
   command->add_option("--start-deg", options->start_deg, "azimuth of the first point")
       ->check(between(-360.0, 360.0))
       ->shows_default();
-  command->add_option("--threshold", options->threshold, "relative change of O2 that counts as settled")
+  command->add_option("--threshold", options->threshold, "smallest relative change of O2 that still counts")
       ->check(within({1e-15, 1.0}))
       ->shows_default();
+  command->heading("Optimal poses");
   Option* optimal =
-      command->add_option("--optimal", options->optimal, "instead: the best N poses, home included, by exchange")
+      command->add_option("--optimal", options->optimal, "choose the best N poses, including home, by exchange")
           ->check(whole_number(2, 1000));
-  command->add_option("--candidates", options->candidates, "poses to choose from")
+  command->add_option("--candidates", options->candidates, "number of candidate poses")
       ->check(whole_number(2, 100000))
       ->needs(optimal)
       ->shows_default();
   command
       ->add_option("--starts", options->starts,
-                   "search so many times, each among other candidates, and take the best; ranks of MPI share them")
+                   "number of searches, each with new candidates; the best is kept; MPI ranks share them")
       ->check(whole_number(1, 100000))
       ->needs(optimal)
       ->shows_default();
-  add_long_job_options(*command, options->job);
-  command->add_option("--criterion", options->criterion, "what the best poses make small")
+  command->add_option("--criterion", options->criterion, "criterion that the chosen poses minimise")
       ->check(one_of(criteria))
       ->needs(optimal)
       ->shows_default();
+  command->heading("Measurement");
   for (Option* option : add_planning_options(*command, options->plan)) option->needs(optimal);
-  command
-      ->add_option("--range-mm", options->range,
-                   "the shortest and the longest that the instrument shows; poses are moved to where it does")
+  command->add_option("--range-mm", options->range, "measuring range of the instrument; the poses stay within it")
+      ->takes("MM,MM")
       ->separated_by(',')
       ->expected(2)
       ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
-  command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is read at every pose, too")
+  command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is measured at every pose, too")
       ->needs(optimal);
-  command->add_flag("--second", options->plan.readings.second, "a second reflector is read at every pose, too")
+  command->add_flag("--second", options->plan.readings.second, "a second reflector is measured at every pose, too")
       ->needs(optimal);
-  command->add_option("--tracker", options->tracker, "where the tracker stands in the robot's frame, mm: x,y,z")
+  command->add_option("--tracker", options->tracker, "position of the tracker in the robot's frame, mm")
+      ->takes("X,Y,Z")
       ->separated_by(',')
       ->expected(3)
       ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
-  command->add_option("--facing", options->facing, "where the reflector faces at phi = 0: x,y,z")
+  command->add_option("--facing", options->facing, "direction of the reflector at phi = 0")
+      ->takes("X,Y,Z")
       ->separated_by(',')
       ->expected(3)
       ->check(within(plausible::kDirection))
       ->needs(optimal);
-  command->add_option("--acceptance-deg", options->acceptance_deg, "half-angle under which the reflector is seen")
+  command
+      ->add_option("--acceptance-deg", options->acceptance_deg,
+                   "half-angle within which the tracker can see the reflector")
       ->check(between(1.0, 180.0))
       ->needs(optimal)
       ->shows_default();
   command->add_flag("--on-plate", options->fixed_to_plate, "the reflector does not turn with phi")->needs(optimal);
   add_noise_options(*command, options->measuring);
+  add_long_job_options(*command, options->job);
+  command->example("The best 20 poses for a laser tracker",
+                   "paracal poses --robot huang2016 --optimal 20 --out my_plan.csv");
   command->callback([&session, options] {
     options->optimal > 0 ? run_selection(*options, session) : run_paper_plan(*options, session);
   });

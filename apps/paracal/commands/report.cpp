@@ -46,9 +46,11 @@ void run(const ValidatingOptions& options, Session& session) {
 
 void add_report(Command& program, Session& session) {
   Command* command = session.add_command(program, "report", "Calibrate a machine",
-                                         "a calibration as a page to look at (HTML, self-contained); --out FILE");
+                                         "write an HTML report of a calibration, with --out FILE");
   const auto options = std::make_shared<ValidatingOptions>();
   add_validating_options(*command, *options)->required(false);
+  command->example("A report with a validation",
+                   "paracal report --calibration calibration.json --measurements check.csv --out report.html");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -110,10 +110,12 @@ void write_page(const std::string& file, Session& session, const Reproduction& r
 }  // namespace
 
 void add_reproduce(Command& program, Session& session) {
-  Command* command = session.add_command(program, "reproduce", "Check this program", "published numbers beside ours");
+  Command* command =
+      session.add_command(program, "reproduce", "Check this program", "compare published results with ours");
   const auto paper = std::make_shared<std::string>();
-  command->add_option("paper", *paper, "which publication")->required()->check(one_of({"huang2016"}));
+  command->add_option("paper", *paper, "publication to reproduce")->required()->check(one_of({"huang2016"}));
   command->get_option("--robot")->check(one_of({"huang2016"}));
+  command->example("All tables and figures of Huang et al. (2016)", "paracal reproduce huang2016");
   const std::shared_ptr<std::string> page = add_report_option(*command, session);
   command->callback([&session, paper, page] {
     const Reproduction reproduction = report::reproduce_huang2016(io::published_huang2016(), session.threads());

@@ -32,14 +32,17 @@ void print_template(Session& session, const std::string& kind) {
 }  // namespace
 
 void add_robot(Command& program, Session& session) {
-  Command* command = session.add_command(program, "robot", "Describe a robot", "the robot as a file to start from");
+  Command* command =
+      session.add_command(program, "robot", "Describe a robot", "print a robot file (TOML) to start from");
   const auto only_names = std::make_shared<bool>(false);
-  command->add_flag("--list", *only_names, "names of the catalogue");
+  command->add_flag("--list", *only_names, "list the robots of the catalogue");
   const auto printer = std::make_shared<PrinterFile>();
-  add_printer_file(*command, *printer, "the delta of a printer's own configuration");
+  add_firmware_option(*command, *printer)->needs(add_printer_option(*command, *printer));
   const auto kind = std::make_shared<std::string>();
-  command->add_option("--template", *kind, "a commented file of that kind of robot, to put your numbers into")
+  command->add_option("--template", *kind, "print a commented file of this kind of robot, to be filled in")
       ->check(one_of(io::robot_templates()));
+  command->example("The published robot", "paracal robot --robot huang2016");
+  command->example("A file for your own delta robot", "paracal robot --template delta --out delta.toml");
   command->callback([&session, only_names, printer, kind] {
     if (*only_names) return list_robots(session);
     if (!kind->empty()) return print_template(session, *kind);

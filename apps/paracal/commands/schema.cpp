@@ -23,9 +23,10 @@ void list_schemas(Session& session) {
 
 void add_schema(Command& program, Session& session) {
   Command* command = session.add_command(program, "schema", "Read its results",
-                                         "what a result looks like in JSON: its JSON Schema, or the names of all");
+                                         "print the JSON Schema of a result, or list all schemas");
   const auto name = std::make_shared<std::string>();
-  command->add_option("name", *name, "which result; without it their names")->check(one_of(schema_names()));
+  command->add_option("name", *name, "name of the result")->check(one_of(schema_names()));
+  command->example("All schemas", "paracal schema");
   command->callback(
       [&session, name] { name->empty() ? list_schemas(session) : session.print_json(result_schema(*name)); });
 }

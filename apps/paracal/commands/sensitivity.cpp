@@ -114,29 +114,31 @@ void run(const SensitivityArguments& options, Session& session) {
 }  // namespace
 
 void add_sensitivity(Command& program, Session& session) {
-  Command* command =
-      session.add_command(program, "sensitivity", "Design tolerances",
-                          "how much each source error matters: at a pose, over the workspace, and where");
+  Command* command = session.add_command(program, "sensitivity", "Design tolerances",
+                                         "show how strongly each error acts: at a pose and over the workspace");
   const auto options = std::make_shared<SensitivityArguments>();
   command
-      ->add_option("--quantity", options->quantity,
-                   "of what: tilt, twist, position, distance, rotation; "
-                   "position-compensated: after the position group is compensated")
+      ->add_option(
+          "--quantity", options->quantity,
+          "tilt, twist, position, distance or rotation; with -compensated: after compensation of the position group")
+      ->takes("QUANTITY")
       ->check(characteristic_validator())
       ->shows_default();
   command
       ->add_option("--pose", options->pose,
-                   "local sensitivities here, too: x,y,z,phi, or x,y,z and three tilts (mm, deg)")
+                   "also show local sensitivities at this pose (mm, deg; or x,y,z and three tilts)")
+      ->takes("X,Y,Z[,PHI]")
       ->separated_by(',')
       ->expected(3, 6);
-  command->add_option("--tolerances", options->tolerances, "for contributors and map (TOML); default: the robot's");
+  command->add_option("--tolerances", options->tolerances,
+                      "tolerances for contributions and map (TOML; default: the robot's)");
   command->add_flag("--all-rotations", options->all_rotations,
-                    "mean over phi or tilts, too; without it phi = 0, as the paper's, and level");
-  command->add_option("--error", options->error, "refine the quadrature until the means have settled to this share")
-      ->check(positive())
-      ->shows_default();
-  session.outputs.declare(command->add_option("--map", options->map, "write 3 sigma over five layers here (CSV)"));
+                    "average over phi or tilts, too (default: phi = 0 and level, as in the paper)");
+  command->add_option("--error", options->error, "relative error of the means")->check(positive())->shows_default();
+  session.outputs.declare(
+      command->add_option("--map", options->map, "write 3 sigma at five heights of the workspace (CSV)"));
   options->report = add_report_option(*command, session);
+  command->example("Tilt of the published robot", "paracal sensitivity --robot huang2016");
   command->callback([&session, options] { run(*options, session); });
 }
 

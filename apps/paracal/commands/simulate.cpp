@@ -157,23 +157,28 @@ void run(const SimulateArguments& options, Session& session) {
 
 void add_simulate(Command& program, Session& session) {
   Command* command = session.add_command(program, "simulate", "Calibrate a machine",
-                                         "what a virtual machine would be measured to do (CSV)");
+                                         "write simulated measurements of a machine (CSV)");
   const auto options = std::make_shared<SimulateArguments>();
-  command->add_option("--errors", options->errors,
-                      "source errors of the machine (TOML) or a calibration (JSON); without: drawn from the tolerances "
-                      "by --seed and --machine");
-  command->add_option("--machine", options->machine, "which of the drawn machines")
+  command->add_option(
+      "--errors", options->errors,
+      "errors of the machine (TOML) or a calibration (JSON); default: drawn from the tolerances by --seed and "
+      "--machine");
+  command->add_option("--machine", options->machine, "number of the drawn machine")
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->shows_default();
-  session.outputs.declare(command->add_option("--truth", options->truth, "write the machine's errors here (TOML)"));
+  session.outputs.declare(
+      command->add_option("--truth", options->truth, "also write the errors of the machine (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
   add_table_options(*command, options->style);
+  command->heading("Measurement");
   add_planning_options(*command, options->plan);
-  add_instrument_options(*command, options->instrument);
-  command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder reads phi");
-  command->add_option("--frame", options->frame, "frame of the instrument; random: also its set-up")
+  command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder measures phi, too");
+  command->add_option("--frame", options->frame, "frame of the instrument: the robot's, or a random setup")
       ->check(one_of({"robot", "random"}))
       ->shows_default();
+  add_instrument_options(*command, options->instrument);
+  command->example("Measurements of a machine drawn from the tolerances",
+                   "paracal simulate --robot huang2016 --poses plan.csv --noise-mm 0.017 --out simulated.csv");
   command->callback([&session, options] { run(*options, session); });
 }
 

@@ -3,8 +3,7 @@
 namespace paracal::app {
 
 void add_tolerance(Command& program, Session& session) {
-  Command* tolerance =
-      program.add_command("tolerance", "choose tolerances, or see what they lead to", "Design tolerances");
+  Command* tolerance = program.add_command("tolerance", "choose or analyze tolerances", "Design tolerances");
   tolerance->require_command();
   add_tolerance_allocate(*tolerance, session);
   add_tolerance_analyze(*tolerance, session);

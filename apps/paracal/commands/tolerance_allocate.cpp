@@ -122,34 +122,38 @@ void run(const ToleranceAllocateArguments& options, Session& session) {
 }  // namespace
 
 void add_tolerance_allocate(Command& tolerance, Session& session) {
-  Command* command =
-      session.add_command(tolerance, "allocate", "Design tolerances", "the widest tolerances that keep a limit");
+  Command* command = session.add_command(tolerance, "allocate", "Design tolerances",
+                                         "compute the widest tolerances that keep a limit");
   const auto options = std::make_shared<ToleranceAllocateArguments>();
   const std::array tilt =
-      add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "3 sigma of the plate's tilt");
+      add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "limit on the plate's tilt (3 sigma)");
   tilt.front()->shows_default(fmt::format("{}", kUsualMaxTilt));
-  Option* bound = command
-                      ->add_option("--bound", options->bound,
-                                   "how the largest tilt is meant: sum-of-maxima reproduces the paper's Table 2, "
-                                   "true-maximum is about 10 % wider")
-                      ->check(one_of({"sum-of-maxima", "true-maximum"}))
-                      ->shows_default();
+  command->heading("Result");
+  session.outputs.declare(
+      command->add_option("--toml", options->toml, "write the tolerances to this file, for --tolerances"));
+  options->report = add_report_option(*command, session);
+  command->heading("Problem");
+  Option* bound =
+      command
+          ->add_option("--bound", options->bound,
+                       "how the largest tilt is computed: sum-of-maxima as in the paper's Table 2; true-maximum "
+                       "allows about 10 % wider tolerances")
+          ->check(one_of({"sum-of-maxima", "true-maximum"}))
+          ->shows_default();
   const std::array least = add_angle_options(*command, options->least, "--least", "--least",
-                                             "tightest tolerance that can be made (0.0002 in the paper)");
-  command->add_option("--least-is", options->least_is, "whether --least bounds the tolerance (3 sigma) or sigma")
+                                             "tightest tolerance that can be made (paper: 0.0002)");
+  command->add_option("--least-is", options->least_is, "quantity that --least bounds: the tolerance (3 sigma) or sigma")
       ->check(one_of({"tolerance", "sigma"}))
       ->shows_default();
   command->add_option("--tolerances", options->tolerances,
-                      "of the sources that are not chosen (TOML); default: the robot's");
+                      "tolerances of the parts that are not chosen (TOML; default: the robot's)");
   Option* problem =
-      command
-          ->add_option("--problem", options->problem, "requirements, cost curves and bounds (TOML; docs/tolerance.md)")
+      command->add_option("--problem", options->problem, "requirements, costs and bounds (TOML; see docs/tolerance.md)")
           ->excludes(bound);
   for (Option* one : tilt) problem->excludes(one);
   for (Option* one : least) problem->excludes(one);
-  session.outputs.declare(
-      command->add_option("--toml", options->toml, "write the tolerances here, to be used with --tolerances"));
-  options->report = add_report_option(*command, session);
+  command->example("The paper's Table 2",
+                   "paracal tolerance allocate --robot huang2016 --max-tilt 0.001 --toml chosen.toml");
   command->callback([&session, options] { run(*options, session); });
 }
 

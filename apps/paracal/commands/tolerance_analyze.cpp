@@ -59,9 +59,8 @@ std::vector<Requirement> requirements_of(const ToleranceAnalyzeArguments& option
 
 /// Shows how far the drawing of machines is; an interruption ends it.
 Progress watched(const std::atomic<bool>& interrupted) {
-  const auto line = std::make_shared<ProgressLine>("machines", 0);
-  return [line, &interrupted](std::uint64_t done, std::uint64_t expected) {
-    line->expect(expected);
+  const auto line = std::make_shared<ProgressLine>("machines");
+  return [line, &interrupted](std::uint64_t done, std::uint64_t /*expected*/) {
     line->show(done);
     return !interrupted;
   };
@@ -274,45 +273,45 @@ void run(const ToleranceAnalyzeArguments& options, Session& session) {
 void add_tolerance_analyze(Command& tolerance, Session& session) {
   Command* command =
       session.add_command(tolerance, "analyze", "Design tolerances",
-                          "worst case, root of the sum of squares and Monte Carlo; what contributes; yield");
+                          "compute worst case, root sum of squares, Monte Carlo, contributions and yield");
   const auto options = std::make_shared<ToleranceAnalyzeArguments>();
-  command->add_option("--tolerances", options->tolerances, "tolerances (TOML); default: the robot's");
+  command->add_option("--tolerances", options->tolerances, "tolerances (TOML; default: the robot's)");
   const std::array tilt =
       add_angle_options(*command, options->max_tilt, "--max-tilt", "--max-tilt", "limit on the plate's tilt");
   tilt.front()->shows_default(fmt::format("{}", kUsualMaxTilt));
-  Option* problem = command->add_option("--problem", options->problem,
-                                        "instead: the requirements of this file (TOML; docs/tolerance.md)");
+  Option* problem =
+      command->add_option("--problem", options->problem,
+                          "requirements from this file (TOML; see docs/tolerance.md), instead of --max-tilt");
   for (Option* one : tilt) problem->excludes(one);
-  command->add_option("--model", options->model, "of the Monte Carlo")
+  command->add_option("--min-yield", options->min_yield, "exit with 1 unless the exact model proves this yield")
+      ->check(between(0.0, 1.0));
+  command->heading("Monte Carlo");
+  command->add_option("--model", options->model, "model of the simulated machines")
       ->check(one_of({"linear", "exact"}))
       ->shows_default();
-  add_long_job_options(*command, options->job);
   const Rule share = between(1e-4, 1.0), confidence = between(0.5, 0.9999);
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,
-                   "draw machines until every sigma is known to this share")
+                   "simulate machines until every sigma has this relative error")
       ->check(share)
       ->shows_default();
-  command->add_option("--confidence", options->monte_carlo.confidence, "of this and of all intervals")
+  command->add_option("--confidence", options->monte_carlo.confidence, "confidence level of all intervals")
       ->check(confidence)
       ->shows_default();
-  command
-      ->add_option("--failure-error", options->failure_error,
-                   "know the share of machines that fail to this part of itself, however rare")
+  command->add_option("--failure-error", options->failure_error, "relative error of the failure rate")
       ->check(share)
       ->shows_default();
-  command->add_option("--max-machines", options->monte_carlo.max_machines, "but no more than these")
+  command->add_option("--max-machines", options->monte_carlo.max_machines, "largest number of simulated machines")
       ->check(whole_number(16, 1'000'000'000'000))
       ->shows_default();
-  command->add_option("--sobol", options->sobol, "Sobol indices from so many samples (exact model)")
+  command->add_option("--sobol", options->sobol, "compute Sobol indices from N samples of the exact model")
       ->check(whole_number(8, 10'000'000));
   command->add_flag("--linearity", options->linearity,
-                    "how far the linear model is off, up to 30 times the tolerances");
-  command
-      ->add_option("--min-yield", options->min_yield,
-                   "exit with 1 unless the exact model proves that the yield reaches this")
-      ->check(between(0.0, 1.0));
+                    "show the error of the linear model up to 30 times the tolerances");
+  add_long_job_options(*command, options->job);
+  command->heading("Results");
   options->report = add_report_option(*command, session);
+  command->example("With the default limit of 0.001 rad tilt", "paracal tolerance analyze --robot huang2016");
   command->callback([&session, options] { run(*options, session); });
 }
 

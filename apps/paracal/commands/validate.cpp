@@ -95,10 +95,14 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
 }  // namespace
 
 void add_validate(Command& program, Session& session) {
-  Command* command = session.add_command(program, "validate", "Calibrate a machine",
-                                         "a calibration on poses that it has not seen; ISO 9283 from repeats");
+  Command* command =
+      session.add_command(program, "validate", "Calibrate a machine",
+                          "check a calibration against measurements it has not used; ISO 9283 from repeats");
   const auto options = std::make_shared<ValidatingOptions>();
   add_validating_options(*command, *options);
+  command->heading("Results");
+  command->example("Check against a limit of 0.15 mm",
+                   "paracal validate --calibration calibration.json --measurements check.csv --limit-mm 0.15");
   const std::shared_ptr<std::string> report = add_report_option(*command, session);
   command->callback([&session, options, report] { run(*options, *report, session); });
 }

@@ -296,74 +296,70 @@ void run(const YieldArguments& options, Session& session) {
 }
 
 void add_limits(Command& command, YieldArguments& options) {
-  const std::string heading = "Limits after calibration";
+  command.heading("Limits after calibration");
   for (const Row& row : kRows) {
-    const std::string text = fmt::format("of the row \"{}\"", row.text);
+    const std::string text = fmt::format("largest allowed value of \"{}\"", row.text);
     if (row.kind != ErrorKind::tilt) {
       const bool turns = row.kind == ErrorKind::rotation;
       command.add_option(row.option, options.limits[row.kind], text)
-          ->check(turns ? within(plausible::kLimitDeg) : positive())
-          ->group(heading);
+          ->check(turns ? within(plausible::kLimitDeg) : positive());
       continue;
     }
-    for (Option* one : add_angle_options(command, options.max_tilt, row.option, "--max-tilt", "of the row \"tilt\"")) {
-      one->group(heading);
-    }
+    add_angle_options(command, options.max_tilt, row.option, "--max-tilt", "largest allowed tilt");
   }
-  command
-      .add_option("--min-yield", options.min_yield, "share of the machines that must pass; the lower bound is judged")
+  command.add_option("--min-yield", options.min_yield, "smallest yield, from 0 to 1; its lower bound must reach it")
       ->check(non_negative())
-      ->check(between(0.0, 1.0))
-      ->group(heading);
+      ->check(between(0.0, 1.0));
 }
 
 }  // namespace
 
 void add_yield(Command& program, Session& session) {
-  Command* command =
-      session.add_command(program, "yield", "Design tolerances",
-                          "build, calibrate and validate a batch of virtual machines: what customers get");
+  Command* command = session.add_command(program, "yield", "Design tolerances",
+                                         "simulate a batch of machines: build, calibrate and validate each one");
   const auto options = std::make_shared<YieldArguments>();
-  command->add_option("--machines", options->machines, "how many")->required()->check(whole_number(1, kMostMachines));
-  command->add_option("--tolerances", options->tolerances, "of the parts (TOML); default: the robot's");
+  command->add_option("--machines", options->machines, "number of machines")
+      ->required()
+      ->check(whole_number(1, kMostMachines));
+  command->add_option("--tolerances", options->tolerances, "tolerances of the parts (TOML; default: the robot's)");
   command->add_option(
       "--poses", options->poses,
-      "poses to measure (CSV); default: the paper's, home and two rims of 9, or 30 full poses that show "
-      "most of a plate with six freedoms");
+      "poses to measure (CSV; default: home and two circles of 9, or 30 poses for six degrees of freedom)");
   add_table_options(*command, options->style);
-  command->add_option("--method", options->method, "of the calibration, as in calibrate")
+  command->heading("Calibration");
+  command->add_option("--method", options->method, "method of the calibration, as in calibrate")
       ->check(one_of({"best", "paper"}))
       ->shows_default();
-  command
-      ->add_option("--rotation", options->rotation,
-                   "a rotary encoder reads phi: not at all, relative to home, or absolute")
+  command->add_option("--rotation", options->rotation, "whether phi is measured, and from which zero")
       ->check(one_of({"none", "relative", "absolute"}))
       ->shows_default();
   add_instrument_options(*command, options->instrument);
   add_limits(*command, *options);
-  command->add_flag("--exact", options->exact,
-                    "build, measure and calibrate every machine; default: some of them, which correct the others made "
-                    "to first order");
-  command->add_option("--confidence", options->confidence, "of the intervals")
+  command->heading("Monte Carlo");
+  command->add_flag(
+      "--exact", options->exact,
+      "simulate every machine exactly (default: some exactly; they correct the others, simulated to first "
+      "order)");
+  command->add_option("--confidence", options->confidence, "confidence level of the intervals")
       ->check(positive())
       ->check(between(0.01, 0.999999))
       ->shows_default();
   command
-      ->add_option(
-          "--interval", options->interval,
-          "machines are computed exactly until the 95 % percentiles are known to this fraction, or half of all "
-          "machines are")
+      ->add_option("--interval", options->interval,
+                   "add exact machines until the 95 % percentiles have this relative error, up to half of all machines")
       ->check(positive())
       ->check(between(0.001, 10.0))
       ->shows_default();
   add_long_job_options(*command, options->job);
   command
       ->add_option("--chunk", options->chunk,
-                   "machines a chunk: what a process that dies costs; default: a fifth of a second of counted work")
+                   "machines per chunk, which is lost if a process dies (default: 0.2 s of work)")
       ->check(whole_number(1, kLargestChunk));
   command->add_flag("--plan", options->plan,
-                    "compute no batch: measure how long a machine takes here, and state time, memory and files for 1 "
-                    "to 1024 cores");
+                    "compute no batch; predict time, memory and files for 1 to 1024 cores from a short trial");
+  command->heading("Results");
+  command->example("100 machines with the tolerances of a file",
+                   "paracal yield --robot huang2016 --tolerances tolerances.toml --machines 100");
   options->report = add_report_option(*command, session);
   command->callback([&session, options] { run(*options, session); });
 }

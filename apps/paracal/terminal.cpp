@@ -1,0 +1,64 @@
+#include "terminal.hpp"
+
+#include <fmt/color.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <sstream>
+#include <string_view>
+
+namespace paracal::app {
+namespace {
+
+bool shows_colours(int stream) {
+  const char* const refused = std::getenv("NO_COLOR");
+  const char* const terminal = std::getenv("TERM");
+  const bool is_refused = refused != nullptr && *refused != '\0';
+  return !is_refused && terminal != nullptr && std::string_view(terminal) != "dumb" && isatty(stream) == 1;
+}
+
+fmt::text_style style_of(Emphasis emphasis) {
+  switch (emphasis) {
+    case Emphasis::strong:
+      return fmt::emphasis::bold;
+    case Emphasis::good:
+      return fmt::emphasis::bold | fg(fmt::terminal_color::green);
+    case Emphasis::bad:
+      return fmt::emphasis::bold | fg(fmt::terminal_color::red);
+    case Emphasis::warning:
+      return fg(fmt::terminal_color::yellow);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string emphasised(int stream, Emphasis emphasis, const std::string& text) {
+  return shows_colours(stream) ? fmt::format(style_of(emphasis), "{}", text) : text;
+}
+
+std::string highlighted(const std::string& text) {
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line); result += line + "\n") {
+    const bool is_bad = line.find("not accepted") != std::string::npos || line.find("exceeded") != std::string::npos;
+    if (is_bad) {
+      line = emphasised(STDOUT_FILENO, Emphasis::bad, line);
+    } else if (line.ends_with(": accepted")) {
+      line = emphasised(STDOUT_FILENO, Emphasis::good, line);
+    } else if (line.starts_with("  note:")) {
+      line = emphasised(STDOUT_FILENO, Emphasis::warning, line);
+    }
+  }
+  return result;
+}
+
+std::size_t columns_of_output() {
+  constexpr std::size_t kUsual = 80;
+  winsize size{};
+  const bool is_known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return is_known ? size.ws_col : kUsual;
+}
+
+}  // namespace paracal::app
