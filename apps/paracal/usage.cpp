@@ -94,7 +94,8 @@ std::pair<std::string, std::string> pair_in(const std::string& message, const st
 
 /// What is wrong, in our words; CLI11 knows the kind of mistake and the options, and its own words are for programmers.
 std::string reason(const CLI::App& command, const CLI::ParseError& error) {
-  const std::string kind = error.get_name(), message = error.what();
+  const std::string kind = error.get_name();
+  std::string message = error.what();
   if (kind == "RequiresError") {
     const auto [one, other] = pair_in(message, " requires ");
     return fmt::format("{}: expected {} with it, got none", one, other);
