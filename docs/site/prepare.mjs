@@ -31,7 +31,7 @@ const guides = {
     "Data: hexapods": "data/hexapod/README.md", "Data: robots": "data/robots/README.md", "Data: printers": "data/klipper-delta/README.md",
     "Data: regressions": "data/nist-strd/README.md",
   },
-  "Reference": { "Conventions": "docs/conventions.md", "Files": "docs/files.md", "References": "docs/references.md" },
+  "Reference": { "Conventions": "docs/conventions.md", "Input files": "docs/files.md", "JSON keys": "docs/json-keys.md", "References": "docs/references.md" },
   "Project": { "Changelog": "CHANGELOG.md", "Design": "docs/design.md", "Dependencies": "docs/dependencies.md", "Contributing": "CONTRIBUTING.md" },
 };
 const names = new Map(Object.values(guides).flatMap((group) => Object.entries(group).map(([name, path]) => [path, name])));

@@ -157,7 +157,7 @@ class Calibration:
 
     def to_json(self, time: int | None = None) -> str:
         """The calibration file, as `paracal calibrate --out` writes it: mm and deg, keys in
-        docs/files.md.
+        docs/json-keys.md.
 
         time: seconds since 1970 for its date; default: SOURCE_DATE_EPOCH of the environment, else
             now.

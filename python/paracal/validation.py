@@ -68,7 +68,7 @@ class Validation:
         return found
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it, keys in docs/files.md."""
+        """All of it, keys in docs/json-keys.md."""
         copy: dict[str, Any] = json.loads(json.dumps(self._found))
         return copy
 

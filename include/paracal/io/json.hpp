@@ -33,14 +33,14 @@ std::string utc(std::int64_t time);
 /// The robot under the keys of its TOML file.
 Json to_json(const Robot& robot);
 
-/// A calibration file: everything needed to use the result and to repeat the fit; keys in docs/files.md. Angles in deg,
+/// A calibration file: all that is needed to use it and to repeat the fit; keys in docs/json-keys.md. Angles in deg,
 /// the covariance in the units of the parameters. `time`: seconds since 1970, written as UTC date.
 Json to_json(const Calibration& calibration, std::int64_t time);
 
 /// Largest errors, under the contract's keys.
 Json to_json(const PoseErrorSummary& summary);
 
-/// What validate() found; keys in docs/files.md.
+/// What validate() found; keys in docs/json-keys.md.
 Json to_json(const Validation& validation);
 
 Json to_json(const Tolerances& tolerances, Actuator actuator);
@@ -58,11 +58,11 @@ Json to_json(const CalibrationOptions& options, Actuator actuator);
 Json to_json(const Batch& batch);
 
 /// Fates, what customers get before and after calibration and, where limits were stated, yield and defects per million;
-/// keys in docs/files.md.
+/// keys in docs/json-keys.md.
 /// @param confidence  of the intervals.
 Json to_json(const Batch& batch, const Tally& tally, double confidence);
 
-/// What a printer's owner is told, beside the calibration itself; keys in docs/files.md.
+/// What a printer's owner is told, beside the calibration itself; keys in docs/json-keys.md.
 Json to_json(const PrinterCalibration& found);
 
 /// {value, low, high}
@@ -78,7 +78,7 @@ Json to_json(const std::vector<InputFile>& files);
 /// Where an export comes from: robot, calibration, calibration_sha256, date, program.
 Json to_json(const Robot& robot, const ExportOrigin& origin);
 
-/// All that a compensator knows, mm and deg; keys in docs/files.md.
+/// All that a compensator knows, mm and deg; keys in docs/json-keys.md.
 Json to_json(const CompensatorParameters<double>& parameters);
 
 /// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm of rails.
