@@ -23,7 +23,7 @@ const guides = {
   "": { "Start": "README.md", "Samples": "samples/README.md" },
   "Designer": { "Tolerances": "docs/tolerance.md", "Batches": "docs/scale.md" },
   "Metrologist": { "Calibration": "docs/calibration.md", "Judgement": "docs/judgement.md", "Reports": "docs/report.md" },
-  "Controls engineer": { "Controllers": "docs/controllers.md", "Hexapods": "docs/hexapods.md" },
+  "Controls engineer": { "Controllers": "docs/controllers.md", "Part programs": "docs/part-programs.md", "Codes of part programs": "docs/part-programs-reference.md", "Hexapods": "docs/hexapods.md" },
   "Printer owner": { "Printers": "docs/printers.md", "Live page": "docs/live-page.md" },
   "Researcher": {
     "The library": "docs/library.md", "Examples": "examples", "Python": "docs/python.md", "Examples in Python": "python/examples",

@@ -123,7 +123,7 @@ struct GcodeOptions {
 /// G-code (RS-274, RepRap) with X, Y, Z and C (phi, deg) of its motions G0 to G3 replaced by the corrected target; arcs
 /// become chords, lines along which the correction bends are divided; F is stated anew where a block would take another
 /// time; everything else is left byte for byte. What cannot be corrected without guessing is passed through and
-/// counted; docs/controllers.md has the list. Memory does not grow with the file.
+/// counted; docs/part-programs-reference.md has the list. Memory does not grow with the file.
 /// @throws InputFileError when `in` cannot be read to its end, and with the line for what no filter may rewrite: O
 /// words, parameters, expressions, canned cycles, turned, scaled or offset paths, offsets set on the way.
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
