@@ -82,7 +82,7 @@ class TheSchemas(unittest.TestCase):
         for place, schema in SCHEMAS.objects():
             self.assertIs(schema.get("additionalProperties"), False, place)
             self.assertLessEqual(set(schema.get("required", [])), set(schema.get("properties", {})), place)
-            for key, value in schema.get("properties", {}).items():
+            for key, value in {**schema.get("properties", {}), **schema.get("patternProperties", {})}.items():
                 self.assertTrue(meaning(value), f"{place}: {key}")
 
     def test_use_every_part(self) -> None:

@@ -31,7 +31,7 @@ RATES = {"s": "s", "s2": "s²", "m": "m", "mm": "mm", "deg": "deg"}
 
 
 def unit_of(key: str) -> str:
-    found = re.search(rf"(?:^|_)({'|'.join(UNITS)})(?:_per_({'|'.join(RATES)}))?$", key)
+    found = re.search(rf"(?:^|(?<!_per)_)({'|'.join(UNITS)})(?:_per_({'|'.join(RATES)}))?$", key)
     return "" if not found else " (" + UNITS[found[1]] + (f"/{RATES[found[2]]}" if found[2] else "") + ")"
 
 
