@@ -22,7 +22,10 @@ function refuse(faults) {
 const guides = {
   "": { "Start": "README.md", "Samples": "samples/README.md" },
   "Designer": { "Tolerances": "docs/tolerance.md", "Batches": "docs/scale.md" },
-  "Metrologist": { "Calibration": "docs/calibration.md", "Judgement": "docs/judgement.md", "Reports": "docs/report.md" },
+  "Metrologist": {
+    "Calibration": "docs/calibration.md", "Calibration reference": "docs/calibration-reference.md", "Judgement": "docs/judgement.md",
+    "Reports": "docs/report.md",
+  },
   "Controls engineer": { "Controllers": "docs/controllers.md", "Part programs": "docs/part-programs.md", "Codes of part programs": "docs/part-programs-reference.md", "Hexapods": "docs/hexapods.md" },
   "Printer owner": { "Printers": "docs/printers.md", "Live page": "docs/live-page.md" },
   "Researcher": {

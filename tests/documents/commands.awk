@@ -1,5 +1,6 @@
 # The commands of a Markdown document, one a line, as LINE<tab>COMMAND: of its sh blocks, of indented blocks, and of code within its text,
-# which is a command where it begins with paracal. A line of a block that names the program and is no command is an error.
+# which is a command where it begins with paracal. A line of a block that names the program and is no command is an error. A line of a block that
+# ends with a backslash is joined with the next.
 function is_command(text) {
   return text ~ /^(paracal|cmake|ctest|npm|node|linuxcnc|sudo|mpirun|srun|apt|cat|cd|sh|man)( |$)/ || text ~ /^(\.\/|\.ci\/|tools\/|build\/)/ || text ~ /^[A-Z_]+=[^ ]* /
 }
@@ -8,6 +9,8 @@ function complain(text) {
   print FILENAME ":" NR ": expected a command, got " text > "/dev/stderr"
   failed = 1
 }
+begun != "" { sub(/^ +/, ""); $0 = begun $0; begun = "" }
+/\\$/ && (is_shell || (!inside && /^    / && (was_blank || in_block))) { begun = substr($0, 1, length($0) - 1); next }
 /^ *```/ { inside = !inside; is_shell = inside && $0 ~ /^ *```sh$/; was_blank = 0; next }
 inside {
   if (!is_shell || $0 ~ /^ *(#|$)/) next
