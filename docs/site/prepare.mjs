@@ -26,8 +26,11 @@ const guides = {
     "Calibration": "docs/calibration.md", "Calibration reference": "docs/calibration-reference.md", "Judgement": "docs/judgement.md",
     "Reports": "docs/report.md",
   },
-  "Controls engineer": { "Controllers": "docs/controllers.md", "Part programs": "docs/part-programs.md", "Codes of part programs": "docs/part-programs-reference.md", "Hexapods": "docs/hexapods.md" },
-  "Printer owner": { "Printers": "docs/printers.md", "Live page": "docs/live-page.md" },
+  "Controls engineer": {
+    "Controllers": "docs/controllers.md", "Part programs": "docs/part-programs.md",
+    "Codes of part programs": "docs/part-programs-reference.md", "Hexapods": "docs/hexapods.md",
+  },
+  "Printer owner": { "Printers": "docs/printers.md", "Printer tests": "docs/printers-reference.md", "Live page": "docs/live-page.md" },
   "Researcher": {
     "The library": "docs/library.md", "Examples": "examples", "Python": "docs/python.md", "Examples in Python": "python/examples",
     "Evidence": "docs/evidence.md", "Slips of the paper": "docs/paper-slips.md", "Data: the paper": "data/huang2016/README.md",
