@@ -21,7 +21,7 @@ function refuse(faults) {
 // Who reads what, in which order, by which name. A folder is a page of its programs.
 const guides = {
   "": { "Start": "README.md", "Samples": "samples/README.md" },
-  "Designer": { "Tolerances": "docs/tolerance.md", "Batches": "docs/scale.md" },
+  "Designer": { "Tolerances": "docs/tolerance.md", "Tolerance reference": "docs/tolerance-reference.md", "Batches": "docs/scale.md" },
   "Metrologist": {
     "Calibration": "docs/calibration.md", "Calibration reference": "docs/calibration-reference.md", "Judgement": "docs/judgement.md",
     "Reports": "docs/report.md",
