@@ -19,7 +19,7 @@ struct Work {
 struct Comparison {
   std::string task;
   std::string opponent;
-  std::string unit;       ///< "ms a fit": s, ms, us or ns first
+  std::string unit;       ///< "ms per fit": s, ms, us or ns first
   int threads = 1;        ///< of both
   std::string note = {};  ///< where the two differ in what they do
 };

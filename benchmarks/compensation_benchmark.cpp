@@ -164,28 +164,28 @@ void report_times(const Task& task) {
                median_ratio(seconds[k], seconds[0]));
   }
   if (task.robot.name() == "huang2016") {
-    const std::vector<std::pair<std::size_t, const char*>> stated{{kExactLevel, "position errors, one pose a call"},
-                                                                  {kExact, "all errors, one pose a call"},
-                                                                  {kLanesLevel, "position errors, a path a call"},
-                                                                  {kLanes, "all errors, a path a call"}};
+    const std::vector<std::pair<std::size_t, const char*>> stated{{kExactLevel, "position errors, one pose per call"},
+                                                                  {kExact, "all errors, one pose per call"},
+                                                                  {kLanesLevel, "position errors, one path per call"},
+                                                                  {kLanes, "all errors, one path per call"}};
     for (const auto& [k, what] : stated) {
       state(fmt::format("exact compensation of `huang2016`, {}", what), 1e9 / kPoses * spread_of(seconds[k]).median,
-            "ns a pose");
+            "ns per pose");
     }
   }
   for (std::size_t k = 0; k < opponents.size(); ++k) {
     const auto against = [&](const char* task_name, std::size_t ours, std::size_t theirs, const char* note) {
-      compare({.task = task_name, .opponent = opponents[k], .unit = "ns a pose", .note = note}, {seconds[ours], kPoses},
-              {seconds[theirs], kPoses});
+      compare({.task = task_name, .opponent = opponents[k], .unit = "ns per pose", .note = note},
+              {seconds[ours], kPoses}, {seconds[theirs], kPoses});
     };
     const std::size_t its_inverse = first + 2 * k, its_forward = its_inverse + 1;
     against("inverse kinematics of a Delta, nominal", kNominal, its_inverse, "");
     against("forward kinematics of a Delta, nominal", kForward, its_forward,
-            "paracal iterates and takes any errors; rotarydeltakins has a closed form for the nominal robot");
+            "paracal iterates and handles all errors; rotarydeltakins has a closed form for the nominal robot");
     against("exact compensation of a Delta, position errors", kExactLevel, its_inverse,
-            "rotarydeltakins: its nominal inverse, which compensates nothing");
+            "rotarydeltakins computes the nominal inverse, without compensation");
     against("exact compensation of a Delta, all errors", kExact, its_inverse,
-            "rotarydeltakins: its nominal inverse, which compensates nothing");
+            "rotarydeltakins computes the nominal inverse, without compensation");
   }
 }
 

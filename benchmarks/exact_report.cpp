@@ -66,15 +66,15 @@ void report_exact_monte_carlo(unsigned threads) {
   const auto seconds = interleave(
       {[&] { solutions.solve(); }, [&] { keep(task.monte_carlo(Model::exact, kMachines, threads)); }}, kRounds);
   fmt::print(
-      "\nExact Monte Carlo of tilt at {} poses: {} forward solutions a machine, {} machines, {} thread{}, "
+      "\nExact Monte Carlo of tilt at {} poses: {} forward solutions per machine, {} machines, {} thread{}, "
       "{} rounds\n",
       task.poses.size(), solutions.per_machine(), kMachines, threads, threads == 1 ? "" : "s", kRounds);
-  fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}{:>9}\n", "us a machine", "median", "p99", "max", "Mega poses/s", "ratio");
+  fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}{:>9}\n", "us per machine", "median", "p99", "max", "Mega poses/s", "ratio");
   compare({.task = "exact Monte Carlo of tilt, 121 poses",
-           .opponent = "lower bound: its forward solutions alone",
-           .unit = "us a machine",
+           .opponent = "lower bound: only its forward solutions",
+           .unit = "us per machine",
            .threads = static_cast<int>(threads),
-           .note = "the rest draws machines and counts"},
+           .note = "paracal also draws machines and counts"},
           {seconds[1], kMachines}, {seconds[0], kMachines});
   print_row("monte_carlo(), all of it", seconds[1], task.poses.size(), median_ratio(seconds[1], seconds[0]));
   print_row("  its forward solutions alone", seconds[0], task.poses.size(), 1.0);

@@ -50,7 +50,7 @@ std::vector<Solver> solvers_of(const std::vector<FineFit>& fits,
                        [&fits, cost, solver](std::size_t k) { return solve_with_ceres(fits[k], cost, solver); }});
   };
   for (const auto& [name, solver] : {std::pair{"Cholesky", CeresSolver::normal_cholesky}, {"QR", CeresSolver::qr}}) {
-    add_ceres("automatic derivatives a station", name, CeresCost::one_station, solver);
+    add_ceres("automatic derivatives per station", name, CeresCost::one_station, solver);
     add_ceres("automatic derivatives, the closure's by hand", name, CeresCost::all_stations, solver);
     solvers.push_back(
         {fmt::format("{}, with the Jacobian of paracal, {}", ceres_version(), name),
@@ -99,7 +99,7 @@ void print_header(const FineFit& fit) {
       "{} rounds. All but calibrate() start where its rough stage ends, with the frame that fits best there.\n"
       "(cost: how far above and below fine alone, a share)\n",
       fit.points.size(), fit.sigma, kSources, kFrame, kMachines, kRounds);
-  fmt::print("{:<72}{:>8}{:>8}{:>8}{:>14}{:>14}{:>12}{:>18}\n", "ms a fit", "median", "p99", "max", "calibrate()",
+  fmt::print("{:<72}{:>8}{:>8}{:>8}{:>14}{:>14}{:>12}{:>18}\n", "ms per fit", "median", "p99", "max", "calibrate()",
              "fine alone", "iterations", "cost, at most");
 }
 
@@ -123,20 +123,20 @@ void print_floor(const FineFit& fit, double iterations, const std::vector<std::v
 void record(const std::vector<Solver>& solvers, const std::vector<Agreement>& agreements,
             const std::vector<std::vector<double>>& seconds) {
   const auto against = [&](const std::string& task, std::size_t ours, std::size_t theirs, const std::string& note) {
-    compare({.task = task, .opponent = solvers[theirs].name, .unit = "ms a fit", .note = note},
+    compare({.task = task, .opponent = solvers[theirs].name, .unit = "ms per fit", .note = note},
             {seconds[ours], kMachines}, {seconds[theirs], kMachines});
   };
   std::size_t fastest = kFineSolve;
   for (std::size_t k = kFineSolve + 1; k < solvers.size(); ++k) {
     const Agreement& agreement = agreements[k];
     against(kTask, kFineSolve, k,
-            fmt::format("costs at most {:.0e} apart", std::max(agreement.cost_above, agreement.cost_below)));
+            fmt::format("costs differ by at most {:.0e}", std::max(agreement.cost_above, agreement.cost_below)));
     if (fastest == kFineSolve || median_ratio(seconds[k], seconds[fastest]) < 1.0) fastest = k;
   }
   if (fastest == kFineSolve) return not_installed(kTask, "Ceres", "libceres-dev");
   against(
-      "all of `calibrate` from 19 points", kCalibrate, fastest,
-      "Ceres: the fine fit alone; `calibrate` also finds the start, outliers, variance components and uncertainties");
+      "complete `calibrate` from 19 points", kCalibrate, fastest,
+      "Ceres: only the fine fit; `calibrate` also finds the start, outliers, variance components and uncertainties");
 }
 
 void report_scipy(const std::vector<FineFit>& fits, const std::vector<double>& costs, const Pass& ours) {
@@ -152,15 +152,15 @@ void report_scipy(const std::vector<FineFit>& fits, const std::vector<double>& c
   const auto seconds = interleave(passes, kScipyRounds);
   for (std::size_t k = 0; k < methods.size(); ++k) {
     const std::string name = fmt::format("{}, least_squares(method=\"{}\")", scipy.versions(), methods[k]);
-    fmt::print("{:<46}{:>8.0f} ms, {:.0f} times ours; costs at most {:.0e} apart\n", name,
+    fmt::print("{:<46}{:>8.0f} ms, {:.0f} times ours; costs differ by at most {:.0e}\n", name,
                1e3 / static_cast<double>(kMachines) * spread_of(seconds[k + 1]).median,
                median_ratio(seconds[k + 1], seconds[0]), apart[k]);
-    compare(
-        {.task = kTask,
-         .opponent = name,
-         .unit = "ms a fit",
-         .note = fmt::format("vectorised residuals, derivatives by differences; costs at most {:.0e} apart", apart[k])},
-        {seconds[0], kMachines}, {seconds[k + 1], kMachines});
+    compare({.task = kTask,
+             .opponent = name,
+             .unit = "ms per fit",
+             .note = fmt::format("vectorised residuals, derivatives by differences; costs differ by at most {:.0e}",
+                                 apart[k])},
+            {seconds[0], kMachines}, {seconds[k + 1], kMachines});
   }
 }
 

@@ -213,7 +213,7 @@ void report(const Robot& robot) {
       {"forward from the last pose, nominal", along(nominal, joints), kForward},
       {"forward from the last pose, 8 errors", along(machine, with_errors), kForward},
   };
-  fmt::print("\n{}: a path of {} poses, {} rounds; {:.2f} iterations a pose, back within {:.1g} mm and rad\n",
+  fmt::print("\n{}: a path of {} poses, {} rounds; {:.2f} iterations per pose, back within {:.1g} mm and rad\n",
              robot.name(), kPoses, kRounds, iterations / static_cast<double>(kPoses), largest);
   std::vector<std::pair<std::string, Genhexkins>> opponents;
   for (const LinuxcncBuild& build : linuxcnc_builds()) {
@@ -248,11 +248,11 @@ void report(const Robot& robot) {
   const std::vector<std::vector<double>> seconds = print(candidates);
   for (std::size_t k = 0; k < opponents.size(); ++k) {
     const auto against = [&](const char* task, std::size_t ours, std::size_t theirs, const char* note) {
-      compare({.task = task, .opponent = opponents[k].first, .unit = "ns a pose", .note = note},
+      compare({.task = task, .opponent = opponents[k].first, .unit = "ns per pose", .note = note},
               {seconds[ours], kPoses}, {seconds[theirs], kPoses});
     };
     against("forward kinematics of a hexapod along a path", kForward, first + 2 * k,
-            "genhexkins iterates once more, for its display pins");
+            "genhexkins needs one more iteration for its display pins");
     against("inverse kinematics of a hexapod", kInverse, first + 2 * k + 1, "");
   }
 }

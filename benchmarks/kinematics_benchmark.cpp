@@ -81,11 +81,11 @@ std::vector<Candidate> candidates_of(const Task& task, const Floor& floor) {
   const Iterations forward_iterations = iterations_of(actual_forward);
   const Iterations inverse_iterations = iterations_of(actual_inverse);
   return {
-      {"floor: sqrt, atan2 a limb", [&floor] { floor.pass(); }, operations.floor},
+      {"floor: sqrt, atan2 per limb", [&floor] { floor.pass(); }, operations.floor},
       {"inverse, nominal", each_pose(nominal_inverse), operations.inverse, {}, kFloor},
-      {"forward, 14 errors a limb", each_pose(actual_forward),
+      {"forward, 14 errors per limb", each_pose(actual_forward),
        operations.forward_start + forward_iterations.mean * operations.forward_iteration, forward_iterations, kInverse},
-      {"inverse, 14 errors a limb", each_pose(actual_inverse),
+      {"inverse, 14 errors per limb", each_pose(actual_inverse),
        operations.inverse + inverse_iterations.mean * operations.inverse_iteration, inverse_iterations, kInverse},
       {"linear error model", each_pose(linear_model), operations.error_model, {}, kInverse},
       {"exact Jacobian", each_pose(jacobian), operations.exact_jacobian, {}, kInverse},
@@ -101,7 +101,7 @@ double allocations_per_pose(const Candidate& candidate) {
 void print_header(const Task& task) {
   fmt::print("\n{}: {} limbs, {} random poses, {} rounds\n", task.robot.name(), task.robot.limb_count(), kPoses,
              kRounds);
-  constexpr std::string_view kColumns = "{:<26}{:>8}{:>8}{:>8}  {:<18}{:>11}{:>7}{:>7}{:>6}{:>9}{:>7}\n";
+  constexpr std::string_view kColumns = "{:<28}{:>8}{:>8}{:>8}  {:<18}{:>11}{:>7}{:>7}{:>6}{:>9}{:>7}\n";
   fmt::print(kColumns, "", "median", "p99", "max", "ratio, to", "iterations", "heap", "flop", "calls", "GFLOP/s",
              "share");
   fmt::print(kColumns, "", "ns", "ns", "ns", "", "mean, max", "blocks", "", "", "", "of peak");
@@ -117,7 +117,7 @@ void print_row(const Candidate& candidate, const std::string& baseline_name, con
       &seconds == &baseline ? "" : fmt::format("{:6.2f} {}", median_ratio(seconds, baseline), baseline_name);
   const auto [mean, max] = candidate.iterations;
   const std::string iterations = max == 0 ? "" : fmt::format("{:.2f}, {}", mean, max);
-  fmt::print("{:<26}{:>8.0f}{:>8.0f}{:>8.0f}  {:<18}{:>11}{:>7g}{:>7.0f}{:>6.0f}{:>9.2f}{:>6.0f}%\n", candidate.name,
+  fmt::print("{:<28}{:>8.0f}{:>8.0f}{:>8.0f}  {:<18}{:>11}{:>7g}{:>7.0f}{:>6.0f}{:>9.2f}{:>6.0f}%\n", candidate.name,
              time.median * to_ns, time.p99 * to_ns, time.max * to_ns, ratio, iterations,
              allocations_per_pose(candidate), candidate.operations.arithmetic, candidate.operations.functions,
              work / time.median * 1e-9, 100.0 * median_ratio(peak, seconds) * work / compiled_peak().operations);
@@ -139,14 +139,14 @@ void report(const Robot& robot) {
     const std::size_t baseline = candidates[k].baseline;
     print_row(candidates[k], baseline == kFloor ? "floor" : "inverse", seconds[k], seconds[baseline], peak);
     if (task.robot.name() == "huang2016" && k != kFloor) {
-      compare_with_peak(fmt::format("`huang2016`: {}", candidates[k].name), "ns a pose", kPoses,
+      compare_with_peak(fmt::format("`huang2016`: {}", candidates[k].name), "ns per pose", kPoses,
                         candidates[k].operations.arithmetic, seconds[k], machine, seconds.back(), peak);
     }
   }
   if (task.robot.name() == "huang2016") {
     compare({.task = "inverse kinematics of `huang2016`, nominal",
-             .opponent = "lower bound: its 4 square roots and 4 arctangents alone",
-             .unit = "ns a pose"},
+             .opponent = "lower bound: only its 4 square roots and 4 arctangents",
+             .unit = "ns per pose"},
             {seconds[kInverse], kPoses}, {seconds[kFloor], kPoses});
   }
   fmt::print("peak of one core, multiply and add in turn: {:.1f} GFLOP/s; {}: {:.1f} GFLOP/s\n",

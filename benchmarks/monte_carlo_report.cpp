@@ -112,7 +112,7 @@ void print_share(const char* name, const Rounds& seconds, std::size_t index, dou
 
 void print_ours(const TiltTask& task, const Parts& parts, const Rounds& seconds) {
   const std::size_t poses = task.poses.size();
-  fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}\n", "ns a machine", "median", "p99", "max", "Mega poses/s");
+  fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}\n", "ns per machine", "median", "p99", "max", "Mega poses/s");
   print_row("monte_carlo(), all of it", seconds[kAll], kMachines, poses);
   print_row("  random numbers alone", seconds[kDraw], kMachines, poses);
   print_row("  product alone", seconds[kProduct], kMachines, poses);
@@ -162,9 +162,9 @@ void print_opponent(const TiltTask& task, const OpenTurnsTilt& opponent, const R
     const double ratio = median_ratio(seconds[kOpponent + k], seconds[kAll]) * kMachines / kOpponentMachines;
     compare({.task = "linear Monte Carlo of tilt, 121 poses",
              .opponent = fmt::format("{}, {}", library, title),
-             .unit = "us a machine",
+             .unit = "us per machine",
              .threads = static_cast<int>(threads),
-             .note = "OpenTURNS computes sigma alone; paracal also computes its interval and the yield"},
+             .note = "OpenTURNS computes only sigma; paracal also computes its interval and the yield"},
             {seconds[kAll], kMachines}, {seconds[kOpponent + k], kOpponentMachines});
     fmt::print(
         "  {:.2f} times ours (aim: at least 20); sigma at the worst pose {:.4f} mrad, ours {:.4f}: {:.1f} standard "
@@ -198,9 +198,9 @@ void report_linear_monte_carlo(unsigned threads) {
   print_ours(task, parts, seconds);
   if (threads == 1) {
     for (const auto& [name, part] :
-         {std::pair{"linear Monte Carlo of tilt, all of it (operations of its product alone)", kAll},
-          std::pair{"linear Monte Carlo of tilt: its matrix product alone", kProduct}}) {
-      compare_with_peak(name, "ns a machine", kMachines, parts.operations_a_machine(), seconds[part], machine_peak(),
+         {std::pair{"linear Monte Carlo of tilt, complete (only the operations of its product)", kAll},
+          std::pair{"linear Monte Carlo of tilt: only its matrix product", kProduct}}) {
+      compare_with_peak(name, "ns per machine", kMachines, parts.operations_a_machine(), seconds[part], machine_peak(),
                         seconds[kMachinePeak], seconds[kCompiledPeak]);
     }
   }

@@ -72,7 +72,7 @@ void report_pairs() {
   print_row(few, seconds[0], kSmallFits, memory_of_few, operations_a_pair(few()) * operation);
   print_row(many, seconds[1], 1.0, memory_of_many, operations_a_pair(many()) * operation);
   state("the paper's method on all 499,500 distances of 1000 points", 1e3 * spread_of(seconds[1]).median, "ms");
-  state("the same, memory of the process", memory_of_many, "MB");
+  state("memory of the process for this task", memory_of_many, "MB");
   fmt::print("a pair of many against a pair of few: {:.2f} (aim: at most 1.2); floor: folding its row once a\n",
              median_ratio(seconds[1], seconds[0]) * kSmallFits * few.pairs() / many.pairs());
   fmt::print(

@@ -5,8 +5,8 @@
 //
 //   paracal-printer-benchmark
 //
-// The opponent is the firmware's algorithm [klipper] on our own compiled cost; the firmware runs it in Python. Reports
-// and never judges: the exit status is 0 whatever the figures.
+// The opponent is the firmware's algorithm [klipper] on our own compiled cost; in the firmware it runs in Python.
+// Reports and never judges: the exit status is 0 whatever the figures.
 
 #include <fmt/format.h>
 
@@ -81,12 +81,12 @@ struct Sum {
   void record(const std::string& readings) const {
     if (sets == 0) return;
     compare({.task = fmt::format("the firmware's fit of a printer, {} ({} sets)", readings, sets),
-             .opponent = "Klipper's coordinate descent, compiled: its algorithm in our code",
-             .unit = "ms a fit",
-             .note = "the firmware runs it in Python"},
+             .opponent = "Klipper's coordinate descent: its algorithm in our compiled code",
+             .unit = "ms per fit",
+             .note = "in the firmware it runs in Python"},
             {fit, static_cast<double>(sets)}, {descent, static_cast<double>(sets)});
-    state(fmt::format("`calibrate --printer`, {}, each reading left out in turn", readings),
-          1e3 * spread_of(whole).median / sets, "ms");
+    state(fmt::format("`calibrate --printer`, {}, leave-one-out", readings), 1e3 * spread_of(whole).median / sets,
+          "ms");
   }
 };
 

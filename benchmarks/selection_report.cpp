@@ -96,8 +96,8 @@ void report_selection() {
              .note = "extrapolated from 2,000 exchanges"},
             {seconds[0]}, {theirs, 1.0 / times});
   };
-  against("plain method, in our code: evaluates each exchange afresh", seconds[1]);
-  against("plain method, in our code: keeps the sum over the other 19 poses", seconds[2]);
+  against("plain method, our code: evaluates each exchange from the start", seconds[1]);
+  against("plain method, our code: keeps the sum over the other 19 poses", seconds[2]);
   fmt::print(
       "\nSelecting {} of {} poses, huang2016: {} sweeps judge {} x {} exchanges each and make {}; {} rounds.\n"
       "Afresh: extrapolated to as many exchanges from {}; ours grows the first set besides.\n",

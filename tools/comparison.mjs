@@ -1,6 +1,6 @@
-// The section "Speed" of docs/evidence.md, out of what the benchmarks recorded: node tools/comparison.mjs RECORDS LOAD [--write]. LOAD: how busy the
-// computer was before. tools/comparison.sh calls it; tests/documents/ holds the section to docs/comparison.json. Other words for the same figures: change them
-// here, then node tools/comparison.mjs docs/comparison.json --write.
+// Writes the section "Speed" of docs/evidence.md from the records of the benchmarks: node tools/comparison.mjs RECORDS LOAD [--write]. LOAD is the load
+// average before the start. tools/comparison.sh calls it; tests/documents/ compares the section with docs/comparison.json. To change only the words, edit
+// them here and run: node tools/comparison.mjs docs/comparison.json --write.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
@@ -11,7 +11,7 @@ const percent = (share) => `${number(100 * share)} %`;
 const row = (cells) => `| ${cells.join(" | ")} |`;
 const table = (head, rows) => [row(head), row(head.map(() => "---")), ...rows.map(row)].join("\n");
 
-/// One object out of the lines of all programs; the host is that of the last.
+/// One object from the lines of all programs, with the host of the last one.
 export function collected(lines, load, date) {
   const records = lines.trim().split("\n").map((line) => JSON.parse(line));
   const host = records.findLast((record) => record.version);
@@ -31,36 +31,40 @@ export function speed({ version, cpu, cores, compiler, flags, date, load, record
   const { peak, peak_gflops, compiled_gflops } = peaks[0];
   return `## Speed
 
-Do not edit this section: \`tools/comparison.sh --write\` measures and writes it, and a test compares it with [comparison.json](comparison.json).
-Without \`--write\` it prints the same. \`tools/setup.sh comparison\` installs the other programs.
+Do not edit this section. \`tools/comparison.sh --write\` measures and writes it; without \`--write\` it only prints.
+A test compares the section with [comparison.json](comparison.json). \`tools/setup.sh comparison\` installs the other
+programs.
 
-Measured on ${date} with paracal ${version} on an ${cpu} with ${cores} logical cores, load ${load} before the start.
-Compiler ${compiler}, \`${flags.replace(/: +/, ": ")}\` without \`-march\`: paracal uses no vector instructions beyond SSE2. The other programs are Debian's, unless the table says otherwise.
-In brackets after OpenBLAS stands the processor for which its code was written: SkylakeX has AVX-512, Haswell has AVX2.
+Measured on ${date} with paracal ${version} on an ${cpu} with ${cores} logical cores (load ${load} before the start).
+Compiler: ${compiler}, \`${flags.replace(/: +/, ": ")}\` without \`-march\`, so paracal uses no vector instructions beyond SSE2.
+The other programs are Debian's unless the table states otherwise. The processor in brackets after OpenBLAS is the one
+that its code is optimised for: SkylakeX has AVX-512, Haswell has AVX2.
 
 ### Beside other programs
 
-The first column is the time of the other program divided by the time of paracal. Below 1 the other program is faster. The least flattering row stands first.
-In each round both do the same task one after the other. The column gives the median of the ratios within the rounds; the middle half of the rounds is in brackets.
+The ratio is the time of the other program divided by the time of paracal. Below 1 the other program is faster. The
+least favourable row is first. In each round both programs do the same task, one after the other. The ratio is the
+median over the rounds, with the middle half of the rounds in brackets.
 
-${table(["ratio", "other program", "task", "paracal", "other", "threads, both", "what differs"], comparisons.map(compared))}
+${table(["ratio", "other program", "task", "paracal", "other", "threads, both", "difference"], comparisons.map(compared))}
 
 ### Beside the limits of the processor
 
-The peak is what one core reaches when it only multiplies and adds, in registers: ${number(peak_gflops)} GFLOP/s with ${peak}, the widest instructions of this processor,
-and ${number(compiled_gflops)} GFLOP/s with the instructions that paracal is compiled for. Operations are additions, multiplications, divisions and square roots; sines and arctangents do not count.
+The peak is the speed of one core that only multiplies and adds in registers. It is ${number(peak_gflops)} GFLOP/s with ${peak}, the
+widest instructions of this processor, and ${number(compiled_gflops)} GFLOP/s with the instructions for which paracal is compiled.
+Additions, multiplications, divisions and square roots count as operations; sines and arctangents do not.
 
-${table(["function, one thread", "time", "GFLOP/s", `share of the ${peak} peak`, "share of the peak as compiled"], peaks.map((one) => [one.task, `${number(one.ours)} ${micro(one.unit)}`, number(one.gflops), percent(one.share), percent(one.share_compiled)]))}
+${table(["function, one thread", "time", "GFLOP/s", `percentage of the ${peak} peak`, "percentage of the peak as compiled"], peaks.map((one) => [one.task, `${number(one.ours)} ${micro(one.unit)}`, number(one.gflops), percent(one.share), percent(one.share_compiled)]))}
 
-### Times without an opponent
+### Times without comparison
 
 ${table(["task, one thread", "median"], times.map(({ what, value, unit }) => [what, `${number(value)} ${unit}`]))}
 
-How long batches take: [scale](scale.md).
+Times of batches: [scale](scale.md).
 `;
 }
 
-/// The document with this section in the place of its own.
+/// The document with its section replaced by this one.
 export const withSpeed = (document, measured) => document.replace(/^## Speed\n[^]*?(?=^## |(?![^]))/m, () => speed(measured));
 
 function main(path, load) {

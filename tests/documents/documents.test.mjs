@@ -48,7 +48,7 @@ test("the speed in evidence.md was measured with this version, and nobody edited
   // The test sees a figure that was changed, a sentence that was added, and another order.
   const section = speed(measured);
   const [first, second] = section.match(/^\| [\d.n].*$/gm);
-  for (const edited of [section.replace(/\d(?= ms a fit)/, (digit) => (Number(digit) + 1) % 10), `${section}\n1000 times as fast.\n`, section.replace(`${first}\n${second}`, `${second}\n${first}`)]) {
+  for (const edited of [section.replace(/\d(?= ms per fit)/, (digit) => (Number(digit) + 1) % 10), `${section}\n1000 times as fast.\n`, section.replace(`${first}\n${second}`, `${second}\n${first}`)]) {
     assert.notEqual(edited, section);
     const document = evidence.replace(section, () => edited);
     assert.notEqual(withSpeed(document, measured), document);
