@@ -1,4 +1,4 @@
-// Makes build/site of the pages that doxygen has written: those that the first one leads to. A link that leads nowhere is an error.
+// Copies the pages that doxygen has written to build/site: those that the first page links to, directly or not. A dead link is an error.
 import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -6,7 +6,7 @@ import { fileURLToPath } from "node:url";
 const made = fileURLToPath(new URL("../../build/site.in/html", import.meta.url));
 const site = fileURLToPath(new URL("../../build/site", import.meta.url));
 
-// Nothing leads to what layout.xml leaves out, fields have their anchors in the lists that explain them, and the navigation shows where one is.
+// Removes links to what layout.xml omits, puts the anchors of fields into the lists that explain them, and marks the current page in the navigation.
 function finished(page, html) {
   const room = html.match(/<div class="ingroups"><a class="el" href="([^"]*)"/)?.[1];
   const ids = new Set([...html.matchAll(/ id="([^"]*)"/g)].map(([, id]) => id));
@@ -77,4 +77,4 @@ for (const [file, { content }] of files) {
 }
 cpSync(join(made, "katex"), join(site, "katex"), { recursive: true });  // the fonts, too
 writeFileSync(join(site, "search-data.js"), `const sections = ${JSON.stringify(searched)};\n`);
-console.log(`site: ${[...files.keys()].filter((file) => file.endsWith(".html")).length} pages, ${links} links hold: build/site/index.html`);
+console.log(`site: ${[...files.keys()].filter((file) => file.endsWith(".html")).length} pages, ${links} links checked: build/site/index.html`);

@@ -1,4 +1,4 @@
-// Lays out in build/site.in what doxygen reads: documents and headers, line by line as they stand, so that its warnings point to them.
+// Prepares the input of doxygen in build/site.in: documents and headers with unchanged line numbers, so that its warnings refer to them.
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { basename, dirname, extname, join, posix } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -18,7 +18,7 @@ function refuse(faults) {
   process.exit(1);
 }
 
-// Who reads what, in which order, by which name. A folder is a page of its programs.
+// The pages of each group of readers, in order, with their names. A folder becomes one page with its programs.
 const guides = {
   "": { "Start": "README.md", "Samples": "samples/README.md" },
   "Designer": { "Tolerances": "docs/tolerance.md", "Tolerance reference": "docs/tolerance-reference.md", "Batches": "docs/scale.md" },
@@ -43,14 +43,14 @@ const guides = {
 const names = new Map(Object.values(guides).flatMap((group) => Object.entries(group).map(([name, path]) => [path, name])));
 const idOf = (path) => (path === "README.md" ? "index" : path.replace(/(\/README)?\.md$/, "").replaceAll("/", "-").toLowerCase());
 
-// Headers, but for those that are for scalars of one's own, and the rooms where they stand.
+// Headers, except those for user-defined scalars, and their modules.
 const headers = readdirSync(join(root, "include/paracal"), { recursive: true }).filter((path) => path.endsWith(".hpp") && !path.endsWith("_impl.hpp")).sort();
 const roomOf = (header) => (header.includes("/") ? dirname(header) : "general");
 const groupOf = (header) => `${roomOf(header)}-${basename(header, ".hpp")}`;
 const pageOf = (group) => `group__${group.replaceAll("_", "__")}.html`;
 const rooms = new Map([...read("docs/design.md").matchAll(/^\| `(\w+)\/` \| (.*) \|[^|]*\|$/gm)].map(([, room, holds]) => [room, holds]));
 for (const room of rooms.keys()) if (!headers.some((header) => roomOf(header) === room)) rooms.delete(room);
-rooms.set("general", "what all rooms share: errors, words, units, the version, and the header that includes the whole library");
+rooms.set("general", "shared by all modules: errors, words, units, the version, and the header that includes the whole library");
 
 // TEXT with what is not in backticks changed; doxygen takes an apostrophe for the end of one backtick, not of two.
 const outsideOfCode = (text, change = (part) => part) => text.split(/(`[^`]+`)/).map((part, k) => (k % 2 ? `\`${part}\`` : change(part))).join("");
@@ -97,7 +97,7 @@ function documentPage(path) {
 function programsPage(folder) {
   const files = readdirSync(join(root, folder)).filter((file) => /\.(cpp|py)$/.test(file));
   const programs = files.map((file) => `## ${file} {#${idOf(folder)}-${file.replace(/\W/g, "-")}}\n\n~~~{${extname(file)}}\n${read(`${folder}/${file}`)}~~~`);
-  return [`# ${names.get(folder)} {#${idOf(folder)}}`, "As the tests run them.", ...programs].join("\n\n");
+  return [`# ${names.get(folder)} {#${idOf(folder)}}`, "The tests run these programs as printed.", ...programs].join("\n\n");
 }
 
 // The types and functions of a header, by name.
@@ -145,7 +145,7 @@ function navigation() {
 
 const documents = [...names.keys()].filter((path) => path.endsWith(".md"));
 refuse(deadLinks(root, documents));
-refuse(readdirSync(join(root, "docs")).filter((file) => file.endsWith(".md") && !names.has(`docs/${file}`)).map((file) => `docs/${file}: no place in the guides of docs/site/prepare.mjs`));
+refuse(readdirSync(join(root, "docs")).filter((file) => file.endsWith(".md") && !names.has(`docs/${file}`)).map((file) => `docs/${file}: expected an entry in the guides of docs/site/prepare.mjs, got none`));
 
 rmSync(work, { recursive: true, force: true });
 for (const path of names.keys()) lay(`pages/${path.replace(/(\.md)?$/, ".md")}`, documents.includes(path) ? documentPage(path) : programsPage(path));

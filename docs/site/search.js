@@ -1,4 +1,4 @@
-// Looks for all words of the field in the sections of search-data.js; headings count more than text.
+// Finds the sections of search-data.js with all words of the field. Headings count more than text.
 const field = document.querySelector("input[type=search]"), list = document.querySelector("#found");
 
 const loaded = new Promise((done) => {
@@ -38,7 +38,7 @@ field.addEventListener("input", async () => {
   const ranked = (await loaded).map((section) => [score(section, words), section]).filter(([points]) => words.length && points > 0);
   ranked.sort(([one], [other]) => other - one);
   list.replaceChildren(...ranked.slice(0, 20).map(([, section]) => item(section, words)));
-  if (words.length && !ranked.length) list.append(`Nothing has all of: ${words.join(", ")}`);
+  if (words.length && !ranked.length) list.append(`No section contains all of: ${words.join(", ")}`);
   list.hidden = !words.length;
 });
 field.addEventListener("keydown", (event) => {
