@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds, and does the main job: calibrates the published robot of Huang et al. (2016) from its published
-# measurements, sets the published numbers beside ours, and writes a report to look at.
+# Installs packages, builds, and does the main job: it calibrates the published robot of Huang et al. (2016) from its published
+# measurements, compares the published numbers with ours, and writes an HTML report.
 set -euo pipefail
 cd "$(dirname "$0")"
 

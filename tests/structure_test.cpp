@@ -1,4 +1,4 @@
-// The arrows of docs/design.md, against what the files include.
+// Compares the dependencies in docs/design.md with the includes of the files.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ std::vector<std::string> lines_of(const std::filesystem::path& path) {
   return lines;
 }
 
-/// Rooms, and which others each may use: "| `room/` | what it holds | kinematics, mechanism |", or "all above".
+/// Modules, and which others each may use: "| `module/` | content | kinematics, mechanism |", or "all above".
 Arrows promised_arrows() {
   const std::regex row("\\| `([a-z]+)/` \\|.*\\| ([a-z, ]*)\\|");
   Arrows arrows;
@@ -48,7 +48,7 @@ Arrows promised_arrows() {
   return arrows;
 }
 
-/// Includes of other rooms that the table does not allow: "FILE includes ROOM".
+/// Includes of other modules that the table does not allow: "FILE includes MODULE".
 std::vector<std::string> forbidden(const Arrows& promised) {
   const std::regex include("#include \"(?:paracal/)?([a-z]+)/.*");
   std::vector<std::string> found;
@@ -72,8 +72,8 @@ TEST(Structure, ArrowsPointAsTheDesignSays) {
   Arrows promised = promised_arrows();
   ASSERT_THAT(promised, testing::Contains(testing::Key("calibration")));
   for (const auto& entry : std::filesystem::directory_iterator(kRoot / "src")) {
-    const bool is_room = promised.contains(entry.path().filename());
-    EXPECT_TRUE(is_room || !entry.is_directory()) << entry.path() << " is no room of docs/design.md";
+    const bool is_module = promised.contains(entry.path().filename());
+    EXPECT_TRUE(is_module || !entry.is_directory()) << entry.path() << ": expected a module of docs/design.md";
   }
   EXPECT_THAT(promised["numerics"], testing::IsEmpty());
   EXPECT_THAT(forbidden(promised), testing::IsEmpty());
@@ -94,7 +94,7 @@ TEST(Structure, OneHeaderShowsTheLibraryForJson) {
   EXPECT_THAT(showing, testing::ElementsAre("json.hpp"));
 }
 
-/// What a header of ours brings with it, itself too, by paths below include/.
+/// The headers that a header includes, directly or not, and itself, by paths below include/.
 void add_brought(const std::string& header, std::set<std::string>& brought) {
   if (!brought.insert(header).second) return;
   const std::regex include("#include \"(paracal/.*)\".*");
@@ -118,8 +118,7 @@ TEST(Structure, OneHeaderHoldsTheWholeLibrary) {
   }
 }
 
-/// tools/mutations.sh changes one expression at a time, so each must stand once in its file; code that moves takes them
-/// along.
+/// tools/mutations.sh changes one expression at a time, so each must occur once in its file. Move them with the code.
 TEST(Structure, MutationsStandInTheirFiles) {
   std::string file, text;
   int mutations = 0;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Configures (when needed) and builds a preset: build.sh PRESET [TARGET ...]. Shows what the compiler says only when it fails.
+# Configures (when needed) and builds a preset: build.sh PRESET [TARGET ...]. It shows the output of the compiler only if it fails.
+# The program alone and the Python module need fewer packages than the rest. A build that needs more than the one before is configured again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

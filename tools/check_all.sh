@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# All that is too long for .ci/run, in the parts of tools/checks.txt: check_all.sh runs those that have not passed with the inputs that they have now, so
-# it goes on where it was interrupted; check_all.sh PART... runs these, whether they passed or not (a part with all its shares, or one: mutations.3);
-# check_all.sh --list says which there are and at which commit they passed. A part that fails stops no other. Records and what the parts print: build/checks.
+# Runs the checks that are too long for .ci/run: the parts of tools/checks.txt. check_all.sh runs the parts that have not passed with the current
+# inputs, so an interrupted run continues. check_all.sh PART... runs these parts in any case (a part with all its shares, or one: mutations.3).
+# check_all.sh --list prints the parts and the commit at which each passed. A failed part does not stop the others. Logs and records: build/checks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,15 +32,15 @@ while IFS='|' read -r name shares input command; do
   fi
 done <"${PARACAL_CHECKS:-tools/checks.txt}"
 
-# A hash of the files below paths, as they are now, committed or not; one that was removed is none.
+# A hash of the current files below paths, committed or not, without removed files.
 state() {
   local from
   read -ra from <<<"$1"
   git ls-files --cached --others --exclude-standard --deduplicate -- "${from[@]}" | { xargs -d '\n' -r sha256sum 2>/dev/null || true; } | LC_ALL=C sort | sha256sum | cut -d ' ' -f 1
 }
 key() { sha256sum <<<"$1 $2" | cut -d ' ' -f 1; }  # STATE COMMAND
-# The record of a part is "KEY COMMIT WALL CPU" of when it passed.
-passed() {  # INDEX: whether it passed with the inputs that it has now
+# The record of a part that passed is "KEY COMMIT WALL CPU".
+passed() {  # INDEX: whether it passed with the current inputs
   local of=${inputs[$1]} hash
   read -r hash _ 2>/dev/null <"$checks/${names[$1]}.passed" || return 1
   states[$of]=${states[$of]:-$(state "$of")}
@@ -54,7 +54,7 @@ for k in "${!names[@]}"; do
       read -r _ commit wall cpu <"$checks/${names[k]}.passed"
       echo "${names[k]}: passed at $commit, $wall s, $cpu CPU-s"
     else
-      echo "${names[k]}: to be run"
+      echo "${names[k]}: not passed yet"
     fi
   elif (($# == 0)); then
     passed "$k" || chosen+=("$k")
@@ -68,10 +68,10 @@ for one; do
 done
 
 tools/setup.sh
-echo "check_all: ${#chosen[@]} of ${#names[@]} parts to be run"
+echo "check_all: ${#chosen[@]} of ${#names[@]} parts to run"
 running=
 trap '[[ -z $running ]] || kill -TERM -- "-$running"; echo "check_all: interrupted" >&2; exit 130' INT TERM
-set -m  # each part is a process group, so that all of it ends when this does
+set -m  # each part is a process group, so that it ends with this script
 failed=()
 for k in "${chosen[@]}"; do
   name=${names[k]}
@@ -91,8 +91,8 @@ for k in "${chosen[@]}"; do
     continue
   fi
   echo "passed $name, $wall s, $cpu CPU-s"
-  [[ $(state "${inputs[k]}") == "$before" ]] || continue  # changed meanwhile: what passed is unknown
+  [[ $(state "${inputs[k]}") == "$before" ]] || continue  # the inputs have changed during the run
   echo "$(key "$before" "${commands[k]}") $(git describe --always --abbrev=12 --dirty --exclude '*') $wall $cpu" >"$record.new"
   mv "$record.new" "$record"
 done
-((${#failed[@]} == 0)) || { echo "check_all: failed: ${failed[*]}; what they printed is in $checks" >&2; exit 1; }
+((${#failed[@]} == 0)) || { echo "check_all: failed: ${failed[*]}; see their logs in $checks" >&2; exit 1; }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the Debian packages of a preset (release) and uses them, unpacked into an empty folder: check_package.sh [PRESET]. The program runs there, its
-# Depends lead to every library that it loads, and programs are built against the library by CMake and by pkg-config.
+# Builds the Debian packages of a preset (release) and uses them, unpacked into an empty folder: check_package.sh [PRESET]. It runs the program, checks that
+# the Depends cover every library that it loads, and builds programs with the library by CMake and by pkg-config.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -50,4 +50,4 @@ c++ -std=c++20 "$example" "${flags[@]}" -o "$root/by-pkg-config"
 for program in by-cmake/consumer by-pkg-config; do
   "$root/$program" "$work/distances.csv" "$work/poses.csv" | grep -q '^calibration of huang2016: accepted$' || fail "expected an accepted calibration of $program"
 done
-echo "packages: program and Python module run, the Depends are complete, the library is found by CMake and pkg-config"
+echo "packages: the program and the Python module run, the Depends are complete, CMake and pkg-config find the library"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Every comparison with another program and with the limits of the processor, least flattering first: comparison.sh [--write]. Builds the benchmarks (preset
-# comparison), runs them for some ten minutes and prints the section "Speed" of docs/evidence.md; with --write it puts it there, beside docs/comparison.json.
-# What is not installed is named in the table (tools/setup.sh comparison installs it). LinuxCNC's sources are fetched, to be compiled at -O3.
+# Compares paracal with other programs and with the limits of the processor: comparison.sh [--write]. It builds the benchmarks (preset comparison), runs them for
+# about ten minutes and prints the section "Speed" of docs/evidence.md. With --write it writes this section and docs/comparison.json. The table names the programs
+# that are not installed (tools/setup.sh comparison installs them). LinuxCNC's sources are downloaded and compiled with -O3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 (($# == 0)) || [[ $* == --write ]] || { echo "comparison: expected nothing or --write, got $*" >&2; exit 2; }
@@ -10,7 +10,7 @@ build=$PWD/build/comparison
 tools/setup.sh run
 tools/build.sh comparison >&2
 
-# All objects of a module at once and as one program: what LinuxCNC's makefile compiles with -Os, one by one.
+# Compiles a module as one program. LinuxCNC's makefile compiles its files one by one with -Os.
 module() {  # NAME SOURCE...
   gcc -O3 -flto -fno-semantic-interposition -fPIC -shared -DRTAPI -DUSPACE -D_GNU_SOURCE -D__MODULE__ -I/usr/include/linuxcnc -I"$sources" -Iemc/kinematics \
     -Ilibnml/posemath -o "$PARACAL_LINUXCNC_O3/$1.so" "${@:2}"
@@ -25,7 +25,7 @@ if [[ -d /usr/include/linuxcnc ]] && tools/debian_sources.sh "$build" linuxcnc >
   cd - >/dev/null
 fi
 
-# OpenBLAS at its best, whatever the environment asks of it: with AVX-512 where the processor has it. The benchmark sets its threads.
+# OpenBLAS at its fastest, independent of the environment: with AVX-512 where the processor has it. The benchmark sets its threads.
 unset "${!OPENBLAS_@}" "${!MKL_@}"
 if grep -qm 1 ' avx512f ' /proc/cpuinfo; then export OPENBLAS_CORETYPE=SkylakeX; fi
 export PARACAL_COMPARISON=$build/records.jsonl

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds and runs the tests once more to count the lines that they run, folder by folder, against floors that may only be raised: coverage.sh [K/N], a share of
-# the tests; the last of the shares to be counted of a build says the sum.
+# Builds and runs the tests to count the executed lines of each folder and compares them with minimum percentages, which may only be raised:
+# coverage.sh [K/N], a share of the tests. The last share of a build prints the sum.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,7 +12,7 @@ shopt -s nullglob
 programs=("$build"/tests/paracal-tests "$build"/tests/paracal-*-tests "$build"/tests/*/paracal-*-tests)
 newest=$(ls -td "$build/bin/paracal" "${programs[@]}" | head -n 1)
 mkdir -p "$build/coverage"
-# What was counted of another build, or by other shares, counts no more.
+# Counts of another build or of other shares are not valid.
 find "$build/coverage" -mindepth 1 -maxdepth 1 ! \( -name "*-of-${share#*/}" -newer "$newest" \) -exec rm -r {} +
 counts=$build/coverage/${share%/*}-of-${share#*/}
 rm -rf "$counts"
@@ -27,7 +27,7 @@ llvm-profdata merge -sparse "$build"/coverage/*/*.profraw -o "$build/coverage.pr
 below=0
 for folder in src/calibration src/io src/printer src/tolerance; do
   lines=$(llvm-cov report -instr-profile="$build/coverage.profdata" "$build/bin/paracal" "${objects[@]}" "$folder" | awk '/^TOTAL/ { print $10 + 0 }')
-  echo "coverage: $folder $lines % of its lines (floor ${floor[$folder]})"
+  echo "coverage: $folder $lines % of the lines (minimum ${floor[$folder]} %)"
   awk -v share="$lines" -v floor="${floor[$folder]}" 'BEGIN { exit !(share >= floor) }' || below=1
 done
 exit $below

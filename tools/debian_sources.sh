@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Unpacks the sources of Debian packages into FOLDER/sources, once: debian_sources.sh FOLDER PACKAGE... apt's lists stand in FOLDER/apt, so that those of the
-# machine stay as they are.
+# Unpacks the sources of Debian packages into FOLDER/sources, once: debian_sources.sh FOLDER PACKAGE... The package lists are in FOLDER/apt, so those of the
+# machine do not change.
 set -euo pipefail
 folder=$(realpath -m "$1")
 shift
@@ -10,7 +10,7 @@ apt_here() {
   apt-get -qq -o Dir::Etc::SourceList="$folder/apt/sources.list" -o Dir::Etc::SourceParts="$folder/apt/parts" -o Dir::State::Lists="$folder/apt/lists" "$@"
 }
 
-echo "fetching the sources of $*"
+echo "downloading the sources of $*"
 rm -rf "$folder/apt" "$folder/sources"
 mkdir -p "$folder/apt/parts" "$folder/apt/lists/partial" "$folder/sources"
 sed -n 's/^deb /deb-src /p' /etc/apt/sources.list >"$folder/apt/sources.list" 2>/dev/null || true

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the fuzz targets of fuzz/ one after the other, or two at a time on two cores: fuzz.sh SECONDS [TARGET ...]. What they find new goes to
-# build/fuzz/corpus, what breaks something to build/fuzz/found; any of that makes this fail.
+# Runs the fuzz targets of fuzz/, one per core: fuzz.sh SECONDS [TARGET ...]. New inputs go to build/fuzz/corpus, inputs that cause a failure to
+# build/fuzz/found. Any failure makes this script fail.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,11 +17,11 @@ fuzz() {  # SECONDS TARGET
   if ! "$build/fuzz/paracal-fuzz-$2" -max_total_time="$1" -timeout=20 -rss_limit_mb=4096 -max_len=65536 -print_final_stats=1 -artifact_prefix="$build/found/$2-" \
     "$build/corpus/$2" "fuzz/corpus/$2" >"$log" 2>&1; then
     tail -n 40 "$log" >&2
-    echo "fuzz: $2 found something: $build/found" >&2
+    echo "fuzz: $2 failed; the input is in $build/found" >&2
     return 1
   fi
   awk -v target="$2" '/number_of_executed_units/ { runs = $2 } / cov: / { for (k = 1; k < NF; ++k) if ($k == "cov:") edges = $(k + 1) }
-    END { printf "fuzz: %-12s %10d runs, %d edges of the code\n", target, runs, edges }' "$log"
+    END { printf "fuzz: %-12s %10d runs, %d edges of the code covered\n", target, runs, edges }' "$log"
 }
 export build
 export -f fuzz

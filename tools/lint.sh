@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# clang-format over every source file, the type checker of TypeScript over web/, and clang-tidy over the translation units of the library, the program, the
-# Python module and the examples that differ from the last commit that passed here (if unknown: the last 10 commits), and one that includes each header that does;
-# with PARACAL_TIDY_ALL over all of them, and with clang's analyzer, which takes as long again: lint.sh [K/N], of these units every N-th, from the K-th on.
-# A unit that was clean once, with all that it includes, is not looked at again, in whatever folder.
+# Runs clang-format on every source file, the type checker of TypeScript on web/, and clang-tidy: lint.sh [K/N], every N-th unit, from the K-th on.
+# clang-tidy checks the units of the library, the program, the Python module and the examples that differ from the last commit that passed here (if unknown: the
+# last 10 commits), and one unit for each changed header. With PARACAL_TIDY_ALL it checks all units, also with clang's analyzer, which doubles the time.
+# A unit that has passed with the same includes is not checked again, in any folder.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,16 +10,16 @@ share=${1:-1/1}
 tools/setup.sh
 mapfile -t sources < <(git ls-files '*.cpp' '*.hpp')
 clang-format --dry-run --Werror "${sources[@]}"
-echo "clang-format: ${#sources[@]} files clean"
+echo "clang-format: ${#sources[@]} files, no findings"
 mkdir -p build/lint
 (cd web && node_modules/.bin/tsc --noEmit --incremental --tsBuildInfoFile ../build/lint/tsc)
-echo "tsc: web/ clean"
+echo "tsc: web/, no findings"
 
 cmake --preset tidy >/dev/null
 passed=build/lint/passed
 since=$(cat "$passed" 2>/dev/null || true)
 git merge-base --is-ancestor "${since:-none}" HEAD 2>/dev/null || since=HEAD~10
-units() {  # of these patterns, those to look at
+units() {  # of these patterns, those to check
   if [[ -n ${PARACAL_TIDY_ALL:-} ]] || ! git rev-parse -q --verify "$since" >/dev/null; then
     git ls-files "$@"
     return
@@ -68,9 +68,9 @@ export -f check
 mapfile -t chosen < <({ units 'src/*.cpp' 'examples/*.cpp'; units 'apps/*.cpp' 'python/*.cpp'; } | awk -v k="${share%/*}" -v n="${share#*/}" 'NR % n == k % n')
 if ((${#chosen[@]})); then
   states "${chosen[@]}" >build/lint/states.txt
-  # Not in parsing and printing, where the analyzer takes longest and has least to say.
+  # Not for parsing and printing, where the analyzer takes longest and finds least.
   [[ -z ${PARACAL_TIDY_ALL:-} ]] || sed -i -E '/ (src|examples)\//s/$/ analyzed/' build/lint/states.txt
   xargs -P "$(nproc)" -L 1 bash -c 'check "$@"' check <build/lint/states.txt
 fi
-echo "clang-tidy: ${#chosen[@]} files clean, $(wc -l <build/lint/looked_at) of them looked at"
+echo "clang-tidy: ${#chosen[@]} files, no findings; $(wc -l <build/lint/looked_at) of them checked now"
 [[ $share != 1/1 ]] || git rev-parse HEAD >"$passed"

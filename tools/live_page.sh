@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the live page, build/live/paracal-live.html, the program as WebAssembly in one file (docs/live-page.md): live_page.sh [test]; with `test` its tests
-# run, too, against the program of build/ci or build/release. Wants the packages of the group `live` (tools/setup.sh live). The first time it fetches the
-# sources of four small libraries as Debian has them, as its packages hold them for this machine only; later it builds what has changed.
+# Builds the live page, build/live/paracal-live.html, the program as WebAssembly in one file (docs/live-page.md): live_page.sh [test]. With `test` it also compares
+# the page with the program of build/ci or build/release. It needs the packages of the group `live` (tools/setup.sh live). The first run downloads Debian's sources of
+# four small libraries, because Debian's packages contain only builds for this machine. Later runs build what has changed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$PWD/build/live
@@ -9,11 +9,11 @@ command -v emcc >/dev/null || { echo "live_page: expected emscripten, got none; 
 
 tools/debian_sources.sh "$build" fmtlib libcsv libmd nlopt
 
-export NODE_PATH=/usr/share/nodejs  # where Debian has what emscripten's linker reads JavaScript with
+export NODE_PATH=/usr/share/nodejs  # Debian's JavaScript parser for emscripten's linker
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 if [[ ! -f $build/build.ninja ]]; then
-  echo "configuring and building (live); this takes a quarter of an hour the first time"
+  echo "configuring and building (live); this takes 15 minutes the first time"
   cmake --preset live >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
 fi
 cmake --build --preset live --target paracal-app >"$log" 2>&1 || { cat "$log" >&2; exit 1; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Whether the tests notice what they are there for: mutations.sh [K/N [FILES]]. Builds a copy of the sources that holds every mutation of
-# tools/mutations.txt, asleep; wakes one after the other (every N-th, from the K-th on; with 0/N none, it only builds) and expects one of the tests named
-# with it to fail. With FILES, a pattern as 'src/calibration/*', those of these files alone. With PARACAL_EVERY_MACHINE the tests have all their machines.
+# Checks that the tests detect faults: mutations.sh [K/N [FILES]]. It builds a copy of the sources with every mutation of tools/mutations.txt, inactive. It then
+# activates one after the other (every N-th, from the K-th on; 0/N only builds) and expects one of the listed tests to fail. With FILES, a pattern such as
+# 'src/calibration/*', it tries only the mutations of these files. With PARACAL_EVERY_MACHINE the tests use their full number of machines.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -14,7 +14,7 @@ grep -oE '^[^# ]+' tools/mutations.txt | sort -u >"$build/mutated"
 { grep -rl '^static bool awake' "$tree/src" 2>/dev/null || true; } | sed "s#^$tree/##" | { grep -vxFf "$build/mutated" || true; } | sed "s#^#$tree/#" | xargs -r touch -d @0
 git ls-files --cached --others --exclude-standard | grep -vxFf "$build/mutated" | xargs -d '\n' cp --parents --no-dereference -u -t "$tree"
 
-# Asleep: an expression that is itself, or another where the environment says so. Nothing is to be compiled again for each.
+# Each expression is replaced where the environment selects it, so that one build serves all mutations.
 readonly kAwake='#include <cstdlib>
 static bool awake(int mutation) {
   static const char* const chosen = std::getenv("PARACAL_MUTATION");
@@ -31,12 +31,12 @@ while IFS= read -r line; do
       old=${line#"${line%%[! ]*}"} new=${line#*' => '} old=${old%%' =>'*}
       without=${original/"$old"/}
       if [[ $line != *' => '* || $without == "$original" || $without == *"$old"* || $text != *"$old"* ]]; then
-        echo "mutations.txt: expected an expression that stands once in $file and holds none before it, ' => ' and another, got: $line" >&2
+        echo "mutations.txt: expected an expression that occurs once in $file without an earlier one inside, ' => ' and a replacement, got: $line" >&2
         exit 2
       fi
       for one in "${before[@]}"; do
         if [[ -n $one && ${one#*' => '} == *"$old"* && ${one%%' => '*} != *"$old"* ]]; then
-          echo "mutations.txt: expected $old of $file before $one, which brings it in" >&2
+          echo "mutations.txt: expected $old of $file before $one, which inserts it" >&2
           exit 2
         fi
       done
@@ -68,7 +68,7 @@ wanted=("${chosen[@]}")
 ((${#chosen[@]})) || wanted=("${of_files[@]}")
 
 quietly() { "$@" >"$build/log" 2>&1 || { cat "$build/log" >&2; exit 1; }; }
-# Each file by itself: what is at the head of each would clash.
+# Each file is compiled alone, because their first lines would conflict.
 quietly cmake -S "$tree" --preset release -B "$build/ci" -DPARACAL_UNITY=OFF -DCMAKE_UNITY_BUILD=OFF
 mapfile -t targets < <(for k in "${wanted[@]}"; do echo "${programs[k]}"; done | sort -u)
 quietly cmake --build "$build/ci" --target "${targets[@]}"
@@ -90,7 +90,7 @@ for one in "${all[@]}"; do
   [[ ! $passed -nt $build/ci/tests/$program ]] || continue  # another share has seen it
   if awaken 0 "$program" "$filter"; then
     cat "$build/0.log" >&2
-    echo "mutations: without any, expected $one to pass" >&2
+    echo "mutations: expected $one to pass without a mutation" >&2
     exit 1
   fi
   touch "$passed"
@@ -99,7 +99,7 @@ for k in "${chosen[@]}"; do
   printf '%s\0' $((k + 1)) "${programs[k]}" "${tests[k]}"
 done | xargs -r -0 -P "$(nproc)" -n 3 bash -c 'try "$@"' try
 while read -r survivor; do
-  echo "no test of ${tests[survivor - 1]} notices ${mutations[survivor - 1]}" >&2
+  echo "no test of ${tests[survivor - 1]} detects ${mutations[survivor - 1]}" >&2
 done < <(sort -n "$build/survivors")
-echo "mutations: ${#chosen[@]} of ${#mutations[@]} tried, $(wc -l <"$build/survivors") survived"
+echo "mutations: ${#chosen[@]} of ${#mutations[@]} tried, $(wc -l <"$build/survivors") not detected"
 [[ ! -s $build/survivors ]]

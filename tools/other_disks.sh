@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Whether what is promised of files holds on disks that cannot exchange two of them in one step: exFAT, NTFS, and a folder in which nothing may change modes
-# or owners. Mounts an image of each and injects faults there (tests/cli/fault_injection_test.cpp): other_disks.sh [PRESET].
+# Tests file handling on disks that cannot exchange two files in one step: exFAT, NTFS, and a folder with fixed permissions and owners. It mounts an image of each
+# and injects faults there (tests/cli/fault_injection_test.cpp): other_disks.sh [PRESET].
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -24,12 +24,12 @@ failed=0
 for disk in exfat ntfs bound; do
   mkdir "$work/$disk"
   if ! "$disk" "$work/$disk" >"$work/$disk.log" 2>&1; then
-    echo "other_disks: not tried: this machine cannot mount $disk: $(tail -n 1 "$work/$disk.log")"
+    echo "other_disks: not tested: this machine cannot mount $disk: $(tail -n 1 "$work/$disk.log")"
     continue
   fi
   mounted+=("$work/$disk")
   echo "$disk:"
-  # Named pipes, modes and disks within disks are nothing that these have.
+  # These disks have no named pipes, modes or mounts inside.
   TMPDIR=$work/$disk "build/$preset/tests/cli/paracal-cli-tests" --gtest_brief=1 \
     --gtest_filter='*Injection*:PrinterCommand.*:-*StandardOutputsThatFail*:*FullDisks*:*EveryByte*:*MayIncludeOthers*' || failed=1
 done

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes the Debian packages of a preset (release): build/packages/*.deb, checked by lintian: package.sh [PRESET]. Their maintainer is who makes them (DEBFULLNAME and DEBEMAIL, else as git has it).
+# Builds the Debian packages of a preset (release): build/packages/*.deb, checked by lintian: package.sh [PRESET]. Their maintainer is the builder (DEBFULLNAME and
+# DEBEMAIL, otherwise from git).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -26,7 +27,7 @@ for package in $names; do
   made=$tree/packaging/$package
   mkdir -p "$made"
   { cat packaging/copyright; [[ $package != paracal ]] || "$tree/bin/paracal" --licenses | sed 's/^$/./; s/^/ /'; } >"$made/copyright"
-  printf '%s (%s-1) unstable; urgency=medium\n\n  * What has changed: CHANGELOG.md of the sources.\n\n -- %s  %s\n' \
+  printf '%s (%s-1) unstable; urgency=medium\n\n  * Changes: CHANGELOG.md of the sources.\n\n -- %s  %s\n' \
     paracal "$version" "$maintainer" "$(date -R -u -d "@$SOURCE_DATE_EPOCH")" | gzip -9n >"$made/changelog.Debian.gz"
   sed -n "s/^\[$package\] \|^[^[]/&/p" packaging/lintian-overrides | sed "s/^\[$package\] //; s/^[a-z]/$package: &/" >"$made/lintian-overrides"
 done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs a part of the checks and notes what it took: part.sh NAME COMMAND... ; a line "WALL CPU NAME" in build/parts.txt (or $PARACAL_PARTS), in seconds, CPU of
-# all processes that it started and waited for.
+# Runs a part of the checks and records its time: part.sh NAME COMMAND... It appends a line "WALL CPU NAME" to build/parts.txt (or $PARACAL_PARTS), in seconds. CPU is
+# the sum over all processes that it started and waited for.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Records what the commands of tests/corpus/commands.txt print and leave: tools/record_commands.sh PROGRAM FOLDER
-# FOLDER/NNN.out, NNN.err, NNN.rc: line NNN of the list; FOLDER/files: what they left. Two programs are compared by
+# Records the output of the commands of tests/corpus/commands.txt and their files: tools/record_commands.sh PROGRAM FOLDER
+# FOLDER/NNN.out, NNN.err, NNN.rc: line NNN of the list; FOLDER/files: the files that they write. To compare two programs, run
 # node tools/compare_records.mjs ONE OTHER.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|python|package|test|disks|live|comparison|site]. The Debian packages of packages.txt, of the group and those above it (comparison
-# and site: their own alone); then, for test and live, the npm packages that web/package-lock.json pins. Quiet, and quick when there is nothing to do.
+# Installs what is missing: setup.sh [run|python|package|test|disks|live|comparison|site]. These are the Debian packages of packages.txt of the group and the groups
+# above it (comparison and site: only their own), and for test and live the npm packages of web/package-lock.json. It is quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -10,16 +10,16 @@ mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 
 missing=()
 for package in "${wanted[@]}"; do
   [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] && continue
-  command -v "$package" >/dev/null || missing+=("$package")  # a program from elsewhere is as good
+  command -v "$package" >/dev/null || missing+=("$package")  # a program from elsewhere is also accepted
 done
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# quietly WHAT COMMAND...: shows what the command said only when it fails.
+# quietly WHAT COMMAND...: shows the output of the command only if it fails.
 quietly() {
   "${@:2}" >"$log" 2>&1 && return
   tail -n 20 "$log" >&2
-  echo "setup: $1 failed (the lines above are its own)" >&2
+  echo "setup: $1 failed; its output is above" >&2
   exit 1
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes build/site unless it is up to date: the documents, and the reference of the headers, to be read in a browser, from a disk, too. A link that leads
-# nowhere, an equation that cannot be set and whatever doxygen warns of fail it.
+# Builds build/site unless it is up to date: the documents and the reference of the headers, for a browser, also from a disk. A dead link, an equation that cannot be
+# typeset and any warning of doxygen make it fail.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

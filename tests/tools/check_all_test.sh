@@ -86,7 +86,7 @@ wait $! || code=$?
 [[ $code == 130 ]] || { echo "expected exit code 130, got $code" >&2; exit 1; }
 expect "list" 0 "" --list
 says '^two.2: passed'
-says '^wait: to be run$'
+says '^wait: not passed yet$'
 for ((k = 0; k < 100; ++k)); do
   [[ $(sed 's/.*) //' "/proc/$(<pid)/stat" 2>/dev/null) == [!Z]* ]] || break  # it may wait to be buried
   sleep 0.05
