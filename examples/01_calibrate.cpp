@@ -1,5 +1,5 @@
-// Calibrates the robot of Huang et al. 2016 from the distances that a laser tracker measured on it, and asks where the
-// arms must stand so that the real machine reaches a pose.
+// Calibrates the robot of Huang et al. (2016) from distances measured with a laser tracker, and computes the joint
+// angles with which the actual machine reaches a pose.
 //
 //   01_calibrate data/huang2016/distances.csv data/huang2016/poses.csv
 

@@ -1,5 +1,5 @@
-// Tries a calibration on a virtual machine before anyone measures: chooses poses, draws a machine from the tolerances,
-// measures it with a tracker that stands anywhere, calibrates, predicts a pose, and validates on poses not seen before.
+// Simulates a calibration before the measurement: selects poses, draws a machine from the tolerances, simulates tracker
+// measurements in an unknown frame, calibrates, predicts a pose, and validates on other poses.
 
 #include <cmath>
 #include <cstdio>
@@ -14,13 +14,13 @@ using namespace paracal;
 int main() {
   const Robot robot = catalogue::huang2016();
   const Selection plan = select_stations(robot, candidate_stations(robot, 2000, 1), {.poses = 20});
-  std::printf("plan: %zu poses, distances to home known to %.3f mm (U = 2 std, worst in the workspace)\n",
+  std::printf("plan: %zu poses, uncertainty over the workspace: distances to home below %.3f mm (U, k = 2)\n",
               plan.stations.size(), kCoverageFactor * plan.uncertainty.max_distance);
 
   RandomStream random(7);
   const SourceErrors truth = draw_errors(*robot.tolerances(), robot.limb_count(), random);
-  VirtualInstrument tracker{.noise = 0.017, .repeats = 3};  // mm a coordinate
-  tracker.frame.translation = {2500, -800, 300};            // not told to the fit
+  VirtualInstrument tracker{.noise = 0.017, .repeats = 3};  // mm per coordinate
+  tracker.frame.translation = {2500, -800, 300};            // unknown to the fit
   const Calibration calibration = calibrate(robot, simulate(robot, truth, plan.stations, tracker, random));
   std::printf("calibration: %s, noise %.3f mm\n", name(calibration.verdict).data(), calibration.noise);
   if (!calibration.accepted()) return 1;
@@ -37,7 +37,7 @@ int main() {
 
   const Measurements unseen = simulate(robot, truth, validation_stations(robot), tracker, random);
   const Validation validation = validate(robot, known, unseen, {.limits = {.distance = 0.1}});
-  std::printf("validation: distances to home off by %.3f mm before, %.3f mm after; limit 0.1 mm: %s\n",
+  std::printf("validation: largest error of distances to home %.3f mm before, %.3f mm after; limit 0.1 mm: %s\n",
               validation.before.max_abs_distance, validation.after.max_abs_distance,
               name(validation.checks.front().conformity).data());
   return validation.accepted ? 0 : 1;

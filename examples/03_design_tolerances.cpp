@@ -1,5 +1,5 @@
-// Allocates the tolerances that keep the plate's tilt below 0.1 / 100 (3 sigma), once as in Table 2 of Huang et al.
-// 2016 and once with a price for precise angles, and draws a batch to see how many machines keep it.
+// Allocates tolerances for a plate tilt below 0.1 / 100 (3 sigma), once as in Table 2 of Huang et al. (2016) and once
+// with higher costs of precise angles. It then draws a batch to compute the yield.
 
 #include <cstdio>
 #include <paracal/paracal.hpp>
