@@ -48,7 +48,7 @@ void report_allocation() {
   const auto seconds = interleave({[&] { keep(allocate(robot, sums)); }, [&] { keep(allocate(robot, true_maximum)); },
                                    [&] { keep(allocate(robot, problem)); }},
                                   kRounds);
-  fmt::print("\nAllocation on huang2016, one thread, {} rounds (aim: tens of milliseconds)\n", kRounds);
+  fmt::print("\nAllocation on huang2016, one thread, {} rounds (target: tens of milliseconds)\n", kRounds);
   fmt::print("{:<46}{:>9}{:>9}{:>9}{:>9}\n", "ms", "median", "p99", "max", "cutting");
   print_row("equal influence, sum of maxima", seconds[0], allocate(robot, sums));
   print_row("equal influence, true maximum", seconds[1], allocate(robot, true_maximum));

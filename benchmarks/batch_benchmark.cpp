@@ -1,11 +1,11 @@
-// What a batch of virtual machines costs on huang2016: a machine beside its forward solves and its fit timed alone,
-// machines a second on one and two threads, and memory. Plain chrono code for the reasons that kinematics_benchmark.cpp
-// gives.
+// Cost of a batch of simulated machines of huang2016: time per machine compared with its forward solutions and its fit
+// alone, machines per second on one and two threads, and memory. kinematics_benchmark.cpp explains why it uses plain
+// chrono code.
 //
 //   paracal-batch-benchmark             a machine, and machines a second
 //   paracal-batch-benchmark memory      peak memory of few and many machines; some minutes
 //
-// Reports and never judges: the exit status is 0 whatever the figures.
+// It only reports: the exit status is always 0.
 
 #include <fmt/format.h>
 
@@ -93,7 +93,8 @@ void report_machines() {
   fmt::print("{:<8}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "ms", "ms", "ms", "ms", "");
   report_machine(paper_batch(Method::best), "best");
   report_machine(paper_batch(Method::paper), "paper");
-  fmt::print("ratio: machine over the sum of its forward solves and its fit timed alone (aim: at most 1.5)\n");
+  fmt::print(
+      "ratio: time of a machine divided by the sum of its forward solutions and its fit alone (target: at most 1.5)\n");
 }
 
 void report_threads() {
@@ -102,7 +103,7 @@ void report_threads() {
     return [&batch, threads] { keep(exactly(batch, {0, 2 * kMachines}, threads, kNeverStop)); };
   };
   const auto seconds = interleave({chunk(1), chunk(2)}, kRounds);
-  fmt::print("\nMachines a second: {:.0f} on 1 thread, {:.0f} on 2 threads; 2 threads are {:.2f} times as fast\n",
+  fmt::print("\nMachines per second: {:.0f} on 1 thread, {:.0f} on 2 threads; 2 threads are {:.2f} times as fast\n",
              2 * kMachines / spread_of(seconds[0]).median, 2 * kMachines / spread_of(seconds[1]).median,
              median_ratio(seconds[0], seconds[1]));
 }
@@ -128,12 +129,12 @@ void report_memory() {
       keep(jobs::run_batch(batch, {.machines = machines, .threads = 2}, chunk_sizes(batch, machines), job, kNeverStop));
     });
   };
-  fmt::print("\nPeak memory of a process with 2 threads, MB ({:.1f} with nothing)\n", peak_memory([] {}));
+  fmt::print("\nPeak memory of a process with 2 threads, MB ({:.1f} without work)\n", peak_memory([] {}));
   for (const std::uint64_t machines : {10'000U, 100'000U, 1'000'000U}) {
-    fmt::print("  {:>8} machines of a cheap plan   {:>8.1f}\n", machines, peak_of(cheap, machines));
+    fmt::print("  {:>8} machines, small plan        {:>8.1f}\n", machines, peak_of(cheap, machines));
   }
   for (const std::uint64_t machines : {1'000U, 10'000U}) {
-    fmt::print("  {:>8} machines of the paper's    {:>8.1f}\n", machines, peak_of(paper, machines));
+    fmt::print("  {:>8} machines, paper's plan     {:>8.1f}\n", machines, peak_of(paper, machines));
   }
 }
 

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Do the intervals of batches hold, and what would exact machines alone cost: the table of docs/scale.md.
+"""Checks the intervals of batches and compares them with exact machines alone: the table of docs/scale.md.
 
-    batch_intervals.py PROGRAM [ROBOT ...]    about 3 minutes a robot on two cores
+    batch_intervals.py PROGRAM [ROBOT ...]    about 3 minutes per robot on two cores
 
-Five batches of 100,000 machines against 20,000 exact ones with another seed: how many intervals overlap, have no upper
-end or no width; and for each percentile how many times as many exact machines, counted alone, would have told as much.
+Compares five batches of 100,000 machines with 20,000 exact ones of another seed. It counts the intervals that overlap, have
+no upper end or no width. For each percentile it prints by what factor a count of exact machines alone would need more of
+them for the same interval.
 """
 
 import json

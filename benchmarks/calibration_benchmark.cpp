@@ -1,9 +1,9 @@
-// Time of calibration and of pose selection on huang2016, beside other ways to the same answers. Plain chrono code for
-// the reasons that kinematics_benchmark.cpp gives.
+// Time of calibration and of pose selection on huang2016, compared with other methods for the same results.
+// kinematics_benchmark.cpp explains why it uses plain chrono code.
 //
 //   paracal-calibration-benchmark
 //
-// Reports and never judges: the exit status is 0 whatever the figures.
+// It only reports: the exit status is always 0.
 
 #include <fmt/format.h>
 

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """The fine fits of paracal-calibration-benchmark by SciPy: calibration_opponent.py TASKS.json, started by it.
 
-For each line of standard input, a method of least_squares(), it solves all fits and prints the largest share by which a
-cost is off the expected one. The same readings, priors and start; loop closures of all stations by one Newton
-iteration in vectorised NumPy, started at the commanded poses; derivatives by differences, as least_squares() takes them
-when it is given none.
+Each line of standard input is a method of least_squares(). The program solves all fits by it and prints the largest
+relative error of a cost. Readings, priors and start are the same. One Newton iteration in vectorised NumPy closes the
+loops of all stations, from the commanded poses. Derivatives are differences, the default of least_squares().
 """
 
 import json
@@ -51,10 +50,10 @@ class Robot:
         self.base = robot["base_radius"] * self.radial
         self.plate = robot["plate_radius"] * self.radial
         self.arm, self.rod, self.width = robot["arm"], robot["rod"], robot["parallelogram_width"]
-        self.slide = np.outer(robot["slide_sign"], robot["slide_axis"])  # how far the plate joints move with it
+        self.slide = np.outer(robot["slide_sign"], robot["slide_axis"])  # motion of the plate joints per unit of slide
 
     def elbows(self, errors, joints):
-        """Where the rods are hinged at the elbows: stations x limbs x 2 x 3, mm."""
+        """Joints of the rods at the elbows: stations x limbs x 2 x 3, mm."""
         frame = self.frame @ rotation(0, errors[:, ALPHA0]) @ rotation(1, errors[:, BETA0])
         arm = frame @ rotation(2, joints + errors[:, THETA])
         side = arm @ (rotation(0, errors[:, ALPHA2]) @ rotation(1, errors[:, BETA2]))[:, :, 2:]
@@ -64,7 +63,7 @@ class Robot:
         return centre[:, :, None, :] + SIDES[:, None] * half[:, :, None, :]
 
     def hinges(self, errors):
-        """Where the rods are hinged on the plate while the slide is at zero: limbs x 2 x 3, mm."""
+        """Joints of the rods on the plate, with the slide at zero: limbs x 2 x 3, mm."""
         frame = (self.frame @ rotation(0, errors[:, ALPHA0] - errors[:, ALPHA03])
                  @ rotation(1, errors[:, BETA0] - errors[:, BETA03]))
         return self.plate[:, None, :] + SIDES[:, None] * 0.5 * self.width * frame[:, None, :, 2]

@@ -2,13 +2,13 @@
 
 namespace paracal::benchmark {
 
-/// Time of a fine fit from parsed readings, beside Ceres Solver and SciPy where they were found.
+/// Time of a fine fit from parsed readings, compared with Ceres Solver and SciPy if installed.
 void report_fine_fit();
 
-/// Time a pair and memory of the paper's method with the distances of all pairs of points.
+/// Time per pair and memory of the paper's method with the distances of all pairs of points.
 void report_pairs();
 
-/// Time of choosing 20 of 10,000 poses, beside evaluating every exchange afresh.
+/// Time of choosing 20 of 10,000 poses, compared with evaluating every exchange from the start.
 void report_selection();
 
 }  // namespace paracal::benchmark

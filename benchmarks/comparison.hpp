@@ -7,8 +7,8 @@
 
 namespace paracal::benchmark {
 
-// Records for tools/comparison.sh: lines of JSON, appended to the file that PARACAL_COMPARISON names. Without it
-// nothing is written.
+// Records for tools/comparison.sh: lines of JSON, appended to the file named by PARACAL_COMPARISON. Without it nothing
+// is written.
 
 /// One candidate of interleave().
 struct Work {

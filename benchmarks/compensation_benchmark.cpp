@@ -1,9 +1,9 @@
-// The compensator of a controller: its time beside the nominal inverse of the same run, its slowest calls, and what
-// each way leaves over; and the speed of the filter that corrects programs.
+// The compensator of a controller: its time compared with the nominal inverse, its slowest calls, and the remaining
+// error of each method; and the speed of the filter that corrects programs.
 //
-// Reports and never judges: the exit status is 0 whatever the figures. Candidates take turns in many short rounds, as
-// in kinematics_benchmark.cpp. The slowest calls are timed one by one and hold whatever the operating system does
-// meanwhile; an empty call, timed alike, says how much of a figure is the clock.
+// It only reports: the exit status is always 0. Candidates run in turn in many short rounds, as in
+// kinematics_benchmark.cpp. The slowest calls are timed individually and include interruptions by the operating system.
+// An empty call, timed in the same way, shows the part of the clock.
 
 #include <fmt/format.h>
 
@@ -156,7 +156,7 @@ void report_times(const Task& task) {
   passes.reserve(candidates.size());
   for (const Candidate& candidate : candidates) passes.push_back(candidate.pass);
   const auto seconds = interleave(passes, kRounds);
-  fmt::print("{:<36}{:>10}{:>10}{:>24}\n", "one pose, ns", "median", "p99", "of the nominal inverse");
+  fmt::print("{:<36}{:>10}{:>10}{:>24}\n", "one pose, ns", "median", "p99", "/ nominal inverse");
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Spread spread = spread_of(seconds[k]);
     const double to_ns = 1e9 / static_cast<double>(kPoses);
@@ -232,7 +232,7 @@ void report_slowest_calls(const Task& task, std::int64_t calls) {
   fmt::print("{:<36}{:>10}{:>10}{:>10}{:>12}   over {:g} calls\n", "one call, ns", "median", "p99", "p99.99", "max",
              static_cast<double>(calls));
   report_slowest(
-      "nothing but the clock", [](std::size_t) {}, calls);
+      "clock only", [](std::size_t) {}, calls);
   report_slowest("exact, position group", Call<double>(task, without_tilt_group(task.errors), CompensationWay::exact),
                  calls);
   report_slowest("exact, all errors", Call<double>(task, task.errors, CompensationWay::exact), calls);
@@ -307,7 +307,7 @@ Left left_over(const Task& task, const Way& way) {
 }
 
 void report_left_over(const Task& task) {
-  fmt::print("{:<36}{:>12}{:>14}{:>16}   {} machines, {} poses each\n", "left over by", "rms, um", "max, um",
+  fmt::print("{:<36}{:>12}{:>14}{:>16}   {} machines, {} poses each\n", "remaining error of", "rms, um", "max, um",
              "max, deg", kMachines, kPoses);
   for (const Way& way : kWays) {
     const Left left = left_over(task, way);

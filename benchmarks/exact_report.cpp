@@ -76,8 +76,8 @@ void report_exact_monte_carlo(unsigned threads) {
            .threads = static_cast<int>(threads),
            .note = "paracal also draws machines and counts"},
           {seconds[1], kMachines}, {seconds[0], kMachines});
-  print_row("monte_carlo(), all of it", seconds[1], task.poses.size(), median_ratio(seconds[1], seconds[0]));
-  print_row("  its forward solutions alone", seconds[0], task.poses.size(), 1.0);
+  print_row("monte_carlo(), complete", seconds[1], task.poses.size(), median_ratio(seconds[1], seconds[0]));
+  print_row("  only its forward solutions", seconds[0], task.poses.size(), 1.0);
 }
 
 }  // namespace paracal::benchmark

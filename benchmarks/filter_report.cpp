@@ -93,8 +93,8 @@ void compare_with_mawk(const TargetCorrection& all, const TargetCorrection& leve
       kRounds);
   std::filesystem::remove(path);
   const char* note =
-      "paracal also inverts the machine with errors at each line, follows the modes of the program, divides long "
-      "blocks, adjusts feeds and refuses what it cannot correct; the awk program does nothing of this";
+      "paracal also inverts the machine with errors, follows the modes of the program, divides long blocks, adjusts "
+      "feeds and refuses invalid programs; the awk program does not";
   constexpr double kCount = static_cast<double>(kBlocks) * kLines;
   const Work theirs{seconds[2], kCount};
   compare({.task = task + "all errors", .opponent = kOpponent, .unit = "us per line", .note = note},
@@ -116,7 +116,7 @@ void report_filter(const Task& task) {
   };
   const auto seconds =
       interleave({pass(all, comments, 1), pass(level, lines, 1), pass(all, lines, 1), pass(all, lines, 0)}, kRounds);
-  fmt::print("{:<36}{:>10}{:>12}   {:.0f} bytes a line\n", "filter of G-code", "MB/s", "us per line", line_size);
+  fmt::print("{:<36}{:>10}{:>12}   {:.0f} bytes per line\n", "filter of G-code", "MB/s", "us per line", line_size);
   constexpr std::array kNames{"the same lines as comments", "position group", "all errors", "all errors, all threads"};
   for (std::size_t k = 0; k < kNames.size(); ++k) {
     const double bytes_a_second = 4 * kMegabyte / spread_of(seconds[k]).median;

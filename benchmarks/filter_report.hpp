@@ -4,7 +4,7 @@
 
 namespace paracal::benchmark {
 
-/// Speed of the G-code filter, beside the same lines as comments, and its memory for a short and a long program.
+/// Speed of the G-code filter, compared with the same lines as comments, and its memory for a short and a long program.
 void report_filter(const Task& task);
 
 }  // namespace paracal::benchmark

@@ -42,7 +42,7 @@ std::vector<Solver> solvers_of(const std::vector<FineFit>& fits,
                                const std::vector<std::unique_ptr<FineSolve>>& fine_solves) {
   std::vector<Solver> solvers{
       {"calibrate(): rough, fine, evidence", [&](std::size_t k) { return calibrate_all(fits[k]); }},
-      {"its fine least squares alone", [&](std::size_t k) { return (*fine_solves[k])(); }},
+      {"only its fine least squares", [&](std::size_t k) { return (*fine_solves[k])(); }},
   };
 #ifdef PARACAL_BENCHMARK_CERES
   const auto add_ceres = [&](const char* how, const char* name, CeresCost cost, CeresSolver solver) {
@@ -94,10 +94,10 @@ double factorization_operations(const FineFit& fit, double iterations) {
 
 void print_header(const FineFit& fit) {
   fmt::print(
-      "\nFine fit of huang2016: {} points of {} mm, {} source errors with priors, {} of the frame; {} machines in "
-      "turn,\n"
-      "{} rounds. All but calibrate() start where its rough stage ends, with the frame that fits best there.\n"
-      "(cost: how far above and below fine alone, a share)\n",
+      "\nFine fit of huang2016: {} points, noise {} mm, {} source errors with priors, {} unknowns of the frame; {} "
+      "machines in\n"
+      "turn, {} rounds. All except calibrate() start at the end of its rough stage, with the best frame there.\n"
+      "(cost: relative difference above and below the fine fit alone)\n",
       fit.points.size(), fit.sigma, kSources, kFrame, kMachines, kRounds);
   fmt::print("{:<72}{:>8}{:>8}{:>8}{:>14}{:>14}{:>12}{:>18}\n", "ms per fit", "median", "p99", "max", "calibrate()",
              "fine alone", "iterations", "cost, at most");
@@ -115,7 +115,7 @@ void print_row(const Solver& solver, const Agreement& agreement, const std::vect
 
 void print_floor(const FineFit& fit, double iterations, const std::vector<std::vector<double>>& seconds) {
   const double operations_a_second = compiled_peak().operations / spread_of(seconds.back()).median;
-  fmt::print("floor: one QR of its rows a linearization at the peak of one core, {:.1f} GFLOP/s: {:.3f} ms\n",
+  fmt::print("lower bound: one QR of its rows per linearization at the peak of one core, {:.1f} GFLOP/s: {:.3f} ms\n",
              operations_a_second * 1e-9, factorization_operations(fit, iterations) / operations_a_second * 1e3);
 }
 
@@ -142,7 +142,7 @@ void record(const std::vector<Solver>& solvers, const std::vector<Agreement>& ag
 void report_scipy(const std::vector<FineFit>& fits, const std::vector<double>& costs, const Pass& ours) {
   ScipyFits scipy(fits, costs);
   if (scipy.versions().empty()) {
-    fmt::print("SciPy (python3-scipy) is not installed: no opponent\n");
+    fmt::print("SciPy (python3-scipy) is not installed: no comparison\n");
     return not_installed(kTask, "SciPy", "python3-scipy");
   }
   const std::vector<std::string> methods{"trf", "lm"};

@@ -5,8 +5,8 @@
 
 namespace paracal::benchmark {
 
-/// The least-squares part of calibrate()'s fine stage alone, from the start of a FineFit: no rough stage before it, no
-/// evidence after it.
+/// Only the least-squares part of calibrate()'s fine stage, from the start of a FineFit, without the rough stage before
+/// and the evidence after it.
 class FineSolve {
  public:
   explicit FineSolve(const FineFit& fit);

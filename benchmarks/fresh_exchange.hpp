@@ -7,7 +7,7 @@
 
 namespace paracal::benchmark {
 
-/// Criterion::pose_uncertainty of a set of poses, formed afresh: what select_stations() brings up to date instead.
+/// Criterion::pose_uncertainty of a set of poses, computed from the start, where select_stations() updates it.
 ///
 ///   tr(B C) = |L^-1 M|^2,   C^-1 = L L^T = I + sum_k A_k^T A_k,   B = M M^T,
 ///

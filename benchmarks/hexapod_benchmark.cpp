@@ -1,8 +1,8 @@
-// Time and heap allocations of a hexapod's kinematics at a pose: the inverse beside its floor, and the forward
-// kinematics along a path, from the pose before, beside LinuxCNC's genhexkins.
+// Time and heap allocations of a hexapod's kinematics at a pose: the inverse compared with a lower bound, and the
+// forward kinematics along a path, from the previous pose, compared with LinuxCNC's genhexkins.
 //
-// Candidates take turns in many short rounds, as in kinematics_benchmark.cpp, whose header says why. Reports and never
-// judges: the exit status is 0 whatever the figures.
+// Candidates run in turn in many short rounds, for the reasons in kinematics_benchmark.cpp. It only reports: the exit
+// status is always 0.
 
 #include <fmt/format.h>
 
@@ -205,7 +205,7 @@ void report(const Robot& robot) {
          for (const Pose& pose : poses) keep(inverse(nominal, pose));
        },
        0},
-      {"inverse, 8 errors a strut",
+      {"inverse, 8 errors per strut",
        [&] {
          for (const Pose& pose : poses) keep(inverse(machine, pose));
        },
@@ -213,7 +213,7 @@ void report(const Robot& robot) {
       {"forward from the last pose, nominal", along(nominal, joints), kForward},
       {"forward from the last pose, 8 errors", along(machine, with_errors), kForward},
   };
-  fmt::print("\n{}: a path of {} poses, {} rounds; {:.2f} iterations per pose, back within {:.1g} mm and rad\n",
+  fmt::print("\n{}: a path of {} poses, {} rounds; {:.2f} iterations per pose, largest difference {:.1g} mm and rad\n",
              robot.name(), kPoses, kRounds, iterations / static_cast<double>(kPoses), largest);
   std::vector<std::pair<std::string, Genhexkins>> opponents;
   for (const LinuxcncBuild& build : linuxcnc_builds()) {
@@ -221,9 +221,9 @@ void report(const Robot& robot) {
     const Genhexkins opponent(nominal, build);
     if (opponent.loaded()) {
       opponents.emplace_back(title, opponent);
-      fmt::print("{} back within {:.1g} mm and deg\n", title, difference(opponent, emc, lengths));
+      fmt::print("{}: largest difference {:.1g} mm and deg\n", title, difference(opponent, emc, lengths));
     } else {
-      fmt::print("{} is not there\n", title);
+      fmt::print("{} is not installed\n", title);
       not_installed("kinematics of a hexapod", title, "linuxcnc-uspace-dev");
     }
   }
@@ -262,5 +262,5 @@ void report(const Robot& robot) {
 int main() {
   fmt::print("{}", host_description());
   report(io::read_robot(io::robot_template("hexapod")));
-  fmt::print("genhexkins: a call of forward iterates once more, for its display pins\n");
+  fmt::print("genhexkins: a forward call needs one more iteration for its display pins\n");
 }

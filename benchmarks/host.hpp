@@ -5,7 +5,7 @@
 
 namespace paracal::benchmark {
 
-/// What the figures were measured on.
+/// The computer and build of the measurements.
 struct Host {
   std::string version;  ///< of the library, and its build()
   std::string build;

@@ -5,7 +5,7 @@
 
 namespace paracal::benchmark {
 
-/// Makes the compiler believe that a value is read, so that the work behind it is done.
+/// Makes the compiler assume that a value is read, so that its computation is not removed.
 template <typename Value>
 void keep(const Value& value) {
   asm volatile("" : : "m"(value) : "memory");

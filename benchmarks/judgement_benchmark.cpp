@@ -1,6 +1,6 @@
-// What a calibration says of machines whose truth the model does not hold: the table of docs/judgement.md.
+// Results of calibrations of machines that differ from the model: the table of docs/judgement.md.
 //
-//   [mpirun -n RANKS] paracal-judgement-benchmark [MACHINES [WORLD [ROBOT [notes]]]]
+//   [mpirun -n RANKS] paracal-judgement-benchmark [MACHINES [SCENARIO [ROBOT [notes]]]]
 
 #include <fmt/format.h>
 
@@ -89,10 +89,10 @@ int main(int argc, char** argv) {
     if (name.find(wanted_robot) == std::string::npos) continue;
     const Robot robot = robot_named(name);
     const Bench bench = bench_of(robot);
-    fmt::print("\n{}, {} machines a world\n\n", robot.name(), machines);
+    fmt::print("\n{}, {} machines per scenario\n\n", robot.name(), machines);
     fmt::print(
-        "| world                           | accepted, % | with a note, % | errors held, % | distances held, % | "
-        "largest error of a distance, mm | largest U, mm | beyond U in use, % | U over the oracle's | ms |\n"
+        "| scenario                        | accepted, % | with a note, % | errors covered, % | distances covered, % | "
+        "largest error of a distance, mm | largest U, mm | above U in the workspace, % | U / ideal U | ms |\n"
         "|---|---|---|---|---|---|---|---|---|---|\n");
     for (const World& world : wrong_worlds()) {
       if (!wanted.empty() && world.name.find(wanted) == std::string::npos) continue;

@@ -1,12 +1,11 @@
 // Time, heap allocations and floating point work of the kinematics at a pose, on every robot of the catalogue.
 //
-// Plain chrono code rather than Google Benchmark: the figures that matter are ratios between functions, and a machine
-// shared with others is disturbed for longer than one function's measurement. So candidates and baselines take turns in
-// many short rounds, ratios are formed within a round, and the median of the rounds is reported. Google Benchmark
-// finishes one candidate before it starts the next (its random interleaving repeats whole measurements) and pairs
-// nothing.
+// It uses plain chrono code instead of Google Benchmark. The important figures are ratios between functions, and other
+// load on a shared machine lasts longer than the measurement of one function. Candidates and baselines therefore run in
+// turn in many short rounds. Ratios are computed within a round, and the median of the rounds is reported. Google
+// Benchmark finishes one candidate before the next (its random interleaving repeats whole measurements), without pairs.
 //
-// Reports and never judges: the exit status is 0 whatever the figures.
+// It only reports: the exit status is always 0.
 
 #include <fmt/format.h>
 
@@ -81,7 +80,7 @@ std::vector<Candidate> candidates_of(const Task& task, const Floor& floor) {
   const Iterations forward_iterations = iterations_of(actual_forward);
   const Iterations inverse_iterations = iterations_of(actual_inverse);
   return {
-      {"floor: sqrt, atan2 per limb", [&floor] { floor.pass(); }, operations.floor},
+      {"lower bound: sqrt, atan2", [&floor] { floor.pass(); }, operations.floor},
       {"inverse, nominal", each_pose(nominal_inverse), operations.inverse, {}, kFloor},
       {"forward, 14 errors per limb", each_pose(actual_forward),
        operations.forward_start + forward_iterations.mean * operations.forward_iteration, forward_iterations, kInverse},
@@ -137,7 +136,7 @@ void report(const Robot& robot) {
   print_header(task);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::size_t baseline = candidates[k].baseline;
-    print_row(candidates[k], baseline == kFloor ? "floor" : "inverse", seconds[k], seconds[baseline], peak);
+    print_row(candidates[k], baseline == kFloor ? "lower bound" : "inverse", seconds[k], seconds[baseline], peak);
     if (task.robot.name() == "huang2016" && k != kFloor) {
       compare_with_peak(fmt::format("`huang2016`: {}", candidates[k].name), "ns per pose", kPoses,
                         candidates[k].operations.arithmetic, seconds[k], machine, seconds.back(), peak);
@@ -152,7 +151,7 @@ void report(const Robot& robot) {
   fmt::print("peak of one core, multiply and add in turn: {:.1f} GFLOP/s; {}: {:.1f} GFLOP/s\n",
              compiled_peak().operations / spread_of(peak).median * 1e-9, machine.name,
              machine.operations / spread_of(seconds.back()).median * 1e-9);
-  fmt::print("floor's arctangents against the joints of the inverse: {:.1g} rad apart at most\n",
+  fmt::print("arctangents of the lower bound and joints of the inverse differ by at most {:.1g} rad\n",
              floor.difference(task));
 }
 
@@ -161,11 +160,9 @@ void report(const Robot& robot) {
 int main() {
   fmt::print("{}", host_description());
   fmt::print(
-      "\nEverything is for one pose. Times: median, 99th percentile and maximum over the rounds; ratios: median of "
-      "the\n"
-      "ratios within the rounds (aims: inverse at most 2 floors, forward at most 30 inverses). flop: + - * / and "
-      "square\n"
-      "roots; calls: of sin, cos, atan2, which GFLOP/s and the share of the peak leave out.\n");
+      "\nAll figures are per pose. Times: median, 99th percentile and maximum over the rounds; ratios: median of the\n"
+      "ratios within the rounds (targets: inverse at most 2 lower bounds, forward at most 30 inverses). flop: + - * /\n"
+      "and square roots; calls: sin, cos and atan2, which GFLOP/s and the percentage of the peak do not include.\n");
   for (const std::string_view name : catalogue::names()) {
     const Robot robot = catalogue::find(name);
     if (robot.actuator() == Actuator::revolute) report(robot);  // the floor is that of arms

@@ -113,15 +113,15 @@ void print_share(const char* name, const Rounds& seconds, std::size_t index, dou
 void print_ours(const TiltTask& task, const Parts& parts, const Rounds& seconds) {
   const std::size_t poses = task.poses.size();
   fmt::print("{:<36}{:>9}{:>9}{:>9}{:>16}\n", "ns per machine", "median", "p99", "max", "Mega poses/s");
-  print_row("monte_carlo(), all of it", seconds[kAll], kMachines, poses);
-  print_row("  random numbers alone", seconds[kDraw], kMachines, poses);
-  print_row("  product alone", seconds[kProduct], kMachines, poses);
-  print_row("  the rest: reduction, yield, set-up", remainder(seconds), kMachines, poses);
+  print_row("monte_carlo(), complete", seconds[kAll], kMachines, poses);
+  print_row("  only random numbers", seconds[kDraw], kMachines, poses);
+  print_row("  only the product", seconds[kProduct], kMachines, poses);
+  print_row("  the rest: reduction, yield, setup", remainder(seconds), kMachines, poses);
   const double operations = static_cast<double>(kMachines) * parts.operations_a_machine();
   fmt::print("peak: products of {} x {} by Eigen, {:.2f} GFLOP/s\n", kSize, kSize,
              Parts::large_operations() / spread_of(seconds[kPeak]).median * 1e-9);
-  print_share("monte_carlo(), counting its product only (aim: at least 40 %)", seconds, kAll, operations);
-  print_share("product alone", seconds, kProduct, operations);
+  print_share("monte_carlo(), only operations of its product (target: at least 40 %)", seconds, kAll, operations);
+  print_share("only the product", seconds, kProduct, operations);
 }
 
 #ifdef PARACAL_BENCHMARK_OPENTURNS
@@ -167,7 +167,7 @@ void print_opponent(const TiltTask& task, const OpenTurnsTilt& opponent, const R
              .note = "OpenTURNS computes only sigma; paracal also computes its interval and the yield"},
             {seconds[kAll], kMachines}, {seconds[kOpponent + k], kOpponentMachines});
     fmt::print(
-        "  {:.2f} times ours (aim: at least 20); sigma at the worst pose {:.4f} mrad, ours {:.4f}: {:.1f} standard "
+        "  {:.2f} times ours (target: at least 20); sigma at the worst pose {:.4f} mrad, ours {:.4f}: {:.1f} standard "
         "errors apart\n",
         ratio, 1e3 * theirs, 1e3 * drawn.at_worst().sigma, standard_errors_apart(drawn.at_worst(), theirs));
   }

@@ -8,8 +8,8 @@
 
 namespace paracal::benchmark {
 
-/// How OpenTURNS is asked for the response of a Sample. Each is one matrix product (BLAS) for all its machines; none
-/// calls a function or makes a Point a machine, as any other Function of OpenTURNS does.
+/// Methods of OpenTURNS to compute the response of a Sample. Each is one matrix product (BLAS) for all machines. None
+/// calls a function or creates a Point per machine, as other Functions of OpenTURNS do.
 enum class OpenTurnsWay : std::uint8_t {
   linear_function,  ///< LinearFunction, one Sample of all machines: as its manual shows
   small_samples,    ///< LinearFunction, Samples below the 128 KB that malloc fetches afresh from the system every time,

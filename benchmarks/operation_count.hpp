@@ -5,10 +5,10 @@
 
 namespace paracal::benchmark {
 
-/// The work of one pose on one robot as the sources of the library spell it; what a compiler may share or drop is
-/// counted. Templates of the library and most of Eigen's are run on counting numbers. Lines that the library has for
-/// double alone, and factorizations, are counted by hand in operation_count.cpp, and follow the sources by hand. All
-/// sums are 0 to 8 % below what the library did when all of it was once rewritten to run on counting numbers.
+/// The operations of one pose on one robot as written in the sources, including those that a compiler may share or
+/// omit. Templates of the library and most of Eigen's run on counting numbers. Code for double alone and factorizations
+/// are counted by hand in operation_count.cpp, which must follow the sources. All sums are 0 to 8 % below a complete
+/// count of the library on counting numbers.
 struct PoseOperations {
   Operations floor;
   Operations inverse;            ///< nominal machine, closed form

@@ -66,17 +66,17 @@ void report_pairs() {
   const double operation = spread_of(seconds.back()).median / compiled_peak().operations;
 
   fmt::print("\nMethod::paper, distances of all pairs of points, huang2016, {} rounds\n", kRounds);
-  fmt::print("{:>8}{:>9}{:>10}{:>10}{:>8}{:>8}{:>10}{:>8}\n", "stations", "pairs", "a fit", "a pair", "p99", "max",
-             "floor", "memory");
+  fmt::print("{:>8}{:>9}{:>10}{:>10}{:>8}{:>8}{:>10}{:>8}\n", "stations", "pairs", "fit", "pair", "p99", "max", "bound",
+             "memory");
   fmt::print("{:>8}{:>9}{:>10}{:>10}{:>8}{:>8}{:>10}{:>8}\n", "", "", "ms", "us", "us", "us", "us", "MB");
   print_row(few, seconds[0], kSmallFits, memory_of_few, operations_a_pair(few()) * operation);
   print_row(many, seconds[1], 1.0, memory_of_many, operations_a_pair(many()) * operation);
   state("the paper's method on all 499,500 distances of 1000 points", 1e3 * spread_of(seconds[1]).median, "ms");
   state("memory of the process for this task", memory_of_many, "MB");
-  fmt::print("a pair of many against a pair of few: {:.2f} (aim: at most 1.2); floor: folding its row once a\n",
+  fmt::print("time per pair, many / few: {:.2f} (target: at most 1.2); bound: accumulating its row once per\n",
              median_ratio(seconds[1], seconds[0]) * kSmallFits * few.pairs() / many.pairs());
   fmt::print(
-      "linearization at the peak of one core; memory: peak of a process (aim: at most 100), {:.0f} with nothing\n",
+      "linearization at the peak of one core; memory: peak of a process (target: at most 100), {:.0f} without work\n",
       memory_of_none);
 }
 

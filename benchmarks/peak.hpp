@@ -4,8 +4,8 @@
 
 namespace paracal::benchmark {
 
-/// Multiplications and additions as fast as one core does them: the limit that the kinematics are held against.
-/// Independent accumulators, all in registers, hide the latency.
+/// Multiplications and additions at the full speed of one core: the limit to which the kinematics are compared.
+/// Independent accumulators in registers hide the latency.
 struct Peak {
   std::string name;   ///< of the instructions
   double operations;  ///< floating point operations of one pass

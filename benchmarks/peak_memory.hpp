@@ -4,8 +4,8 @@
 
 namespace paracal::benchmark {
 
-/// Largest resident memory of a process that does nothing but `task`, MB; it is forked from this one, whose resident
-/// memory counts as well.
+/// Largest resident memory of a process that only runs `task`, MB. It is forked from this process, so its memory is
+/// included.
 double peak_memory(const std::function<void()>& task);
 
 }  // namespace paracal::benchmark

@@ -1,12 +1,11 @@
-// What fits of delta printers cost and are worth, on the published measurements of data/klipper-delta and on virtual
-// rotary deltas: the firmware's own cost by least squares and by coordinate descent, which is how the firmware finds
-// it, the whole calibration, and errors of readings left out in turn. Plain chrono code for the reasons that
-// kinematics_benchmark.cpp gives.
+// Time and accuracy of fits of delta printers, on the published measurements of data/klipper-delta and on simulated
+// rotary deltas: the firmware's cost by least squares and by its own method (coordinate descent), the complete
+// calibration, and leave-one-out errors. kinematics_benchmark.cpp explains why it uses plain chrono code.
 //
 //   paracal-printer-benchmark
 //
 // The opponent is the firmware's algorithm [klipper] on our own compiled cost; in the firmware it runs in Python.
-// Reports and never judges: the exit status is 0 whatever the figures.
+// It only reports: the exit status is always 0.
 
 #include <fmt/format.h>
 
@@ -131,8 +130,8 @@ class LeftOut {
 
 void report_left_out(const std::vector<KlipperSet>& sets) {
   constexpr unsigned kRotary = 10;
-  fmt::print("\nerrors of readings left out in turn, times those of the firmware's fit\n\n{:<8}{:>10}{:>10}\n", "set",
-             "heights", "distances");
+  fmt::print("\nleave-one-out errors divided by those of the firmware's fit\n\n{:<8}{:>10}{:>10}\n", "set", "heights",
+             "distances");
   LeftOut published, rotary;
   for (const KlipperSet& set : sets) published.add(set.id, set.geometry, set.readings);
   published.print_medians();
@@ -147,9 +146,9 @@ void run() {
   const std::vector<KlipperSet> sets = test::klipper_sets();
   fmt::print("{}\n", host_description());
   fmt::print(
-      "heights and distances; fit, us (median, p99, max); coordinate descent of the same cost from the same\n"
-      "start, ms, times the fit, its rounds, by what share its cost stays above; the fit's cost above that of\n"
-      "SciPy; whole calibration with leave-one-out, ms\n\n");
+      "h, d: heights and distances; fit, us (median, p99, max); descent: coordinate descent of the same cost from the\n"
+      "same start, ms; its time divided by the fit's; its rounds; its relative cost above the fit's; the fit's cost\n"
+      "above SciPy's; complete calibration with leave-one-out, ms\n\n");
   fmt::print("{:<5}{:>4}{:>4}{:>9}{:>9}{:>9}{:>10}{:>9}{:>8}{:>12}{:>12}{:>10}\n", "set", "h", "d", "fit", "p99", "max",
              "descent", "times", "rounds", "cost above", "SciPy's", "whole");
   Sum heights, distances;

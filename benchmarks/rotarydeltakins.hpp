@@ -8,7 +8,7 @@
 
 namespace paracal::benchmark {
 
-/// LinuxCNC's own kinematics of a Delta, its compiled module, called as its motion controller calls it.
+/// LinuxCNC's kinematics of a Delta: its compiled module, called in the same way as by its motion controller.
 class RotaryDeltaKins {
  public:
   /// @returns nothing where LinuxCNC is not installed or the robot is not a Delta of three arms at 120 deg.

@@ -7,8 +7,8 @@
 
 namespace paracal::benchmark {
 
-/// The same fits by SciPy: calibration_opponent.py, which runs beside this program and solves all of them when asked,
-/// on one thread.
+/// The same fits by SciPy: calibration_opponent.py, a separate process that solves all of them on request, on one
+/// thread.
 class ScipyFits {
  public:
   /// @param costs  squared residuals of our answers

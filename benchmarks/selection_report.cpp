@@ -99,14 +99,14 @@ void report_selection() {
   against("plain method, our code: evaluates each exchange from the start", seconds[1]);
   against("plain method, our code: keeps the sum over the other 19 poses", seconds[2]);
   fmt::print(
-      "\nSelecting {} of {} poses, huang2016: {} sweeps judge {} x {} exchanges each and make {}; {} rounds.\n"
-      "Afresh: extrapolated to as many exchanges from {}; ours grows the first set besides.\n",
+      "\nSelecting {} of {} poses, huang2016: {} sweeps evaluate {} x {} exchanges each and make {}; {} rounds.\n"
+      "Plain methods: extrapolated from {} exchanges; ours also includes the selection of the first set.\n",
       kPoses, kCandidates, selection.sweeps, kPoses - 1, kCandidates, selection.exchanges, kRounds, kSample);
   fmt::print("{:<46}{:>9}{:>9}{:>9}{:>14}{:>12}\n", "s", "median", "p99", "max", "us/exchange", "ratio");
-  print_row("select_stations(), all of it", seconds[0], 1.0, exchanges, seconds[0]);
-  print_row("afresh, all from 20 poses", seconds[1], times, exchanges, seconds[0]);
-  print_row("afresh beside the information of the other 19", seconds[2], times, exchanges, seconds[0]);
-  fmt::print("(aim: at least 50) criterion of the chosen poses: {:.6g} mm^2; afresh {:.1g} of it apart\n",
+  print_row("select_stations(), complete", seconds[0], 1.0, exchanges, seconds[0]);
+  print_row("plain, each from the start", seconds[1], times, exchanges, seconds[0]);
+  print_row("plain, with the sum over the other 19", seconds[2], times, exchanges, seconds[0]);
+  fmt::print("(target: at least 50) criterion of the selected poses: {:.6g} mm^2; plain: relative difference {:.1g}\n",
              selection.criterion, std::abs(criterion.of(criterion.information(chosen)) / selection.criterion - 1.0));
 }
 

@@ -1,4 +1,4 @@
-# Adds a constant to X, Y, Z and C of a part program: the least that any corrector of G-code has to do in awk.
+# Adds a constant to X, Y, Z and C of a part program: the minimum work of a corrector of G-code in awk.
 BEGIN { shift["X"] = 0.12; shift["Y"] = -0.08; shift["Z"] = 0.05; shift["C"] = 0.01 }
 {
   for (k = 1; k <= NF; ++k) {

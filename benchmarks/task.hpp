@@ -7,7 +7,7 @@
 
 namespace paracal::benchmark {
 
-/// The work that all candidates do on one robot: the same poses, and the same machine with errors.
+/// The common task of all candidates on one robot: the same poses and the same machine with errors.
 struct Task {
   Robot robot;
   SourceErrors errors;  ///< all 14 sources of every limb

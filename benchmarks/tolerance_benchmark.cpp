@@ -1,9 +1,9 @@
-// Time of Monte Carlo and of allocation on huang2016, beside the limits of the machine and beside OpenTURNS where that
-// was found. Plain chrono code for the reasons that kinematics_benchmark.cpp gives.
+// Time of Monte Carlo and of allocation on huang2016, compared with the limits of the processor and with OpenTURNS if
+// installed. kinematics_benchmark.cpp explains why it uses plain chrono code.
 //
 //   paracal-tolerance-benchmark
 //
-// Reports and never judges: the exit status is 0 whatever the figures.
+// It only reports: the exit status is always 0.
 
 #include <fmt/format.h>
 

@@ -2,11 +2,11 @@
 
 namespace paracal::benchmark {
 
-/// Machines a second of linear Monte Carlo and of its parts, beside the matrix product of Eigen and, where it was
-/// found, OpenTURNS; all on as many threads.
+/// Machines per second of linear Monte Carlo and of its parts, compared with the matrix product of Eigen and, if
+/// installed, OpenTURNS, on the same number of threads.
 void report_linear_monte_carlo(unsigned threads);
 
-/// Machines a second of exact Monte Carlo, beside the forward solutions that it consists of.
+/// Machines per second of exact Monte Carlo, compared with its forward solutions.
 void report_exact_monte_carlo(unsigned threads);
 
 /// Time of an allocation.
