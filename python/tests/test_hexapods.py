@@ -335,7 +335,7 @@ class Calibrated(TestCase):
         self.assertIn("tilt_rad 0.1745", text_shown(robot))
         self.assertIn("z, mm tilt_x, deg tilt_y, deg", text_shown(plan))
         seen = pc.identifiability(robot, plan, measure="pose")
-        self.assertIn("rotation of the plate's joints about x", text_shown(seen))
+        self.assertIn("the plate's joints rotate about x", text_shown(seen))
         self.assertIn("gain.6", text_shown(seen))
         calibration = text_shown(self.calibration)
         for part in ("hexapod: accepted", "gain", "mm/m", "plate_z"):

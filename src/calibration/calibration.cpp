@@ -6,8 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 
+#include "null_space.hpp"
 #include "paracal/units.hpp"
+#include "parameter_table.hpp"
 
 namespace paracal {
 
@@ -58,31 +61,61 @@ std::vector<Calibration::Correlation> Calibration::correlations(double threshold
 
 namespace {
 
-/// "limb 1  theta_offset   0.206 deg, U 0.026 (k = 2.1)"
-std::string line_of(const ParameterEstimate& parameter, Actuator actuator) {
-  const Unit inside = unit(parameter.source, actuator);
+/// The tilt group only where something of it was identified.
+bool is_shown(const Calibration& calibration, Source source) {
+  return std::ranges::any_of(calibration.parameters, [&](const ParameterEstimate& one) {
+    return one.source == source && !one.held &&
+           (one.identified() || !tilts_plate(source, calibration.robot.actuator()));
+  });
+}
+
+/// "0.206 +-0.026", and a mark where it is mostly from the prior.
+std::string cell_of(const ParameterEstimate& parameter, Unit inside) {
+  if (parameter.held) return "fixed ";
   const auto shown = [&](double value) { return to_file_unit(inside, value); };
-  std::string text = fmt::format("  limb {}  {:<17}{:>8.3f} {}", parameter.limb + 1, name(parameter.source, actuator),
-                                 shown(parameter.value), file_unit(inside));
-  if (parameter.std) {
-    text += fmt::format(", U {:.3f} (k = {:.1f})", shown(parameter.coverage() * *parameter.std), parameter.coverage());
+  const char* mark = parameter.identified() ? " " : "*";
+  if (!parameter.std) return fmt::format("{:.3f}{}", shown(parameter.value), mark);
+  const double U = shown(parameter.coverage() * *parameter.std);
+  const int decimals = detail::decimals_of(U);
+  return fmt::format("{:.{}f} +-{:.{}f}{}", shown(parameter.value), decimals, U, decimals, mark);
+}
+
+/// Their values, a row a limb, with a legend.
+std::string parameter_lines(const Calibration& calibration) {
+  std::vector<detail::ParameterCell> cells;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;  // k
+  for (const ParameterEstimate& one : calibration.parameters) {
+    if (!is_shown(calibration, one.source)) continue;
+    const Actuator actuator = calibration.robot.actuator();
+    const Unit inside = unit(one.source, actuator);
+    cells.push_back({detail::limb_row(one.limb), fmt::format("{} {} ", name(one.source, actuator), file_unit(inside)),
+                     cell_of(one, inside)});
+    if (one.held || !one.std) continue;
+    smallest = std::min(smallest, one.coverage());
+    largest = std::max(largest, one.coverage());
   }
-  if (parameter.prior_std) {
-    text += fmt::format(", {:.0f} % from the readings", 100.0 * parameter.data_share);
+  if (cells.empty()) return {};
+  std::string text = "  errors (actual minus nominal)";
+  if (largest > 0.0) {
+    const std::string from = fmt::format("{:.1f}", smallest), to = fmt::format("{:.1f}", largest);
+    text += fmt::format(" +- expanded uncertainty U (k = {}{}, 95 %)", from, from == to ? "" : " to " + to);
   }
-  return text + '\n';
+  text += '\n' + detail::parameter_table(cells);
+  if (text.find('*') != std::string::npos) text += "  * mostly from the prior: the measurements give less than 50 %\n";
+  if (text.find("fixed") != std::string::npos) text += "  fixed: at nominal, not estimated\n";
+  return text;
 }
 
 std::string use_text(const char* what, const UseQuantity& one, double unit, const char* name) {
-  std::string text = fmt::format("{} within {:.2g} {}", what, one.U * unit, name);
-  if (one.limit) text += fmt::format(" (limit {:.3g}: {})", *one.limit * unit, one.kept() ? "kept" : "not kept");
+  std::string text = fmt::format("{} below {:.2g} {}", what, one.U * unit, name);
+  if (one.limit) text += fmt::format(" (limit {:.3g}: {})", *one.limit * unit, one.kept() ? "met" : "not met");
   return text;
 }
 
 std::string use_line(const Use& use) {
-  std::string text = fmt::format("  in use, anywhere in the workspace (95 %): {}, {}",
+  std::string text = fmt::format("  uncertainty over the workspace (95 % of such machines): {}, {}",
                                  use_text("distances to home", use.distance, 1.0, "mm"),
-                                 use_text("positions after alignment", use.aligned, 1.0, "mm"));
+                                 use_text("aligned positions", use.aligned, 1.0, "mm"));
   if (use.rotation) text += ", " + use_text("rotations", *use.rotation, to_degrees(1.0), "deg");
   return text + '\n';
 }
@@ -93,17 +126,19 @@ std::string residual_lines(const Calibration& calibration) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (after.reads_distances) {
-    fmt::format_to(out, "  residuals of distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
-                   before.rms_distance, after.rms_distance, calibration.readings, calibration.degrees_of_freedom);
+    fmt::format_to(
+        out, "  residuals of distances, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} degrees of freedom)\n",
+        before.rms_distance, after.rms_distance, calibration.readings, calibration.degrees_of_freedom);
   }
   for (const auto& [kind, rms] : after.rms_lengths) {
     const auto was = before.rms_lengths.find(kind);
-    fmt::format_to(out, "  residuals of {}, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} to spare)\n",
+    fmt::format_to(out,
+                   "  residuals of {}, rms: {:.3f} mm before, {:.3f} mm after ({} readings, {} degrees of freedom)\n",
                    words(kind).plural, was == before.rms_lengths.end() ? 0.0 : was->second, rms, calibration.readings,
                    calibration.degrees_of_freedom);
   }
   if (calibration.distance_bias) {
-    fmt::format_to(out, "  all distances were read {:+.3f} mm too long\n", *calibration.distance_bias);
+    fmt::format_to(out, "  every distance reads {:+.3f} mm too long\n", *calibration.distance_bias);
   }
   if (!calibration.points.empty()) {
     fmt::format_to(
@@ -116,7 +151,7 @@ std::string residual_lines(const Calibration& calibration) {
   }
   if (after.max_orientation) {
     fmt::format_to(
-        out, "  residuals of orientations, largest: {:.2f} deg before, {:.2f} deg after; noise {:.3f} deg an axis\n",
+        out, "  residuals of orientations, largest: {:.2f} deg before, {:.2f} deg after; noise {:.3f} deg per axis\n",
         to_degrees(before.max_orientation.value_or(0.0)), to_degrees(*after.max_orientation),
         to_degrees(calibration.orientation_noise.value_or(0.0)));
   }
@@ -132,12 +167,7 @@ std::string Calibration::brief() const {
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const std::string& one : assumed) fmt::format_to(out, "  assumed: {}\n", one);
-  for (const ParameterEstimate& parameter : parameters) {
-    if (!parameter.held && (!tilts_plate(parameter.source, robot.actuator()) || parameter.identified())) {
-      text += line_of(parameter, robot.actuator());
-    }
-  }
-  for (const NullDirection& direction : null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
+  text += parameter_lines(*this) + detail::undetermined_lines(null_space);
   return readings == 0 ? text : text + residual_lines(*this);
 }
 

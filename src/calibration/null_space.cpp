@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "numerics/dense.hpp"
 #include "paracal/calibration/identifiability.hpp"
@@ -33,47 +35,30 @@ SourceErrors moved_along(const Robot& robot, const Eigen::Vector3d& direction, F
   return errors;
 }
 
-/// "1 and 2", "1, 2 and 3".
-std::string numbered(const std::vector<std::size_t>& limbs) {
-  std::string text;
-  for (std::size_t k = 0; k < limbs.size(); ++k) {
-    text += k == 0 ? "" : k + 1 == limbs.size() ? " and " : ", ";
-    text += std::to_string(limbs[k] + 1);
-  }
-  return text;
-}
-
-std::string slide_zero_text(const Robot& robot) {
-  std::vector<std::size_t> with, against;
-  for (std::size_t i = 0; i < robot.limb_count(); ++i) (robot.slide()->sign[i] > 0 ? with : against).push_back(i);
-  const Eigen::Vector3d axis = robot.slide()->axis.cwiseAbs();
-  const char* name = axis.x() > 0.999 ? "e_x" : axis.y() > 0.999 ? "e_y" : "e along the slide";
-  return fmt::format("slide zero: {} of limbs {} together, against limbs {}", name, numbered(with), numbered(against));
-}
-
-/// "0.71 theta_offset limb 1 - 0.71 theta_offset limb 3": the parameters with a share in a direction.
+/// "e_x of limb 2 against rod_mean of limb 3": the largest parameters of a direction, three at most.
 std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters, Actuator actuator) {
-  constexpr double kSmallestShare = 0.05;
-  std::string text;
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const double share = direction(static_cast<Eigen::Index>(k));
-    if (std::abs(share) < kSmallestShare) continue;
-    const std::string_view sign = share < 0 ? (text.empty() ? "-" : " - ") : (text.empty() ? "" : " + ");
-    text += fmt::format("{}{:.2f} {} limb {}", sign, std::abs(share), name(parameters[k].source, actuator),
+  constexpr double kSmallest = 0.05;
+  constexpr std::size_t kMost = 3;
+  std::vector<std::size_t> main(parameters.size());
+  std::iota(main.begin(), main.end(), std::size_t{0});
+  const auto part = [&](std::size_t k) { return direction(static_cast<Eigen::Index>(k)); };
+  std::erase_if(main, [&](std::size_t k) { return std::abs(part(k)) < kSmallest; });
+  // What rounding makes unequal stays in the order of the parameters.
+  const auto size = [&](std::size_t k) { return std::lround(std::abs(part(k)) / 0.01); };
+  std::ranges::stable_sort(main, std::ranges::greater{}, size);
+  const bool is_whole = main.size() <= kMost;
+  main.resize(std::min(main.size(), kMost));
+  std::string with, against;
+  for (const std::size_t k : main) {
+    std::string& side = part(k) * part(main.front()) > 0.0 ? with : against;
+    side += fmt::format("{}{} of limb {}", side.empty() ? "" : " and ", name(parameters[k].source, actuator),
                         parameters[k].limb + 1);
   }
-  return text;
+  return (is_whole ? "" : "mainly ") + with + (against.empty() ? "" : " against " + against);
 }
 
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) {
   return detail::orthonormal_basis(columns).leftCols(count);
-}
-
-/// What of a limb shifts it along an axis of {O}.
-std::string_view shifted_along(Actuator actuator, std::size_t axis) {
-  if (actuator == Actuator::carriage) return "zero, normal and across";
-  if (axis == 2 && !is_felt(Source::e_z, actuator)) return "theta_offset";
-  return name(static_cast<Source>(index(Source::e_x) + axis), actuator);
 }
 
 }  // namespace
@@ -84,25 +69,23 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   const auto alike = [](const Limb&) { return 1.0; };
   const std::array<std::string, 3> axes{"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
-    motions.push_back({fmt::format("translation along {}: {} of all limbs alike", axes[static_cast<std::size_t>(k)],
-                                   shifted_along(robot.actuator(), static_cast<std::size_t>(k))),
+    motions.push_back({fmt::format("the whole robot shifts along {}", axes[static_cast<std::size_t>(k)]),
                        moved_along(robot, Eigen::Vector3d::Unit(k), alike)});
   }
   if (robot.slide()) {
     const auto sign = [](const Limb& limb) { return limb.slide_sign; };
-    motions.push_back({slide_zero_text(robot), moved_along(robot, robot.slide()->axis, sign)});
-    motions.push_back({"rotation of the base about the slide axis", turned_base(robot, robot.slide()->axis)});
+    motions.push_back({"the slide zero shifts", moved_along(robot, robot.slide()->axis, sign)});
+    motions.push_back({"the base rotates about the slide axis", turned_base(robot, robot.slide()->axis)});
   }
   for (int k = 0; k < 3; ++k) {
-    motions.push_back({fmt::format("rotation of the base about {}", axes[static_cast<std::size_t>(k)]),
+    motions.push_back({fmt::format("the base rotates about {}", axes[static_cast<std::size_t>(k)]),
                        turned_base(robot, Eigen::Vector3d::Unit(k))});
   }
   for (int k = 0; robot.on_single_rods() && k < 3; ++k) {
     const std::string& axis = axes[static_cast<std::size_t>(k)];
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(k), none = Eigen::Vector3d::Zero();
-    motions.push_back({fmt::format("translation of the plate's joints along {0}: plate_{0} of all limbs alike", axis),
-                       moved_plate(robot, along, none)});
-    motions.push_back({fmt::format("rotation of the plate's joints about {}", axis), moved_plate(robot, none, along)});
+    motions.push_back({fmt::format("the plate's joints shift along {}", axis), moved_plate(robot, along, none)});
+    motions.push_back({fmt::format("the plate's joints rotate about {}", axis), moved_plate(robot, none, along)});
   }
   return motions;
 }
@@ -110,7 +93,7 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
 namespace {
 
 /// Names of the gauge motions that a direction is a mixture of when the parameters not sought stay at zero; empty when
-/// it is none: "slide zero and translation along y".
+/// it is none: "the slide zero shifts and the whole robot shifts along y".
 std::string as_mixture(const Robot& robot, const Eigen::VectorXd& direction,
                        const std::vector<SoughtSource>& parameters) {
   constexpr double kInside = 1e-5, kSmallestShare = 0.05;
@@ -127,7 +110,7 @@ std::string as_mixture(const Robot& robot, const Eigen::VectorXd& direction,
   std::string text;
   for (std::size_t k = 0; k < motions.size(); ++k) {
     if (std::abs(shares(static_cast<Eigen::Index>(k))) < kSmallestShare) continue;
-    text += (text.empty() ? "" : " and ") + motions[k].text.substr(0, motions[k].text.find(':'));
+    text += (text.empty() ? "" : " and ") + motions[k].text;
   }
   return text;
 }
@@ -147,6 +130,18 @@ std::vector<Eigen::Index> alone_in(const Eigen::MatrixXd& space) {
 }  // namespace
 
 namespace detail {
+
+std::string undetermined_lines(const std::vector<NullDirection>& null_space) {
+  constexpr std::size_t kMost = 5;
+  const std::size_t shown = std::min(null_space.size(), kMost), further = null_space.size() - shown;
+  std::string text;
+  for (std::size_t k = 0; k < shown; ++k) {
+    text += fmt::format("  not determined by these measurements: {}\n", null_space[k].text);
+  }
+  if (further == 0) return text;
+  return text + fmt::format("  and {} further {} of parameters (null_space lists all)\n", further,
+                            further == 1 ? "combination" : "combinations");
+}
 
 std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& null_space,
                                     const std::vector<SoughtSource>& parameters) {
@@ -179,7 +174,7 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
   for (const Eigen::Index k : alone) {
     const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
     directions.push_back(
-        {fmt::format("{} limb {}, which changes none of these readings", name(source, robot.actuator()), limb + 1),
+        {fmt::format("{} of limb {} (it changes none of these readings)", name(source, robot.actuator()), limb + 1),
          Eigen::VectorXd::Unit(all.rows(), k), false});
   }
   const Eigen::MatrixXd rest =

@@ -152,7 +152,7 @@ TEST_P(RoughCalibrationLaw, TooFewDistancesAreNotIdentifiable) {
   EXPECT_EQ(calibration.verdict, Verdict::not_identifiable);
   EXPECT_EQ(calibration.rank, points);
   ASSERT_EQ(calibration.null_space.size(), static_cast<std::size_t>(1 + unseen()));
-  EXPECT_THAT(calibration.null_space.back().text, testing::HasSubstr("theta_offset limb"));
+  EXPECT_THAT(calibration.null_space.back().text, testing::HasSubstr("theta_offset of limb"));
   EXPECT_FALSE(calibration.parameters[0].std);
 }
 
@@ -162,7 +162,7 @@ TEST_P(RoughCalibrationLaw, NothingToSpareIsRejectedUnlessSigmasAreStated) {
   Measurements measurements = measure(robot, truth, rough_stations(robot, offsets_seen(), 0.3), {}, random);
   const Calibration unchecked = calibrate(robot, measurements);
   EXPECT_EQ(unchecked.verdict, Verdict::rejected);
-  EXPECT_THAT(unchecked.reasons, testing::ElementsAre(testing::HasSubstr("nothing to check the fit with")));
+  EXPECT_THAT(unchecked.reasons, testing::ElementsAre(testing::HasSubstr("no degrees of freedom to check the fit")));
   for (DistanceReading& reading : measurements.distances) reading.distance_sigma = 0.02;
   const Calibration stated = calibrate(robot, measurements);
   EXPECT_TRUE(stated.accepted()) << stated.brief();

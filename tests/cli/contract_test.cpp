@@ -305,7 +305,7 @@ TEST(CalibrateCommand, TooFewDistancesNameWhatTheyDoNotSee) {
   EXPECT_EQ(object.at("accepted"), false);
   EXPECT_EQ(object.at("rank"), 3);
   ASSERT_THAT(object.at("null_space"), SizeIs(1));
-  EXPECT_THAT(object["null_space"][0].at("text").get<std::string>(), HasSubstr("theta_offset limb"));
+  EXPECT_THAT(object["null_space"][0].at("text").get<std::string>(), HasSubstr("theta_offset of limb"));
   EXPECT_THAT(object["null_space"][0].at("direction"), SizeIs(4));
 }
 

@@ -74,13 +74,13 @@ TEST_P(GuidedWalk, WhatGuidesTakeUpIsNotIdentifiable) {
   std::string text;
   for (const json& one : seen.at("null_space")) text += one.at("text").get<std::string>() + '\n';
   for (std::size_t limb = 1; limb <= robot.limb_count(); ++limb) {
-    EXPECT_THAT(text, HasSubstr(fmt::format("plate_z limb {}, which changes none of these readings", limb)));
+    EXPECT_THAT(text, HasSubstr(fmt::format("plate_z of limb {} (it changes none of these readings)", limb)));
   }
-  EXPECT_THAT(text, HasSubstr("translation along x"));
+  EXPECT_THAT(text, HasSubstr("the whole robot shifts along x"));
   // Two belts alone begin on one line, and neither end of it shows in which direction of y it stands.
   const bool singly = robot.actuator() == Actuator::strut && robot.limb_count() == 2;
-  EXPECT_THAT(text, HasSubstr(singly ? "base_y limb 1, which changes none" : "translation along y"));
-  EXPECT_THAT(text, HasSubstr(singly ? "base_y limb 2, which changes none" : "rotation of the base about z"));
+  EXPECT_THAT(text, HasSubstr(singly ? "base_y of limb 1 (it changes none" : "the whole robot shifts along y"));
+  EXPECT_THAT(text, HasSubstr(singly ? "base_y of limb 2 (it changes none" : "the base rotates about z"));
 }
 
 TEST_P(GuidedWalk, ErrorModelIsWhereAnErrorTakesThePlate) {

@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include "calibration_page.hpp"
 #include "controller.hpp"
@@ -17,8 +21,6 @@
 
 namespace paracal::app {
 namespace {
-
-constexpr std::size_t kLongestTable = 60;  // lines; --json has them all
 
 struct CalibrateArguments {
   MeasuringOptions measuring;
@@ -65,34 +67,52 @@ CalibrationOptions calibration_options(const CalibrateArguments& options, const 
   return calibration;
 }
 
+/// The ten largest residuals, largest first.
+/// @param size  of a residual.
+/// @param line  of the table.
+template <typename Residual, typename Size, typename Line>
+std::string largest_of(const std::vector<Residual>& all, const std::string& head, Size&& size, Line&& line) {
+  constexpr std::size_t kMost = 10;
+  std::vector<std::pair<double, std::string>> sized;
+  for (const Residual& one : all) {
+    const double of = size(one);  // none where a reading overflows
+    const std::string excluded = one.excluded ? "  excluded" : "";
+    sized.emplace_back(std::isfinite(of) ? of : std::numeric_limits<double>::max(), line(one) + excluded + '\n');
+  }
+  if (sized.empty()) return {};
+  std::ranges::stable_sort(sized, std::greater{}, &std::pair<double, std::string>::first);
+  std::string text = "  measured minus predicted, mm" + head + '\n';
+  for (std::size_t k = 0; k < std::min(sized.size(), kMost); ++k) text += sized[k].second;
+  if (sized.size() <= kMost) return text;
+  return text + fmt::format("  the {} largest of {}; --json, --out and --report have all\n", kMost, sized.size());
+}
+
 std::string residual_table(const Calibration& calibration) {
-  std::string text;
-  const auto out = std::back_inserter(text);
-  if (!calibration.distances.empty() && calibration.distances.size() <= kLongestTable) {
-    fmt::format_to(out, "  measured minus predicted, mm       distance     before      after\n");
-    for (const DistanceResidual& residual : calibration.distances) {
-      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}\n", residual.from + " - " + residual.to,
-                     residual.distance, residual.distance_before, residual.distance_after);
-    }
-  }
+  std::string text = largest_of(
+      calibration.distances, "       distance     before      after",
+      [](const DistanceResidual& one) { return std::abs(one.distance_after); },
+      [](const DistanceResidual& one) {
+        return fmt::format("  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}", one.from + " - " + one.to, one.distance,
+                           one.distance_before, one.distance_after);
+      });
   for (const LengthWords& kind : length_kinds()) {
-    const auto count = std::ranges::count(calibration.lengths, kind.kind, &LengthResidual::kind);
-    if (count == 0 || static_cast<std::size_t>(count) > kLongestTable) continue;
-    fmt::format_to(out, "  measured minus predicted, mm{:>15}     before      after\n", kind.name);
-    for (const LengthResidual& residual : calibration.lengths) {
-      if (residual.kind != kind.kind) continue;
-      fmt::format_to(out, "  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}{}\n", residual.station, residual.length, residual.before,
-                     residual.after, residual.excluded ? "  left out" : "");
-    }
+    std::vector<LengthResidual> lengths;
+    std::ranges::copy_if(calibration.lengths, std::back_inserter(lengths),
+                         [&](const LengthResidual& one) { return one.kind == kind.kind; });
+    text += largest_of(
+        lengths, fmt::format("{:>15}     before      after", kind.name),
+        [](const LengthResidual& one) { return std::abs(one.after); },
+        [](const LengthResidual& one) {
+          return fmt::format("  {:<32}{:>11.3f}{:>11.3f}{:>11.3f}", one.station, one.length, one.before, one.after);
+        });
   }
-  if (!calibration.points.empty() && calibration.points.size() <= kLongestTable) {
-    fmt::format_to(out, "  measured minus predicted, mm         before  after x        y        z\n");
-    for (const PointResidual& residual : calibration.points) {
-      fmt::format_to(out, "  {:<32}{:>11.3f}{:>9.3f}{:>9.3f}{:>9.3f}{}\n", residual.station, residual.before.norm(),
-                     residual.after.x(), residual.after.y(), residual.after.z(), residual.excluded ? "  left out" : "");
-    }
-  }
-  return text;
+  return text + largest_of(
+                    calibration.points, "         before  after x        y        z",
+                    [](const PointResidual& one) { return one.after.norm(); },
+                    [](const PointResidual& one) {
+                      return fmt::format("  {:<32}{:>11.3f}{:>9.3f}{:>9.3f}{:>9.3f}", one.station, one.before.norm(),
+                                         one.after.x(), one.after.y(), one.after.z());
+                    });
 }
 
 void run(const CalibrateArguments& options, Session& session) {

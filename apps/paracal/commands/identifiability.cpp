@@ -3,6 +3,8 @@
 #include <iterator>
 #include <memory>
 
+#include "calibration/null_space.hpp"
+#include "calibration/parameter_table.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -73,24 +75,38 @@ std::vector<Promise> promises(const KnownErrors& after, const std::vector<Sought
   return list;
 }
 
+/// Standard deviations, a row a limb.
+std::string deviations(const Robot& robot, const std::vector<Promise>& list) {
+  std::vector<detail::ParameterCell> cells;
+  const auto add = [&](const std::string& row, const SoughtSource& of, double std, const char* mark) {
+    const Unit inside = paracal::unit(of.source, robot.actuator());
+    const double shown = to_file_unit(inside, std);
+    cells.push_back({row, fmt::format("{} {} ", name(of.source, robot.actuator()), file_unit(inside)),
+                     fmt::format("{:.{}f}{}", shown, detail::decimals_of(shown), mark)});
+  };
+  for (const Promise& one : list) add("before", one.parameter, one.parameter.prior_std.value_or(0.0), " ");
+  for (const Promise& one : list) {
+    const double before = one.parameter.prior_std.value_or(0.0);
+    const bool mostly_prior = one.std * one.std > 0.5 * before * before;
+    add(detail::limb_row(one.parameter.limb), one.parameter, one.std, mostly_prior ? "*" : " ");
+  }
+  const std::string table = detail::parameter_table(cells);
+  return "standard deviations after measuring (before: from the tolerances)\n" + table +
+         (table.find('*') == std::string::npos ? ""
+                                               : "  * mostly from the prior: the measurements give less than 50 %\n");
+}
+
 std::string text_of(const Robot& robot, const Identifiability& seen, const std::vector<Promise>& list,
                     const WorkspaceUncertainty& spread) {
   std::string text =
-      fmt::format("{} of {} parameters are determined by {} readings\n", seen.rank, seen.parameters.size(), seen.rows);
+      fmt::format("{} readings determine {} of {} parameters\n", seen.rows, seen.rank, seen.parameters.size()) +
+      detail::undetermined_lines(seen.null_space);
   const auto out = std::back_inserter(text);
-  for (const NullDirection& direction : seen.null_space) fmt::format_to(out, "  not seen: {}\n", direction.text);
   const Observability& o = seen.indices;
   fmt::format_to(out, "  O1 {:.4g}  O2 {:.4g}  O3 {:.4g}  O4 {:.4g}  O5 {:.4g}\n", o.O1, o.O2, o.O3, o.O4, o.O5);
-  fmt::format_to(out, "standard deviations after measuring (before: from the tolerances)\n");
-  for (const Promise& one : list) {
-    const double before = one.parameter.prior_std.value_or(0.0);
-    const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
-    fmt::format_to(out, "  limb {}  {:<17}{:>9.4f} {:<4}({:.4f})\n", one.parameter.limb + 1,
-                   name(one.parameter.source, robot.actuator()), to_file_unit(unit, one.std), file_unit(unit),
-                   to_file_unit(unit, before));
-  }
+  text += deviations(robot, list);
   fmt::format_to(out,
-                 "over the workspace (largest): distance to home {:.3f} mm, position after alignment {:.3f} mm, "
+                 "over the workspace (largest): distance to home {:.3f} mm, aligned position {:.3f} mm, "
                  "rotation {:.3f} deg\n",
                  spread.max_distance, spread.max_aligned, to_degrees(spread.max_rotation));
   return text + assumed_lines(tolerances_of(robot).assumed);
