@@ -37,18 +37,19 @@ std::string place_text(const Pose& pose) {
 /// What would explain the joints, and what to do.
 std::string explained(const ControllerCheck& check) {
   if (check.explanations.empty()) {
-    return "No single dimension, zero, sign or origin explains it: compare every dimension in the controller with the "
-           "robot file";
+    return "No single dimension, zero, sign or origin explains the difference: compare every dimension in the "
+           "controller with the robot file";
   }
   if (check.explanations.size() == 1) {
     return fmt::format(
-        "This explains it: {}. Correct the robot file, or calibrate with --controller FILE, a robot "
-        "file with what the controller has",
+        "This explains the difference: {}. Correct the robot file, or calibrate with --controller FILE, a robot file "
+        "with the dimensions of the controller",
         check.explanations.front());
   }
-  const std::string each = fmt::format("Each of these alone explains it: {}", fmt::join(check.explanations, "; "));
-  if (!check.deciding) return each + ". Write the joints with more digits: they tell which";
-  return fmt::format("{}. These poses cannot decide: add the joints at another one, such as {}", each,
+  const std::string each =
+      fmt::format("Each of these alone explains the difference: {}", fmt::join(check.explanations, "; "));
+  if (!check.deciding) return each + ". State the joints with more digits to decide";
+  return fmt::format("{}. These poses cannot decide: add the joints at another pose, such as {}", each,
                      place_text(*check.deciding));
 }
 
@@ -56,7 +57,7 @@ std::string disagreement(const Robot& robot, const ControllerCheck& check,
                          const std::vector<DisplayedJoints>& displayed) {
   const DisplayedJoints& row = displayed[*check.differs];
   const auto limb = static_cast<Eigen::Index>(check.limb);
-  return fmt::format("expected q{} = {} at pose {}, as a controller with {} computes it, found {}. {}", check.limb + 1,
+  return fmt::format("expected q{} = {} at pose {} (computed with {}), got {}. {}", check.limb + 1,
                      joint_text(check.expected, robot.actuator()), row.name, dimensions_in_words(robot),
                      joint_text(row.joints(limb), robot.actuator()), explained(check));
 }
@@ -98,9 +99,8 @@ void note_other_joints(const std::vector<io::TextFile>& tables, const Robot& con
       const ControllerCheck check = check_controller(controller, displayed);
       if (check.agrees() || check.explanations.empty()) continue;
       measurements.notes.push_back(
-          fmt::format("{}, line {}: the joints are not those that {} gives for the commanded pose. Joints of "
-                      "compensation are right, corrected targets are not: state the controller's dimensions "
-                      "(--controller)",
+          fmt::format("{}:{}: the joints do not match the commanded pose with {}. Compensated joints are correct, "
+                      "corrected targets are not: state the dimensions of the controller (--controller)",
                       table.name, displayed[*check.differs].line, dimensions_in_words(controller)));
     } catch (const Unreachable&) {
       continue;  // a pose that nobody needs: its joints are there
@@ -151,7 +151,7 @@ ControllerModel stated_controller(const ControllerOptions& options, const Robot&
   };
   if (joints(controller) != joints(robot) || controller.actuator() != robot.actuator()) {
     throw InputFileError(options.robot, 0,
-                         fmt::format("expected a controller of {}, with {}, found {}: describe the same kind of robot",
+                         fmt::format("expected a controller of {}, with {}, got {}: describe the same kind of robot",
                                      robot.name(), joints(robot), joints(controller)));
   }
   return {.evidence = ControllerEvidence::stated,
@@ -166,8 +166,8 @@ ControllerModel checked_controller(const ControllerOptions& options, ControllerM
   const std::vector<DisplayedJoints> displayed = io::read_displayed_joints(file, robot.joint_space());
   if (displayed.empty()) {
     throw InputFileError(file.name, 0,
-                         fmt::format("expected columns {}, ... with the joints that the controller displays, found no "
-                                     "row that states them: add them beside the poses",
+                         fmt::format("expected columns {}, ... with the joints that the controller displays, got no "
+                                     "row with joints: add them to the poses",
                                      first_joint_column(robot)));
   }
   require_agreement(known.computes_with(robot), file.name, displayed);
@@ -190,8 +190,9 @@ CommandedReadings read_commanded(const MeasuringOptions& measuring, const Contro
 
 std::string joints_request(const Robot& robot) {
   return fmt::format(
-      "# ask the controller for its joints at one of these poses, near the rim, and write them into that row of the\n"
-      "# measurements ({}, ...; blank in the other rows): they show with which dimensions it computes\n",
+      "# Read the joints that the controller displays at one of these poses, near the rim. Enter them in that row of "
+      "the\n# measurements (columns {}, ...; blank in the other rows). They show which dimensions the controller "
+      "uses.\n",
       first_joint_column(robot));
 }
 

@@ -129,7 +129,7 @@ Suspected other_sign(const Robot& robot) {
           },
           .is_believable = always,
           .text = [](const Eigen::VectorXd&,
-                     double) { return std::string("joints counted the other way: multiply them by -1"); }};
+                     double) { return std::string("joints with the opposite sign: multiply them by -1"); }};
 }
 
 /// The controller's coordinates begin elsewhere, along z or anywhere.
@@ -263,8 +263,8 @@ double apart(const Explained& one, const Explained& other, const Pose& pose, con
   return difference.allFinite() ? difference.cwiseQuotient(tolerance).cwiseAbs().maxCoeff() : 0.0;
 }
 
-/// Explanations that no pose tells apart, as one: "base radius 220.00 mm instead of 210 mm or, with the same joints
-/// everywhere, plate radius 45.00 mm instead of 55 mm".
+/// Explanations that no pose tells apart, as one: "base radius 220.00 mm instead of 210 mm (or plate radius
+/// 45.00 mm instead of 55 mm, which gives the same joints)".
 std::vector<Explained> merged(const std::vector<Explained>& all, const std::vector<Pose>& poses,
                               const Joints& tolerance) {
   std::vector<Explained> groups;
@@ -275,7 +275,7 @@ std::vector<Explained> merged(const std::vector<Explained>& all, const std::vect
     if (same == groups.end()) {
       groups.push_back(one);
     } else {
-      same->text += fmt::format(" or, with the same joints everywhere, {}", one.text);
+      same->text += fmt::format(" (or {}, which gives the same joints)", one.text);
     }
   }
   return groups;
@@ -370,7 +370,7 @@ ControllerCheck check_controller(const Robot& robot, const std::vector<Displayed
   const std::vector<DisplayedJoints> some = enough(displayed, *check.differs);
   add_explanations(robot, some, "", check);
   if (check.explanations.empty()) {
-    add_explanations(robot, turned_round(some), "joints counted the other way, and ", check);
+    add_explanations(robot, turned_round(some), "joints with the opposite sign, and ", check);
   }
   return check;
 }

@@ -43,7 +43,7 @@ std::string dimensions_in_words(const Robot& robot) {
   words.push_back(fmt::format("base radius {:g} mm", geometry.base_radius));
   words.push_back(fmt::format("plate radius {:g} mm", geometry.plate_radius));
   if (robot.slide()) words.push_back(fmt::format("pinion radius {:g} mm", robot.slide()->pinion_radius));
-  if (limbs_differ(robot)) words.emplace_back("limbs that differ as in the robot file");
+  if (limbs_differ(robot)) words.emplace_back("individual limb dimensions as in the robot file");
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
@@ -52,7 +52,7 @@ std::vector<std::string> controller_assumptions(const ControllerModel& controlle
       fmt::format("the controller computes joints with {}", dimensions_in_words(controller.computes_with(drawing)));
   switch (controller.evidence) {
     case ControllerEvidence::assumed:
-      return {computes + "; --controller-joints checks it"};
+      return {computes + "; check with --controller-joints"};
     case ControllerEvidence::confirmed:
       return {fmt::format("confirmed by {}: {}", controller.source, computes)};
     case ControllerEvidence::stated:

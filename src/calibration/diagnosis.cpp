@@ -131,15 +131,16 @@ std::string quality(const TrialFit& fit, const TrialFit& other) {
     text += fmt::format(" and {} deg", shown(to_degrees(*fit.rotation_noise)));
   }
   if (fit.tension > kWithinTolerances && differs(fit.tension, other.tension)) {
-    text += fmt::format(" with source errors {:.1f} times as large as their tolerances allow", fit.tension);
+    text += fmt::format(" (errors {:.1f} times as large as their tolerances)", fit.tension);
   }
   return text;
 }
 
 std::string text_of(const std::vector<std::string>& causes, const TrialFit& fit, const std::optional<TrialFit>& given) {
   const std::string cause = fmt::format("{}", fmt::join(causes, "; or "));
-  if (!given) return fmt::format("{}: so taken, they fit to {} mm", cause, shown(fit.noise));
-  return fmt::format("{}: so taken, they fit to {}, as given to {}", cause, quality(fit, *given), quality(*given, fit));
+  if (!given) return fmt::format("{}: corrected, the residuals are {} mm. Check the input", cause, shown(fit.noise));
+  return fmt::format("{}: corrected, the residuals drop from {} to {}. Check the input", cause, quality(*given, fit),
+                     quality(fit, *given));
 }
 
 Diagnosis diagnosis_of(const std::vector<Explanation>& best, const std::optional<TrialFit>& given) {
@@ -161,8 +162,8 @@ Diagnosis without_cause(const TrialFit& nearest, const TrialFit& given) {
   Diagnosis diagnosis{.rms_as_given = given.noise, .rms_explained = nearest.noise};
   diagnosis.largest_noise = given.noise * largest_scale(given) / given.scale;
   diagnosis.text = fmt::format(
-      "none of the usual mistakes of an input explains the readings: as given they fit to {}, with the nearest mistake "
-      "undone to {}",
+      "no common input mistake explains the residuals of {}; the most likely one leaves {}. Check units, signs, pose "
+      "names and dimensions",
       quality(given, nearest), quality(nearest, given));
   return diagnosis;
 }

@@ -22,10 +22,10 @@ Mistake mistake_of(const Robot& given, const Misprint& misprint) {
   for (std::size_t k = 0; k < misprint.count(); ++k) {
     const Dimension& one = misprint.of[k];
     const auto shown = [&](double x) { return one.angle ? to_degrees(x) : x; };
-    should.push_back(fmt::format("{} is {:.{}f}", one.key, shown(misprint.value(k)), one.angle ? 2 : 1));
+    should.push_back(fmt::format("{} = {:.{}f}", one.key, shown(misprint.value(k)), one.angle ? 2 : 1));
     says.push_back(fmt::format("{:g}", shown(now(given, one))));
   }
-  const std::string text = fmt::format("the readings fit a robot whose {}, the file says {}",
+  const std::string text = fmt::format("the readings fit a robot file with {} instead of {}",
                                        fmt::join(should, " and "), fmt::join(says, " and "));
   return {MistakeKind::nominal, key_of(misprint), text, [misprint](Input& input) {
             state_joints(input.robot, input.measurements);

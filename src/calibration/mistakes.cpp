@@ -60,10 +60,10 @@ void MistakeList::add_angles() {
   const auto joint = [](Measurements& m) { scale_joints(m, kRadInDegrees); };
   const auto reading = [](Measurements& m) { scale_rotations(m, kRadInDegrees); };
   if (joints) add("angle", "the joint angles are in rad, not deg", joint);
-  if (commanded) add("angle", "the commanded phi are in rad, not deg", command);
+  if (commanded) add("angle", "the commanded phi is in rad, not deg", command);
   if (read) add("angle", "the readings of phi are in rad, not deg", reading);
   if (read && commanded) {
-    add("angle", "all phi are in rad, not deg", [=](Measurements& m) { command(m), reading(m); });
+    add("angle", "all values of phi are in rad, not deg", [=](Measurements& m) { command(m), reading(m); });
   }
   if (read && joints) {
     add("angle", "the joint angles and the readings of phi are in rad, not deg",
@@ -74,10 +74,12 @@ void MistakeList::add_angles() {
 void MistakeList::add_signs_of_rotation() {
   const bool commanded = commands_count(measurements()) && commands_turn(measurements());
   const bool read = reads_rotation(measurements());
-  if (read) add("sign", "the readings of phi have the other sign", [](Measurements& m) { scale_rotations(m, -1.0); });
-  if (commanded) add("sign", "the commanded phi have the other sign", [](Measurements& m) { turn_commands(m, -1.0); });
+  if (read)
+    add("sign", "the readings of phi have the opposite sign", [](Measurements& m) { scale_rotations(m, -1.0); });
+  if (commanded)
+    add("sign", "the commanded phi has the opposite sign", [](Measurements& m) { turn_commands(m, -1.0); });
   if (commanded && read) {
-    add("sign", "all phi, commanded and read, have the other sign", [](Measurements& m) {
+    add("sign", "commanded and measured phi have the opposite sign", [](Measurements& m) {
       turn_commands(m, -1.0);
       scale_rotations(m, -1.0);
     });
@@ -85,8 +87,8 @@ void MistakeList::add_signs_of_rotation() {
 }
 
 void MistakeList::add_rows() {
-  add("row", "each reading belongs to the pose one row below it", [](Measurements& m) { shift_rows(m, 1); });
-  add("row", "each reading belongs to the pose one row above it", [](Measurements& m) { shift_rows(m, -1); });
+  add("row", "each reading belongs to the pose one row below", [](Measurements& m) { shift_rows(m, 1); });
+  add("row", "each reading belongs to the pose one row above", [](Measurements& m) { shift_rows(m, -1); });
   if (!has_repeats(measurements())) return;
   add("row", "the readings of each pose belong to the next pose of the list",
       [](Measurements& m) { shift_stations(m, 1); });
@@ -118,9 +120,9 @@ void MistakeList::add_orientations() {
   const auto change = [&](std::string text, std::function<Quaternion(const Quaternion&)> undo) {
     add("orientation", std::move(text), [undo = std::move(undo)](Measurements& m) { change_orientations(m, undo); });
   };
-  change("the quaternions turn the other way, from the instrument's frame to the body's",
+  change("the quaternions are inverted: they rotate from the instrument's frame to the body's",
          [](const Quaternion& q) { return Quaternion(q.conjugate()); });
-  change("the quaternions hold w last: their columns are qx, qy, qz, qw",
+  change("the quaternions have w last: the columns are qx, qy, qz, qw",
          [](const Quaternion& q) { return Quaternion(q.z(), q.w(), q.x(), q.y()); });
 }
 
@@ -177,14 +179,14 @@ void MistakeList::add_command_frames() {
   const auto turned = [&](const std::string& text, const Eigen::Matrix3d& turn) {
     add("commands", text, [turn](Measurements& m) { turn_frame_of_commands(m, turn); });
   };
-  turned("the commanded z has the other sign", Eigen::Vector3d(1, 1, -1).asDiagonal());
-  turned("the commanded x has the other sign", Eigen::Vector3d(-1, 1, 1).asDiagonal());
-  turned("the commanded y has the other sign", Eigen::Vector3d(1, -1, 1).asDiagonal());
+  turned("the commanded z has the opposite sign", Eigen::Vector3d(1, 1, -1).asDiagonal());
+  turned("the commanded x has the opposite sign", Eigen::Vector3d(-1, 1, 1).asDiagonal());
+  turned("the commanded y has the opposite sign", Eigen::Vector3d(1, -1, 1).asDiagonal());
   Eigen::Matrix3d swapped = Eigen::Matrix3d::Identity();
   swapped.col(0).swap(swapped.col(1));
   turned("the commanded x and y are swapped", swapped);
   for (const int degrees : {30, 45, 60, 90, 120, 135, 150, 180, 210, 225, 240, 270, 300, 315, 330}) {
-    turned(fmt::format("the frame of the commands is turned by {} deg about z against the robot's", degrees),
+    turned(fmt::format("the frame of the commands is rotated by {} deg about z relative to the robot's", degrees),
            Eigen::AngleAxisd(to_radians(degrees), Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
 }

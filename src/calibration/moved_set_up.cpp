@@ -42,7 +42,7 @@ std::vector<Splittable> series_of(const Measurements& measurements) {
   for (std::size_t k = 0; k < measurements.lengths.size(); ++k) {
     const LengthSeries& one = measurements.lengths[k];
     all.push_back({one.readings.size(), [k](Measurements& m, std::size_t row) { split(m.lengths, k, row); },
-                   fmt::format("the set-up of the {}", words(one.kind).plural), one.name});
+                   fmt::format("the setup of the {}", words(one.kind).plural), one.name});
   }
   std::erase_if(all, [](const Splittable& one) { return one.count < 2 * kFewest; });
   return all;

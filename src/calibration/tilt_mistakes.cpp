@@ -37,11 +37,11 @@ std::vector<Mistake> tilt_mistakes(const Input& given) {
     add(std::move(text), [change](Measurements& m) { change_tilts(m, change); });
   };
   changed("the commanded tilts are in rad, not deg", kRadInDegrees * Eigen::Matrix3d::Identity());
-  changed("the commanded tilts have the other sign", -Eigen::Matrix3d::Identity());
+  changed("the commanded tilts have the opposite sign", -Eigen::Matrix3d::Identity());
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d one = Eigen::Vector3d::Unit(axis), others = Eigen::Vector3d::Ones() - one;
     for (const Eigen::Vector3d& wrong : {one, others}) {
-      changed(fmt::format("the commanded {} {} the other sign", tilts_named(wrong), wrong == one ? "has" : "have"),
+      changed(fmt::format("the commanded {} {} the opposite sign", tilts_named(wrong), wrong == one ? "has" : "have"),
               (Eigen::Vector3d::Ones() - 2.0 * wrong).asDiagonal());
     }
     Eigen::Matrix3d swapped = Eigen::Matrix3d::Identity();

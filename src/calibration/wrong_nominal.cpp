@@ -73,7 +73,7 @@ std::vector<Mistake> best_misprints(const Input& given, const TrialFit& fit, std
 }
 
 Mistake scaled_readings(double scale) {
-  return {MistakeKind::nominal, "scale", fmt::format("the readings are {:.4f} times as long as they should be", scale),
+  return {MistakeKind::nominal, "scale", fmt::format("the scale of the readings is {:.4f} instead of 1", scale),
           [scale](Input& input) { scale_readings(input.measurements, 1.0 / scale); }};
 }
 

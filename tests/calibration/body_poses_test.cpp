@@ -429,14 +429,14 @@ TEST(BodyMistakes, AreTold) {
   };
   const ReflectorMount turns = ReflectorMount::end_effector;
   EXPECT_THAT(told_of([](PointReading& one) { one.orientation = one.orientation->conjugate(); }, turns),
-              HasSubstr("the quaternions turn the other way, from the instrument's frame to the body's"));
+              HasSubstr("the quaternions are inverted: they rotate from the instrument's frame to the body's"));
   EXPECT_THAT(told_of(
                   [](PointReading& one) {
                     const Quaternion q = *one.orientation;
                     one.orientation = Quaternion(q.x(), q.y(), q.z(), q.w());
                   },
                   turns),
-              HasSubstr("the quaternions hold w last: their columns are qx, qy, qz, qw"));
+              HasSubstr("the quaternions have w last: the columns are qx, qy, qz, qw"));
   EXPECT_THAT(told_of(
                   [](PointReading& one) {
                     one.point.z() = -one.point.z();

@@ -41,9 +41,8 @@ TEST(Causes, ReadingsThatAreShortOneWayAreNoUsualMistake) {
   const auto diagnosis = diagnose(robot, read);
   ASSERT_TRUE(diagnosis);
   EXPECT_THAT(diagnosis->causes, IsEmpty()) << diagnosis->text;
-  EXPECT_THAT(diagnosis->text, testing::MatchesRegex("none of the usual mistakes of an input explains the readings: as "
-                                                     "given they fit to 0\\.73 mm, with the nearest mistake undone to "
-                                                     "0\\.3 mm"));
+  EXPECT_THAT(diagnosis->text, testing::MatchesRegex("no common input mistake explains the residuals of 0\\.73 mm; the "
+                                                     "most likely one leaves 0\\.3 mm. Check units, .*"));
   EXPECT_NEAR(diagnosis->largest_noise, 2.0 * kNoise, 0.5 * kNoise);
   const Calibration calibration = calibrate(robot, read);
   EXPECT_EQ(calibration.verdict, Verdict::rejected);
@@ -66,12 +65,12 @@ TEST(Causes, TwoWrongNumbersOfTheFileAreNamedTogether) {
     ASSERT_FALSE(diagnosis->causes.empty()) << diagnosis->text;
     const std::string text = diagnosis->causes.front();
     double rod = 0.0, arm = 0.0;
-    ASSERT_EQ(std::sscanf(text.c_str(), "the readings fit a robot whose rod_mm is %lf and arm_mm is %lf", &rod, &arm),
+    ASSERT_EQ(std::sscanf(text.c_str(), "the readings fit a robot file with rod_mm = %lf and arm_mm = %lf", &rod, &arm),
               2)
         << text;
     EXPECT_NEAR(rod, 800.0, 1.5);
     EXPECT_NEAR(arm, 310.0, 1.5);
-    EXPECT_THAT(text, testing::EndsWith(", the file says 780 and 320"));
+    EXPECT_THAT(text, testing::EndsWith(" instead of 780 and 320"));
     EXPECT_LT(diagnosis->rms_explained, 1.5 * kNoise);
     EXPECT_EQ(calibrate(robot, read).verdict, Verdict::rejected);
   }
@@ -87,11 +86,11 @@ TEST(Causes, AWrongScaleIsNamedBesideALargerRobot) {
     ASSERT_TRUE(diagnosis);
     ASSERT_FALSE(diagnosis->causes.empty()) << diagnosis->text;
     double told = 0.0;
-    ASSERT_EQ(std::sscanf(diagnosis->causes.front().c_str(), "the readings are %lf times as long as", &told), 1)
+    ASSERT_EQ(std::sscanf(diagnosis->causes.front().c_str(), "the scale of the readings is %lf", &told), 1)
         << diagnosis->text;
     EXPECT_NEAR(told, scale, 1e-3);
     const bool within = scale == 1.005;  // radii that are 1 % off are beyond their tolerances
-    EXPECT_EQ(testing::Value(diagnosis->causes, Contains(HasSubstr("a robot whose rod_mm is "))), within);
+    EXPECT_EQ(testing::Value(diagnosis->causes, Contains(HasSubstr("a robot file with rod_mm = "))), within);
   }
 }
 

@@ -118,10 +118,10 @@ TEST_F(OneController, WithAnotherOriginIsToldWhere) {
 
 TEST_F(OneController, WithOtherJointsIsToldWhich) {
   EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return -of(robot, pose); }),
-              ElementsAre("joints counted the other way: multiply them by -1"));
+              ElementsAre("joints with the opposite sign: multiply them by -1"));
   const Robot shorter = changed(robot, longer_rod(-10.0));
   EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return -of(shorter, pose); }),
-              ElementsAre(StartsWith("joints counted the other way, and rod ")));
+              ElementsAre(StartsWith("joints with the opposite sign, and rod ")));
   EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return of(robot, pose).array() + to_radians(2.0); }),
               ElementsAre("the zero of all joints: the controller shows 2.000 deg more"));
 }
@@ -131,8 +131,8 @@ TEST_F(OneController, WithAnotherRadiusIsToldBoth) {
   const double base = robot.geometry().base_radius, plate = robot.geometry().plate_radius;
   const Robot controller = changed(robot, [](RobotDescription& one) { one.geometry.base_radius += 4.0; });
   EXPECT_THAT(explained([&](const Pose& pose) { return of(controller, pose); }),
-              ElementsAre(fmt::format("base radius {:.2f} mm instead of {:g} mm or, with the same joints everywhere, "
-                                      "plate radius {:.2f} mm instead of {:g} mm",
+              ElementsAre(fmt::format("base radius {:.2f} mm instead of {:g} mm (or plate radius {:.2f} mm "
+                                      "instead of {:g} mm, which gives the same joints)",
                                       base + 4.0, base, plate - 4.0, plate)));
 }
 

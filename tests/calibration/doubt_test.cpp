@@ -69,7 +69,7 @@ TEST(Doubts, AnErrorIsFarOutsideItsTolerance) {
   const Robot wrong = misprinted(robot, measured);
   const CalibrationOptions options{
       .stage = Stage::fine, .noise_is_known = true, .admit_drop = kNever, .states_use = false};
-  EXPECT_THAT(first_reason(calibrate(wrong, measured, options)), HasSubstr("whose rod_mm is "));
+  EXPECT_THAT(first_reason(calibrate(wrong, measured, options)), HasSubstr("with rod_mm = "));
 }
 
 /// What the fit took for a fault of the machine was the mistake's doing: nothing is said of it, nor of its use.
@@ -82,7 +82,7 @@ TEST(Doubts, NothingOfTheConsequencesIsSaid) {
   ASSERT_FALSE(fooled.components.empty());
   ASSERT_GT(fooled.notes.size(), 1u);
   EXPECT_EQ(told.verdict, Verdict::rejected);
-  EXPECT_THAT(told.reasons, ElementsAre(HasSubstr("whose rod_mm is ")));
+  EXPECT_THAT(told.reasons, ElementsAre(HasSubstr("with rod_mm = ")));
   EXPECT_THAT(told.components, IsEmpty());
   EXPECT_THAT(told.notes, ElementsAre("of the import"));
   EXPECT_FALSE(told.use);

@@ -149,7 +149,7 @@ TEST_P(HeightsLaw, CommonErrorsMoveLimbsTogether) {
     return std::pair(low, high);
   };
   const Calibration alone = calibrate(robot, measurements, options);
-  EXPECT_THAT(alone.brief(), testing::HasSubstr("the readings fit a robot whose rod_mm is "));
+  EXPECT_THAT(alone.brief(), testing::HasSubstr("the readings fit a robot file with rod_mm = "));
   options.common = {rods};
   const Calibration shared = calibrate(robot, measurements, options);
   EXPECT_TRUE(shared.components.empty()) << shared.brief();

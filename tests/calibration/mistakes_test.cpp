@@ -137,10 +137,10 @@ TEST_F(Mistakes, OfJointsOnRails) {
 
 TEST_F(Mistakes, OfAngles) {
   const Measurements sound = all_kinds(robot), joints = believed(sound);
-  expect_undone(sound, "the commanded phi are in rad, not deg",
+  expect_undone(sound, "the commanded phi is in rad, not deg",
                 [](Measurements& m) { scale_commanded_turns(m, kDegree); });
   expect_undone(sound, "the readings of phi are in rad, not deg", [](Measurements& m) { scale_turns(m, kDegree); });
-  expect_undone(sound, "all phi are in rad, not deg", [](Measurements& m) {
+  expect_undone(sound, "all values of phi are in rad, not deg", [](Measurements& m) {
     scale_turns(m, kDegree);
     scale_commanded_turns(m, kDegree);
   });
@@ -153,19 +153,19 @@ TEST_F(Mistakes, OfAngles) {
 
 TEST_F(Mistakes, OfSigns) {
   const Measurements sound = all_kinds(robot);
-  expect_undone(sound, "the readings of phi have the other sign", [](Measurements& m) { scale_turns(m, -1.0); });
-  expect_undone(sound, "the commanded phi have the other sign",
+  expect_undone(sound, "the readings of phi have the opposite sign", [](Measurements& m) { scale_turns(m, -1.0); });
+  expect_undone(sound, "the commanded phi has the opposite sign",
                 [](Measurements& m) { scale_commanded_turns(m, -1.0); });
-  expect_undone(sound, "all phi, commanded and read, have the other sign", [](Measurements& m) {
+  expect_undone(sound, "commanded and measured phi have the opposite sign", [](Measurements& m) {
     scale_turns(m, -1.0);
     scale_commanded_turns(m, -1.0);
   });
   expect_undone(sound, "the heights count downwards", [](Measurements& m) {
     for (LengthReading& one : m.lengths[0].readings) one.length = -one.length;
   });
-  expect_undone(sound, "the commanded x has the other sign", [](Measurements& m) { scale_commands(m, {-1, 1, 1}); });
-  expect_undone(sound, "the commanded y has the other sign", [](Measurements& m) { scale_commands(m, {1, -1, 1}); });
-  expect_undone(sound, "the commanded z has the other sign", [](Measurements& m) { scale_commands(m, {1, 1, -1}); });
+  expect_undone(sound, "the commanded x has the opposite sign", [](Measurements& m) { scale_commands(m, {-1, 1, 1}); });
+  expect_undone(sound, "the commanded y has the opposite sign", [](Measurements& m) { scale_commands(m, {1, -1, 1}); });
+  expect_undone(sound, "the commanded z has the opposite sign", [](Measurements& m) { scale_commands(m, {1, 1, -1}); });
   expect_undone(sound, "the commanded x and y are swapped", [](Measurements& m) {
     for (Station& one : m.stations) std::swap(one.commanded.position.x(), one.commanded.position.y());
   });
@@ -188,8 +188,8 @@ void move_rows(Measurements& read) {
 
 TEST_F(Mistakes, OfRows) {
   const Measurements sound = all_kinds(robot);
-  expect_undone(sound, "each reading belongs to the pose one row below it", move_rows<-1>);
-  expect_undone(sound, "each reading belongs to the pose one row above it", move_rows<1>);
+  expect_undone(sound, "each reading belongs to the pose one row below", move_rows<-1>);
+  expect_undone(sound, "each reading belongs to the pose one row above", move_rows<1>);
 }
 
 template <int kBy>
@@ -275,24 +275,24 @@ class WrongNominal : public testing::Test {
     const auto found = std::ranges::find(all, key, &Mistake::family);
     if (found == all.end()) return {"nothing", 0.0};
     const std::string& text = found->text;
-    return {text, std::stod(text.substr(text.find(" is ") + 4))};
+    return {text, std::stod(text.substr(text.find(" = ") + 3))};
   }
 };
 
 TEST_F(WrongNominal, LengthsAreToldInMillimetres) {
   const auto [plate, radius] =
       told("plate_radius_mm", [](RobotDescription& robot) { robot.geometry.plate_radius += 10.0; });
-  EXPECT_THAT(plate, testing::MatchesRegex(".*whose plate_radius_mm is [0-9]+\\.[0-9], the file says 85"));
+  EXPECT_THAT(plate, testing::MatchesRegex(".*with plate_radius_mm = [0-9]+\\.[0-9] instead of 85"));
   EXPECT_NEAR(radius, 75.0, 1.5);
   const auto [rod, length] = told("rod_mm", [](RobotDescription& robot) { robot.geometry.rod += 10.0; });
-  EXPECT_THAT(rod, HasSubstr("whose rod_mm is "));
+  EXPECT_THAT(rod, HasSubstr("with rod_mm = "));
   EXPECT_NEAR(length, 950.0, 1.5);
 }
 
 TEST_F(WrongNominal, AzimuthsAreToldInDegrees) {
   const auto [text, azimuth] = told("limb_azimuth_deg of limb 2",
                                     [](RobotDescription& robot) { robot.geometry.limb_azimuth[1] += to_radians(5.0); });
-  EXPECT_THAT(text, testing::MatchesRegex(".*limb_azimuth_deg of limb 2 is [-0-9]+\\.[0-9][0-9], the file says .*"));
+  EXPECT_THAT(text, testing::MatchesRegex(".*limb_azimuth_deg of limb 2 = [-0-9]+\\.[0-9][0-9] instead of .*"));
   const double right = to_degrees(catalogue::huang2016().geometry().limb_azimuth[1]);
   EXPECT_NEAR(azimuth, right, 0.7);
 }
@@ -302,7 +302,7 @@ TEST_F(WrongNominal, APinionIsToldByRotations) {
   const auto misprint = [](RobotDescription& robot) { robot.slide->pinion_radius += 2.0; };
   for (const bool distances : {false, true}) {
     const auto [text, radius] = told("pinion_radius_mm", misprint, distances);
-    EXPECT_THAT(text, HasSubstr("whose pinion_radius_mm is "));
+    EXPECT_THAT(text, HasSubstr("with pinion_radius_mm = "));
     EXPECT_NEAR(radius, 12.0, 0.1);
   }
   EXPECT_EQ(told("pinion_radius_mm", [](RobotDescription&) {}).first, "nothing");

@@ -38,11 +38,11 @@ const std::vector<Case>& cases() {
   using V = Eigen::Vector3d;
   static const std::vector<Case> all{
       {"the commanded tilts are in rad, not deg", [](const V& t) { return V(t * std::numbers::pi / 180.0); }},
-      {"the commanded tilts have the other sign", [](const V& t) { return V(-t); }},
-      {"the commanded tilt_x has the other sign", [](const V& t) { return V(-t.x(), t.y(), t.z()); }},
-      {"the commanded tilt_y has the other sign", [](const V& t) { return V(t.x(), -t.y(), t.z()); }},
-      {"the commanded tilt_z has the other sign", [](const V& t) { return V(t.x(), t.y(), -t.z()); }},
-      {"the commanded tilt_x and tilt_y have the other sign", [](const V& t) { return V(-t.x(), -t.y(), t.z()); }},
+      {"the commanded tilts have the opposite sign", [](const V& t) { return V(-t); }},
+      {"the commanded tilt_x has the opposite sign", [](const V& t) { return V(-t.x(), t.y(), t.z()); }},
+      {"the commanded tilt_y has the opposite sign", [](const V& t) { return V(t.x(), -t.y(), t.z()); }},
+      {"the commanded tilt_z has the opposite sign", [](const V& t) { return V(t.x(), t.y(), -t.z()); }},
+      {"the commanded tilt_x and tilt_y have the opposite sign", [](const V& t) { return V(-t.x(), -t.y(), t.z()); }},
       {"the commanded tilt_x and tilt_y are swapped", [](const V& t) { return V(t.y(), t.x(), t.z()); }},
       {"the commanded tilt_x and tilt_z are swapped", [](const V& t) { return V(t.z(), t.y(), t.x()); }},
       {"the commanded tilts are of Rot(z, tilt_z) Rot(y, tilt_y) Rot(x, tilt_x), not of Rot(x, tilt_x) Rot(y, tilt_y) "

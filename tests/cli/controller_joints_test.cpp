@@ -142,7 +142,7 @@ TEST_F(WrongRod, IsNamedByJointsAtHomeAndOnTheRim) {
     const ProgramResult refused = folder.run(command + " --controller-joints displayed.csv");
     EXPECT_EQ(refused.exit_code, kBadInputFile) << command;
     EXPECT_THAT(refused.err, AllOf(HasSubstr("displayed.csv:2: expected q"),
-                                   HasSubstr("This explains it: rod 720.00 mm instead of 730 mm.")));
+                                   HasSubstr("This explains the difference: rod 720.00 mm instead of 730 mm.")));
   }
 }
 
