@@ -133,18 +133,17 @@ PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
   const LengthWords& kind = words(readings.length);
   const bool lengths = readings.measurand == Measurand::lengths;
   if (readings.second && readings.measurand != Measurand::coordinates) {
-    throw WrongUsage("--second: expected --measure coordinates with it");
+    throw WrongUsage("--second: expected --measure coordinates");
   }
   const bool poses = readings.measurand == Measurand::poses;
   if (readings.rotation && (lengths || poses)) {
-    throw WrongUsage(
-        fmt::format("{}: expected another --measure than {} with it", rotation, poses ? "pose" : kind.name));
+    throw WrongUsage(fmt::format("{}: expected --measure other than {}", rotation, poses ? "pose" : kind.name));
   }
   if (!at.empty() && (!lengths || kind.at.empty())) {
-    throw WrongUsage(fmt::format("--at: expected --measure {} with it", kinds_with_at()));
+    throw WrongUsage(fmt::format("--at: expected --measure {}", kinds_with_at()));
   }
   if (lengths && kind.needs_at && std::ranges::all_of(at, [](double one) { return one == 0.0; })) {
-    throw WrongUsage(fmt::format("--measure {}: expected --at with it, {}", kind.name, kind.at));
+    throw WrongUsage(fmt::format("--measure {}: expected --at, {}", kind.name, kind.at));
   }
   PlannedReadings planned = readings;
   if (!at.empty()) planned.at = Eigen::Vector3d(at[0], at[1], at[2]);

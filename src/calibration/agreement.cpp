@@ -43,8 +43,9 @@ std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd
   if (!noise) return std::nullopt;
   if (std::isinf(noise->dof)) return noise->dof;
   if (stated) {
-    validation.notes.push_back(
-        fmt::format("visits of a pose scatter {:.1f} times as much as the noise that is stated", noise->factor));
+    validation.notes.push_back(fmt::format(
+        "repeated visits of a pose scatter {:.1f} times as much as the stated noise: check the stated sigma",
+        noise->factor));
   }
   observation.components().stated_noise = observation.components().unstated_noise = std::max(noise->factor, kSmallest);
   return noise->dof;
@@ -156,15 +157,16 @@ void state_agreement(Scatter left, std::optional<double> noise_dof, bool is_know
     left.redundancy -= *noise_dof;
   }
   if (!is_known) {
-    validation.notes.emplace_back("the calibration states no uncertainty: whether it holds cannot be told");
+    validation.notes.emplace_back(
+        "the calibration states no uncertainty, so these readings cannot check one: calibrate again with more poses");
   } else if (!noise_dof || left.redundancy < 1.0) {
     validation.notes.emplace_back(
-        "no sigma is stated and too few poses were visited twice: whether the calibration's uncertainty holds cannot "
-        "be told from these readings");
+        "these readings cannot check the uncertainty of the calibration: state their sigma (--sigma-mm) or visit poses "
+        "twice");
   } else if (!std::isfinite(left.sum)) {
     validation.notes.emplace_back(
-        "residuals over their sigmas leave the range of numbers: whether the calibration's uncertainty holds cannot be "
-        "told");
+        "these readings cannot check the uncertainty of the calibration: their residuals over sigma overflow; check "
+        "readings and sigmas");
   } else {
     validation.agreement = {.chi_square = left.sum, .freedom = left.redundancy, .noise_dof = *noise_dof};
     validation.agreement->chance = chance_of(*validation.agreement);
@@ -191,8 +193,9 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   observation.components().joint = joint_std;
   const Scatter left = disagreement(observation, unknowns, covariance);
   if (left.redundancy < 1.0) {
-    throw InvalidArgument(fmt::format("validation: expected more readings than their set-up has unknowns, {}; got {}",
-                                      calibrated.observation.nuisance_count(), observation.groups().size()));
+    throw InvalidArgument(
+        fmt::format("validation: expected more readings than unknowns of their setup ({}), got {}; measure more poses",
+                    calibrated.observation.nuisance_count(), observation.groups().size()));
   }
   state_agreement(left, noise_dof, is_known, validation);
   return {nominal.summary(), calibrated.summary()};

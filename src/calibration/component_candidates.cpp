@@ -44,9 +44,11 @@ double first_joint_std(const StageFit& fit) {
 }
 
 std::string joint_sentence(const StageFit& fit, bool repeated) {
-  return fmt::format("{} {:.3f} mm, poses disagree with the model by {:.3f} mm: backlash, friction or load{}",
-                     repeated ? "visits repeat to" : "the noise is stated as", reading_noise(fit.observation()),
-                     pose_disagreement(fit), repeated ? "" : ", or more noise than is stated");
+  return fmt::format(
+      "the poses differ from the model by {:.3f} mm more than the noise explains ({} {:.3f} mm). Possible causes: "
+      "backlash, friction{}",
+      pose_disagreement(fit), repeated ? "repeatability" : "stated noise", reading_noise(fit.observation()),
+      repeated ? " or load" : ", load or larger noise");
 }
 
 ComponentCandidate joint_candidate(double promised, Sentence say) {
@@ -88,9 +90,9 @@ void add_joint_beside_noise(const StageFit& fit, std::vector<ComponentCandidate>
   if (!turns) return;
   all.push_back(joint_candidate(drop_by_joints(fit), [](const StageFit& at, double) {
     return fmt::format(
-        "beside noise of {:.3f} mm, poses disagree with the model by {:.3f} mm, the way that joints move and turn "
-        "the plate: backlash, friction, load or uneven drives",
-        reading_noise(at.observation()), pose_disagreement(at));
+        "the poses differ from the model by {:.3f} mm more than the noise ({:.3f} mm) explains, as joint errors would. "
+        "Possible causes: backlash, friction, load or uneven drives",
+        pose_disagreement(at), reading_noise(at.observation()));
   }));
 }
 

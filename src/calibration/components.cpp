@@ -83,7 +83,8 @@ class Finder {
     const double size = one.what.size(fit_);
     std::string text = one.what.say(fit_, size);
     if (!one.equals.empty()) {
-      text += fmt::format("; {} would explain the readings as well: measure the parts", fmt::join(one.equals, " or "));
+      text +=
+          fmt::format(". {} would explain the readings equally well: measure the parts", fmt::join(one.equals, " or "));
     }
     return {std::move(text), size, one.drop, chance, chance < options_.tell_chance};
   }

@@ -102,7 +102,7 @@ std::optional<Measurements> as_points(const Measurements& measurements) {
     if (turned) reading.rotation = rotations[k];
     result.series.back().readings.push_back(std::move(reading));
   }
-  result.notes.emplace_back("the distances are those of all pairs of measured points: the points are fitted");
+  result.notes.emplace_back("the distances are those of all pairs of measured points: the fit uses the points");
   return result;
 }
 

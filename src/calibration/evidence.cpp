@@ -68,7 +68,8 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
                    Calibration& calibration) {
   if (after.observation->groups().size() > kLongestList) {
     calibration.notes.push_back(
-        fmt::format("{} readings: their residuals are not listed one by one", after.observation->groups().size()));
+        fmt::format("{} readings are too many to list: JSON and report show only statistics of their residuals",
+                    after.observation->groups().size()));
     return;
   }
   for (const Group& group : after.observation->groups()) {
@@ -94,10 +95,10 @@ void state_turned_over(const Robot& robot, Calibration& calibration) {
   if (!robot.nominal().has_guides() || !robot.geometry().freedoms.holds_z()) return;
   for (const SeriesFrame& one : calibration.frames) {
     if (one.frame.rotation(2, 2) >= 0.0) continue;
-    calibration.assumed.push_back(fmt::format(
-        "the instrument of {} stands on the other side of the plane, its z against the robot's; or x, or y, "
-        "of commands or readings has the wrong sign: places in a plane look the same",
-        one.name));
+    calibration.assumed.push_back(
+        fmt::format("the instrument of {} views the plane from the other side (z reversed), or one of x and y has the "
+                    "wrong sign. Points in a plane cannot distinguish these",
+                    one.name));
   }
 }
 
@@ -116,9 +117,9 @@ void add_suspects(const Measurements& measurements, const Observation& observati
       const std::string why = series.explanation(group.index, at, measurements.stations);
       if (!why.empty()) text += ": " + why;
       const double size = std::sqrt(std::max(one.statistic, 0.0));  // no number where the reading overflows
-      calibration.notes.push_back(std::isfinite(size)
-                                      ? fmt::format("left out {} (contradiction {:.0f} times the noise)", text, size)
-                                      : fmt::format("left out {}", text));
+      calibration.notes.push_back(
+          std::isfinite(size) ? fmt::format("outlier excluded: {} (residual {:.0f} times the noise)", text, size)
+                              : fmt::format("outlier excluded: {}", text));
     }
     calibration.suspects.push_back({std::move(text), one.statistic, one.chance(count), !group.active});
   }

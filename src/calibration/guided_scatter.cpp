@@ -63,10 +63,10 @@ void state_guided_scatter(const Observation& observation, const Placed& at, doub
   const double mm = std::sqrt(squares.poses / squares.weight);  // a typical standard deviation of a pose's mean
   if (!(mm * std::sqrt(of_across) > kSeen) || !(of_within > 0.0)) return;
   if (fisher_tail(of_across / of_within, across, within) >= calibration.options.tell_chance) return;
-  calibration.notes.push_back(fmt::format(
-      "points scatter {:.3g} mm across the plane that guides hold, {:.3g} mm in it: the guides are not flat by that "
-      "much, or the instrument reads worse across; U holds in the plane alone",
-      mm * std::sqrt(of_across), mm * std::sqrt(of_within)));
+  calibration.notes.push_back(
+      fmt::format("points scatter {:.3g} mm across the plane of the guides, {:.3g} mm in it. Check the flatness of the "
+                  "guides. U is valid in the plane only",
+                  mm * std::sqrt(of_across), mm * std::sqrt(of_within)));
 }
 
 }  // namespace paracal::detail

@@ -145,7 +145,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.lengths.empty())) {
     throw InvalidArgument(measurements.lengths.empty()
                               ? std::string("measurements: expected at least one reading, got none")
-                              : fmt::format("method paper: expected points or distances, got {} alone",
+                              : fmt::format("method paper: expected points or distances, got only {}",
                                             words(measurements.lengths.front().kind).plural));
   }
   if (paper && std::ranges::any_of(measurements.series, &PointSeries::is_of_body)) {
@@ -157,7 +157,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
       paper ? detail::paper_columns(robot, options) : detail::all_with_priors(robot, options);
   if (fine && sought.empty()) {
     throw InvalidArgument(
-        "calibration: expected a source error to seek, got none that has a tolerance and is not fixed");
+        "calibration: expected at least one error to estimate, got only errors that are fixed or have no tolerance");
   }
   const bool biased = options.noise.distance_bias > 0.0;  // such distances are none between points
   std::optional<Measurements> converted;

@@ -41,10 +41,10 @@ void require_gain(double two_points, Validation& validation) {
   const auto require = [&](std::string_view what, double before, double after, double uncertainty, double left) {
     if (!validation.agreement) uncertainty = std::max(uncertainty, kCoverageFactor * left);
     if (before - after > uncertainty) return;
-    std::string reason = fmt::format("the largest {} grew from {:.3f} to {:.3f} mm", what, before, after);
+    std::string reason = fmt::format("the largest {} increased from {:.3f} to {:.3f} mm", what, before, after);
     if (after - before <= uncertainty) {
       reason = fmt::format(
-          "the largest {} went from {:.3f} to {:.3f} mm, by not more than the uncertainty of measuring it, {:.3f} mm",
+          "the largest {} changed from {:.3f} to {:.3f} mm: not significant, because it is measured with U {:.3f} mm",
           what, before, after, uncertainty);
     }
     validation.reasons.push_back(std::move(reason));
@@ -55,12 +55,12 @@ void require_gain(double two_points, Validation& validation) {
   }
   if (validation.after.reads_distances) {
     const auto [before, after] = largest_of_readings(validation, std::nullopt);
-    return require("error of a distance", before, after, uncertainty_of_readings(validation, std::nullopt).expanded(),
+    return require("distance error", before, after, uncertainty_of_readings(validation, std::nullopt).expanded(),
                    validation.after.rms_distance);
   }
   const auto& [kind, rms] = *validation.after.rms_lengths.begin();
   const auto [before, after] = largest_of_readings(validation, kind);
-  require(fmt::format("error of a {}", words(kind).noun), before, after,
+  require(fmt::format("{} error", words(kind).noun), before, after,
           uncertainty_of_readings(validation, kind).expanded(), rms);
 }
 
@@ -139,7 +139,7 @@ class LimitJudge {
 
   void check_distances() {
     if (options_.limits.distance && !validation_.after.reads_distances) {
-      return refuse(fmt::format("a limit on distances was set, and {} alone were read",
+      return refuse(fmt::format("expected distances or points for the limit on distances, got only {}",
                                 words(validation_.after.rms_lengths.begin()->first).plural));
     }
     // A bias that is sought takes up what all distances have in common, of the machine, too.
@@ -154,7 +154,7 @@ class LimitJudge {
   /// |dr| of an aligned point varies along itself as one coordinate does, at most as all three do.
   void check_positions() {
     if (options_.limits.volumetric && validation_.poses.empty()) {
-      return refuse("a limit on aligned positions was set, and no points were read");
+      return refuse("expected points for the limit on aligned positions, got none");
     }
     check({"aligned position error, mm", validation_.after.max_volumetric_aligned,
            means_.point.with(options_.scale_std * extent_.from_middle), validation_.poses.size(), 3.0},
@@ -173,7 +173,7 @@ class LimitJudge {
              measurements_.stations.size(), 3.0},
             limit);
     } else if (limit) {
-      refuse("a limit on rotation was set, and no rotation was read");
+      refuse("expected rotations for the limit on rotation, got none");
     }
   }
 
@@ -186,8 +186,8 @@ class LimitJudge {
                                                           : Conformity::undecided;
     validation_.checks.push_back({one.quantity, one.error, U, least, one.of_each.coverage(), *limit, conformity});
     if (conformity == Conformity::conforming) return;
-    refuse(fmt::format("{}: read as {:.4g}, so {:.3g} to {:.3g}; limit {:.4g}: {}", one.quantity, one.error, least,
-                       one.error + U, *limit, name(conformity)));
+    refuse(fmt::format("{}: measured {:.4g} (95 % interval {:.3g} to {:.3g}), limit {:.4g}: {}", one.quantity,
+                       one.error, least, one.error + U, *limit, name(conformity)));
   }
 
   void refuse(std::string_view reason) { validation_.reasons.emplace_back(reason); }
@@ -208,9 +208,8 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
   if (validation.agreement && validation.agreement->contradicts()) {
     const Agreement& agreement = *validation.agreement;
     std::string text = fmt::format(
-        "these readings contradict the uncertainty that the calibration states: they lie {:.1f} times as far from its "
-        "predictions as that and their noise explain; has the machine changed since (a knock, a repair, another load), "
-        "or do they scatter more than is stated?",
+        "the readings differ from the predictions {:.1f} times as much as uncertainty and noise explain. Check whether "
+        "the machine changed (collision, repair, load) or the stated sigma is too small",
         std::sqrt(agreement.chi_square / agreement.freedom));
     // Positions that are proven to be good enough are; rotations say nothing of positions.
     const bool are_held = options.limits.distance || options.limits.volumetric;

@@ -12,7 +12,7 @@ Eigen::MatrixXd all_rows(Observation& observation) {
   const std::optional<Eigen::VectorXd> start = observation.start({});
   const auto stations = start ? observation.stations(*start) : nullptr;
   if (!stations)
-    throw Unreachable("the nominal machine does not close at every station with the joints believed there");
+    throw Unreachable("no solution: the nominal machine cannot reach every station with its commanded joints");
   std::vector<Eigen::MatrixXd> blocks(observation.groups().size());
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < blocks.size(); ++k) {

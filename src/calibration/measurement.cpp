@@ -164,8 +164,8 @@ Measurements with_commands(const Robot& robot, Measurements measurements) {
     const ForwardResult nominal = forward(robot.nominal(), *station.believed);
     if (!nominal.ok()) {
       throw Unreachable(
-          fmt::format("{}: robot {} does not close with the joints of the table, so it cannot say where it was "
-                      "sent: expected joints in the order of its limbs, from where the robot's file has their zeros",
+          fmt::format("{}: no solution for robot {} with the joints of the table: expected joints in the order of its "
+                      "limbs, with the zeros of the robot file",
                       named(station), robot.name()));
     }
     station.commanded = pose_of(robot.nominal(), nominal.plate);

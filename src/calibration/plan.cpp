@@ -101,11 +101,13 @@ std::vector<Station> workspace_stations(const Robot& robot) {
 Measurements planned(const Robot& robot, const std::vector<Station>& stations, const PlannedReadings& readings) {
   const bool coordinates = readings.measurand == Measurand::coordinates, poses = readings.measurand == Measurand::poses;
   const bool lengths = readings.measurand == Measurand::lengths;
-  if (readings.second && !coordinates) throw InvalidArgument("plan: a second reflector needs coordinates");
+  if (readings.second && !coordinates)
+    throw InvalidArgument("plan: expected coordinates with a second reflector, got another measurand");
   if (readings.rotation && lengths) {
     throw InvalidArgument(fmt::format("plan: expected {} without rotations", words(readings.length).plural));
   }
-  if (readings.rotation && poses) throw InvalidArgument("plan: expected poses without rotations: they show them");
+  if (readings.rotation && poses)
+    throw InvalidArgument("plan: expected poses without rotation readings, since poses include them");
   if (lengths) return planned_lengths(robot, stations, readings);
   if (poses) return planned_poses(robot, stations, readings);
   RandomStream unused(0);

@@ -58,7 +58,7 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   detail::Observation observation(robot, plan, calibration, detail::all_with_priors(robot, calibration), true);
   const auto unknowns = observation.start({});
   const auto stations = unknowns ? observation.stations(*unknowns) : nullptr;
-  if (!stations) throw Unreachable("a candidate pose is out of the nominal machine's reach");
+  if (!stations) throw Unreachable("no solution: the nominal machine cannot reach a candidate pose");
 
   const Eigen::Index n = observation.unknown_count();
   Problem problem;
@@ -108,7 +108,7 @@ Selection select_stations(const Robot& robot, const std::vector<Station>& candid
         fmt::format("pose selection: expected 2 to {} poses, got {}", candidates.size(), options.poses));
   }
   if (options.readings.measurand == Measurand::distances) {
-    throw InvalidArgument("pose selection: expected readings that each pose has alone, got distances of all pairs");
+    throw InvalidArgument("pose selection: expected one reading per pose, got distances of all pairs");
   }
   Problem problem = make_problem(robot, candidates, options);
   CalibrationOptions calibration;

@@ -148,7 +148,8 @@ PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints
   const Machine machine = build(robot, known.errors);
   const ForwardResult result = forward(machine, joints);
   const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
-  if (!result.usable() || jacobian.rows() == 0) throw Unreachable("the machine does not close at these joints");
+  if (!result.usable() || jacobian.rows() == 0)
+    throw Unreachable("no solution: the machine cannot be assembled at these joints");
   return {pose_of(machine, result.plate), jacobian * known.pose_covariance() * jacobian.transpose()};
 }
 

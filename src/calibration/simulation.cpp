@@ -40,7 +40,7 @@ class Visits {
     for (const Station& station : stations) {
       let_interrupt();
       const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
-      if (!pose.ok()) throw Unreachable(named(station) + ": the machine does not close there");
+      if (!pose.ok()) throw Unreachable(named(station) + ": no solution: the machine cannot reach this pose");
       plates_.push_back(pose.plate);
     }
   }
@@ -94,8 +94,8 @@ detail::SetUp set_up_of(const Robot& robot, const LengthSeries& series, const Vi
   detail::SetUp typical = detail::length_model(series.kind).typical(robot, series);
   if (instrument.set_up.size() == 0) return typical;
   if (instrument.set_up.size() == typical.size()) return instrument.set_up;
-  throw InvalidArgument(fmt::format("{}: expected a set-up of {} numbers, got {}", series.name, typical.size(),
-                                    instrument.set_up.size()));
+  throw InvalidArgument(
+      fmt::format("{}: expected a setup of {} numbers, got {}", series.name, typical.size(), instrument.set_up.size()));
 }
 
 }  // namespace

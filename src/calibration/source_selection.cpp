@@ -55,7 +55,7 @@ void check_selection(const CalibrationOptions& options, const JointSpace& limbs)
       seeks |= !fixed && (options.stage != Stage::rough || source == Source::theta_offset);
     }
   }
-  if (!seeks) throw InvalidArgument("expected something to be left to seek, got every source error of the stage fixed");
+  if (!seeks) throw InvalidArgument("expected at least one error to estimate, got every error of the stage fixed");
 }
 
 }  // namespace paracal

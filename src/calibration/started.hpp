@@ -24,7 +24,7 @@ inline Unreachable not_closed(const Robot& robot, const Machine& machine, const 
     if (!at.empty() || forward(machine, believed_joints(robot, station), started(robot, station)).usable()) continue;
     at = named(station) + ": ";
   }
-  at += "the machine does not close with the joints believed there";
+  at += "no solution: the machine cannot reach this pose with its commanded joints";
   return Unreachable{at};
 }
 

@@ -136,8 +136,9 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
   validation.assumed = controller_assumptions(with_readings(options.controller, measurements), robot);
   if (const auto mount = likelier_mount(robot, known, measurements, options, validation.after.max_orientation)) {
     validation.accepted = false;
-    validation.reasons.insert(validation.reasons.begin(),
-                              fmt::format("the readings are those of a body with --reflectors {}", name(*mount)));
+    validation.reasons.insert(
+        validation.reasons.begin(),
+        fmt::format("the readings match a body with --reflectors {}: use that option", name(*mount)));
   }
   return validation;
 }

@@ -28,18 +28,19 @@ std::string listed(const std::vector<SourceSelector>& selectors, Actuator actuat
 std::string broken_limit(const Calibration& calibration) {
   const AcceptanceLimits& limits = calibration.options.limits;
   if (!limits.any()) return {};
-  if (!calibration.use) return "no uncertainty in use could be stated to hold against the limits";
+  if (!calibration.use)
+    return "no uncertainty over the workspace is available to compare with the limits: measure more poses";
   if (limits.rotation && !calibration.use->rotation)
-    return "a limit on rotation was set for a plate that does not turn";
+    return "the limit on rotation does not apply to a plate that does not turn: remove it";
   const auto broken = [](const char* what, const UseQuantity& one, double unit, const char* name) {
     return one.kept() ? std::string()
                       : fmt::format(
-                            "U of {} over the workspace, {:.3g} {}, is above the limit of {:.3g} {}: measure "
-                            "more poses, or more often",
+                            "U of {} over the workspace is {:.3g} {}, above the limit of {:.3g} {}: measure more "
+                            "poses, or each pose more often",
                             what, one.U * unit, name, *one.limit * unit, name);
   };
   std::string text = broken("distances", calibration.use->distance, 1.0, "mm");
-  if (text.empty()) text = broken("positions after alignment", calibration.use->aligned, 1.0, "mm");
+  if (text.empty()) text = broken("aligned positions", calibration.use->aligned, 1.0, "mm");
   if (text.empty() && calibration.use->rotation) {
     text = broken("rotations", *calibration.use->rotation, to_degrees(1.0), "deg");
   }
@@ -55,23 +56,22 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   if (!options.fixed.empty())
     assume(fmt::format("known exactly: {}", listed(options.fixed, calibration.robot.actuator())));
   if (options.scale_std > 0.0) {
-    assume(fmt::format("the scale of the readings is right within {:.3g} ppm (one standard deviation)",
-                       1e6 * options.scale_std));
+    assume(fmt::format(
+        "the scale of the readings is correct within {:.3g} ppm (standard deviation; set yours with --scale-ppm)",
+        1e6 * options.scale_std));
   }
   const FitScatter scatter = fit_scatter(fit);
   const bool unstated = !all_stated(fit.observation());
   if (unstated && scatter.visits.redundancy < 1.0 && !fit.components().joint) {
-    assume(
-        "no pose was visited twice, and the noise is not stated: nobody can tell noise from backlash, friction or "
-        "load");
+    assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
   }
   if (unstated && fit.scatter().redundancy < 1.0) {
-    assume(
-        fmt::format("the readings leave nothing to tell their noise by: {:.3g} mm", reading_noise(fit.observation())));
+    assume(fmt::format("the noise is {:.3g} mm: too few readings determine it (state yours with --sigma-mm)",
+                       reading_noise(fit.observation())));
   }
   const auto held = std::ranges::count(calibration.parameters, true, &ParameterEstimate::held);
   if (held > 0) {
-    assume(fmt::format("{} other errors are held at nominal; their tolerances are in every uncertainty", held));
+    assume(fmt::format("{} other errors are fixed at nominal; every uncertainty includes their tolerances", held));
   }
 }
 
@@ -86,7 +86,7 @@ void state_use(const StageFit& fit, Calibration& calibration) {
   try {
     calibration.use = use_over_workspace(calibration.robot, known_errors(calibration));
   } catch (const Unreachable&) {
-    calibration.notes.emplace_back("the calibrated machine does not close everywhere in its workspace");
+    calibration.notes.emplace_back("the calibrated machine cannot reach its whole workspace: check the robot file");
     return;
   }
   const AcceptanceLimits& limits = calibration.options.limits;
@@ -98,15 +98,14 @@ void state_use(const StageFit& fit, Calibration& calibration) {
 void add_components(Calibration& calibration) {
   for (const Component& one : calibration.components) {
     (one.told ? calibration.notes : calibration.assumed)
-        .push_back(one.told ? one.text + "; all uncertainties include it"
-                            : fmt::format("{}, perhaps (chance alone would show as much in {:.1g} of machines): all "
-                                          "uncertainties include it",
-                                          one.text, one.chance));
+        .push_back(one.told ? one.text + ". All uncertainties include it"
+                            : fmt::format("possibly, {} (p-value {:.1g}). All uncertainties include it", one.text,
+                                          one.chance));
   }
   if (calibration.fit_probability && 1.0 - *calibration.fit_probability < calibration.options.tell_chance) {
     calibration.notes.push_back(
-        fmt::format("the readings scatter only {:.2g} times as much as their stated sigmas: the noise is less than was "
-                    "stated, and U larger than it need be",
+        fmt::format("the readings scatter only {:.2g} times as much as their stated sigmas, so U is too large: state a "
+                    "smaller sigma",
                     *calibration.unit_weight_std));
   }
 }
@@ -117,10 +116,10 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
   const Robot& robot = calibration.robot;
   const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options));
   if (fine.distance.U >= calibration.use->distance.U) return;
-  calibration.notes.push_back(fmt::format(
-      "these are the encoder offsets alone, which leave distances known to {:.2g} mm; the fine stage, which "
-      "seeks every error under its tolerance, would know them to about {:.2g} mm",
-      calibration.use->distance.U, fine.distance.U));
+  calibration.notes.push_back(
+      fmt::format("only the encoder offsets were estimated: U of distances is {:.2g} mm. The fine stage (--stage fine) "
+                  "would reach about {:.2g} mm",
+                  calibration.use->distance.U, fine.distance.U));
 }
 
 void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration) {
@@ -130,11 +129,13 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
   };
   if (fit.status == LeastSquaresStatus::not_evaluable) {
     return say(Verdict::not_converged,
-               "the nominal machine does not close at every station, or a reading is absurd: are joint angles, "
-               "distances and sigmas those of this robot, in deg and mm?");
+               "the nominal machine cannot reach every station, or a reading is impossible: check that joints, "
+               "distances and sigmas belong to this robot (deg, mm)");
   }
   if (fit.status == LeastSquaresStatus::not_converged) {
-    return say(Verdict::not_converged, fmt::format("the fit did not settle in {} iterations", fit.iterations));
+    return say(
+        Verdict::not_converged,
+        fmt::format("the fit did not converge in {} iterations: check the input and the robot file", fit.iterations));
   }
   const auto sought = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
   if (!determined) {
@@ -142,20 +143,19 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
                fmt::format("the readings determine {} of {} parameters: {}", calibration.rank, sought,
                            calibration.options.free.empty()
                                ? "measure more poses"
-                               : "give those that are sought without a prior a tolerance, or hold one that goes with "
-                                 "them"));
+                               : "give the errors of --free a tolerance, or fix a correlated one (--fix)"));
   }
   if (!calibration.chance) {
-    return say(Verdict::rejected,
-               fmt::format("{} readings for {} parameters leave nothing to check the fit with: measure more poses or "
-                           "state their sigma",
-                           calibration.readings, sought));
+    return say(Verdict::rejected, fmt::format("{} readings for {} parameters leave no degrees of freedom to check the "
+                                              "fit: measure more poses or state their sigma",
+                                              calibration.readings, sought));
   }
   if (*calibration.chance > calibration.options.largest_chance) {
-    return say(Verdict::rejected,
-               fmt::format("the improvement could be chance (probability {:.2g}, limit {:g}): these errors are not "
-                           "shown to be real",
-                           *calibration.chance, calibration.options.largest_chance));
+    return say(
+        Verdict::rejected,
+        fmt::format(
+            "the improvement is not significant (p-value {:.2g}, limit {:g}): measure more poses or with less noise",
+            *calibration.chance, calibration.options.largest_chance));
   }
   if (const std::string broken = broken_limit(calibration); !broken.empty()) return say(Verdict::rejected, broken);
   calibration.verdict = Verdict::accepted;

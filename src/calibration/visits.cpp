@@ -128,10 +128,9 @@ MeansOfVisits means_of_visits(const Measurements& measurements, const Validation
     }
   }
   const auto note = [&](std::string_view what, double U, std::string_view unit) {
-    means.notes.push_back(
-        fmt::format("U of measuring {}, {:.3g} {}, is a usual one, not that of this instrument: nobody states how well "
-                    "they were read, and too few poses were visited twice to show it",
-                    what, U, unit));
+    means.notes.push_back(fmt::format(
+        "U of measured {} is a typical {:.3g} {}, not that of this instrument: state the noise, or visit poses twice",
+        what, U, unit));
   };
   if (assumes_points) note("points", means.point.expanded(), "mm");
   if (assumes_rotations && options.limits.rotation) note("rotations", to_degrees(means.rotation.expanded()), "deg");

@@ -51,7 +51,7 @@ class PriorCandidates {
   void add_kinds() {
     const double price = 2.0 * std::log(static_cast<double>(kSourceCount));
     for (const Source source : sources_of(actuator_)) {
-      add_several(ComponentFamily::kind, fmt::format("{} of all limbs is", name(source, actuator_)), price,
+      add_several(ComponentFamily::kind, fmt::format("{} is, on all limbs,", name(source, actuator_)), price,
                   places([source](const SoughtSource& one) { return one.source == source; }));
     }
   }
@@ -85,8 +85,7 @@ class PriorCandidates {
       const std::string subject = fmt::format("{} of limb {}", name_of(k), sought()[k].limb + 1);
       add_prior(ComponentFamily::one, subject, price, {k}, [subject](const StageFit&, double size) {
         return fmt::format(
-            "{} is {:.1f} standard deviations of its tolerance away from nominal: a wrong part, or a wrong "
-            "tolerance",
+            "{} is {:.1f} standard deviations of its tolerance away from nominal: check the part and the tolerance",
             subject, size);
       });
     }
@@ -97,7 +96,7 @@ class PriorCandidates {
   void add_several(ComponentFamily family, const std::string& whose, double price, Places list,
                    std::string subject = {}) {
     add_prior(family, std::move(subject), price, std::move(list), [whose](const StageFit&, double size) {
-      return fmt::format("{} {:.1f} times as large as the tolerances say", whose, size);
+      return fmt::format("{} {:.1f} times as large as the tolerances: check them", whose, size);
     });
   }
 

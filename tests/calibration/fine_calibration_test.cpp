@@ -128,7 +128,7 @@ TEST_P(FineCalibrationLaw, NamesAGrossErrorFirstAndLosesLittleByIt) {
     ASSERT_TRUE(calibration.accepted());
     EXPECT_THAT(calibration.suspects.front().text, HasSubstr(stations[spoilt].name + " of")) << number;
     EXPECT_TRUE(calibration.suspects.front().excluded);
-    EXPECT_THAT(calibration.notes, testing::Contains(HasSubstr("left out " + stations[spoilt].name + " of")));
+    EXPECT_THAT(calibration.notes, testing::Contains(HasSubstr("outlier excluded: " + stations[spoilt].name + " of")));
     const auto moved = [&](const Calibration& other) {
       return held_out_errors(robot, clean.errors(), other.errors(), validation_stations(robot)).max_abs_distance;
     };
@@ -147,9 +147,9 @@ TEST_P(FineCalibrationLaw, TellsSwappedReadings) {
   const Calibration calibration = calibrate(robot, machine.measurements);
   ASSERT_TRUE(calibration.accepted()) << calibration.brief();
   EXPECT_THAT(calibration.notes,
-              testing::Contains(testing::AllOf(HasSubstr("left out P4"), HasSubstr("swapped with P11"))));
+              testing::Contains(testing::AllOf(HasSubstr("outlier excluded: P4"), HasSubstr("swapped with P11"))));
   EXPECT_THAT(calibration.notes,
-              testing::Contains(testing::AllOf(HasSubstr("left out P11"), HasSubstr("swapped with P4"))));
+              testing::Contains(testing::AllOf(HasSubstr("outlier excluded: P11"), HasSubstr("swapped with P4"))));
 }
 
 TEST_P(FineCalibrationLaw, SeveralSetUpsEnterOneFit) {

@@ -83,7 +83,7 @@ TEST_F(Outliers, ThatAreLeftOutLeaveNoOtherNote) {
     readings()[static_cast<std::size_t>(number) % readings().size()].point.x() += 5.0;
     if (number % 3 != 0) state_sigma(measured, kNoise);
     const Calibration found = calibration();
-    EXPECT_THAT(found.notes, testing::ElementsAre(testing::StartsWith("left out"))) << number;
+    EXPECT_THAT(found.notes, testing::ElementsAre(testing::StartsWith("outlier excluded"))) << number;
     EXPECT_TRUE(found.components.empty()) << number;
   }
 }
@@ -160,16 +160,17 @@ TEST_F(Outliers, RepeatsAreTold) {
   for (std::size_t k = 0, seen = 0; k < readings().size(); ++k) {
     if (readings()[k].station == 3 && ++seen == 2) readings()[k].point += Eigen::Vector3d(0.6, -0.64, 0.48);
   }
-  EXPECT_THAT(calibration().notes, Contains(HasSubstr("left out P3 of " + measured.series[0].name + ", repeat 2")));
+  EXPECT_THAT(calibration().notes,
+              Contains(HasSubstr("outlier excluded: P3 of " + measured.series[0].name + ", repeat 2")));
 }
 
 TEST_F(Outliers, WhereAReadingWasTakenIsToldWhenItWasThere) {
   const Eigen::Vector3d there = readings()[11].point;
   readings()[4].point = there;
   EXPECT_THAT(calibration().notes,
-              Contains(testing::AllOf(HasSubstr("left out P4"), HasSubstr("it was taken at P11"))));
+              Contains(testing::AllOf(HasSubstr("outlier excluded: P4"), HasSubstr("it was taken at P11"))));
   readings()[4].point = there + Eigen::Vector3d(0.0, 20.0, 0.0);  // near no station
-  EXPECT_THAT(calibration().notes, Contains(HasSubstr("left out P4")));
+  EXPECT_THAT(calibration().notes, Contains(HasSubstr("outlier excluded: P4")));
   EXPECT_THAT(calibration().notes, Not(Contains(HasSubstr("taken at"))));
 }
 

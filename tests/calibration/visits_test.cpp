@@ -92,7 +92,7 @@ TEST_F(Visits, TellTheNoiseThatNobodyStates) {
   EXPECT_NEAR(checks[2].uncertainty, kAt4 * std::sqrt(2.0) * 1e-4, 0.005 * 1e-4 * std::sqrt(2.0));
   EXPECT_NEAR(checks[0].coverage, kAt12, 0.005);
   EXPECT_NEAR(checks[2].coverage, kAt4, 0.005);
-  EXPECT_THAT(checked().notes, Not(testing::Contains(HasSubstr("usual"))));
+  EXPECT_THAT(checked().notes, Not(testing::Contains(HasSubstr("typical"))));
 }
 
 /// A third visit of one pose alone: two degrees of freedom more a coordinate and less doubt of its mean, which is not
@@ -145,8 +145,8 @@ TEST_F(Visits, AreMissed) {
   EXPECT_NEAR(once.checks[1].uncertainty, 2.0 * NoiseModel{}.point, 1e-12);
   EXPECT_NEAR(once.checks[2].uncertainty, 2.0 * std::sqrt(2.0) * NoiseModel{}.rotation, 1e-12);
   EXPECT_THAT(once.notes,
-              ElementsAre(HasSubstr("cannot be told"), HasSubstr("U of measuring points, 0.034 mm, is a usual"),
-                          HasSubstr("U of measuring rotations, 0.6 deg, is a usual")));
+              ElementsAre(HasSubstr("cannot check"), HasSubstr("U of measured points is a typical 0.034 mm"),
+                          HasSubstr("U of measured rotations is a typical 0.6 deg")));
   options.limits.rotation.reset();
   EXPECT_EQ(checked().notes.size(), 2u);
   options.noise_is_known = true;

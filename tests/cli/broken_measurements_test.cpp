@@ -405,7 +405,7 @@ const std::vector<BrokenInput> kOutOfReach{
     command("measured_for_another_robot", kCalibrate + " --robot rotary_delta", {"\"left\"", "rotary_delta"},
             kMathematicsSaysNo),
     with_file("machine_that_does_not_close", "errors.toml", replaced(kErrors, "= 0.2", "= -700"), kSimulate,
-              {"does not close"}, kMathematicsSaysNo),
+              {"no solution"}, kMathematicsSaysNo),
     command("no_pose_is_visible", kSelect + " --tracker 4000,0,-900 --facing 0,0,1 --acceptance-deg 5",
             {"visible", "12 are wanted"}, kMathematicsSaysNo),
 };

@@ -35,7 +35,7 @@ TEST(PrinterCalibration, NamesTheGrossErrorOfThreePrinters) {
   for (const char* id : {"K09", "K10", "K11"}) {
     const KlipperSet set = set_named(id);
     const PrinterCalibration& found = calibrated(set);
-    EXPECT_THAT(found.findings, Contains(HasSubstr("left out distance distance11_pos1"))) << id;
+    EXPECT_THAT(found.findings, Contains(HasSubstr("outlier excluded: distance distance11_pos1"))) << id;
     EXPECT_NE(found.advice, PrinterAdvice::keep_saved) << id;
     // And it leaves the firmware's fit, too.
     EXPECT_LT(found.by_firmware.held_out.distance, 0.6) << id;

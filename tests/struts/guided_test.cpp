@@ -181,7 +181,7 @@ TEST_P(GuidedLaw, ABallBarInThePlaneIsRefused) {
     return read;
   };
   EXPECT_THAT([&] { (void)calibrate(robot, measured(0.0)); },
-              testing::ThrowsMessage<Unreachable>(HasSubstr("set it up 20 mm or more out of the plane")));
+              testing::ThrowsMessage<Unreachable>(HasSubstr("Place it at least 20 mm outside the plane")));
   EXPECT_NE(calibrate(robot, measured(150.0)).verdict, Verdict::not_converged);
 }
 
@@ -189,7 +189,7 @@ TEST_P(GuidedLaw, ABallBarInThePlaneIsRefused) {
 TEST_P(GuidedLaw, AFrameThatIsTurnedOverIsSaid) {
   RandomStream stream(6, 6);
   Measurements read = simulate(robot, {}, plan(30), {.noise = 0.01}, stream);
-  const auto says = testing::Contains(HasSubstr("stands on the other side of the plane"));
+  const auto says = testing::Contains(HasSubstr("views the plane from the other side"));
   EXPECT_THAT(calibrate(robot, read).assumed, testing::Not(says));
   for (PointReading& one : read.series.front().readings) one.point.x() *= -1.0;
   EXPECT_THAT(calibrate(robot, read, {.stage = Stage::fine}).assumed, says);
@@ -321,7 +321,7 @@ TEST_P(GuidedLaw, AGrossReadingIsNoTable) {
   Drawn machine = drawn(plan(30), 1, 11);
   machine.read.series[0].readings[7].point += machine.frame.rotation.col(2) * 5.0;
   const Calibration found = calibrate(robot, machine.read, {.diagnose = false});
-  EXPECT_EQ(notes_with(found, "left out"), 1);
+  EXPECT_EQ(notes_with(found, "outlier excluded"), 1);
   EXPECT_EQ(notes_with(found, "across the plane"), 0);
 }
 

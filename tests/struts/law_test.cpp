@@ -197,8 +197,8 @@ TEST_P(TemplateLaw, WhatPosesCannotShowHasAName) {
     EXPECT_TRUE(one.gauge) << one.text;
     text += one.text + '\n';
   }
-  for (const char* of : {"translation along ", "rotation of the base about ",
-                         "translation of the plate's joints along ", "rotation of the plate's joints about "}) {
+  for (const char* of : {"the whole robot shifts along ", "the base rotates about ", "the plate's joints shift along ",
+                         "the plate's joints rotate about "}) {
     for (const char* axis : {"x", "y", "z"}) EXPECT_THAT(text, HasSubstr(std::string(of) + axis));
   }
   EXPECT_EQ(identifiability(robot, poses, {.body = BodyPlace::plate}).rank, all - 6);
@@ -319,8 +319,8 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
     (uneven ? told_uneven : told_even) += told ? 1 : 0;
     if (!uneven || !told) continue;
     EXPECT_NEAR(found.joint_std * ratio, kUneven, 0.1);
-    EXPECT_THAT(found.notes, testing::Contains(HasSubstr("the way that joints move and turn the plate")));
-    EXPECT_THAT(found.assumed, testing::Not(testing::Contains(HasSubstr("nobody can tell noise"))));
+    EXPECT_THAT(found.notes, testing::Contains(HasSubstr("as joint errors would")));
+    EXPECT_THAT(found.assumed, testing::Not(testing::Contains(HasSubstr("noise includes backlash"))));
   }
   EXPECT_EQ(told_uneven, machines);
   EXPECT_LE(told_even, std::max(1, machines / 6));

@@ -76,7 +76,7 @@ void run_paper_plan(const PosesArguments& options, Session& session) {
     return session.print_json(json);
   }
   std::string text = io::robot_line(robot);
-  fmt::format_to(std::back_inserter(text), "# {} stage: n = {} points a circle (change of O2 below {:g})\n",
+  fmt::format_to(std::back_inserter(text), "# {} stage: n = {} points per circle (change of O2 below {:g})\n",
                  options.stage, plan.n, options.threshold);
   for (const CurvePoint& point : plan.curve) {
     fmt::format_to(std::back_inserter(text), "# n = {:<3} O2 = {:.5f}  change {:.2f} %\n", point.n, point.indices.O2,
@@ -91,7 +91,8 @@ std::optional<Visibility> visibility_of(const PosesArguments& options) {
   }
   if (options.tracker.empty()) return std::nullopt;
   const auto vector = [](const std::vector<double>& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
-  if (!(vector(options.facing).norm() > 0.0)) throw WrongUsage("--facing: expected a direction, got no length");
+  if (!(vector(options.facing).norm() > 0.0))
+    throw WrongUsage("--facing: expected a direction, got a vector of length 0");
   return Visibility{vector(options.tracker), vector(options.facing), to_radians(options.acceptance_deg),
                     options.fixed_to_plate ? ReflectorMount::plate : ReflectorMount::end_effector};
 }
@@ -106,7 +107,7 @@ std::vector<Station> candidates_of(const Robot& robot, const PosesArguments& opt
 void check_range(const PosesArguments& options) {
   if (options.range.empty()) return;
   if (options.plan.readings.measurand != Measurand::lengths) {
-    throw WrongUsage("--range-mm: expected --measure with it, and a length that each pose shows alone");
+    throw WrongUsage("--range-mm: expected --measure with one length per pose (height, ball-bar or dial)");
   }
   if (!(options.range[0] < options.range[1])) {
     throw WrongUsage(fmt::format("--range-mm: expected the shortest, then the longest, got {},{}", options.range[0],
@@ -129,7 +130,8 @@ class Search {
     std::vector<Station> candidates = candidates_of(robot_, options_, readings_, session_.seed() + start);
     if (candidates.size() < static_cast<std::size_t>(options_.optimal)) {
       throw MathematicsSaysNo(
-          fmt::format("{} poses are visible and in reach, {} are wanted", candidates.size(), options_.optimal));
+          fmt::format("expected {1} visible poses within reach, got {0}: allow more candidates or fewer poses",
+                      candidates.size(), options_.optimal));
     }
     ProgressLine line("comparisons");
     const bool shows = options_.starts == 1;
@@ -174,11 +176,11 @@ std::optional<std::uint64_t> best_start(const Search& search, const PosesArgumen
 
 void run_selection(const PosesArguments& options, Session& session) {
   if (options.candidates < options.optimal) {
-    throw WrongUsage(fmt::format("--candidates: expected at least the {} poses wanted, got {}", options.optimal,
+    throw WrongUsage(fmt::format("--candidates: expected at least the {} poses of --optimal, got {}", options.optimal,
                                  options.candidates));
   }
   if (options.plan.readings.measurand == Measurand::distances) {
-    throw WrongUsage("--measure: expected another than distance with --optimal: each pose counts alone");
+    throw WrongUsage("--measure: expected one reading per pose with --optimal, got distance");
   }
   require_job(options.job, options.starts > 1, "--starts");
   const PlannedReadings readings = options.plan.planned("--read-rotation");
@@ -214,9 +216,8 @@ void run_selection(const PosesArguments& options, Session& session) {
   std::string text = io::robot_line(robot);
   fmt::format_to(
       std::back_inserter(text),
-      "# {} of {} candidate poses, criterion {}; over the workspace (standard deviation, largest): distance {:.3f} "
-      "mm,\n"
-      "# position after alignment {:.3f} mm, rotation {:.3f} deg; in the order of a short way\n",
+      "# {} of {} candidate poses, criterion {}; predicted largest standard deviation over the workspace:\n# distance "
+      "{:.3f} mm, aligned position {:.3f} mm, rotation {:.3f} deg; in the order of a short path\n",
       selection.stations.size(), candidates.size(), options.criterion, after.max_distance, after.max_aligned,
       to_degrees(after.max_rotation));
   for (std::size_t k = 4; k < selection.curve.size(); ++k) {

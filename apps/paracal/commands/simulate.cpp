@@ -50,10 +50,10 @@ SourceErrors errors_of(const SimulateArguments& options, const Robot& robot, Ran
 void check_instrument(const InstrumentOptions& instrument, const PlannedReadings& readings) {
   const bool points = readings.measurand == Measurand::coordinates || readings.measurand == Measurand::poses;
   if (!instrument.tracker_um.empty() && !points) {
-    throw WrongUsage("--tracker-um: expected --measure coordinates or pose with it");
+    throw WrongUsage("--tracker-um: expected --measure coordinates or pose");
   }
   const bool distances = readings.measurand == Measurand::distances || readings.measurand == Measurand::home_distances;
-  if (instrument.repeats > 1 && distances) throw WrongUsage("--repeats: expected another --measure than distances");
+  if (instrument.repeats > 1 && distances) throw WrongUsage("--repeats: expected --measure other than distances");
 }
 
 Measurements plan_of(const Robot& robot, const SimulateArguments& options, const PlannedReadings& what) {

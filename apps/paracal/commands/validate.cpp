@@ -23,9 +23,8 @@ std::string text_of(const Validation& validation) {
   if (validation.agreement) {
     const Agreement& one = *validation.agreement;
     const std::string verdict =
-        one.contradicts() ? "a contradiction" : fmt::format("no contradiction (chance {:.2g})", one.chance);
-    fmt::format_to(out,
-                   "  against the calibration's own uncertainty: chi-square {:.1f} for {:.0f} degrees of freedom, {}\n",
+        one.contradicts() ? "not consistent" : fmt::format("consistent (p-value {:.2g})", one.chance);
+    fmt::format_to(out, "  uncertainty of the calibration: chi-square {:.1f} for {:.0f} degrees of freedom, {}\n",
                    one.chi_square, one.freedom, verdict);
   }
   const bool points = !validation.poses.empty();
@@ -39,7 +38,7 @@ std::string text_of(const Validation& validation) {
   if (points) {
     line("distance to home, mm", before.max_abs_distance, after.max_abs_distance);
     line("position relative to home, mm", before.max_volumetric, after.max_volumetric);
-    line("position after best alignment, mm", before.max_volumetric_aligned, after.max_volumetric_aligned);
+    line("aligned position, mm", before.max_volumetric_aligned, after.max_volumetric_aligned);
   } else if (after.reads_distances) {
     line("distance, mm", before.max_abs_distance, after.max_abs_distance);
   }

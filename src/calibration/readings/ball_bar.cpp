@@ -92,10 +92,10 @@ void require_beside(const LengthsRead& read, const Eigen::Vector3d& middle, cons
     out_of_plane = std::max(out_of_plane, std::abs(normal.dot(place - middle)));
   }
   if (out_of_plane > kFlat || std::abs(normal.dot(point - middle)) > kBeside) return;
-  throw Unreachable(fmt::format(
-      "the lengths of {} are read at places in a plane, from a point in it, or nearly: how far beside it the "
-      "point stands they cannot show; set it up 20 mm or more out of the plane",
-      name));
+  throw Unreachable(
+      fmt::format("the poses of {} lie in one plane with the fixed point, so its distance from that plane is "
+                  "uncertain. Place it at least 20 mm outside the plane",
+                  name));
 }
 
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& places) {
@@ -116,7 +116,7 @@ class BallBar final : public LengthModel {
             .set_ups = "ball_bars",
             .reversed = {},
             .at_columns = {"centre_x_mm", "centre_y_mm", "centre_z_mm"},
-            .at = "where the fixed point is about, mm",
+            .at = "approximate position of the fixed point, mm",
             .positive = true,
             .sigma = &NoiseModel::distance};
   }
@@ -148,7 +148,7 @@ class BallBar final : public LengthModel {
                      const CalibrationOptions& options) const override {
     StartedSetUp started = located(read, series, options);
     if (options.noise.distance_bias > 0.0) return started;
-    started.assumed += fmt::format("{}the lengths of {} have no common error (--distance-bias-mm seeks one)",
+    started.assumed += fmt::format("{}the lengths of {} have no common error (--distance-bias-mm allows one)",
                                    started.assumed.empty() ? "" : "; ", series.name);
     return started;
   }
@@ -203,11 +203,10 @@ class BallBar final : public LengthModel {
     unknowns.head<3>() = told && others < misses ? upper : lower;
     require_beside(read, middle, unknowns.head<3>(), series.name);
     if (told || one) return {unknowns, {}};
-    return {unknowns,
-            fmt::format("the fixed point of {} is the lower of two that explain its lengths alike, at z = {:.0f} "
-                        "mm, not {:.0f} mm; columns {}, {}, {} say where it is about",
-                        series.name, lower.z(), upper.z(), words().at_columns[0], words().at_columns[1],
-                        words().at_columns[2])};
+    return {unknowns, fmt::format("the fixed point of {} is the lower of two possible points: z = {:.0f} mm, not "
+                                  "{:.0f} mm; if wrong, state columns {}, {}, {}",
+                                  series.name, lower.z(), upper.z(), words().at_columns[0], words().at_columns[1],
+                                  words().at_columns[2])};
   }
 };
 

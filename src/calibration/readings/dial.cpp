@@ -44,9 +44,9 @@ class Dial final : public LengthModel {
             .column = "dial_mm",
             .list = "dial_readings",
             .set_ups = "dials",
-            .reversed = "the dial counts the other way",
+            .reversed = "the dial has the opposite sign",
             .at_columns = {"direction_x", "direction_y", "direction_z"},
-            .at = "the direction in which it reads",
+            .at = "the direction that it measures",
             .needs_at = true,
             .unknowns = 1};
   }
@@ -75,7 +75,7 @@ class Dial final : public LengthModel {
     StartedSetUp started{Eigen::Vector3d(zeros.empty() ? 0.0 : median(zeros), 0.0, 0.0)};
     if (!options.noise.dial_angle) {
       started.assumed =
-          fmt::format("the dial of {} was set up along the stated direction to {:g} deg (standard deviation)",
+          fmt::format("the dial of {} points along the stated direction within {:g} deg (standard deviation)",
                       series.name, to_degrees(kAskew));
     }
     return started;

@@ -22,7 +22,7 @@ class Heights final : public LengthModel {
             .column = "height_mm",
             .list = "heights",
             .set_ups = "planes",
-            .reversed = "the heights count downwards",
+            .reversed = "the heights are positive downwards",
             .at = "a point of the plane, mm"};
   }
   bool shows_scale() const override { return false; }
@@ -51,10 +51,9 @@ class Heights final : public LengthModel {
     SetUp level = SetUp::Zero(units(options).size());
     if (!levels.empty()) level(0) = median(levels);
     if (options.plane_curvature) return {level};
-    return {level,
-            fmt::format("what the heights of {} were read above is a plane: nothing here tells a bowl from errors "
-                        "of the machine",
-                        series.name)};
+    return {level, fmt::format("the surface below the heights of {} is flat: these readings cannot distinguish a "
+                               "curved surface from errors of the machine",
+                               series.name)};
   }
 
   void add_priors(const Eigen::VectorXd& unknowns, Eigen::Index first, const CalibrationOptions& options,

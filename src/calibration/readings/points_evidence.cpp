@@ -93,8 +93,8 @@ void Points::state_assumption(const Eigen::MatrixXd& covariance, Calibration& ca
   const Eigen::Vector3d variances = covariance.diagonal().segment<3>(body_ + 3);
   if (variances.maxCoeff() < 0.5 * kBodyReach * kBodyReach) return;
   calibration.assumed.push_back(
-      fmt::format("the body of {} has its origin within about {:g} mm of the plate centre (one standard deviation an "
-                  "axis): the plate turns too little to show where",
+      fmt::format("the body of {} has its origin within about {:g} mm of the plate centre (standard deviation per "
+                  "axis): the plate rotates too little to determine it",
                   name(), kBodyReach));
 }
 
