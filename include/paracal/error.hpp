@@ -25,11 +25,11 @@ class Unreachable : public Error {
   using Error::Error;
 };
 
-/// A file that cannot be used. The message reads `file:line: expected ..., got ...`; the line is left out where the
-/// file as a whole is at fault.
+/// A file that cannot be used. The message reads `file:line: expected ..., got ...`; the line is omitted if the
+/// whole file is wrong.
 class InputFileError : public Error {
  public:
-  /// @param line  from 1; 0 where the file as a whole is at fault.
+  /// @param line  from 1; 0 if the whole file is wrong.
   InputFileError(const std::string& file, int line, const std::string& complaint);
 
   const std::string& file() const { return file_; }

@@ -7,9 +7,9 @@
 
 namespace paracal {
 
-/// The known word that was probably meant by an unknown one: the nearest by letters inserted, left out, changed or
-/// swapped with their neighbours, of which one is allowed, or one a third of the word's letters; hyphens are none.
-/// Empty where no word is that near.
+/// The known word nearest to an unknown one, by letters inserted, omitted, changed or swapped with their neighbours. At
+/// most one such change is allowed, or one per three letters of the word; hyphens do not count.
+/// Empty if no word is that near.
 std::optional<std::string> meant_by(std::string_view word, const std::vector<std::string>& known);
 
 /// " (did you mean WORD?)", or nothing: what messages end with.

@@ -82,7 +82,7 @@ struct CommonError {
   double std = 0.0;        ///< mm
 };
 
-/// What customers were promised; empty: no limit.
+/// Limits for acceptance; empty: no limit.
 struct AcceptanceLimits {
   std::optional<double> distance = {};    ///< of |d_rho|, mm
   std::optional<double> volumetric = {};  ///< of aligned |dr|, mm
@@ -113,24 +113,24 @@ struct CalibrationOptions {
   /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 15 ppm: 1.3 K of steel, 0.65 K
   /// of aluminium.
   double scale_std = 1.5e-5;
-  /// A component of variance (see Component) enters the uncertainty when it makes -2 log likelihood drop by this much
-  /// more than chance would by the number of components tried; 4: one clean machine in 50 is given one too many.
+  /// A component of variance (see Component) enters the uncertainty if -2 log likelihood drops by this much more
+  /// than expected from the number of components tried. 4: one machine in 50 without any gets one.
   double admit_drop = 4.0;
-  double tell_chance = 1e-3;     ///< and it becomes a note when chance alone is less probable than this
-  AcceptanceLimits limits = {};  ///< that U in use must keep for a calibration to be accepted
-  bool states_use = true;        ///< compute U in use over the workspace; a batch of machines has no need of it
-  std::vector<SourceSelector> fixed = {};  ///< held at zero: known exactly
-  std::vector<SourceSelector> free = {};   ///< sought without a prior
-  bool exclude_outliers = true;            ///< method best: leave out readings that contradict the others
-  double outlier_chance = 1e-4;            ///< that a fit without gross errors loses a reading
-  double largest_chance = 0.05;            ///< accept when noise alone improves the fit this much with less probability
-  bool diagnose = true;  ///< where the fit is doubtful, seek what is wrong with the input (diagnosis.hpp)
+  double tell_chance = 1e-3;               ///< it becomes a note if its p-value is below this
+  AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
+  bool states_use = true;                  ///< compute U over the workspace; batches of machines do not need it
+  std::vector<SourceSelector> fixed = {};  ///< fixed at zero: known exactly
+  std::vector<SourceSelector> free = {};   ///< estimated without a prior
+  bool exclude_outliers = true;            ///< method best: exclude outliers
+  double outlier_chance = 1e-4;            ///< probability that a fit without outliers excludes a reading
+  double largest_chance = 0.05;            ///< accept if the p-value of the improvement is smaller
+  bool diagnose = true;                    ///< for a doubtful fit, search for input mistakes (diagnosis.hpp)
   /// What commanded the joints of stations that state none. `robot`, where it is set, is the caller's to apply:
   /// commanded_by().
   ControllerModel controller = {};
 };
 
-/// One source error that a fit seeks. Without a prior the readings alone decide.
+/// One geometric error that a fit estimates. Without a prior the readings alone decide.
 struct SoughtSource {
   std::size_t limb = 0;  ///< from 0
   Source source = Source::theta_offset;
@@ -164,7 +164,7 @@ struct ParameterEstimate {
   /// Degrees of freedom of std^2 (Welch and Satterthwaite, [gum, G.4]): those that estimate the noise over the square
   /// of the noise's share in std^2.
   double dof = std::numeric_limits<double>::infinity();
-  bool held = false;  ///< not sought: held at nominal, while its tolerance counts in every uncertainty
+  bool held = false;  ///< not estimated: fixed at nominal; its tolerance is in every uncertainty
 
   /// The readings gave at least half of the information.
   bool identified() const { return !held && data_share >= 0.5; }
@@ -177,11 +177,11 @@ struct Component {
   std::string text;     ///< a sentence with its size
   double factor = 1.0;  ///< of the standard deviations that it widens; of joints: their standard deviation, rad or mm
   double drop = 0.0;    ///< of -2 log likelihood, less what the number of components tried costs
-  double chance = 1.0;  ///< that a machine without it shows as much
+  double chance = 1.0;  ///< p-value
   bool told = false;    ///< certain enough for a note
 };
 
-/// U of one quantity in use: 95 % of such machines are nowhere in the workspace off by more.
+/// U of one quantity over the workspace: 95 % of such machines have smaller errors everywhere.
 struct UseQuantity {
   double U = 0.0;  ///< mm or rad
   std::optional<double> limit = {};
@@ -189,18 +189,18 @@ struct UseQuantity {
   bool kept() const { return !limit || U <= *limit; }
 };
 
-/// How well the calibrated machine is known over its workspace: distances to home, positions after the best alignment,
+/// Uncertainty of the calibrated machine over its workspace: distances to home, positions after the best alignment,
 /// rotations relative to home.
 struct Use {
   UseQuantity distance, aligned;
   std::optional<UseQuantity> rotation = {};
 };
 
-/// A direction of the parameters that the readings do not see.
+/// A direction of the parameters that the readings do not determine.
 struct NullDirection {
   std::string text;
   Eigen::VectorXd direction;  ///< unit, in the order of the parameters
-  bool gauge = false;         ///< a motion of the whole robot, or of the slide's zero: no reading of this kind sees it
+  bool gauge = false;         ///< a motion of the whole robot or the slide zero: no reading of this kind determines it
 };
 
 /// A distance against the nominal and the calibrated machine: measured minus predicted.
@@ -221,7 +221,7 @@ struct PointResidual {
   std::optional<Eigen::Vector3d> orientation_before = {}, orientation_after = {};  ///< rotation vectors, rad
 };
 
-/// A length likewise, its set-up as either machine fits it best.
+/// A length likewise, its setup as either machine fits it best.
 struct LengthResidual {
   std::string series, station;
   LengthKind kind = LengthKind::height;
@@ -230,8 +230,8 @@ struct LengthResidual {
   bool excluded = false;
 };
 
-/// How much a reading contradicts all others. `statistic` is the drop of the weighted residual sum when the reading is
-/// left out, over its number of rows and the scatter of the rest: about 1 for a good one.
+/// How much a reading differs from all others. `statistic` is the drop of the weighted residual sum when the reading is
+/// excluded, over its number of rows and the scatter of the rest: about 1 for a good one.
 struct Suspect {
   std::string text;
   double statistic = 0.0;
@@ -239,13 +239,13 @@ struct Suspect {
   bool excluded = false;
 };
 
-/// What was found of the set-up of a series of lengths, in the robot's frame: of heights the plane below them,
-/// z = height + slope_x x + slope_y y, and + curvature (x^2 + y^2) where that was sought.
+/// Estimated setup of a series of lengths, in the robot's frame: of heights the plane below them,
+/// z = height + slope_x x + slope_y y, and + curvature (x^2 + y^2) where estimated.
 struct FoundSetUp {
   std::string name;
   LengthKind kind = LengthKind::height;
   Eigen::VectorXd unknowns = {};  ///< mm and rad: height, slope_x, slope_y; 1/mm: curvature
-  /// Of these: with themselves, then with the parameters that were sought; U = 2 std, as by
+  /// Of these: with themselves, then with the estimated parameters; U = 2 std, as by
   /// KnownErrors::expanded_covariance(). Empty where none could be stated.
   Eigen::MatrixXd covariance = {};
   std::vector<std::pair<std::string_view, double>> told = {};  ///< by the names and in the units of files
@@ -261,7 +261,7 @@ struct StageReport {
   double rms_distance = 0.0;  ///< of distances to home, or of the distances read, after the stage, mm
 };
 
-/// Where an instrument stood, and what else of its set-up had to be found.
+/// Where an instrument stood, and the rest of its setup.
 struct SeriesFrame {
   std::string name;
   RigidMotion frame;                           ///< instrument = frame(robot)
@@ -276,14 +276,14 @@ struct [[nodiscard]] Calibration {
   Robot robot;
   Verdict verdict = Verdict::not_converged;
   std::vector<std::string> reasons = {};  ///< why it was not accepted; empty when it was
-  std::vector<std::string> notes = {};    ///< what a careful reader should know
-  std::vector<std::string> assumed = {};  ///< what no reading showed and nobody stated
+  std::vector<std::string> notes = {};    ///< remarks on the result
+  std::vector<std::string> assumed = {};  ///< assumed values (not read and not stated)
   std::vector<ParameterEstimate> parameters = {};
   Eigen::MatrixXd covariance = {};        ///< of the parameters, mm and rad; empty where no std could be stated
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
   /// Degrees of freedom that estimate the noise; infinite where it is known.
   double noise_dof = std::numeric_limits<double>::infinity();
-  /// Standard deviation with which joints stand elsewhere than the model has them, at each pose anew, rad or mm.
+  /// Standard deviation of the joint errors, independent at each pose, rad or mm.
   double joint_std = 0.0;
   std::vector<Component> components = {};  ///< in the order in which they were found
   std::optional<Use> use = {};             ///< empty where no covariance could be stated
@@ -295,7 +295,7 @@ struct [[nodiscard]] Calibration {
   std::vector<DistanceResidual> distances = {};
   std::vector<PointResidual> points = {};
   std::vector<LengthResidual> lengths = {};
-  std::vector<Suspect> suspects = {};  ///< worst first; of more than 20,000: those left out, and the 100 worst
+  std::vector<Suspect> suspects = {};  ///< worst first; of more than 20,000: the excluded and the 100 worst
   std::vector<SeriesFrame> frames = {};
   std::vector<FoundSetUp> set_ups = {};          ///< of lengths
   std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm

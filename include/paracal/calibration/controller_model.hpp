@@ -40,7 +40,7 @@ std::string dimensions_in_words(const Robot& robot);
 /// What a result that depends on the controller's dimensions says of them; empty where joints were read.
 std::vector<std::string> controller_assumptions(const ControllerModel& controller, const Robot& drawing);
 
-/// What is known once readings are there: rows with joints settle what nobody stated or confirmed.
+/// The model with readings: rows with joints replace an assumed evidence.
 ControllerModel with_readings(ControllerModel controller, const Measurements& measurements);
 
 /// Joints of all stations that state none, as a controller with the dimensions of another robot computes them.

@@ -18,18 +18,18 @@ struct Diagnosis {
   std::vector<std::string> causes = {};
   std::optional<double> rms_as_given = {};  ///< mm, of the residuals of a robust fit; empty: out of the robot's reach
   double rms_explained = 0.0;               ///< mm, with the cause undone; of no cause with the nearest undone
-  double largest_noise = 0.0;  ///< mm, of sound input: above it readings scatter more than repeats or sigmas promise
+  double largest_noise = 0.0;  ///< mm, of sound input: above it readings scatter more than repeats or sigmas state
 };
 
-/// Tries the usual mistakes (units, mirrored or swapped axes, order of limbs, another robot, rows that slipped, signs
-/// of phi and of tilts, mounts, one or two wrong nominal dimensions, set-ups that moved) and names the one that
-/// explains the readings.
+/// Tries the common input mistakes and names the one that explains the readings: units, mirrored or swapped axes, order
+/// of limbs, another robot, shifted rows, signs of phi and of tilts, mounts, one or two wrong nominal dimensions, a
+/// setup that moved.
 ///
 /// Each is undone and the readings fitted anew: maximum a posteriori for Student's t instead of normal noise, whose
-/// scale is found as well, so that gross errors neither decide nor escape. Compared are the logarithms of the evidence,
-/// the probability of the readings under robot, tolerances and mistake (Laplace's approximation), and a mistake is
-/// named only where it is far more probable than the input as given, even with one part out of its tolerance, and where
-/// with it the readings scatter about as they repeat, or as was stated of them, and less than as given.
+/// scale is found as well, so that gross errors do not decide. The criterion is the logarithm of the evidence,
+/// the probability of the readings given robot, tolerances and mistake (Laplace's approximation). A mistake is named
+/// only if it is far more probable than the input as given, even with one part out of its tolerance. With it corrected,
+/// the readings must scatter about as they repeat, or as stated, and less than as given.
 ///
 /// @returns nothing where the input as given explains the readings about as well as any mistake does.
 /// @throws InvalidArgument for readings that make no sense (see check()).

@@ -11,7 +11,7 @@
 namespace paracal {
 
 /// Observability indices of an identification Jacobian with m rows and singular values s_1 >= ... >= s_r > 0, all
-/// null directions left out  [sun-hollerbach2008; huang2016, Eq. (18)]:
+/// null directions omitted  [sun-hollerbach2008; huang2016, Eq. (18)]:
 ///
 ///   \f[ O_1 = (s_1 ... s_r)^{1/r} / \sqrt{m},   O_2 = s_r / s_1,   O_3 = s_r
 ///       O_4 = s_r^2 / s_1,   O_5 = 1 / (1/s_1 + ... + 1/s_r) \f]
@@ -21,7 +21,7 @@ struct Observability {
 
 Observability observability(const Eigen::VectorXd& singular_values, int rank, Eigen::Index rows);
 
-/// A rigid motion of the robot, or of the slide's zero, written as source errors: what readings may be blind to.
+/// A rigid motion of the robot, or of the slide zero, as geometric errors: readings may not determine it.
 struct GaugeMotion {
   std::string text;
   SourceErrors direction;  ///< to first order, per mm or per rad
@@ -33,11 +33,11 @@ struct GaugeMotion {
 ///   rotation w             turned_base(w): e_i = w x (b_i - a_i), alpha0 = w.u0, ...  (mechanism/base_motion.hpp)
 ///   slide zero             e_i = mu_i shat                       r stays, s changes by a constant (-1 mm per mm)
 ///
-/// A rotation does not turn the slide axis, so only that about the slide axis (any, for a rigid plate) goes unseen.
+/// A rotation does not turn the slide axis, so only that about the slide axis (any, for a rigid plate) stays open.
 std::vector<GaugeMotion> gauge_motions(const Robot& robot);
 
-/// What readings at the nominal machine tell about source errors; the readings themselves do not count, only where and
-/// how they are taken.
+/// What readings at the nominal machine determine of the geometric errors. Only where and how they are taken counts,
+/// not their values.
 struct [[nodiscard]] Identifiability {
   std::vector<SoughtSource> parameters;
   Eigen::VectorXd singular_values;  ///< columns scaled as in [huang2016, Eq. (4)]: L theta_offset, ..., mm
@@ -48,11 +48,11 @@ struct [[nodiscard]] Identifiability {
   Eigen::Index nuisance = 0;  ///< unknowns of frames, encoder zeros, second reflectors and bodies
 };
 
-/// Frame, encoder zero, second reflector and body are projected out first (they are found together with the errors).
-/// @param sought  which errors; empty: the position group, and the tilt group where second reflectors or
+/// Frame, encoder zero, second reflector and body are projected out first (they are estimated with the errors).
+/// @param errors  to be estimated; empty: the position group, and the tilt group where second reflectors or
 /// orientations are read.
 /// @throws Unreachable, InvalidArgument as calibrate().
 Identifiability identifiability(const Robot& robot, const Measurements& plan, const CalibrationOptions& options = {},
-                                std::vector<SoughtSource> sought = {});
+                                std::vector<SoughtSource> errors = {});
 
 }  // namespace paracal

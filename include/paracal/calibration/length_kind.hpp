@@ -10,7 +10,7 @@
 
 namespace paracal {
 
-/// What a length is that a pose shows by itself, on an instrument whose set-up is found with the rest.
+/// What a length is that a pose shows by itself, on an instrument whose setup is found with the rest.
 enum class LengthKind : std::uint8_t {
   height,    ///< of the plate centre above a plane, along the robot's z: a probe, a nozzle on a sheet of paper
   ball_bar,  ///< from the plate centre to a fixed point: a ball bar, a draw wire
@@ -25,14 +25,14 @@ struct LengthWords {
   std::string_view plural;    ///< "heights"
   std::string_view column;    ///< of its table, which is known by it: "height_mm"
   std::string_view list;      ///< of such readings, in JSON: "heights"
-  std::string_view set_ups;   ///< what was found of its set-ups, in JSON: "planes"
+  std::string_view set_ups;   ///< what was found of its setups, in JSON: "planes"
   std::string_view reversed;  ///< said where the opposite sign explains the readings; empty: there is none
-  /// What is known of the set-up (LengthSeries::at); its columns are empty where only a plan wants to know it.
+  /// What is known of the setup (LengthSeries::at); its columns are empty where only a plan wants to know it.
   std::array<std::string_view, 3> at_columns = {};
   std::string_view at = {};
   bool needs_at = false;                            ///< and has to be said
   bool positive = false;                            ///< no such length is zero or less
-  std::size_t unknowns = 3;                         ///< of a set-up, which nothing but its own readings tell
+  std::size_t unknowns = 3;                         ///< of a setup, which nothing but its own readings tell
   double NoiseModel::*sigma = &NoiseModel::height;  ///< of readings that state none
 };
 

@@ -16,7 +16,7 @@ namespace paracal {
 struct Station {
   std::string name;
   Pose commanded;  ///< of no finite position where a table states the joints alone: with_commands() finds it
-  /// Joint coordinates that the controller believed; empty: the nominal inverse of the commanded pose.
+  /// Commanded joints; empty: the nominal inverse of the commanded pose.
   std::optional<Joints> believed = {};
   std::string stated_in = {};  ///< "plan.csv:3": file and line, for messages; empty: no file
 };
@@ -70,12 +70,12 @@ struct LengthReading {
   std::optional<double> sigma = {};  ///< standard deviation, mm, where stated
 };
 
-/// Lengths of one kind from one set-up, which is found with the rest: heights above a printer's bed.
+/// Lengths of one kind from one setup, which is found with the rest: heights above a printer's bed.
 struct LengthSeries {
   std::string name;
   LengthKind kind = LengthKind::height;
   std::vector<LengthReading> readings = {};
-  /// What is known of the set-up, in the robot's frame: of a ball bar where its fixed point is about, mm; of a dial the
+  /// What is known of the setup, in the robot's frame: of a ball bar where its fixed point is about, mm; of a dial the
   /// direction in which it reads, of any length.
   std::optional<Eigen::Vector3d> at = {};
 };
@@ -95,20 +95,20 @@ struct Measurements {
   std::vector<std::string> notes = {};  ///< what the import had to pass over: missing or doubled readings
 };
 
-/// @throws InvalidArgument when a station has no finite pose or joints, or a reading names no station, joins a station
-/// with itself, repeats another reading, or holds a distance, point or sigma that makes no sense. Readings count
-/// from 1 in messages.
+/// @throws InvalidArgument for a station without finite pose or joints. Also for a reading without a station, from a
+/// station to itself, that repeats another reading, or with an impossible distance, point or sigma. Messages count
+/// readings from 1.
 void check(const Measurements& measurements, std::size_t limb_count);
 
 /// The lengths that instrument and machine would have shown at 20 deg C  [iso1]: all lengths read over 1 + expansion.
 /// @param expansion  of the machine less that of the instrument, m/m: (a_machine - a_instrument) (T - 20 deg C).
 Measurements at_reference_temperature(Measurements measurements, double expansion);
 
-/// Commands that tables did not state: where the nominal robot stands with the believed joints.
+/// Commands that tables did not state: where the nominal robot stands with the commanded joints.
 /// @throws Unreachable when it does not close there.
 Measurements with_commands(const Robot& robot, Measurements measurements);
 
-/// Joint coordinates that the controller believed at a station.
+/// Commanded joints at a station.
 /// @throws Unreachable when they are not stated and the nominal robot does not reach the commanded pose.
 Joints believed_joints(const Robot& robot, const Station& station);
 

@@ -18,8 +18,8 @@ struct TrackerModel {
   double radial = 0.010, radial_per_m = 0.0003;
 };
 
-/// Standard deviations of readings that state none of their own. Where neither the reading nor the instrument states
-/// one, the scatter of the residuals decides, and these values only set the proportion of lengths to angles.
+/// Standard deviations of readings that state none of their own. Where the reading and the instrument state
+/// none, the scatter of the residuals decides, and these values only set the proportion of lengths to angles.
 struct NoiseModel {
   double distance = 0.05;             ///< mm, of a ball bar, too: positioning repeatability in [huang2016, section 5.2]
   double height = 0.05;               ///< mm, of a dial, too: a probe that triggers within some hundredths
@@ -27,8 +27,8 @@ struct NoiseModel {
   double body = 0.3;                  ///< mm a coordinate of a body's origin: motion capture scatters by some tenths
   double rotation = to_radians(0.3);  ///< rad: rotational repeatability in the same section; of orientations, too
   std::optional<TrackerModel> tracker = {};
-  /// Standard deviation of an error that all distances share (a calliper's zero, a printed wall too thick), and of one
-  /// that all lengths of a ball bar do (its own length), mm; 0: none.
+  /// Standard deviation of an error that all distances share, mm (a calliper's zero, a thick printed wall). The same
+  /// for all lengths of a ball bar (its own length). 0: none.
   double distance_bias = 0.0;
   /// Standard deviation of the angles by which a dial is set up askew, about either axis across it, rad; empty: half a
   /// degree, which is then assumed.

@@ -17,8 +17,8 @@ inline constexpr double kStartAzimuth = to_radians(270.0);
 /// Home and n evenly spaced points on the rim of the middle layer, without rotation  [huang2016, section 4.2.2].
 std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth = kStartAzimuth);
 
-/// Home and n evenly spaced points on the rims of the top and of the bottom layer, turned to the largest rotation on
-/// top and to the smallest at the bottom  [huang2016, section 4.2.1].
+/// Home and n evenly spaced points on the rims of the top and bottom layers. The plate has its largest rotation on top
+/// and its smallest at the bottom  [huang2016, section 4.2.1].
 std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimuth = kStartAzimuth);
 
 /// Home and eight points on circles of a fifth to the whole of the radius in the top, middle and bottom layers, without
@@ -44,20 +44,20 @@ struct [[nodiscard]] PaperPlan {
   static constexpr int kLargest = 40;
 };
 
-/// [huang2016, Eqs. (18), (20)]: O2 of the unweighted distances between all pairs, of the encoder offsets alone (rough)
-/// or the whole position group (fine), over the smallest singular value that is not zero. The curve goes on to
+/// [huang2016, Eqs. (18), (20)]: O2 of the unweighted distances between all pairs, over the smallest singular value
+/// above zero. Rough: for the encoder offsets alone; fine: for the whole position group. The curve continues to
 /// `show_up_to` points.
-/// @throws InvalidArgument for a plate with six freedoms.
+/// @throws InvalidArgument for a plate with six degrees of freedom.
 PaperPlan paper_plan(const Robot& robot, Stage stage, double start_azimuth = kStartAzimuth, double threshold = 0.01,
                      int show_up_to = 12);
 
 /// What is measured at the poses of a plan.
 enum class Measurand : std::uint8_t {
-  coordinates,     ///< of the plate centre, in a frame that nobody knows
+  coordinates,     ///< of the plate centre, in an unknown frame
   poses,           ///< position and orientation of a body on the plate, likewise
   distances,       ///< of the plate centre between all pairs of poses
   home_distances,  ///< from the first pose to each other
-  lengths,         ///< that each pose shows by itself, of one kind and set-up
+  lengths,         ///< that each pose shows by itself, of one kind and setup
 };
 
 struct PlannedReadings {
@@ -66,7 +66,7 @@ struct PlannedReadings {
   bool second = false;                           ///< a second reflector is read, too: with coordinates alone
   ReflectorMount mount = ReflectorMount::plate;  ///< of the second reflector or the body
   LengthKind length = LengthKind::height;        ///< where lengths are read
-  std::optional<Eigen::Vector3d> at = {};        ///< and what is known of their set-up (LengthSeries)
+  std::optional<Eigen::Vector3d> at = {};        ///< and what is known of their setup (LengthSeries)
 };
 
 /// Readings that a plan would give, taken from the nominal machine: for identifiability(), select_stations() and

@@ -44,7 +44,7 @@ struct SelectionOptions {
   std::function<void(std::uint64_t done, std::uint64_t expected)> progress = {};
 };
 
-/// A plan and what it promises.
+/// A plan and its predicted uncertainty.
 struct [[nodiscard]] Selection {
   std::vector<Station> stations;  ///< home first, then in the order of the shortest way found
   double criterion = 0.0;         ///< log det, trace, eigenvalue or mm^2
@@ -66,7 +66,7 @@ struct LengthRange {
 };
 
 /// Candidates moved along what is measured to where an instrument of this range shows them, spread over it as they were
-/// over the workspace; those that leave workspace or reach are left out. The plate then goes where a dial's plunger, or
+/// over the workspace; those that leave workspace or reach are omitted. The plate then goes where a dial's plunger, or
 /// a bar that gives by a millimetre, can follow.
 /// @throws InvalidArgument unless lengths are read and the range is one.
 std::vector<Station> within_range(const Robot& robot, const std::vector<Station>& candidates,

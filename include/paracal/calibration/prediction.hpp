@@ -20,12 +20,12 @@ struct KnownErrors {
   Eigen::MatrixXd covariance;             ///< of the parameters, mm and rad
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
-  double joint_std = 0.0;  ///< of where joints stand at each pose against the model, rad or mm
+  double joint_std = 0.0;                                      ///< of independent joint errors at each pose, rad or mm
 
   /// C + ((k / 2)^2 - 1) C_noise: U = 2 std by this covariance. Student's k for the degrees of freedom multiplies the
   /// noise's part alone, for tolerances and what is known need none; a little more than Welch and Satterthwaite state.
   Eigen::MatrixXd expanded_covariance() const;
-  /// The same for one pose by itself, where a joint that stands elsewhere is one whose zero lies elsewhere.
+  /// The same for a single pose, where a joint error acts as an error of its zero.
   Eigen::MatrixXd pose_covariance() const;
   /// expanded_covariance() of the joints' standard deviation.
   double expanded_joint_std() const;
@@ -33,8 +33,8 @@ struct KnownErrors {
 
 KnownErrors known_errors(const Calibration& calibration);
 
-/// What readings would tell of a machine whose errors are within their tolerances, before they are taken: zero errors
-/// with the covariance after measuring as planned. Readings that state no sigma weigh as options.noise says.
+/// What planned readings would determine of a machine whose errors are within their tolerances: zero errors with the
+/// covariance after measuring as planned. Readings that state no sigma weigh as options.noise says.
 /// @throws as calibrate().
 KnownErrors promised(const Robot& robot, const Measurements& given, const CalibrationOptions& options = {});
 
@@ -46,8 +46,8 @@ using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
                             const std::vector<SoughtSource>& parameters);
 
-/// Its rows of what is commanded, d(x, y, z, phi) / d(parameters), of a plate with six freedoms d(x, y, z, tilt), at
-/// joints. Empty where the machine is singular.
+/// Its rows of what is commanded, d(x, y, z, phi) / d(parameters), with six degrees of freedom d(x, y, z,
+/// tilt), at joints. Empty where the machine is singular.
 Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters);
 
@@ -59,7 +59,7 @@ std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& mach
                                                              const std::vector<SoughtSource>& parameters,
                                                              const Eigen::MatrixXd& covariance);
 
-/// How well a calibrated machine is known over its workspace_stations().
+/// Uncertainty of a calibrated machine over its workspace_stations().
 /// @throws Unreachable when it does not reach them.
 Use use_over_workspace(const Robot& robot, const KnownErrors& known);
 
@@ -96,8 +96,8 @@ class PoseSpread {
              const std::vector<Station>& stations);
 
   WorkspaceUncertainty uncertainty(const Eigen::MatrixXd& covariance) const;
-  /// At every pose; home has neither distance nor rotation.
-  /// @param joint_std  of where joints stand at each pose, independently; rad or mm.
+  /// At every pose; home has no distance and no rotation.
+  /// @param joint_std  of independent joint errors at each pose, rad or mm.
   std::vector<PoseStd> each(const Eigen::MatrixXd& covariance, double joint_std = 0.0) const;
   /// What 95 % of the machines with these uncertainties nowhere exceed, from drawn machines; limits are left open. The
   /// same numbers for the same arguments.

@@ -11,7 +11,7 @@
 
 namespace paracal {
 
-/// How a virtual machine is measured; standard deviations, all zero for a perfect instrument and machine.
+/// How a simulated machine is measured: standard deviations, all zero for a perfect instrument and machine.
 struct VirtualInstrument {
   double noise = 0.0;                          ///< mm a coordinate, distance or height; no coordinate's with a tracker
   std::optional<TrackerModel> tracker = {};    ///< the instrument stands at the origin of its frame
@@ -24,15 +24,15 @@ struct VirtualInstrument {
   RigidMotion frame = {};                      ///< instrument = frame(robot)
   ReflectorMount mount = ReflectorMount::plate;
   RigidMotion body = {};  ///< mount = body(body), mm: where orientations are read
-  /// Unknowns of the set-up of lengths (FoundSetUp); empty: one to plan for, of heights the plane z = 0.
+  /// Unknowns of the setup of lengths (FoundSetUp); empty: one to plan for, of heights the plane z = 0.
   Eigen::VectorXd set_up = {};
 };
 
-/// The readings of a plan as a machine with these errors gives them to an instrument when its controller, which
-/// believes the nominal robot, sends it to the stations. Of the instrument count noise, tracker, repeatability, frame,
-/// mount, set-up and the places of second reflector and body; what is read, and how often, is the plan's.
+/// Simulated measurements of a machine with these errors, whose controller uses the nominal robot. The instrument
+/// contributes noise, tracker, repeatability, frame, mount, setup and the positions of second reflector and body.
+/// The plan states what is read, and how often.
 /// @throws Unreachable when the nominal robot, or the machine itself, does not reach a station; InvalidArgument for a
-/// set-up of another number of unknowns.
+/// setup with another number of unknowns.
 Measurements simulate(const Robot& robot, const SourceErrors& errors, Measurements plan,
                       const VirtualInstrument& instrument, RandomStream& random);
 
@@ -40,11 +40,11 @@ Measurements simulate(const Robot& robot, const SourceErrors& errors, Measuremen
 Measurements simulate(const Robot& robot, const SourceErrors& errors, std::vector<Station> stations,
                       const VirtualInstrument& instrument, RandomStream& random);
 
-/// A place that a body may have on the plate: within some ten mm of the centre, turned anyhow.
+/// A random position of a body on the plate: within some ten mm of the centre, any orientation.
 RigidMotion random_body(RandomStream& random);
 
-/// A set-up that a series of lengths may have: of heights a plane about as level as beds and surface plates are,
-/// somewhere under the robot.
+/// A random setup of a series of lengths; for heights a plane below the robot, about as level as beds and surface
+/// plates are.
 Eigen::VectorXd random_set_up(const Robot& robot, const LengthSeries& series, RandomStream& random);
 
 }  // namespace paracal

@@ -13,7 +13,7 @@ namespace paracal {
 /// @throws InvalidArgument for anything else.
 std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, const JointSpace& limbs);
 
-/// What is fixed must leave something to seek, and nothing that is free.
+/// What is fixed must leave something to estimate, and nothing that is free.
 /// @throws InvalidArgument naming the error.
 void check_selection(const CalibrationOptions& options, const JointSpace& limbs);
 

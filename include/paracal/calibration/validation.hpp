@@ -54,8 +54,8 @@ struct LimitCheck {
 
 struct ValidationOptions {
   NoiseModel noise = {};
-  bool noise_is_known = false;  ///< `noise` is a fact; else only readings that state their own sigma are sure of it
-  bool rotation_noise_is_known = false;  ///< the same of `noise.rotation`, in what is held against a limit on rotations
+  bool noise_is_known = false;  ///< `noise` is known; otherwise only a sigma stated with a reading counts as known
+  bool rotation_noise_is_known = false;  ///< the same for `noise.rotation`, when checking a limit on rotations
   double scale_std = CalibrationOptions{}.scale_std;  ///< of the readings' scale against the machine, m/m
   ReflectorMount reflectors = ReflectorMount::plate;
   Frame frame = Frame::unknown;
@@ -75,31 +75,31 @@ struct ValidatedPose {
 };
 
 /// A reading of one number (a distance, a length) against the nominal and the calibrated machine: measured minus
-/// predicted, once the set-up has been fitted.
+/// predicted, after fitting the setup.
 struct CheckedReading {
   std::string text;                  ///< "distance P1 - P3"
   double before = 0.0, after = 0.0;  ///< mm
   double sigma = 0.0;                ///< standard deviation of the reading, mm
-  /// Of `after`, mm (k = 2), from the reading, the calibration and where joints stand: 95 % of sound machines leave no
-  /// more, once the set-up has been fitted.
+  /// Of `after`, mm (k = 2), from the reading, the calibration and the joint errors: 95 % of correct machines
+  /// have a smaller residual after fitting the setup.
   double U = 0.0;
-  std::optional<LengthKind> length = {};  ///< of which kind; empty: a distance
+  std::optional<LengthKind> length = {};  ///< kind of length; empty: a distance
 };
 
-/// Whether readings lie where the calibration says that they must, given its own uncertainty and their noise: with
-/// residuals v = J_n a + J z + n, set-up a, errors z ~ N(0, C) beside the calibrated ones and joints at each pose,
+/// Test whether readings agree with the uncertainty of the calibration and their own noise. With residuals
+/// v = J_n a + J z + n, setup a, errors z ~ N(0, C) relative to the calibrated ones, and joint errors at each pose,
 ///
 ///   \f[ chi^2 = min_{a,z} |v - J_n a - J z|^2 + z^T C^-1 z \f]
 ///
-/// is chi-square distributed with `freedom` degrees of freedom where C and the noise are as stated. Where the noise is
-/// what `noise_dof` degrees of freedom of repeated visits show, their own sum, which is noise_dof then, and degrees of
-/// freedom are taken off both, and over its freedom the rest is Fisher distributed: a test of lack of fit.
+/// is chi-square distributed with `freedom` degrees of freedom if C and the noise are as stated. If repeated visits
+/// estimate the noise with `noise_dof` degrees of freedom, their sum and degrees of freedom are subtracted from both.
+/// The rest over its degrees of freedom is Fisher distributed: a test of lack of fit.
 struct Agreement {
   double chi_square = 0.0, freedom = 0.0;
   double noise_dof = std::numeric_limits<double>::infinity();
-  double chance = 1.0;  ///< that a machine within its uncertainty shows as much
+  double chance = 1.0;  ///< p-value
 
-  /// Readings and calibration contradict each other: one sound machine in a thousand looks like this.
+  /// The readings do not agree with the calibration: p-value below 0.001.
   bool contradicts() const { return chance < 1e-3; }
 };
 
@@ -107,28 +107,28 @@ struct [[nodiscard]] Validation {
   PoseErrorSummary before, after;
   std::vector<ValidatedPose> poses;
   std::vector<CheckedReading> readings;  ///< distances and lengths
-  /// Empty where nobody can tell: the calibration has no covariance, or the noise is neither stated nor seen in
-  /// repeats.
+  /// Empty if it cannot be tested: the calibration has no covariance, or the noise is not stated and not
+  /// visible in repeats.
   std::optional<Agreement> agreement;
   Iso9283 iso9283;
   std::vector<LimitCheck> checks;  ///< of the errors after calibration
-  /// All limits kept for certain; without limits: the largest aligned error (of distances or lengths where no points
-  /// were read) shrank by more than its uncertainty, and the readings do not contradict the calibration's.
+  /// All limits are met, uncertainty included. Without limits: the readings agree with the calibration, and the
+  /// largest aligned error (distance or length error without points) decreased by more than its uncertainty.
   bool accepted = false;
-  std::vector<std::string> reasons;       ///< why not
-  std::vector<std::string> notes;         ///< what a careful reader should know
-  std::vector<std::string> assumed = {};  ///< what no reading showed and nobody stated
+  std::vector<std::string> reasons;       ///< why it is not accepted
+  std::vector<std::string> notes;         ///< remarks on the result
+  std::vector<std::string> assumed = {};  ///< assumed values (not read and not stated)
 };
 
-/// Measures a calibration on poses that it has not seen, by whatever was read there.
+/// Checks a calibration against measurements it has not used.
 ///
 /// The frame of a series is unknown as a rule. It is found by fitting the measured points to the poses that the
-/// calibrated machine predicts from the believed joints; in this frame "before" compares measured with commanded and
+/// calibrated machine predicts from the commanded joints; in this frame "before" compares measured with commanded and
 /// "after" measured with predicted poses, both relative to home (d_rho, d_v, d_phi of pose_error.hpp). The aligned
 /// errors remove the best rigid motion from each comparison on its own, so they do not depend on that frame.
 ///
 /// @throws InvalidArgument for measurements that make no sense, a series of points with fewer than 4 poses, or no more
-/// readings than their set-up has unknowns; Unreachable as calibrate().
+/// readings than unknowns of their setup; Unreachable as calibrate().
 Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                     const ValidationOptions& options = {});
 
