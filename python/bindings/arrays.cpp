@@ -56,10 +56,10 @@ bool is_tilted(const Station& station) { return !station.commanded.tilt.isZero(0
 /// A row would drop what such a plate does not have.
 void check_row(const Station& station, std::size_t width) {
   if (width == kLevelPose && is_tilted(station)) {
-    throw InvalidArgument(fmt::format("pose {}: expected no tilt of a plate that stays level", station.name));
+    throw InvalidArgument(fmt::format("pose {}: expected no tilt, because the plate stays level", station.name));
   }
   if (width == kTiltedPose && station.commanded.rotation != 0.0) {
-    throw InvalidArgument(fmt::format("pose {}: expected phi = 0 of a plate that turns by tilt_z", station.name));
+    throw InvalidArgument(fmt::format("pose {}: expected phi = 0, because tilt_z rotates the plate", station.name));
   }
 }
 
@@ -84,7 +84,7 @@ SourceErrors errors_of(const Array& array, const Robot& robot) {
   const auto sources = sources_of(robot.actuator());
   const Rows rows(array, "errors", sources.size());
   if (rows.count() != robot.limb_count()) {
-    throw InvalidArgument(fmt::format("errors: expected a row a limb, ({}, {}), got {} rows", robot.limb_count(),
+    throw InvalidArgument(fmt::format("errors: expected one row per limb, ({}, {}), got {} rows", robot.limb_count(),
                                       sources.size(), rows.count()));
   }
   SourceErrors errors;

@@ -38,7 +38,7 @@ void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-v
 
 PYBIND11_MODULE(_paracal, module) {
   using namespace paracal::python;
-  module.doc() = "The library as the package paracal calls it: plain arrays, mm and rad.";
+  module.doc() = "The compiled module of the package paracal: plain arrays, mm and rad.";
   module.attr("version") = std::string(paracal::version());
   module.attr("build") = std::string(paracal::build());
   py::register_exception_translator(&translate);

@@ -26,7 +26,7 @@ TrackerModel tracker_of(const Keywords& given) {
       believable(tracker.radial + tracker.radial_per_m)) {
     return tracker;
   }
-  throw InvalidArgument(fmt::format("tracker_um: expected four numbers of at least 0 that make {:g} to {:g} mm at 1 m",
+  throw InvalidArgument(fmt::format("tracker_um: expected four numbers of at least 0 that give {:g} to {:g} mm at 1 m",
                                     kSmallestSigma, kLargest));
 }
 

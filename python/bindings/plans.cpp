@@ -20,7 +20,7 @@ std::vector<Station> planned_stations(const Robot& robot, const std::vector<std:
   const std::size_t width = pose_width(robot);
   const Rows rows(poses, "poses", width);
   if (names.size() != rows.count()) {
-    throw InvalidArgument(fmt::format("names: expected {}, one a pose, got {}", rows.count(), names.size()));
+    throw InvalidArgument(fmt::format("names: expected {}, one per pose, got {}", rows.count(), names.size()));
   }
   std::vector<Station> stations;
   for (std::size_t k = 0; k < names.size(); ++k) stations.push_back({names[k], pose_of(rows[k], width)});
@@ -181,7 +181,7 @@ GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::
   Measurements plan = planned(machine.robot, planned_stations(machine.robot, names, poses), readings);
   if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
   if (repeats > 1 && !plan.distances.empty()) {
-    throw InvalidArgument("repeats: expected another measure than distances with it");
+    throw InvalidArgument("repeats: expected 1 with distances, or another measure");
   }
   const Released released;
   for (PointSeries& series : plan.series) repeat(series.readings, repeats);

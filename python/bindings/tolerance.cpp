@@ -42,7 +42,7 @@ Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_
   }
   for (const auto& [name, value] : half_widths) {
     const auto source = source_named(name, robot.actuator());
-    if (!source) throw InvalidArgument("half_widths: expected names of source errors, got \"" + name + "\"");
+    if (!source) throw InvalidArgument("half_widths: expected names of geometric errors, got \"" + name + "\"");
     if (!(value >= 0.0 && std::isfinite(value))) {
       throw InvalidArgument(fmt::format("half_widths: expected at least 0 for {}, got {}", name, value));
     }
@@ -63,7 +63,7 @@ Characteristic characteristic_of(const std::string& wanted) {
   std::string known;
   for (const Quantity quantity : kQuantities) known.append(known.empty() ? "" : ", ").append(name({quantity}));
   throw InvalidArgument(
-      fmt::format("quantity: expected one of {}, also with \"-compensated\" behind it, got \"{}\"", known, wanted));
+      fmt::format("quantity: expected one of {}, also with \"-compensated\" appended, got \"{}\"", known, wanted));
 }
 
 /// (quantity, limit in mm or rad).

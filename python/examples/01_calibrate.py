@@ -1,10 +1,10 @@
 """A first calibration: six distances that a laser tracker measured on the robot of Huang et al.
 
-Cells begin with "# %%", as notebooks of Jupyter, Spyder and VS Code take them. Run it from the root
-of the repository, or say where data/ is: PARACAL_DATA=... python3 01_calibrate.py
+Cells begin with "# %%" for Jupyter, Spyder and VS Code. Run it from the root of the repository, or
+state the folder data/: PARACAL_DATA=... python3 01_calibrate.py
 """
 
-# %% The robot and what was measured
+# %% Read the robot and the measurements
 import os
 from pathlib import Path
 
@@ -18,30 +18,30 @@ measured = pc.read_measurements(data / "distances.csv", poses=data / "poses.csv"
 print(measured)
 # prints: <paracal.Measurements at 7 poses: 6 distances>
 
-# %% Which errors it has, and how sure that is
+# %% Identify the errors, with their uncertainty
 calibration = pc.calibrate(robot, measured)
 print(calibration.verdict)
 # prints: accepted
-sought = np.flatnonzero(~calibration.held)  # the rest is held at nominal, its tolerance in every U
-for k in sought:
+estimated = np.flatnonzero(~calibration.held)  # the others are fixed at nominal
+for k in estimated:
     value, U = np.degrees(calibration.values[k]), np.degrees(calibration.U[k])
     print(f"{calibration.names[k]}  {value:6.3f} deg, U {U:.3f}")
 # prints: theta_offset.1   0.206 deg, U 0.845
 calibration  # in a notebook: verdict, table, notes, assumptions
 
-# %% What the encoder offsets go together with
-covariance = calibration.covariance[np.ix_(sought, sought)]
-correlation = covariance / np.outer(calibration.std[sought], calibration.std[sought])
-print(f"least correlation {correlation.min():.2f}")
+# %% Correlations of the encoder offsets
+covariance = calibration.covariance[np.ix_(estimated, estimated)]
+correlation = covariance / np.outer(calibration.std[estimated], calibration.std[estimated])
+print(f"smallest correlation {correlation.min():.2f}")
 
-# %% Joint angles that compensate, and how sure the pose then is
+# %% Compute compensated joint angles, with the uncertainty of the pose
 wanted = np.array([200.0, -130.0, -930.0, 0.5])  # mm, rad
 told = pc.compensate(calibration, wanted)
 print("joints", np.round(np.degrees(told.joints), 4), "deg")
 # prints: joints [ -2.9513 -19.4426 -39.777  -26.5306] deg
 print(f"U of x {told.U[0]:.1f} mm, of phi {np.degrees(told.U[3]):.1f} deg")
 
-# %% Half a hundred thousand poses at once
+# %% Compute 50,000 poses at once
 poses = np.random.default_rng(1).uniform([-300, -300, -950, -1], [300, 300, -850, 1], (50_000, 4))
 joints, status = pc.inverse(calibration, poses)
 print(f"{np.mean(status == pc.InverseStatus.reached):.0%} in reach")

@@ -1,14 +1,14 @@
-"""How tight must parts be? Sensitivities, the widest tolerances that keep a limit, and what a batch
-of machines then does."""
+"""Tolerance design: sensitivities, the widest tolerances that keep a limit, and the yield of
+machines with these tolerances."""
 
-# %% Which parts tilt the plate
+# %% Contributions to the variance of the tilt
 import paracal as pc
 from paracal import tolerance
 
 robot = pc.robot("huang2016")
 tilt = tolerance.sensitivity(robot, "tilt")
 print(
-    "what makes the tilt:",
+    "contributions to the variance of the tilt:",
     ", ".join(f"{name} {share:.0%}" for name, share in tilt.contributors[:3]),
 )
 
@@ -20,7 +20,7 @@ half_widths, width = chosen.tolerances.half_widths, robot.geometry["parallelogra
 print(f"rod_difference / c {1e3 * half_widths['rod_difference'] / width:.3f} mrad")
 # prints: rod_difference / c 0.223 mrad
 
-# %% What a batch does with them
+# %% Yield with these tolerances
 analysis = tolerance.analyze(robot, chosen.tolerances, {"tilt": 1e-3}, sigma_error=0.02)
 worst = analysis.requirements[0]
 print(
@@ -28,7 +28,7 @@ print(
 )
 print(f"yield {analysis.yield_:.2%} of {analysis.machines} machines")
 
-# %% How the requirement changes with one tolerance
+# %% Effect of one tolerance
 for factor in (0.5, 1.0, 2.0):
     wider = {**half_widths, "rod_difference": factor * half_widths["rod_difference"]}
     again = pc.Tolerances.stated(robot, wider)

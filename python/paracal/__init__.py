@@ -7,14 +7,13 @@
     calibration = pc.calibrate(robot, measured)   # verdict, values, U, covariance, notes
     joints, status = pc.inverse(calibration, [[200, -130, -930, 0.5]])
 
-Units: arrays are in mm and rad, as inside the C++ library; files, tables and their columns are in
-mm and deg, as their names say. Source errors are actual minus nominal. Frames and signs:
-docs/conventions.md.
+Arrays are in mm and rad. Files and tables are in mm and deg; column names state the unit.
+Geometric errors are actual minus nominal. Frames and signs: docs/conventions.md.
 
-What the caller or a file got wrong raises (errors: Error, InvalidArgument, InputFileError,
-Unreachable); what the numbers say (a pose out of reach, a fit that does not settle) is a status in
-the result. Everything that takes long releases the interpreter, so threads run beside it, and
-Ctrl-C ends it. Results can be copied and pickled. Numbers are those of the program to the bit.
+Mistakes of the caller or in a file raise exceptions (Error, InvalidArgument, InputFileError,
+Unreachable). A pose out of reach or a fit without convergence raises nothing; the result contains a
+status. Long computations release the interpreter lock, so other threads can run; Ctrl-C stops
+them. Results can be copied and pickled. They equal those of the program to the bit.
 """
 
 from . import _paracal, tolerance

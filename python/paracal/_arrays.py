@@ -1,4 +1,4 @@
-"""From what users hold to what the compiled module takes: doubles."""
+"""Converts arrays and tables to arrays of doubles for the compiled module."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ _COLUMN_UNITS = {
 
 
 def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
-    """An array of doubles; whole numbers become such, text, complex and truth values do
-    not."""
+    """An array of doubles. Accepts integers, but no text, complex or boolean values."""
     array = np.asarray(numbers)
     if array.dtype.kind not in "iuf":
         raise InvalidArgument(f"{what}: expected an array of numbers, got dtype {array.dtype}")
@@ -40,7 +39,7 @@ def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
 
 
 def column_names(table: Any) -> list[Any] | None:
-    """Of a dict of columns or a DataFrame (pandas, polars, pyarrow); None of anything else."""
+    """Column names of a dict or a DataFrame (pandas, polars, pyarrow); None for other objects."""
     for attribute in ("keys", "column_names", "columns"):
         names = getattr(table, attribute, None)
         if names is not None:
@@ -51,10 +50,10 @@ def column_names(table: Any) -> list[Any] | None:
 def by_name(
     what: str, table: Any, wanted: Mapping[str, str], unsaid: Mapping[str, float]
 ) -> FloatArray:
-    """(..., columns) of a DataFrame or a dict of columns, which may have a column of names, "pose".
+    """Array (..., columns) from a DataFrame or a dict of columns, which may have a column "pose".
 
-    wanted: unit in the array by the name without unit, in its order. unsaid: what counts for
-        columns that are not there; any other must be.
+    wanted: units of the array by column names without units, in the order of the array. unsaid:
+        default values of optional columns; all others are required.
     """
     spelt = {
         stem: {f"{stem}_{suffix}": factor for suffix, factor in _COLUMN_UNITS[unit].items()}
@@ -85,7 +84,7 @@ def by_name(
 
 
 def as_rows(what: str, numbers: npt.ArrayLike, columns: int) -> tuple[FloatArray, tuple[int, ...]]:
-    """(n, columns), and the shape (...) of (..., columns) that they came in."""
+    """Rows (n, columns), and the leading shape (...) of the argument (..., columns)."""
     array = as_doubles(what, numbers)
     if array.ndim == 0 or array.shape[-1] != columns:
         raise InvalidArgument(
@@ -95,15 +94,14 @@ def as_rows(what: str, numbers: npt.ArrayLike, columns: int) -> tuple[FloatArray
 
 
 def pose_axes(robot: _paracal.Robot) -> tuple[str, ...]:
-    """What the numbers of a pose are: places in mm, then angles in rad."""
+    """Names of the coordinates of a pose: positions in mm, then angles in rad."""
     angles = ("tilt_x", "tilt_y", "tilt_z") if robot.commands_tilt else ("phi",)
     return ("x", "y", "z", *angles)
 
 
 def as_poses(poses: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
-    """(n, 4) of x, y, z in mm, phi in rad, or (n, 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in
-    rad where the tilt of the plate is commanded; angles are 0 where the last axis has three
-    entries, or the column is not there. Columns are named as in files: x_mm or x_cmd_mm, ..."""
+    """(n, 4): x, y, z in mm, phi in rad. With commanded tilt (n, 6): x, y, z in mm, tilt_x, tilt_y,
+    tilt_z in rad. Missing angles are 0. Columns are named as in files: x_mm or x_cmd_mm, ..."""
     angles = pose_axes(robot)[3:]
     numbers: Any = poses
     names = column_names(poses)
@@ -128,7 +126,7 @@ def as_poses(poses: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[i
 
 
 def as_joints(joints: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple[int, ...]]:
-    """(n, limbs), rad or mm; columns are named as in files: q1_deg, or q1_mm of rails and
+    """(n, limbs), rad or mm; columns are named as in files: q1_deg, or q1_mm for rails and
     struts."""
     numbers: Any = joints
     if column_names(joints) is not None:
@@ -138,5 +136,5 @@ def as_joints(joints: Numbers, robot: _paracal.Robot) -> tuple[FloatArray, tuple
 
 
 def shaped(array: Any, lead: tuple[int, ...]) -> Any:
-    """Rows in the shape that the rows of the argument had."""
+    """Rows in the leading shape of the argument."""
     return array.reshape(lead + array.shape[1:])

@@ -1,4 +1,4 @@
-"""What results look like in a notebook: plain tables, readable without any style."""
+"""HTML of results for notebooks: plain tables without style."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Iterable, Mapping, Sequence
 
 
 def number(value: Any) -> str:
-    """Four digits are what an eye takes; the result itself has them all."""
+    """Four digits for reading; the result itself has all digits."""
     if isinstance(value, bool) or value is None:
         return {None: "", True: "yes", False: "no"}[value]
     return f"{value:.4g}" if isinstance(value, float) else str(value)
@@ -31,6 +31,6 @@ def pairs(values: Mapping[str, Any]) -> str:
 
 
 def items(mark: str, texts: Iterable[str]) -> str:
-    """One sentence a line: notes, reasons, assumptions."""
+    """One sentence per line: notes, reasons, assumptions."""
     listed = "".join(f"<li>{escape(mark)}: {escape(text)}</li>" for text in texts)
     return f"<ul>{listed}</ul>" if listed else ""

@@ -1,4 +1,4 @@
-"""Keywords of the package's functions on their way into the compiled module."""
+"""Converts keywords of the package's functions for the compiled module."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .tolerances import native_tolerances
 
 
 def keywords(given: dict[str, Any], robot: Robot) -> dict[str, Any]:
-    """Keywords as the compiled module takes them: lists for any iterable, its own objects for
-    ours, which are of this robot."""
+    """Keywords for the compiled module: lists instead of iterables, compiled objects instead of
+    Python ones (of this robot)."""
     made = dict(given)
     for key in ("fixed", "free"):
         if isinstance(made.get(key), str):

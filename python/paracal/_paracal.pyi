@@ -1,4 +1,4 @@
-"""The library as the package paracal calls it: plain arrays, mm and rad. The package's modules say what each does."""
+"""The compiled module of the package paracal: plain arrays, mm and rad. See the modules of the package for documentation."""
 
 from typing import Any, Sequence
 

@@ -1,5 +1,5 @@
-"""Tables in and out: files, DataFrames and dicts of columns are read by the same code of the
-library."""
+"""Reading and writing of tables. The library reads files, DataFrames and dicts of columns with the
+same code."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ Table = Union[str, "os.PathLike[str]", "pandas.DataFrame", Mapping[str, Sequence
 
 
 def path_of(path: str | os.PathLike[str]) -> bytes:
-    """A file's name as the library takes it."""
+    """Name of a file for the library."""
     return os.fsencode(path)
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:
-    """A file that comes to be whole or not at all: where it cannot be written what stood there
-    stays. Raises Error."""
+    """Writes a file completely or not at all; after a failure an existing file is unchanged. Raises
+    Error."""
     _paracal.write_file(path_of(path), text.encode("utf-8", "surrogateescape"))
 
 
 def _cell(value: Any) -> str:
-    """Blank for what was not read; numbers so that they come back as they were."""
+    """Text of a cell: blank if there is no reading; numbers with all digits."""
     if value is None or (isinstance(value, float) and value != value):
         return ""
     return repr(value) if isinstance(value, float) else str(value)
@@ -47,7 +47,7 @@ def _columns(table: Any) -> dict[str, list[Any]]:
         )
     columns = {str(name): np.asarray(table[name], dtype=object).tolist() for name in names}
     if any(not isinstance(column, list) for column in columns.values()):
-        raise InvalidArgument("table: expected columns with a value a row")
+        raise InvalidArgument("table: expected columns with one value per row")
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) > 1:
         raise InvalidArgument(f"table: expected columns of one length, got {lengths}")
@@ -58,14 +58,14 @@ def _columns(table: Any) -> dict[str, list[Any]]:
 
 
 def native(table: Table, name: str = "table") -> tuple[bytes, str | None]:
-    """A file by its name, anything else as the text of the file that it could be."""
+    """A file by its name; any other table as the text of a file."""
     if isinstance(table, (str, os.PathLike)):
         return path_of(table), None
     return name.encode(), text_of(table)
 
 
 def text_of(table: Any) -> str:
-    """A DataFrame or a dict of columns as the file that it could be."""
+    """A DataFrame or a dict of columns as the text of a file."""
     columns = _columns(table)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -75,7 +75,7 @@ def text_of(table: Any) -> str:
 
 
 def rows_of(text: str) -> dict[str, list[Any]]:
-    """Columns of a table that the library wrote; numbers where all of a column are some."""
+    """Columns of a table written by the library; as numbers if all values are numbers."""
     reader = list(csv.reader(text.splitlines()))
     names = ("pose", "from", "to")
     return {
@@ -85,7 +85,7 @@ def rows_of(text: str) -> dict[str, list[Any]]:
 
 
 def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> pandas.DataFrame:
-    """A DataFrame; says what is missing where pandas is not installed."""
+    """A DataFrame. Raises an error if pandas is not installed."""
     try:
         import pandas as pd
     except ImportError as missing:

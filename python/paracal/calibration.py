@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 
 class Calibration:
-    """The machine's identified source errors with their evidence. Made by calibrate().
+    """The identified geometric errors of a machine, with their uncertainty. calibrate() returns it.
 
-    Arrays are in mm and rad, a row or entry a parameter (names, units); as_dict() and to_json() are
-    in mm and deg, as the program writes it.
+    Arrays are in mm and rad, with one row or entry per parameter (names, units). as_dict() and
+    to_json() are in mm and deg, as in the calibration file.
     """
 
     def __init__(self, native: _paracal.Calibration) -> None:
@@ -41,32 +41,32 @@ class Calibration:
 
     @property
     def accepted(self) -> bool:
-        """Whether it is to be used."""
+        """True: the calibration may be used."""
         return self.verdict == "accepted"
 
     @property
     def reasons(self) -> list[str]:
-        """Why it was not accepted; empty when it was."""
+        """Why the calibration was not accepted; empty if it was."""
         return self._native.reasons
 
     @property
     def notes(self) -> list[str]:
-        """What a careful reader should know."""
+        """Notes on the result."""
         return self._native.notes
 
     @property
     def assumed(self) -> list[str]:
-        """What no reading showed and nobody stated."""
+        """Assumptions without support by files or readings."""
         return self._native.assumed
 
     @property
     def names(self) -> list[str]:
-        """Of the parameters: "e_x.2" is e_x of limb 2."""
+        """Names of the parameters: "e_x.2" is e_x of limb 2."""
         return parameter_names(self._native.parameters)
 
     @property
     def units(self) -> list[str]:
-        """Of the parameters: "mm", "rad" or "mm/m"."""
+        """Units of the parameters: "mm", "rad" or "mm/m"."""
         return [unit for _, _, unit in self._native.parameters]
 
     @property
@@ -76,60 +76,60 @@ class Calibration:
 
     @property
     def std(self) -> FloatArray:
-        """(n) standard deviations, mm or rad; NaN where the readings cannot tell."""
+        """(n) standard deviations, mm or rad; NaN where not determined."""
         return self._native.std
 
     @property
     def U(self) -> FloatArray:
-        """(n) expanded uncertainties k std, about 95 %, mm or rad."""
+        """(n) expanded uncertainties U = k std, about 95 %, mm or rad."""
         return np.asarray(self._native.k * self._native.std)
 
     @property
     def data_share(self) -> FloatArray:
-        """(n) share of the information that the readings gave: 1 - std^2 / prior_std^2."""
+        """(n) fraction of the information from the readings: 1 - std^2 / prior_std^2."""
         return self._native.data_share
 
     @property
     def identified(self) -> BoolArray:
-        """(n): the readings gave at least half of the information."""
+        """(n) True: at least half of the information is from the readings."""
         return np.asarray(self._native.identified, dtype=np.bool_)
 
     @property
     def held(self) -> BoolArray:
-        """(n): not sought, held at nominal, while its tolerance counts in every uncertainty."""
+        """(n) True: fixed at nominal; its tolerance contributes to every uncertainty."""
         return np.asarray(self._native.held, dtype=np.bool_)
 
     @property
     def covariance(self) -> FloatArray:
-        """(n, n) of the parameters, mm and rad; (0, 0) where no std could be stated."""
+        """(n, n) covariance of the parameters, mm and rad; (0, 0) if no std is available."""
         return self._native.covariance
 
     @property
     def rank(self) -> int:
-        """How many directions of the position group (and of tilt, where it was measured) the
-        readings see."""
+        """Number of parameter combinations that the readings determine: of the position group,
+        and of the tilt group if tilt was measured."""
         return self._native.rank
 
     @property
     def null_space(self) -> list[NullDirection]:
-        """What the readings do not see."""
+        """Parameter combinations that the readings do not determine."""
         return [NullDirection(*one) for one in self._native.null_space]
 
     @property
     def noise_mm(self) -> float:
-        """Standard deviation of a coordinate (of a distance where no points were read), stated or
-        found, mm."""
+        """Standard deviation of a coordinate, or of a distance if no points were measured; stated
+        or estimated, mm."""
         return self._native.noise_mm
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Readings less unknowns."""
+        """Number of readings minus number of unknowns."""
         return self._native.degrees_of_freedom
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, sources) source errors of all limbs, in the units of robot.units; those not
-        identified are zero."""
+        """(limbs, sources) geometric errors of all limbs, in the units of robot.units; zero where
+        not identified."""
         return self._native.errors
 
     @property
@@ -139,7 +139,7 @@ class Calibration:
 
     @property
     def known(self) -> KnownMachine:
-        """What validate() and compensate() take of it."""
+        """The part of the result that validate() and compensate() use."""
         return KnownMachine(self._native.known)
 
     def predict(self, joints: Numbers) -> Prediction:
@@ -147,8 +147,8 @@ class Calibration:
         return self.known.predict(joints)
 
     def correlations(self, threshold: float = 0.9) -> list[tuple[str, str, float]]:
-        """Pairs of parameters that the readings hardly tell apart, strongest first: |correlation|
-        at least `threshold`."""
+        """Pairs of parameters that the readings hardly separate, strongest first: |correlation|
+        of at least `threshold`."""
         names = self.names
         return [
             (names[one], names[other], value)
@@ -156,24 +156,24 @@ class Calibration:
         ]
 
     def to_json(self, time: int | None = None) -> str:
-        """The calibration file, as `paracal calibrate --out` writes it: mm and deg, keys in
-        docs/json-keys.md.
+        """The text of the calibration file, as from `paracal calibrate --out`, in mm and deg.
+        docs/json-keys.md lists the keys.
 
-        time: seconds since 1970 for its date; default: SOURCE_DATE_EPOCH of the environment, else
-            now.
+        time: date of the file in seconds since 1970; default: SOURCE_DATE_EPOCH of the
+            environment, else now.
         """
         return self._native.json(
             int(os.environ.get("SOURCE_DATE_EPOCH", clock.time())) if time is None else time
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes to_json() to a file, which read_calibration() and the program read. Raises Error
-        where it cannot be written; an earlier file then stays as it was."""
+        """Writes to_json() to a file for read_calibration() and the program. Raises Error if this
+        fails; an existing file then stays unchanged."""
         _tables.write(path, self.to_json())
 
     def as_dict(self) -> dict[str, Any]:
-        """to_json() as an object: mm and deg, units in the keys; residuals, frames, suspects,
-        stages and options, too."""
+        """to_json() as a dict, in mm and deg, with units in the keys. It also contains residuals,
+        frames, possible outliers, stages and options."""
         found: dict[str, Any] = json.loads(self.to_json())
         return found
 
@@ -196,9 +196,9 @@ class Calibration:
         )
 
     def residuals(self) -> pandas.DataFrame:
-        """Measured minus predicted, before (nominal) and after (calibrated), a row a reading.
+        """Measured minus predicted, before (nominal) and after (calibrated), one row per reading.
 
-        Columns as the calibration file has them, in mm and deg; of points before_x_mm ...
+        Columns as in the calibration file, in mm and deg; for points before_x_mm ...
         after_z_mm in the robot's frame.
         """
         rows = [_flat(row) for row in self.as_dict()["residuals"]]
@@ -238,7 +238,7 @@ class Calibration:
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """Vectors (before_mm: [x, y, z]) as a column each (before_x_mm, ...)."""
+    """Splits vectors (before_mm: [x, y, z]) into columns (before_x_mm, ...)."""
     flat: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, list):
@@ -275,35 +275,35 @@ def calibrate(
     limit_aligned_mm: float | None = None,
     limit_rad: float | None = None,
 ) -> Calibration:
-    """Identifies the source errors of a machine from any mix of readings; releases the interpreter
-    meanwhile.
+    """Identifies the geometric errors of a machine from readings of one or several kinds. Releases
+    the interpreter lock.
 
-    stage: "rough": the encoder offsets; "fine": everything; "auto": as far as the readings carry.
-    method: "best": exact model, every reading with its covariance, tolerances as priors; "paper":
-        as [huang2016, Eqs. (16)-(21)].
+    stage: "rough": only encoder offsets; "fine": all errors; "auto": as the readings allow.
+    method: "best": exact model, readings weighted by their covariance, tolerances as priors;
+        "paper": as in [huang2016, Eqs. (16)-(21)].
     sigma_mm, height_sigma_mm: standard deviation of points and distances, of heights and dials, mm.
-    sigma_rad: of rotations that an encoder reads, rad; default: 0.3 deg.
-    sigma_known: these are facts, which the scatter of the residuals does not correct.
+    sigma_rad: standard deviation of encoder readings of phi, rad; default: 0.3 deg.
+    sigma_known: True: use these values as they are, without correction from the residuals.
     tracker_um: instead of sigma_mm for points: transverse um, um per m, radial um, um per m.
-    distance_bias_mm: standard deviation of an error that all distances, or all of a ball bar,
-        share, mm.
-    dial_angle_rad: of the angles by which a dial is set up askew, rad; default: half a degree,
-        assumed.
-    scale_ppm: of the scale of the readings against the machine, one standard deviation.
-    frame: of measured points: "unknown" or "robot".
-    body: where a body whose poses are read sits: "unknown", or "plate": in the plate's own frame.
+    distance_bias_mm: standard deviation of a common offset of all distances, or of all ball-bar
+        lengths, mm.
+    dial_angle_rad: standard deviation of a dial's direction, rad; default (assumed): 0.5 deg.
+    scale_ppm: standard deviation of the scale of the readings relative to the machine.
+    frame: frame of the measured points: "unknown" or "robot".
+    body: mounting of a measured body: "unknown", or "plate": its frame is that of the plate.
     rotation: zero of measured rotations: "relative" (unknown) or "absolute".
     reflectors: what carries the second reflector: "plate", "end-effector" or
         "end-effector-reversed".
-    tolerances: priors; default: the robot's own, or generous ones.
-    fixed, free: source errors held at zero, or sought without a prior: "alpha0" of all limbs,
-        "e_x2" of limb 2.
-    keep_outliers: name readings that contradict the others, but use them.
-    limit_mm, limit_aligned_mm, limit_rad: what U in use must keep for a calibration to be accepted.
+    tolerances: priors; default: the robot's tolerances, else default tolerances.
+    fixed, free: geometric errors fixed at zero, or estimated without a prior: "alpha0" of all
+        limbs, "e_x2" of limb 2.
+    keep_outliers: True: report outliers, but use them.
+    limit_mm, limit_aligned_mm, limit_rad: the calibration is accepted only if U over the
+        workspace is below these limits.
 
-    Raises InvalidArgument for options and readings that make no sense, Unreachable for a station
-    out of reach, InputFileError where the measurements say that they are of another robot. A
-    doubtful fit is a verdict.
+    Raises InvalidArgument for invalid options or readings, Unreachable for a pose out of reach,
+    and InputFileError for measurements of another robot. A doubtful fit raises nothing: see
+    verdict.
     """
     given = {key: value for key, value in locals().items() if key not in ("robot", "measurements")}
     return Calibration(

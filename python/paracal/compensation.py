@@ -1,4 +1,4 @@
-"""Commands and targets that bring a calibrated machine to where it is wanted."""
+"""Compensation: corrected joints and targets for a calibrated machine."""
 
 from __future__ import annotations
 
@@ -16,45 +16,45 @@ from .validation import native_known
 
 
 class CompensationStatus(IntEnum):
-    """What became of a wanted pose."""
+    """Status of a pose."""
 
     ok = 0
-    unreachable = 1  #: an arm and its rods do not meet there, or a rigid plate is asked to turn
-    not_finite = 2  #: the pose holds NaN or infinity
+    unreachable = 1  #: no solution: out of reach, or rotation of a rigid plate
+    not_finite = 2  #: the pose contains NaN or infinity
     singular = (
-        3  #: the machine does not hold the plate there, or no nominal target has these joints
+        3  #: the machine is singular there, or no nominal target has these joints
     )
 
 
 class Compensation(NamedTuple):
-    """What to tell a controller; all NaN where the status is not ok."""
+    """Corrected joints and targets for a controller; NaN where the status is not ok."""
 
-    joints: FloatArray  #: (..., limbs) to command, rad (mm of rails and struts)
-    #: As the poses, for a controller that computes with the nominal robot: mm, rad
+    joints: FloatArray  #: (..., limbs) corrected joints, rad (mm for rails and struts)
+    #: Corrected poses for a controller that uses the nominal robot: mm, rad
     targets: FloatArray
-    remaining_tilt: FloatArray  #: (..., 2) about x and y, rad: what no joint removes
-    U: FloatArray  #: of the numbers of a pose, mm and rad, about 95 %; NaN without covariance
+    remaining_tilt: FloatArray  #: (..., 2) about x and y, rad: tilt that joints cannot correct
+    U: FloatArray  #: expanded uncertainty of the pose, mm and rad, about 95 %; NaN: no covariance
     status: CodeArray  #: (...), codes of CompensationStatus
 
     @property
     def ok(self) -> BoolArray:
-        """(...): there is an answer."""
+        """(...) True: there is a solution."""
         return np.asarray(self.status == CompensationStatus.ok)
 
 
 def compensate(
     machine: Union[Calibration, KnownMachine, Machine], poses: Numbers, way: str = "exact"
 ) -> Compensation:
-    """Corrected joint coordinates and targets for wanted poses.
+    """Corrected joint coordinates and targets for poses.
 
-    machine: a Calibration, what read_calibration() knows, or a Machine (then without uncertainty).
-    poses: where the plate is wanted: (..., 4) of x, y, z in mm, phi in rad; of a plate with six
-        freedoms (..., 6) of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with
-        angles = 0; or a DataFrame or dict of columns as inverse() takes it.
-    way: "exact", or as in the paper, where the plate stays level: "linear" [huang2016, Eqs. (22),
+    machine: a Calibration, the result of read_calibration(), or a Machine (without uncertainty).
+    poses: the required poses: (..., 4) of x, y, z in mm, phi in rad; with commanded tilt (..., 6)
+        of x, y, z in mm, tilt_x, tilt_y, tilt_z in rad; or (..., 3) with angles = 0; or a DataFrame
+        or dict as in inverse().
+    way: method: "exact", or for level plates as in the paper: "linear" [huang2016, Eqs. (22),
         (23)], "tilt-aware" [Eq. (8)].
-    Raises InvalidArgument for another shape, dtype, column or way; poses out of reach, or NaN, have
-    a status.
+    Raises InvalidArgument for a wrong shape, dtype, column or method. Poses out of reach, or NaN,
+    raise nothing: see status.
     """
     native = (
         _paracal.exactly_known(machine._native)

@@ -1,28 +1,28 @@
-"""What is raised, always for what the caller or a file got wrong. What the numbers say (a pose out
-of reach, a fit that does not settle) is a status in the result."""
+"""Exceptions: only for mistakes of the caller or in a file. A pose out of reach or a fit without
+convergence raises nothing; the result contains a status."""
 
 from __future__ import annotations
 
 
 class Error(Exception):
-    """Root of everything that paracal raises by itself."""
+    """Base class of the exceptions of paracal."""
 
 
 class InvalidArgument(Error, ValueError):
-    """An argument that cannot be meant: a negative sigma, an array of another shape. The message
-    names it, what was expected and what came."""
+    """An invalid argument: a negative sigma, an array of another shape. The message states the
+    argument, what was expected, and what was found."""
 
 
 class Unreachable(Error, ValueError):
-    """A station of a plan or of measurements that the robot does not reach. The message names
-    it."""
+    """A pose of a plan or of measurements that the robot cannot reach. The message names the
+    pose."""
 
 
 class InputFileError(Error):
     """A table or file that cannot be used. The message reads `file:line: expected ..., got ...`.
 
-    file: its name; of a DataFrame or a dict "table".
-    line: from 1, the header's first; 0 where the file as a whole is at fault.
+    file: its name; "table" for a DataFrame or a dict.
+    line: counted from 1, including the header; 0: the whole file.
     """
 
     def __init__(self, message: str, file: str = "", line: int = 0) -> None:

@@ -1,4 +1,4 @@
-"""What is known of a calibrated machine: its source errors and how sure they are."""
+"""A calibrated machine: its geometric errors and their uncertainty."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from .robots import Machine, Robot, native_robot, parameter_names
 
 
 class NullDirection(NamedTuple):
-    """A direction of the parameters that the readings do not see."""
+    """A direction of the parameters that the readings do not determine."""
 
-    text: str  #: what it is, in words
+    text: str  #: the direction in words
     direction: FloatArray  #: (parameters), unit vector
-    gauge: bool  #: a motion of the whole robot, or of the slide's zero: no reading sees it
+    gauge: bool  #: a motion of the whole robot, or of the slide's zero
 
 
 class Prediction(NamedTuple):
-    """Poses that a calibrated machine takes, with their uncertainty."""
+    """Predicted poses of a calibrated machine, with their uncertainty."""
 
-    #: (..., 4): x, y, z in mm, phi in rad; of a plate with six freedoms (..., 6): x, y, z, tilt_x,
-    #: tilt_y, tilt_z; NaN where it does not close
+    #: (..., 4): x, y, z in mm, phi in rad; with commanded tilt (..., 6): x, y, z, tilt_x, tilt_y,
+    #: tilt_z; NaN without a solution
     poses: FloatArray
-    covariance: FloatArray  #: (..., 4, 4) or (..., 6, 6) of them: U = 2 sqrt(diagonal), about 95 %
-    ok: BoolArray  #: (...): the machine closes there
+    covariance: FloatArray  #: (..., 4, 4) or (..., 6, 6): U = 2 sqrt(diagonal), about 95 %
+    ok: BoolArray  #: (...) True: there is a solution
 
     @property
     def U(self) -> FloatArray:
-        """As the poses: their expanded uncertainty, mm and rad, about 95 %."""
+        """Expanded uncertainty U of the poses, same shape, mm and rad, about 95 %."""
         return np.asarray(2.0 * np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
 
 
 class KnownMachine:
-    """What validation, prediction and compensation know of a machine: its source errors and how
-    sure they are. Made by read_calibration(), and by a Calibration (`known`)."""
+    """Geometric errors of a machine with their uncertainty, for validation, prediction and
+    compensation. read_calibration() and Calibration.known return it."""
 
     def __init__(self, native: _paracal.KnownMachine) -> None:
         self._native = native
@@ -45,17 +45,17 @@ class KnownMachine:
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, sources) source errors, mm and rad; those not identified are zero."""
+        """(limbs, sources) geometric errors, mm and rad; zero where not identified."""
         return self._native.errors
 
     @property
     def names(self) -> list[str]:
-        """Of the parameters: "e_x.2" is e_x of limb 2."""
+        """Names of the parameters: "e_x.2" is e_x of limb 2."""
         return parameter_names(self._native.parameters)
 
     @property
     def covariance(self) -> FloatArray:
-        """(n, n) of the parameters, mm and rad; (0, 0) where none was stated."""
+        """(n, n) covariance of the parameters, mm and rad; (0, 0) if not stated."""
         return self._native.covariance
 
     @property
@@ -64,9 +64,9 @@ class KnownMachine:
         return Machine(self.robot, self.errors)
 
     def predict(self, joints: Numbers) -> Prediction:
-        """Where the machine goes at joint coordinates (..., limbs), rad (mm of rails and struts),
-        and how sure that is; joints as forward() takes them.
-        Raises InvalidArgument for another shape or column."""
+        """Predicted poses and their uncertainty at joint coordinates (..., limbs), rad (mm for
+        rails and struts), as in forward().
+        Raises InvalidArgument for a wrong shape or column."""
         rows, lead = as_joints(joints, self._native.robot)
         return Prediction(*(shaped(one, lead) for one in self._native.predict(rows)))
 
@@ -76,11 +76,10 @@ class KnownMachine:
 
 
 def read_calibration(path: str | os.PathLike[str], robot: Robot | None = None) -> KnownMachine:
-    """What a calibration file (JSON) says of the machine.
+    """Reads a calibration file (JSON).
 
-    robot: that it must be of; default: the one that the file carries.
-    Raises InputFileError for a file that is no calibration of the robot, or one that was not
-    accepted.
+    robot: the required robot; default: the robot in the file.
+    Raises InputFileError for a file that is not a calibration of this robot, or was not accepted.
     """
     return KnownMachine(
         _paracal.read_calibration(

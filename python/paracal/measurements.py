@@ -1,4 +1,4 @@
-"""Measurements, poses and joints: from files, DataFrames and dicts of columns, and back."""
+"""Measurements, poses and joints: read from and write to files, DataFrames and dicts of columns."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class Measurements:
-    """What was read of a machine: points, distances, heights, ball bar lengths, dial readings, any
-    mix. Made by read_measurements() and simulate()."""
+    """Readings of a machine, of one or several kinds: points, distances, heights, ball-bar lengths,
+    dial readings. read_measurements() and simulate() return it."""
 
     def __init__(self, native: _paracal.Measurements, robot: Robot | None = None) -> None:
         self._native = native
@@ -25,14 +25,13 @@ class Measurements:
 
     @property
     def poses(self) -> FloatArray:
-        """(n, 4) commanded poses of the stations: x, y, z in mm, phi in rad; (n, 6) of x, y, z,
-        tilt_x, tilt_y, tilt_z of a robot with six freedoms, and where tilts are commanded of one
-        that nobody said. The first is home."""
+        """(n, 4) commanded poses: x, y, z in mm, phi in rad; or with commanded tilt (n, 6): x, y, z,
+        tilt_x, tilt_y, tilt_z. The first is home."""
         return self._stations[1]
 
     @property
     def names(self) -> list[str]:
-        """Names of the stations."""
+        """Names of the poses."""
         return self._stations[0]
 
     @property
@@ -41,26 +40,25 @@ class Measurements:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many readings there are of each kind that was read."""
+        """Number of readings of each kind."""
         return self._native.counts
 
     @property
     def notes(self) -> list[str]:
-        """What had to be passed over: blank, missing or doubled readings."""
+        """Readings that were ignored: blank, missing or duplicate."""
         return self._native.notes
 
     @property
     def robot(self) -> Robot | None:
-        """The robot that the tables say they are of ("# robot: NAME"), or that they were read
-        for."""
+        """The robot stated in the tables ("# robot: NAME") or given to read_measurements()."""
         return Robot(self._native.robot) if self._native.robot else self._robot
 
     def to_csv(self, robot: Robot | None = None) -> dict[str, str]:
-        """The tables as files hold them (mm and deg), by their names; each is read again as it was.
-        A name that comes again gets a number: "points", "points 2".
+        """The text of the tables (mm and deg) by name. read_measurements() returns equal readings.
+        A repeated name gets a number: "points", "points 2".
 
-        robot: needed where neither the tables nor read_measurements() said which.
-        Raises InvalidArgument for a robot that nobody said, or names that would not be read back.
+        robot: required if the tables state no robot and read_measurements() got none.
+        Raises InvalidArgument for a missing robot, or pose names that cannot be read back.
         """
         tables: dict[str, str] = {}
         for _, name, text in self._tables(robot):
@@ -69,11 +67,11 @@ class Measurements:
         return tables
 
     def to_frame(self, kind: str | None = None, robot: Robot | None = None) -> pandas.DataFrame:
-        """Readings of a kind ("points", "distances", "heights", "ball bar lengths", ... as in
-        counts) or "poses" as a DataFrame, with columns as files have them (mm and deg), and
-        `series` where there are several.
+        """Readings of one kind ("points", "distances", "heights", "ball bar lengths", ... as in
+        counts) or "poses" as a DataFrame with the columns of files (mm and deg). Several series
+        add the column `series`.
 
-        kind: default: what was read first. read_measurements() takes the DataFrame again.
+        kind: default: the kind that was read first. read_measurements() accepts the DataFrame.
         """
         tables = self._tables(robot)
         wanted = kind if kind is not None else tables[0][0]
@@ -98,11 +96,11 @@ class Measurements:
         expansion_ppm: float = 11.5,
         instrument_expansion_ppm: float = 0.0,
     ) -> Measurements:
-        """The lengths that instrument and machine would have shown at 20 deg C  [iso1].
+        """The measurements, corrected to 20 deg C  [iso1].
 
-        temperature_c: of the machine while it was measured, deg C.
-        expansion_ppm: of the machine per K: steel 11.5, aluminium 23, carbon 0.
-        instrument_expansion_ppm: of the instrument per K; 0: it corrects itself.
+        temperature_c: temperature of the machine during the measurement, deg C.
+        expansion_ppm: expansion of the machine per K: steel 11.5, aluminium 23, carbon 0.
+        instrument_expansion_ppm: expansion of the instrument per K; 0: it corrects itself.
         """
         expansion = 1e-6 * (expansion_ppm - instrument_expansion_ppm) * (temperature_c - 20.0)
         return Measurements(self._native.at_reference_temperature(expansion), self._robot)
@@ -111,7 +109,7 @@ class Measurements:
         of = robot or self.robot
         if of is None:
             raise InvalidArgument(
-                "robot: expected one, for the tables do not say which robot they are of"
+                "robot: expected a robot, because the tables state none"
             )
         return self._native.tables(of._native)
 
@@ -128,11 +126,11 @@ class Measurements:
 
 
 def native_measurements(of: Measurements) -> _paracal.Measurements:
-    """What the library takes; says what came where those are none."""
+    """The compiled measurements. Raises InvalidArgument for another type."""
     if isinstance(of, Measurements):
         return of._native
     raise InvalidArgument(
-        "measurements: expected Measurements, as read_measurements() gives them, "
+        "measurements: expected Measurements from read_measurements(), "
         f"got {type(of).__name__}"
     )
 
@@ -155,24 +153,23 @@ def read_measurements(
 ) -> Measurements:
     """Measurements from tables: files (CSV), DataFrames or dicts of columns, one or several.
 
-    Each is what its columns say: points (pose, x_cmd_mm, ..., x_mm, y_mm, z_mm; of a body with qw,
-    qx, qy, qz), distances (from, to, distance_mm), heights (pose, height_mm), ball bars (pose, ball_bar_mm), dials (pose,
-    dial_mm, direction_x, ...); docs/files.md has all columns. Units are in the columns' names, so
-    angles are in deg. Blank cells, None and NaN are what was not read. Several tables enter one
-    fit, each in its own frame.
+    The columns determine the kind: points (pose, x_cmd_mm, ..., x_mm, y_mm, z_mm; for a body also
+    qw, qx, qy, qz), distances (from, to, distance_mm), heights (pose, height_mm), ball bars (pose,
+    ball_bar_mm), dials (pose, dial_mm, direction_x, ...). docs/files.md lists all columns. Column
+    names state the units; angles are in deg. Blank cells, None and NaN mean no reading. Several
+    tables are fitted together, each in its own frame.
 
-    poses: the table that distances, lengths and exports name poses of; one for all, or one for
-        each.
-    robot: what they are of; a line "# robot: NAME" of a file that says another is refused.
-    columns, unit: read an instrument's text export, where its header row does not say enough:
-        numbers or headings, columns="name=3,x=4,y=5,z=6" or "name=Target,x=Measured X,...", or
+    poses: the table of the poses that distances, lengths and exports name; one for all tables, or
+        one for each.
+    robot: the measured robot; a file with another "# robot: NAME" is refused.
+    columns, unit: format of an instrument's text export if its header is not sufficient: numbers
+        or headings, columns="name=3,x=4,y=5,z=6" or "name=Target,x=Measured X,...", or
         "spatialanalyzer"; unit="mm", "m", "um" or "inch".
-    match: how points of an export find their poses: by "name", or in their "order".
-    decimal_comma: 1,5 is a number; without it a table must show that it has decimal commas.
-    ignore_columns: headings of columns that are passed over; any other that nobody knows is
-        refused.
+    match: assign points of an export to poses by "name" or by "order".
+    decimal_comma: True: 1,5 is a number. Without it, decimal commas must be evident.
+    ignore_columns: headings of columns to ignore; other unknown columns are refused.
     Raises InputFileError (with file and line) for a table that cannot be read, InvalidArgument for
-    an export that is not as stated, or poses that are missing.
+    an export in another format, or missing poses.
     """
     given = _list(tables)
     if not given:
@@ -194,10 +191,10 @@ def read_measurements(
 
 
 def merge(parts: Iterable[Measurements]) -> Measurements:
-    """Several measurements as one, each series in its own frame; the first home stays first.
+    """Joins several measurements, each series in its own frame. The first home stays first.
 
-    Readings that stand in an earlier series too, number by number, are counted once, with a note.
-    Raises InvalidArgument for none.
+    Readings that repeat an earlier series exactly are used once, with a note. Raises
+    InvalidArgument if there are none.
     """
     all_parts = list(parts)
     native = _paracal.merge([native_measurements(part) for part in all_parts])
@@ -211,13 +208,13 @@ def read_poses(
     decimal_comma: bool = False,
     ignore_columns: Sequence[str] = (),
 ) -> tuple[list[str], FloatArray]:
-    """Names and (n, 4) poses of a pose table (x_mm, y_mm, z_mm, phi_deg; or commanded ones), in mm
-    and rad; (n, 6) with tilt_x_deg, tilt_y_deg, tilt_z_deg of a robot with six freedoms.
+    """Names and poses (n, 4) of a pose table (x_mm, y_mm, z_mm, phi_deg; or commanded poses), in mm
+    and rad. With commanded tilt (tilt_x_deg, tilt_y_deg, tilt_z_deg): (n, 6).
 
-    robot: what they are of; default: what a line "# robot: NAME" says, else one with six freedoms
-        where some pose is tilted.
-    decimal_comma, ignore_columns: as of read_measurements().
-    Raises InputFileError, InvalidArgument for a pose that such a robot does not take.
+    robot: robot of the poses; default: that of a line "# robot: NAME". Without both, a tilted pose
+        means six degrees of freedom.
+    decimal_comma, ignore_columns: as in read_measurements().
+    Raises InputFileError, or InvalidArgument for a pose that does not suit the robot.
     """
     return _paracal.read_poses(
         _tables.native(table, "poses"),
@@ -232,10 +229,10 @@ def read_joints(
     decimal_comma: bool = False,
     ignore_columns: Sequence[str] = (),
 ) -> tuple[list[str], FloatArray]:
-    """Names and (n, limbs) joint coordinates of a joint table (q1_deg, ...; q1_mm of rails and
+    """Names and joint coordinates (n, limbs) of a joint table (q1_deg, ...; q1_mm for rails and
     struts), in rad or mm.
 
-    decimal_comma, ignore_columns: as of read_measurements().
+    decimal_comma, ignore_columns: as in read_measurements().
     Raises InputFileError."""
     style = _paracal.TableStyle(decimal_comma, list(ignore_columns))
     return _paracal.read_joints(_tables.native(table, "joints"), style, native_robot(robot))

@@ -1,4 +1,4 @@
-"""Before measuring: which poses, what they will reveal, and what a virtual machine would show."""
+"""Before measuring: choose poses, predict what they determine, simulate measurements."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ class Plan:
     """Poses to measure."""
 
     robot: Robot
-    names: list[str]  #: of the poses
+    names: list[str]  #: names of the poses
     poses: FloatArray  #: (n, 4) or (n, 6), mm and rad, columns as robot.pose_axes; home first
-    curve: list[dict[str, Any]]  #: what fewer and more poses would give
-    details: dict[str, Any]  #: how it was found
+    curve: list[dict[str, Any]]  #: results for other numbers of poses
+    details: dict[str, Any]  #: details of the search
 
     def __len__(self) -> int:
         return len(self.names)
 
     def to_frame(self) -> pandas.DataFrame:
-        """The poses as a table of commanded poses, with columns as files have them (mm and deg)."""
+        """The poses as a table of commanded poses, with columns as in files (mm and deg)."""
         return _tables.frame(self._columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the poses as a file that read_poses() and the program read. Raises Error where it
-        cannot be written; an earlier file then stays as it was."""
+        """Writes the poses to a file for read_poses() and the program. Raises Error if this fails;
+        an existing file then stays unchanged."""
         of = f"# robot: {self.robot.name}\n" if self.robot.name in _paracal.catalogue() else ""
         _tables.write(path, of + _tables.text_of(self._columns()))
 
@@ -55,7 +55,7 @@ class Plan:
         return {"pose": self.names, **{f"{axis}_cmd_{unit}": of for axis, unit, of in self._axes()}}
 
     def _axes(self) -> list[tuple[str, str, FloatArray]]:
-        """Name, unit in files and column of what the poses are made of."""
+        """Name, unit in files, and values of each pose coordinate."""
         places = [(axis, "mm", self.poses[:, k]) for k, axis in enumerate("xyz")]
         angles = enumerate(self.robot.pose_axes[3:], start=3)
         return places + [(axis, "deg", self.poses[:, k] * (180.0 / np.pi)) for k, axis in angles]
@@ -70,22 +70,21 @@ class Plan:
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What readings at the poses of a plan tell of the source errors, whatever they turn out to
-    be."""
+    """Which geometric errors the readings of a plan determine, and how accurately."""
 
-    names: list[str]  #: of the parameters: "e_x.2" is e_x of limb 2
+    names: list[str]  #: names of the parameters: "e_x.2" is e_x of limb 2
     units: list[str]  #: "mm", "rad" or "mm/m"
-    rank: int  #: how many directions the readings see
-    rows: int  #: of readings
-    prior_std: FloatArray  #: (n) before measuring, from the tolerances, mm or rad
-    std: FloatArray  #: (n) after measuring, mm or rad
-    null_space: list[NullDirection]  #: what is not seen
+    rank: int  #: number of parameter combinations that the readings determine
+    rows: int  #: number of readings
+    prior_std: FloatArray  #: (n) standard deviations before measuring, from the tolerances, mm or rad
+    std: FloatArray  #: (n) standard deviations after measuring, mm or rad
+    null_space: list[NullDirection]  #: combinations that the readings do not determine
     singular_values: FloatArray  #: of the Jacobian, columns scaled to mm  [huang2016, Eq. (4)]
     indices: dict[str, float]  #: observability O1 ... O5  [sun-hollerbach2008]
-    workspace_std: dict[str, float]  #: standard deviations in use, mm and rad as the keys say
+    workspace_std: dict[str, float]  #: standard deviations over the workspace, units as in the keys
 
     def to_frame(self) -> pandas.DataFrame:
-        """A row a parameter: prior_std and std, mm or rad."""
+        """One row per parameter: prior_std and std, mm or rad."""
         return _tables.frame(
             {"unit": self.units, "prior_std": self.prior_std, "std": self.std}, self.names
         )
@@ -96,7 +95,7 @@ class Identifiability:
         return "".join(
             [
                 _html.heading(text),
-                _html.items("not seen", [one.text for one in self.null_space]),
+                _html.items("not determined by these measurements", [one.text for one in self.null_space]),
                 _html.table(["parameter", "std before", "std after", "unit"], rows),
                 _html.pairs(self.workspace_std),
             ]
@@ -109,20 +108,20 @@ def paper_plan(
     start_azimuth_rad: float = START_AZIMUTH_RAD,
     threshold: float = 0.01,
 ) -> Plan:
-    """A scheme of [huang2016, section 4.2], carried to the number of points a circle at which O2
-    settles.
+    """The pose scheme of [huang2016, section 4.2]. Its number of points per circle is the first at
+    which O2 converges.
 
-    stage: "rough": a circle of the middle layer, for the encoder offsets; "fine": circles on top
-        and bottom.
-    threshold: relative change of O2 that counts as settled.
-    details: {"n": points a circle; 0: never settled}; curve: n, O1 ... O5, change.
-    Raises InvalidArgument for a plate with six freedoms: the schemes are of plates that stay level.
+    stage: "rough": a circle in the middle layer, for the encoder offsets; "fine": circles in the
+        top and bottom layers.
+    threshold: O2 has converged if its relative change is below this.
+    details: {"n": points per circle; 0: no convergence}; curve: n, O1 ... O5, change.
+    Raises InvalidArgument for robots whose plate can tilt.
     """
     if stage not in ("rough", "fine"):
         raise InvalidArgument(f"stage: expected rough or fine, got {stage}")
     if not (np.isfinite(start_azimuth_rad) and threshold > 0.0):
         raise InvalidArgument(
-            "start_azimuth_rad, threshold: expected a finite angle and a share above 0"
+            "start_azimuth_rad, threshold: expected a finite angle and a threshold above 0"
         )
     found = _paracal.paper_plan(native_robot(robot), stage, start_azimuth_rad, threshold)
     names, poses = found["poses"]
@@ -147,19 +146,20 @@ def select_poses(
     tracker_um: Iterable[float] | None = None,
     tolerances: Tolerances | None = None,
 ) -> Plan:
-    """The best poses, home included, chosen by exchange (Fedorov 1972) and ordered along a short
-    way.
+    """The best poses, including home, chosen by exchange (Fedorov 1972) and ordered along a short
+    path.
 
-    criterion: what they make small: "pose" (mean variance of position and rotation in use), "D" or
-        "O1" (volume), "A" (mean variance of the errors), "O3" (worst direction).
+    criterion: quantity to minimise: "pose" (mean variance of position and rotation over the
+        workspace), "D" or "O1" (volume), "A" (mean variance of the errors), "O3" (worst direction).
     measure: "coordinates", "pose" (of a body: motion capture), "home-distance", "height",
-        "ball-bar" or "dial"; at: x, y, z in mm of what is known of its set-up. read_rotation,
-        second: phi, a second reflector are read, too. reflectors: what carries it, or the body, as
-        in calibrate().
-    The noise is said as in calibrate(). Raises InvalidArgument for what does not go together.
-    details: value of the criterion, sweeps, exchanges, travel (rad, mm of rails and
-        struts), workspace_std; curve: what 2, 3, ... poses would give.
-    The same numbers as `paracal poses --optimal`.
+        "ball-bar" or "dial". at: x, y, z in mm of the known point of its setup.
+    read_rotation, second: phi, or a second reflector, is also measured. reflectors: what carries
+        the reflector or the body, as in calibrate().
+    Keywords for noise are as in calibrate(). Raises InvalidArgument for options that exclude each
+    other.
+    details: value of the criterion, sweeps, exchanges, travel (rad; mm for rails and struts),
+        workspace_std. curve: results with 2, 3, ... poses.
+    The result equals that of `paracal poses --optimal`.
     """
     if not 2 <= poses <= candidates:
         raise InvalidArgument(f"poses: expected 2 to the {candidates} candidates, got {poses}")
@@ -193,18 +193,18 @@ def identifiability(
     tracker_um: Iterable[float] | None = None,
     tolerances: Tolerances | None = None,
 ) -> Identifiability:
-    """What readings at these poses will reveal and what they cannot, before measuring.
+    """Predicts which geometric errors readings at these poses determine.
 
-    poses: a Plan, a pose table, or (n, 4), with six freedoms (n, 6), in mm and rad; the first is
-        home.
+    poses: a Plan, a pose table, or an array (n, 4), with commanded tilt (n, 6), in mm and rad; the
+        first is home.
     measure: "coordinates", "pose", "distance" (all pairs), "home-distance", "height", "ball-bar",
-        "dial"; the rest as in select_poses() and calibrate(). frame, body and rotation: whether they are known:
-        "robot", "plate", "absolute".
-    Raises InvalidArgument for what does not go together, Unreachable for a pose out of reach.
+        "dial". frame, body and rotation are known if "robot", "plate" and "absolute". Other
+        keywords are as in select_poses() and calibrate().
+    Raises InvalidArgument for options that exclude each other, Unreachable for a pose out of reach.
     """
     if rotation == "absolute" and measure in ("distance", "home-distance"):
         raise InvalidArgument(
-            "rotation: expected relative with distances, which only tell poses from each other"
+            "rotation: expected relative with distances, got absolute"
         )
     names, rows = named_poses(poses, robot)
     given = {
@@ -246,20 +246,19 @@ def simulate(
     seed: int = 1,
     stream: int = 0,
 ) -> Measurements:
-    """What a virtual machine would be measured to do when its controller believes the nominal
-    robot.
+    """Simulated measurements of a machine whose controller uses the nominal robot.
 
     poses: as in identifiability(). measure, at: as in select_poses().
-    noise_mm: standard deviation of a coordinate, distance or length; repeatability_mm: of the
+    noise_mm: standard deviation of a coordinate, distance or length. repeatability_mm: of the
         machine.
-    repeats: visits of every pose. read_rotation: an encoder reads phi, with rotation_noise_rad.
-    second_mm: x, y, z of a second reflector from the first. frame: (4, 4) homogeneous matrix, mm:
-        instrument = frame @ robot; default: the robot's own. body: likewise, plate = body @ body,
-        where measure is "pose"; default: at the plate's centre. reflectors: what carries it, as in
-        calibrate().
-    seed, stream: of the noise. Without them changed the numbers are the same every time.
-    Raises Unreachable where the machine does not reach a pose, InvalidArgument for what does not go
-    together.
+    repeats: visits per pose. read_rotation: an encoder reads phi with rotation_noise_rad.
+    second_mm: x, y, z of a second reflector relative to the first. frame: (4, 4) homogeneous
+        matrix, mm: instrument = frame @ robot; default: the robot's frame. body: likewise,
+        plate = body @ body, if measure is "pose"; default: at the plate's centre. reflectors: what
+        carries it, as in calibrate().
+    seed, stream: of the random noise; the same values give the same numbers.
+    Raises Unreachable if the machine cannot reach a pose, InvalidArgument for options that exclude
+    each other.
     """
     built = machine if isinstance(machine, Machine) else Machine(machine)
     names, rows = named_poses(poses, built.robot)
@@ -282,22 +281,21 @@ def simulate(
 
 
 def validation_poses(robot: Robot) -> Plan:
-    """Home and 120 poses on circles in three layers, without rotation  [huang2016, section
-    5.2.2]."""
+    """Home and 120 poses on circles in three layers, at phi = 0  [huang2016, section 5.2.2]."""
     names, poses = _paracal.validation_poses(native_robot(robot))
     return Plan(robot, names, poses, [], {})
 
 
 def workspace_poses(robot: Robot) -> Plan:
-    """The same positions, turned in turn to the smallest, no and the largest rotation; level and to
-    all tilts where the plate has six freedoms."""
+    """The positions of validation_poses() with, in turn, the smallest, zero and largest rotation.
+    Plates with six degrees of freedom: level, and with all tilts."""
     names, poses = _paracal.workspace_poses(native_robot(robot))
     return Plan(robot, names, poses, [], {})
 
 
 def named_poses(poses: Any, robot: Robot) -> tuple[list[str], FloatArray]:
-    """Names and (n, 4) or (n, 6) of a plan, a pose table or an array of this robot; poses of an
-    array are named P0, P1, ..."""
+    """Names and array (n, 4) or (n, 6) of a plan, a pose table or an array; poses of an array are
+    named P0, P1, ..."""
     if isinstance(poses, Plan):
         return poses.names, np.ascontiguousarray(poses.poses)
     is_file = isinstance(poses, str) or hasattr(poses, "__fspath__")

@@ -1,4 +1,4 @@
-"""Robots, source errors and machines as built."""
+"""Robots, geometric errors and machines as built."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from .known import KnownMachine
     from .tolerances import Tolerances
 
-#: What every kinematic function takes: a robot stands for its nominal machine, a calibration for
-#: the machine that it found.
+#: Argument of every kinematic function: a robot stands for its nominal machine, a calibration for
+#: the calibrated machine.
 MachineLike = Union["Robot", "Machine", "Calibration", "KnownMachine"]
 
-#: The 14 source errors of a limb with an arm, in the order of the columns of every array of errors;
-#: of a carriage `gain` stands in the place of `arm_length`. Robot.sources has those of any robot.
+#: The 14 geometric errors of a limb with an arm, in the column order of every array of errors. A
+#: carriage has `gain` instead of `arm_length`. Robot.sources lists those of any robot.
 SOURCES = (
     "theta_offset",
     "e_x",
@@ -45,90 +45,91 @@ SOURCES = (
 
 
 class Robot:
-    """A nominal robot: what its controller believes. Made by robot()."""
+    """A nominal robot, as its controller assumes it. robot() returns it."""
 
     def __init__(self, native: _paracal.Robot) -> None:
         self._native = native
 
     @property
     def name(self) -> str:
-        """Of the catalogue or the robot file."""
+        """Name from the catalogue or the robot file."""
         return self._native.name
 
     @property
     def limb_count(self) -> int:
-        """As many as `freedoms`: 4 with an articulated plate, 3 with a rigid one, 6 of a hexapod."""
+        """Number of limbs, equal to that of `freedoms`: 3 with a rigid plate, 4 with an articulated
+        plate, 6 on a hexapod."""
         return self._native.limb_count
 
     @property
     def joint_unit(self) -> str:
-        """Unit of joint coordinates: "rad" of revolute actuators, "mm" of rails and struts."""
+        """Unit of joint coordinates: "rad" for revolute actuators, "mm" for rails and struts."""
         return self._native.joint_unit
 
     @property
     def freedoms(self) -> tuple[str, ...]:
-        """What a controller commands: x, y and z, phi of an end-effector; on limbs with one rod
-        what guides leave free of x, y, z, tilt_x, tilt_y, tilt_z."""
+        """Degrees of freedom: x, y, z, and phi of an end-effector. With limbs of one rod: those of
+        x, y, z, tilt_x, tilt_y, tilt_z that the guides leave."""
         return self._native.freedoms
 
     @property
     def has_six_freedoms(self) -> bool:
-        """Whether the plate moves and tilts every way, as on six struts."""
+        """Whether the plate has six degrees of freedom, as on six struts."""
         return len(self.freedoms) == 6
 
     @property
     def commands_tilt(self) -> bool:
-        """Whether some tilt of the plate is commanded; else the plate stays level."""
+        """Whether a tilt of the plate is commanded; if not, the plate stays level."""
         return self._native.commands_tilt
 
     @property
     def pose_axes(self) -> tuple[str, ...]:
-        """What a pose in an array is made of: x, y, z in mm, then angles in rad: phi, or of a plate
-        whose tilt is commanded tilt_x, tilt_y, tilt_z with R = Rot(x) Rot(y) Rot(z)."""
+        """Columns of a pose in an array: x, y, z in mm, then angles in rad: phi, or with commanded
+        tilt tilt_x, tilt_y, tilt_z with R = Rot(x) Rot(y) Rot(z)."""
         return pose_axes(self._native)
 
     @property
     def rotates(self) -> bool:
-        """Whether an end-effector turns on the plate; phi of any other is 0."""
+        """Whether an end-effector rotates on the plate; if not, phi is 0."""
         return self._native.rotates
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """Dimensions that all limbs share; of limbs with one rod `limb`, a dict a limb as in robot
-        files. The keys say the unit."""
+        """Dimensions that all limbs share. With limbs of one rod: `limb`, with one dict per limb as
+        in robot files. The keys state the units."""
         described = json.loads(self._native.json())
         return self._native.geometry if "geometry" in described else {"limb": described["limb"]}
 
     @property
     def workspace(self) -> dict[str, Any]:
-        """The cylinder in which it works; mm and rad, as the keys say. z runs from top_z_mm
-        down; rotation_rad is the smallest and the largest phi, tilt_rad of a plate
-        whose tilt is commanded how far each tilt goes either way."""
+        """The cylindrical workspace; the keys state the units. z extends downwards from top_z_mm.
+        rotation_rad: smallest and largest phi. tilt_rad: largest absolute value of each
+        commanded tilt."""
         return self._native.workspace
 
     @property
     def sources(self) -> tuple[str, ...]:
-        """The source errors of a limb, in the order of the columns of every array of errors."""
+        """The geometric errors of a limb, in the column order of every array of errors."""
         return tuple(self.units)
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each source error in arrays: "mm", "rad" or "mm/m"."""
+        """Unit of each geometric error in arrays: "mm", "rad" or "mm/m"."""
         return {name: unit for name, _, unit in self._native.sources}
 
     @property
     def intended(self) -> FloatArray:
-        """(limbs, sources) by which limbs differ on purpose; mm and rad. Source errors
-        count from here."""
+        """(limbs, sources) intended differences between limbs, mm and rad. Geometric errors are
+        relative to these."""
         return self._native.intended
 
     def errors(self, **by_name: npt.ArrayLike) -> FloatArray:
-        """(limbs, sources) source errors, actual minus nominal, in their units; zero where not
+        """(limbs, sources) geometric errors, actual minus nominal, in their units; zero where not
         named.
 
-        robot.errors(theta_offset=np.radians([0.2, 0.8, 0.9, 0.3]), e_x=0.1): one number is meant
-        for all limbs, else one a limb.
-        Raises InvalidArgument for another name or count.
+        robot.errors(theta_offset=np.radians([0.2, 0.8, 0.9, 0.3]), e_x=0.1): one number for all
+        limbs, or one per limb.
+        Raises InvalidArgument for an unknown name or a wrong number of values.
         """
         sources = self.sources
         errors = np.zeros((self.limb_count, len(sources)))
@@ -145,7 +146,7 @@ class Robot:
         return errors
 
     def to_toml(self) -> str:
-        """The robot as a file that robot() reads, mm and deg."""
+        """Text of a robot file for robot(), mm and deg."""
         return self._native.toml()
 
     def __repr__(self) -> str:
@@ -167,12 +168,12 @@ class Robot:
 
 
 class Machine:
-    """A robot as built: with the source errors that it has.
+    """A robot as built, with its geometric errors.
 
     errors: (limbs, sources), actual minus nominal, columns as robot.sources in the units of
-        robot.units; or a DataFrame or dict of columns as errors_frame() names them; default: none.
-    Raises InvalidArgument for another shape or column, numbers that are not finite, and machines
-    that cannot be.
+        robot.units; or a DataFrame or dict with columns as from errors_frame(); default: none.
+    Raises InvalidArgument for a wrong shape or column, numbers that are not finite, and impossible
+    machines.
     """
 
     def __init__(self, robot: Robot, errors: Numbers | None = None) -> None:
@@ -194,54 +195,54 @@ class Machine:
 
     @property
     def errors(self) -> FloatArray:
-        """(limbs, sources), mm, rad and mm/m."""
+        """(limbs, sources) geometric errors, mm, rad and mm/m."""
         return self._native.errors
 
     def __repr__(self) -> str:
         count = np.count_nonzero(self.errors)
-        return f"<paracal.Machine {self.robot.name} with {count} source errors>"
+        return f"<paracal.Machine {self.robot.name} with {count} geometric errors>"
 
 
 def robot(name: str | os.PathLike[str]) -> Robot:
     """A robot of the catalogue (see catalogue()) or of a robot file (.toml).
 
-    Raises InvalidArgument for an unknown name, InputFileError for a file that is no robot.
+    Raises InvalidArgument for an unknown name, InputFileError for an invalid robot file.
     """
     return Robot(_paracal.named_robot(_tables.path_of(name)))
 
 
 def robot_of_toml(text: str, name: str = "robot.toml") -> Robot:
-    """A robot from the text of a robot file; `name` is what messages call it. Raises
+    """A robot from the text of a robot file. `name` is its name in messages. Raises
     InputFileError."""
     return Robot(_paracal.robot_of_toml(name.encode(), text))
 
 
 def robot_template(kind: str) -> str:
-    """The text of a commented robot file to put a machine's numbers into: "hexapod"; for
-    robot_of_toml(), as `paracal robot --template` prints it. Raises InvalidArgument for another
+    """Text of a commented robot file, to enter the dimensions of a machine: "hexapod", as from
+    `paracal robot --template`. robot_of_toml() reads it. Raises InvalidArgument for an unknown
     kind."""
     return _paracal.robot_template(kind)
 
 
 def catalogue() -> list[str]:
-    """Names that robot() knows."""
+    """Names of the catalogue, for robot()."""
     return _paracal.catalogue()
 
 
 def read_errors(robot: Robot, path: str | os.PathLike[str]) -> FloatArray:
-    """(limbs, sources) source errors of a file (TOML, mm and deg), in mm, rad and mm/m. Raises
+    """(limbs, sources) geometric errors from a file (TOML, mm and deg), in mm, rad and mm/m. Raises
     InputFileError."""
     return _paracal.read_errors(native_robot(robot), _tables.path_of(path))
 
 
 def errors_toml(robot: Robot, errors: Numbers) -> str:
-    """Source errors (limbs, sources), mm, rad and mm/m, as a file that read_errors() and the
-    program read."""
+    """Text of a file for read_errors() and the program, from geometric errors (limbs, sources) in mm,
+    rad and mm/m."""
     return _paracal.errors_toml(native_robot(robot), Machine(robot, errors).errors)
 
 
 def errors_frame(robot: Robot, errors: Numbers) -> pandas.DataFrame:
-    """Source errors (limbs, sources) as a DataFrame: a row a limb, columns with their units
+    """Geometric errors (limbs, sources) as a DataFrame: one row per limb, columns with their units
     (e_x_mm, alpha0_rad, gain_mm_per_m)."""
     rows = Machine(robot, errors).errors
     columns = {
@@ -258,11 +259,12 @@ def draw_errors(
     seed: int = 1,
     first: int = 0,
 ) -> FloatArray:
-    """Source errors of machines out of a batch, each error independent within its tolerance.
+    """Random geometric errors of simulated machines, independent, within the tolerances.
 
-    Machine m is stream m of the seed, the same as `paracal simulate --seed SEED --machine m`.
-    machines: how many, for (machines, limbs, sources); None: one, for (limbs, sources). mm and rad.
-    tolerances: default: the robot's own, or generous ones where it states none.
+    Machine m uses stream m of the seed, as `paracal simulate --seed SEED --machine m`.
+    machines: number of machines; the result is (machines, limbs, sources), or (limbs, sources) for
+        None, in mm and rad.
+    tolerances: default: the robot's tolerances, or default tolerances if it states none.
     first: number of the first machine.
     """
     if machines is not None and machines < 0:
@@ -277,14 +279,14 @@ def draw_errors(
 
 
 def native_robot(of: Robot) -> _paracal.Robot:
-    """What the library takes; says what came where that is no robot."""
+    """The compiled robot. Raises InvalidArgument for another type."""
     if isinstance(of, Robot):
         return of._native
-    raise InvalidArgument(f"robot: expected a Robot, as robot() gives it, got {type(of).__name__}")
+    raise InvalidArgument(f"robot: expected a Robot from robot(), got {type(of).__name__}")
 
 
 def native_machine(of: MachineLike) -> _paracal.Machine:
-    """The machine that a robot, a machine or a calibration stands for."""
+    """The compiled machine of a robot, a machine or a calibration."""
     if isinstance(of, Robot):
         return Machine(of)._native
     if isinstance(of, Machine):
@@ -298,5 +300,5 @@ def native_machine(of: MachineLike) -> _paracal.Machine:
 
 
 def parameter_names(parameters: Sequence[tuple[str, int, str]]) -> list[str]:
-    """ "e_x.2": e_x of limb 2, as `fixed` and `free` of calibrate() take it."""
+    """ "e_x.2": e_x of limb 2, as in `fixed` and `free` of calibrate()."""
     return [f"{name}.{limb}" for name, limb, _ in parameters]

@@ -1,6 +1,6 @@
-"""Tolerance design: what errors within their tolerances do, and how wide tolerances may be.
+"""Tolerance design: the effect of given tolerances, and the widest tolerances that keep limits.
 
-Tolerances are half-widths, T = 3 sigma, one number a source error, equal for all limbs; mm and rad.
+Tolerances are half-widths, T = 3 sigma, one per geometric error, equal for all limbs; mm and rad.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What tolerances do to requirements; mm and rad."""
+    """Effect of tolerances on the requirements; mm and rad."""
 
     robot: Robot
-    machines: int  #: drawn
-    converged: bool  #: every sigma is known as well as asked
-    not_closed: int  #: machines that do not close somewhere (exact model); they fail everything
+    machines: int  #: simulated machines
+    converged: bool  #: every sigma has the accuracy sigma_error
+    not_closed: int  #: machines that cannot reach every pose (exact model); they fail
     passed: int  #: machines that keep all limits
-    confidence: float  #: of the intervals
-    yield_: float  #: share of the machines that keep all limits
+    confidence: float  #: confidence level of the intervals
+    yield_: float  #: fraction of the machines that keep all limits
     yield_interval: tuple[float, float]
     dpmo: float  #: defects per million machines
-    #: Share of the machines that break a limit, however rare: status ("settled", "impossible" or
+    #: Failure rate, even if very low: status ("settled", "impossible" or
     #: "unsettled"), reason, linear, check and exact (or None): value, low, high, machines, effective;
     #: not_closed.
     failure: dict[str, Any]
-    #: One a requirement: quantity, unit, limit, worst_case, rss_3sigma, monte_carlo_3sigma (and
-    #: where each is: *_pose), monte_carlo_3sigma_interval, cpk, passed, largest_on_a_machine,
-    #: contributors [(name, share of the variance)].
+    #: One entry per requirement: quantity, unit, limit, worst_case, rss_3sigma, monte_carlo_3sigma
+    #: (and their poses: *_pose), monte_carlo_3sigma_interval, cpk, passed, largest_on_a_machine,
+    #: contributors [(name, contribution to variance)].
     requirements: list[dict[str, Any]]
     assumed: list[str]
 
     def to_frame(self) -> pandas.DataFrame:
-        """A row a requirement: limit, worst_case, rss_3sigma, monte_carlo_3sigma, cpk; mm or rad,
-        see unit."""
+        """One row per requirement: limit, worst_case, rss_3sigma, monte_carlo_3sigma, cpk; mm or
+        rad, see unit."""
         keys = ("unit", "limit", "worst_case", "rss_3sigma", "monte_carlo_3sigma", "cpk")
         return _tables.frame(
             {key: [one[key] for one in self.requirements] for key in keys},
@@ -74,7 +74,7 @@ class Analysis:
                 ),
                 _html.table(keys, ([one[key] for key in keys] for one in self.requirements)),
                 _html.table(
-                    ["what contributes to the first", "share"], self.requirements[0]["contributors"]
+                    ["contribution to the variance of the first", "fraction"], self.requirements[0]["contributors"]
                 ),
                 _html.items("assumed", self.assumed),
             ]
@@ -86,12 +86,12 @@ class Allocation:
     """The widest tolerances that keep every requirement; mm and rad."""
 
     status: str  #: "optimal", "feasible", "infeasible" or "not converged"
-    ok: bool  #: every requirement holds
-    reason: str  #: why not optimal
+    ok: bool  #: every limit is kept
+    reason: str  #: reason if not optimal
     tolerances: Tolerances
     cost: float
-    #: One a requirement: quantity, criterion, limit, worst (and worst_pose), price: cost saved per
-    #: mm or rad of a wider limit.
+    #: One entry per requirement: quantity, criterion, limit, worst (and worst_pose), price: cost
+    #: saved per mm or rad of a wider limit.
     requirements: list[dict[str, Any]]
 
     def _repr_html_(self) -> str:
@@ -106,23 +106,23 @@ class Allocation:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How much each source error (of all limbs) matters to a quantity, over the workspace."""
+    """Effect of each geometric error (of all limbs) on a quantity, over the workspace."""
 
     quantity: str
-    unit: str  #: of the quantity, "mm" or "rad"
+    unit: str  #: unit of the quantity, "mm" or "rad"
     mean: dict[str, float]  #: mean over the workspace, unit per mm, rad or mm/m of the error
-    error: dict[str, float]  #: of the quadrature
+    error: dict[str, float]  #: error of the quadrature
     largest: dict[str, float]
     in_paper_units: dict[
         str, float
-    ]  #: mean; rod and width differences over the parallelogram's width  [huang2016]
-    poses: int  #: of the quadrature
-    worst_3sigma: float  #: with the tolerances, where it is largest
-    worst_pose: FloatArray  #: (4), or (6) with six freedoms; mm, rad
-    contributors: list[tuple[str, float]]  #: to the variance there, largest first
+    ]  #: mean; rod and width differences divided by the parallelogram width  [huang2016]
+    poses: int  #: number of poses of the quadrature
+    worst_3sigma: float  #: largest 3 sigma with the tolerances
+    worst_pose: FloatArray  #: its pose: (4), or (6) with commanded tilt; mm, rad
+    contributors: list[tuple[str, float]]  #: contributions to the variance there, largest first
 
     def to_frame(self) -> pandas.DataFrame:
-        """A row a source error: mean, error, largest."""
+        """One row per geometric error: mean, error, largest."""
         columns = {"mean": self.mean, "error": self.error, "largest": self.largest}
         return _tables.frame(
             {key: list(of.values()) for key, of in columns.items()}, list(self.mean)
@@ -136,8 +136,8 @@ class Sensitivity:
         ]
         return (
             _html.heading(f"sensitivity of {self.quantity}, {self.unit} per unit of the error")
-            + _html.table(["source error", "mean", "largest"], rows)
-            + _html.table(["what makes 3 sigma", "share"], self.contributors)
+            + _html.table(["geometric error", "mean", "largest"], rows)
+            + _html.table(["contribution to the variance", "fraction"], self.contributors)
         )
 
 
@@ -156,21 +156,21 @@ def analyze(
     max_machines: int = 1_000_000,
     threads: int = 0,
 ) -> Analysis:
-    """Worst case, root of the sum of squares and Monte Carlo; what contributes; yield.
+    """Yield, worst case, root sum of squares, Monte Carlo, and contributions to the variance.
 
-    tolerances: default: the robot's own.
+    tolerances: default: the robot's tolerances.
     requirements: limits (mm or rad) by quantity: "tilt", "twist", "position", "distance",
-        "rotation", each also with "-compensated" behind it where the plate stays level; default:
-        {"tilt": 1e-3}. problem:
-        instead: the requirements of this file (TOML).
-    poses: (n, 4), or (n, 6) with six freedoms, in mm and rad, where machines are held against the
-        limits, beside each requirement's worst; default: where they may be broken on the surface
-        of the workspace, as `paracal tolerance analyze`.
-    model: of the Monte Carlo: "linear" or "exact". Draws machines until every sigma is known to
-        sigma_error at
-    `confidence`, at most max_machines; the share that fails, however rare, to failure_error of itself.
-    threads: 0: all; the numbers do not depend on it.
-    Raises InvalidArgument for what makes no sense.
+        "rotation"; on level plates each also with "-compensated" appended; default:
+        {"tilt": 1e-3}.
+    problem: a TOML file with the requirements, instead of requirements.
+    poses: (n, 4), or (n, 6) with commanded tilt, in mm and rad: poses where the limits apply, in
+        addition to the worst pose of each requirement; default: poses on the surface of the
+        workspace where a limit may be exceeded, as in `paracal tolerance analyze`.
+    model: model of the Monte Carlo simulation: "linear" or "exact".
+    sigma_error: relative error of every sigma at `confidence`. max_machines limits the number of
+        simulated machines. failure_error: relative error of the failure rate.
+    threads: 0: all; the results do not depend on it.
+    Raises InvalidArgument for invalid arguments.
     """
     native = native_tolerances(tolerances, robot)
     if requirements is not None and problem is not None:
@@ -212,14 +212,14 @@ def allocate(
     """The widest tolerances that keep a limit on the plate's tilt  [huang2016, Eqs. (12), (13)], or
     any limits.
 
-    max_tilt_rad: 3 sigma of tilt, rad. bound: "sum-of-maxima" reproduces Table 2, "true-maximum" is
-        about 10 % wider.
-    least_rad: tightest tolerance that can be made; least_is: whether that is of "tolerance" (3
-        sigma) or "sigma".
-    problem: instead: requirements, costs and bounds of a file (TOML; docs/tolerance.md).
-    rest: of the source errors that are not chosen; default: the robot's own.
-    Raises InvalidArgument, or InputFileError of the file. Of a plate with six freedoms, which no
-    error tilts for good, only a problem can be solved.
+    max_tilt_rad: limit of 3 sigma of the tilt, rad. bound: "sum-of-maxima" reproduces Table 2;
+        "true-maximum" gives tolerances about 10 % wider.
+    least_rad: tightest tolerance that can be manufactured. least_is: whether least_rad limits
+        "tolerance" (3 sigma) or "sigma".
+    problem: a file with requirements, costs and bounds instead (TOML; docs/tolerance.md). Limbs
+        with one rod need it.
+    rest: tolerances of the other geometric errors; default: the robot's tolerances.
+    Raises InvalidArgument, or InputFileError for the file.
     """
     native = native_tolerances(rest, robot, "rest")
     if problem is not None:
@@ -250,9 +250,9 @@ def sensitivity(
     `relative_error`.
 
     quantity: as in analyze(). tolerances: for worst_3sigma and contributors; default: the robot's
-        own.
-    all_rotations: mean over phi, too; the paper's is at phi = 0.
-    Raises InvalidArgument for another quantity.
+        tolerances.
+    all_rotations: True: mean also over phi; False: phi = 0, as in the paper.
+    Raises InvalidArgument for an unknown quantity.
     """
     if not relative_error > 0.0:
         raise InvalidArgument(f"relative_error: expected above 0, got {relative_error}")

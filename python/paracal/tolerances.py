@@ -1,4 +1,4 @@
-"""How far parts may be off: half-widths of all source errors."""
+"""Tolerances: half-widths of all geometric errors."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class Tolerances:
-    """Half-widths of all source errors of a robot. Made by Tolerances.of(), .stated() or
-    .read()."""
+    """Half-widths of all geometric errors of a robot. Tolerances.of(), .stated() and .read() return
+    it."""
 
     def __init__(self, native: _paracal.Tolerances, robot: Robot) -> None:
         self._native = native
@@ -24,7 +24,7 @@ class Tolerances:
 
     @classmethod
     def of(cls, robot: Robot) -> Tolerances:
-        """The robot's own; generous ones where it states none."""
+        """The robot's tolerances, or default tolerances if it states none."""
         return cls(_paracal.tolerances_of(native_robot(robot)), robot)
 
     @classmethod
@@ -35,11 +35,11 @@ class Tolerances:
         others: str = "exact",
         distribution: str = "normal",
     ) -> Tolerances:
-        """Half-widths by name, in the units of robot.units; `others` says what the rest are:
-        "exact" (zero) or "generous".
+        """Half-widths by name, in the units of robot.units. `others`: "exact" (zero) or `generous`
+        (default tolerances) for the rest.
 
         distribution: "normal", "uniform" or "truncated_normal".
-        Raises InvalidArgument for another name, and half-widths below zero.
+        Raises InvalidArgument for an unknown name or a half-width below zero.
         """
         given = {name: float(value) for name, value in half_widths.items()}
         native = _paracal.stated_tolerances(native_robot(robot), given, others, distribution)
@@ -47,18 +47,18 @@ class Tolerances:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], robot: Robot) -> Tolerances:
-        """Of a file (TOML, mm and deg) or the table [tolerances] of a robot file. Raises
-        InputFileError."""
+        """Tolerances from a file (TOML, mm and deg), or from the table [tolerances] of a robot file.
+        Raises InputFileError."""
         return cls(_paracal.read_tolerances(native_robot(robot), _tables.path_of(path)), robot)
 
     @property
     def half_widths(self) -> dict[str, float]:
-        """T of every source error, in its unit (robot.units)."""
+        """Half-width T of every geometric error, in its unit (robot.units)."""
         return self._by_name(self._native.half_widths(self._robot._native))
 
     @property
     def std(self) -> dict[str, float]:
-        """Standard deviation of every source error, in its unit."""
+        """Standard deviation of every geometric error, in its unit."""
         return self._by_name(self._native.std(self._robot._native))
 
     def _by_name(self, numbers: FloatArray) -> dict[str, float]:
@@ -66,15 +66,15 @@ class Tolerances:
 
     @property
     def assumed(self) -> list[str]:
-        """What was taken without being stated, with its values."""
+        """Assumptions, with their values."""
         return self._native.assumed
 
     def to_toml(self) -> str:
-        """As a file that read() and the program read, mm and deg."""
+        """Text of a tolerance file for read() and the program, mm and deg."""
         return self._native.toml(self._robot._native)
 
     def to_frame(self) -> pandas.DataFrame:
-        """A row a source error: half_width and std, see unit."""
+        """One row per geometric error: half_width and std, see unit."""
         return _tables.frame(
             {
                 "unit": list(self._robot.units.values()),
@@ -92,7 +92,7 @@ class Tolerances:
         rows = [[name, value, units[name]] for name, value in self.half_widths.items()]
         return (
             _html.heading(f"tolerances of {self._robot.name} (half-widths, 3 sigma)")
-            + _html.table(["source error", "half-width", "unit"], rows)
+            + _html.table(["geometric error", "half-width", "unit"], rows)
             + _html.items("assumed", self.assumed)
         )
 
@@ -100,8 +100,8 @@ class Tolerances:
 def native_tolerances(
     given: Tolerances | None, robot: Robot, what: str = "tolerances"
 ) -> _paracal.Tolerances:
-    """What the library takes, the robot's own where none are given; refused for a robot with other
-    source errors."""
+    """The compiled object; the robot's tolerances if none are given. Raises InvalidArgument for
+    tolerances of a robot with other geometric errors."""
     native = native_robot(robot)
     if given is None:
         return _paracal.tolerances_of(native)
@@ -110,6 +110,6 @@ def native_tolerances(
     if robot.units == given._robot.units:
         return given._native
     raise InvalidArgument(
-        f"{what}: expected those of {robot.name}, got those of {given._robot.name}, "
-        "whose source errors are others"
+        f"{what}: expected tolerances of {robot.name}, got those of {given._robot.name}, "
+        "which has other geometric errors"
     )

@@ -1,4 +1,4 @@
-"""A calibration on poses that it has not seen."""
+"""Check of a calibration at poses that it has not used."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ if TYPE_CHECKING:
 
 
 class Validation:
-    """Errors before and after calibration; what `paracal validate --json` says, mm and deg, units
-    in the keys. Made by validate()."""
+    """Errors before and after calibration, as from `paracal validate --json`: mm and deg, units in
+    the keys. validate() returns it."""
 
     def __init__(self, text: str) -> None:
         self._found: dict[str, Any] = json.loads(text)
 
     @property
     def accepted(self) -> bool:
-        """All limits kept for certain; without limits: smaller errors, by more than their
-        uncertainty."""
+        """True: all limits are kept, also with the uncertainty. Without limits: the errors are
+        smaller than before by more than their uncertainty."""
         return bool(self._found["accepted"])
 
     @property
     def reasons(self) -> list[str]:
-        """Why it was not accepted."""
+        """Why the validation was not accepted."""
         return list(self._found["reasons"])
 
     @property
     def notes(self) -> list[str]:
-        """What a careful reader should know."""
+        """Notes on the result."""
         return list(self._found["notes"])
 
     @property
@@ -47,7 +47,7 @@ class Validation:
 
     @property
     def after(self) -> dict[str, Any]:
-        """The same of the calibrated machine."""
+        """Largest errors of the calibrated machine, same keys."""
         return dict(self._found["after"])
 
     @property
@@ -57,24 +57,24 @@ class Validation:
 
     @property
     def iso9283(self) -> dict[str, Any]:
-        """AP, RP, AD, RD of poses that were read at least twice, and the largest of each, mm."""
+        """AP, RP, AD, RD of poses measured at least twice, and the largest of each, mm."""
         return dict(self._found["iso9283"])
 
     @property
     def agreement(self) -> dict[str, Any] | None:
-        """Whether the readings lie where the calibration's own uncertainty says; None where nobody
-        can tell."""
+        """Whether the readings agree with the uncertainty of the calibration; None if this cannot
+        be tested."""
         found: dict[str, Any] | None = self._found["agreement"]
         return found
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it, keys in docs/json-keys.md."""
+        """The result as a dict; docs/json-keys.md lists the keys."""
         copy: dict[str, Any] = json.loads(json.dumps(self._found))
         return copy
 
     def to_frame(self) -> pandas.DataFrame:
-        """Errors pose by pose (mm and deg): before_d_rho_mm, after_d_rho_mm, ...; of distances and
-        lengths a row a reading."""
+        """Errors, one row per pose (mm and deg): before_d_rho_mm, after_d_rho_mm, ...; for distances
+        and lengths one row per reading."""
         rows = [self._flat(row) for row in self._found["poses"] or self._found["readings"]]
         return _tables.frame(
             {key: [row.get(key) for row in rows] for key in (rows[0] if rows else [])}
@@ -131,19 +131,17 @@ def validate(
     limit_aligned_mm: float | None = None,
     limit_rad: float | None = None,
 ) -> Validation:
-    """Measures a calibration on poses that it has not seen, by whatever was read there.
+    """Checks a calibration with measurements that it has not used.
 
-    "Before" compares measured with commanded poses, "after" with those that the calibrated machine
-    predicts from the joints, both relative to home.
-    machine: a Calibration, or what read_calibration() knows.
-    sigma_known: the sigmas that are given are facts, as the program takes them where it is given
-        some.
-    limit_mm, limit_aligned_mm, limit_rad: of distances to home, of positions after alignment, of
-        rotations.
-    The other keywords are those of calibrate().
-    Raises InvalidArgument for measurements that make no sense or are too few, Unreachable as
-    calibrate(). Tables that the calibration was made from confirm nothing: the validation is then
-    not accepted.
+    "Before" compares measured with commanded poses, "after" with the poses that the calibrated
+    machine predicts from the joints; both relative to home.
+    machine: a Calibration, or the result of read_calibration().
+    sigma_known: True: use the given sigmas as they are, as the program does with given sigmas.
+    limit_mm, limit_aligned_mm, limit_rad: limits of distances to home, positions after alignment,
+        and rotations.
+    The other keywords are as in calibrate().
+    Raises InvalidArgument for invalid or too few measurements, Unreachable as calibrate(). With
+    measurements that the calibration has used, the validation is not accepted.
     """
     given = {
         key: value for key, value in locals().items() if key not in ("machine", "measurements")
@@ -157,7 +155,7 @@ def validate(
 
 
 def native_known(machine: Union[Calibration, KnownMachine]) -> _paracal.KnownMachine:
-    """What validation and compensation take."""
+    """The compiled object for validation and compensation."""
     if isinstance(machine, Calibration):
         return machine.known._native
     if isinstance(machine, KnownMachine):

@@ -332,7 +332,7 @@ class WrongInput(TestCase):
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, r"expected an array of shape \(n, 4\)"):
                 call(native, np.zeros(shape))
-        with self.assertRaisesRegex(pc.InvalidArgument, "errors: expected a row a limb"):
+        with self.assertRaisesRegex(pc.InvalidArgument, "errors: expected one row per limb"):
             _paracal.Machine(native.robot, np.zeros((3, 14)))
         native = pc.Machine(pc.robot(HEXAPOD))._native
         with self.assertRaisesRegex(pc.InvalidArgument, r"poses: .*\(n, 6\), got \(2, 4\)"):

@@ -65,7 +65,7 @@ class Notebooks(TestCase):
         self.assertEqual(repr(robot), "<paracal.Robot linear_delta: 3 limbs, joints in mm>")
         self.assertEqual(
             repr(pc.Machine(robot, robot.errors(rod_mean=0.1))),
-            "<paracal.Machine linear_delta with 3 source errors>",
+            "<paracal.Machine linear_delta with 3 geometric errors>",
         )
 
 

@@ -20,7 +20,7 @@ class Plans(TestCase):
         with self.assertRaisesRegex(pc.InvalidArgument, "stage: expected rough or fine, got auto"):
             pc.paper_plan(pc.robot("huang2016"), "auto")
         for keywords in ({"threshold": 0.0}, {"start_azimuth_rad": np.nan}):
-            with self.assertRaisesRegex(pc.InvalidArgument, "a finite angle and a share above 0"):
+            with self.assertRaisesRegex(pc.InvalidArgument, "a finite angle and a threshold above 0"):
                 pc.paper_plan(pc.robot("huang2016"), "fine", **keywords)
 
     def test_selected_poses_are_the_programs(self):
@@ -207,7 +207,7 @@ class VirtualMachines(TestCase):
             ({"frame": 2 * turned}, "expected a rotation"),
             ({"frame": np.eye(3)}, "frame"),
             ({"repeats": 0}, "repeats: expected at least 1, got 0"),
-            ({"repeats": 2, "measure": "distance"}, "another measure than distances"),
+            ({"repeats": 2, "measure": "distance"}, "expected 1 with distances"),
             ({"noise_mm": -1.0}, "noise_mm: expected 0"),
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, message):

@@ -195,7 +195,7 @@ class Out(TestCase):
         again = pc.read_measurements(frame, poses=measured.to_frame("poses"))
         robot = pc.robot("huang2016")
         self.same(pc.calibrate(robot, again).values, pc.calibrate(robot, measured).values)
-        with self.assertRaisesRegex(pc.InvalidArgument, "do not say which robot"):
+        with self.assertRaisesRegex(pc.InvalidArgument, "because the tables state none"):
             again.to_frame()
 
 
@@ -227,7 +227,7 @@ class Wrong(TestCase):
             (3, "expected a file, a DataFrame or a dict of columns, got int"),
             ([], "at least one"),
             ({"pose": ["P0"], "x_mm": []}, "expected columns of one length"),
-            ({"pose": "P0"}, "expected columns with a value a row"),
+            ({"pose": "P0"}, "expected columns with one value per row"),
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, message):
                 pc.read_measurements(given)

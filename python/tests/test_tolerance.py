@@ -279,7 +279,7 @@ class Stated(TestCase):
     def test_wrong_ones(self):
         robot = pc.robot("huang2016")
         for given, keywords, message in (
-            ({"rods": 1.0}, {}, 'expected names of source errors, got "rods"'),
+            ({"rods": 1.0}, {}, 'expected names of geometric errors, got "rods"'),
             ({"rod_mean": -1.0}, {}, "expected at least 0 for rod_mean, got -1"),
             ({}, {"others": "any"}, 'others: expected "exact" or "generous", got "any"'),
             ({}, {"distribution": "flat"}, "distribution: expected one of normal, uniform"),
