@@ -28,7 +28,7 @@ namespace {
 Rule zone_validator() {
   const auto complaint = [](const std::string& text) {
     return turn_within(text) ? std::string()
-                             : fmt::format("expected mm over a greater length in mm (0.1/100), got {}", text);
+                             : fmt::format("expected T/L with 0 < T < L in mm, as 0.1/100, got {}", text);
   };
   return {complaint, "T/L"};
 }
@@ -112,7 +112,7 @@ Rule characteristic_validator() {
     if (characteristic_named(text)) return std::string();
     std::string known;
     for (const Quantity quantity : kQuantities) known.append(known.empty() ? "" : ", ").append(name({quantity, false}));
-    return fmt::format("expected one of {}, also with \"-compensated\" behind it; got {}", known, text);
+    return fmt::format("expected one of {} (each also with \"-compensated\" appended), got {}", known, text);
   };
   return {complaint, "QUANTITY"};
 }
@@ -128,8 +128,8 @@ SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, co
 
 namespace {
 
-/// By source: of tilt in the paper's units under the contract's six keys, of anything else, and with six freedoms, per
-/// mm, mm/m or rad.
+/// By source: of tilt in the paper's units under the contract's six keys, of anything else, and with six degrees of
+/// freedom, per mm, mm/m or rad.
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
   if (quantity == Quantity::tilt && !robot.on_single_rods()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();

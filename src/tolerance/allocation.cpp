@@ -47,12 +47,12 @@ void check_curve(const DesignVariable& variable, const std::string& what) {
 void check_yield(const AllocationProblem& problem) {
   if (!(*problem.max_failures > 0.0) || !(*problem.max_failures < 0.5)) {
     throw InvalidArgument(
-        fmt::format("largest share of failures: expected above 0 and below 0.5, got {}", *problem.max_failures));
+        fmt::format("largest failure rate: expected above 0 and below 0.5, got {}", *problem.max_failures));
   }
   if (any_grades(problem))
-    throw InvalidArgument("yield: expected costs by law, got grades, which cannot be chosen by yield");
+    throw InvalidArgument("yield: expected cost curves, got grades; grades need limits by another criterion");
   if (problem.rest.distribution != Distribution::normal) {
-    throw InvalidArgument("yield: expected normal errors, got another distribution");
+    throw InvalidArgument("yield: expected the normal distribution, got another one");
   }
 }
 
@@ -61,17 +61,19 @@ void check(const AllocationProblem& problem) {
   if (problem.requirements.empty()) throw InvalidArgument("allocation: expected a requirement, got none");
   std::set<Source> seen;
   for (const DesignVariable& variable : problem.variables) {
-    if (variable.sources.empty()) throw InvalidArgument("allocation: a variable names no source error");
+    if (variable.sources.empty())
+      throw InvalidArgument("allocation: expected a source error for each variable, got none");
     const std::string what(name(variable.sources.front()));
     for (const Source source : variable.sources) {
-      if (!seen.insert(source).second) throw InvalidArgument(fmt::format("{}: chosen twice", name(source)));
+      if (!seen.insert(source).second)
+        throw InvalidArgument(fmt::format("{}: expected one variable for it, got two", name(source)));
     }
     check_curve(variable, what);
   }
   const bool by_yield =
       std::ranges::any_of(problem.requirements, [](const Requirement& one) { return one.criterion == Spread::yield; });
   if (by_yield != problem.max_failures.has_value()) {
-    throw InvalidArgument("allocation: expected a largest share of failures with limits by yield, and only with these");
+    throw InvalidArgument("allocation: expected a largest failure rate exactly if a limit is by yield");
   }
   if (by_yield) check_yield(problem);
   for (const Requirement& requirement : problem.requirements) {
@@ -102,7 +104,7 @@ class Allocator {
       half_widths = solution.half_widths;
     }
     allocation_.status = AllocationStatus::not_converged;
-    allocation_.reason = "the solver did not settle";
+    allocation_.reason = "the solver did not converge";
     return finished(half_widths);
   }
 
@@ -142,7 +144,7 @@ class Allocator {
     allocation_.tolerances = with(problem_, half_widths);
     allocation_.cost = total_cost(problem_, half_widths, robot_.limb_count());
     if (allocation_.status == AllocationStatus::feasible) {
-      allocation_.reason = "too many combinations of grades, or one that did not settle, to prove that none is cheaper";
+      allocation_.reason = "every limit is kept; a cheaper combination of grades may exist (not all were tried)";
     }
     const Eigen::VectorXd lambda = multipliers(problem_, cuts_, half_widths);
     for (std::size_t j = 0; j < cuts_.size(); ++j) {
@@ -163,11 +165,11 @@ class Allocator {
     for (const RequirementOutcome& outcome : allocation_.requirements) {
       const Requirement& requirement = outcome.requirement;
       if (outcome.worst.value <= requirement.limit) continue;
-      allocation_.reason += fmt::format("{}{} is {:.4g} with every tolerance at its tightest, above its limit {:.4g}",
+      allocation_.reason += fmt::format("{}{} is {:.4g} with the tightest tolerances, above its limit {:.4g}",
                                         allocation_.reason.empty() ? "" : "; ", name(requirement.characteristic),
                                         outcome.worst.value, requirement.limit);
     }
-    if (allocation_.reason.empty()) allocation_.reason = "no combination of grades holds every requirement";
+    if (allocation_.reason.empty()) allocation_.reason = "no combination of grades keeps every limit";
     return allocation_;
   }
 
@@ -199,7 +201,7 @@ void check_least(const EqualInfluence& problem, double tightest, Allocation& all
   const double reached = of_sigma ? tightest / 3.0 : tightest;
   if (!problem.least || reached >= *problem.least) return;
   allocation.status = AllocationStatus::infeasible;
-  allocation.reason = fmt::format("the tightest {} would be {:.3g} rad, below what can be made, {:.3g} rad",
+  allocation.reason = fmt::format("the tightest {} would be {:.3g} rad, below the manufacturing limit of {:.3g} rad",
                                   of_sigma ? "sigma" : "tolerance", reached, *problem.least);
 }
 

@@ -117,8 +117,9 @@ double half_grade(const Reading& reading, StandardGrade grade) {
 
 void check_nominal(const Reading& reading, double size) {
   const std::vector<double>& sizes = reading.feature.sizes;
-  if (sizes.size() > 1) reading.refuse("the limbs are unlike, so that no one size is that of all");
-  if (std::abs(size - sizes.front()) > kSameSize) reading.refuse(fmt::format("the robot's is {} mm", sizes.front()));
+  if (sizes.size() > 1) reading.refuse("the limbs differ; state a grade (IT8) or a half-width instead of one size");
+  if (std::abs(size - sizes.front()) > kSameSize)
+    reading.refuse(fmt::format("the robot's size is {} mm", sizes.front()));
 }
 
 double size_of(const Reading& reading, Words& words) {
@@ -127,12 +128,12 @@ double size_of(const Reading& reading, Words& words) {
   const double both = reading.feature.is_of_pairs ? 2.0 : 1.0;
   if (nominal && words.take("pm")) {
     const std::optional<double> half = words.number();
-    if (!half || *half < 0.0) reading.refuse("what follows \"+-\" is a number of at least 0");
+    if (!half || *half < 0.0) reading.refuse("\"+-\" needs a number of at least 0");
     return both * *half;
   }
   const std::optional<StandardGrade> grade = standard_grade_named(words.peek());
   if (!grade) {
-    reading.refuse("limits lie evenly about the nominal size, and of a fit (H7, js6) the grade says how wide it is");
+    reading.refuse("write symmetric limits (+- H) or the grade of a fit alone (IT7 for H7)");
   }
   words.take(name(*grade));
   return both * half_grade(reading, *grade);
@@ -150,14 +151,14 @@ std::optional<double> zone(Words& words) {
 
 double turn_of(const Reading& reading, Words& words) {
   const std::optional<double> turn = zone(words);
-  if (!turn) reading.refuse("a zone is T/L, T wide over a greater length L");
+  if (!turn) reading.refuse("a zone is T/L: width T over a greater length L");
   return *turn;
 }
 
 double place_of(const Reading& reading, Words& words) {
   words.take("dia");
   const std::optional<double> width = words.positive();
-  if (!width) reading.refuse("a position has a zone of a width above 0");
+  if (!width) reading.refuse("a position needs a zone width above 0");
   return kPlaceAxes * *width;
 }
 
@@ -172,8 +173,9 @@ double orientation_of(const Reading& reading, Words& words) {
   for (const Orientation one : {Orientation::parallelism, Orientation::perpendicularity, Orientation::angularity}) {
     if (!words.take(name(one))) continue;
     if (std::ranges::find(reading.feature.data, one, &DrawnFeature::Datum::orientation) == reading.feature.data.end()) {
-      reading.refuse(one == Orientation::angularity ? "angularity is of what lies neither parallel nor square"
-                                                    : "that leaves this turn free");
+      reading.refuse(one == Orientation::angularity
+                         ? "angularity does not apply to features that are parallel or perpendicular"
+                         : "this does not limit the rotation");
     }
     return sum_of(reading, words, turn_of);
   }
@@ -256,7 +258,7 @@ double half_width_of(std::string_view statement, const DrawnFeature& feature) {
   const Reading reading{statement, feature};
   Words words(statement);
   const double half_width = half_width_of(reading, words);
-  if (!words.at_end()) reading.refuse(fmt::format("\"{}\" is too much", words.peek()));
+  if (!words.at_end()) reading.refuse(fmt::format("remove \"{}\"", words.peek()));
   return half_width;
 }
 

@@ -41,7 +41,7 @@ DrawnFeature of_parallelogram(Source source) {
   }
 }
 
-DrawnFeature lead_of_a_drive() { return nothing("a drive's lead is bought by its class, mm in a metre"); }
+DrawnFeature lead_of_a_drive() { return nothing("the lead error follows from the drive's accuracy class, in mm/m"); }
 
 /// An arm that a motor swings, with a parallelogram.
 DrawnFeature of_arm(Source source) {

@@ -37,7 +37,7 @@ class Analysis {
   FailureShare run() {
     const std::vector<FailureMode> modes = limits_.modes();
     if (modes.empty())
-      return {.status = FailureStatus::impossible, .reason = "no machine within its drawings gets there"};
+      return {.status = FailureStatus::impossible, .reason = "no machine within its tolerances breaks a limit"};
     // What is asked is shared by the two sampling errors of the exact share.
     const double part =
         options_.max_exact > 0 ? options_.relative_error / std::numbers::sqrt2 : options_.relative_error;
@@ -85,13 +85,13 @@ class Analysis {
   void judge(double error, double check_error) {
     const double fewest = std::min(share_.linear.effective, share_.check.effective);
     if (fewest < kEnough) {
-      share_.reason = fmt::format("only {:.0f} effective failures among {} machines", fewest, share_.linear.machines);
+      share_.reason = fmt::format("only {:.0f} effective failures in {} machines", fewest, share_.linear.machines);
       return;
     }
     const double apart = std::abs(std::log(share_.linear.value / share_.check.value));
     if (apart > detail::two_sided_quantile(1.0 - kDisagrees) * std::hypot(error, check_error)) {
-      share_.reason =
-          fmt::format("two ways of drawing disagree: {:.3g} and {:.3g}", share_.linear.value, share_.check.value);
+      share_.reason = fmt::format("two importance-sampling estimates disagree: {:.3g} and {:.3g}", share_.linear.value,
+                                  share_.check.value);
       return;
     }
     share_.status = FailureStatus::settled;
@@ -105,7 +105,7 @@ class Analysis {
       const double effective = tried->exact * tried->exact / tried->exact_squares;
       if (!(effective >= kEnough)) {
         share_.reason =
-            fmt::format("only {:.0f} effective failures by the exact model", tried->exact > 0.0 ? effective : 0.0);
+            fmt::format("only {:.0f} effective failures in the exact model", tried->exact > 0.0 ? effective : 0.0);
         return;
       }
       if (tried->outer > kNoLongerCounts * tried->exact) continue;
@@ -115,7 +115,7 @@ class Analysis {
       share_.reason.clear();
       return;
     }
-    share_.reason = "the exact model differs too much from the linear one, of which machines were drawn";
+    share_.reason = "the exact model differs too much from the linear model that importance sampling uses";
   }
 
   static FailureShare stopped() { return {.reason = "stopped"}; }

@@ -195,7 +195,7 @@ class Sampler {
   template <typename Array>
   static void add_numbers(const Json& json, Array& array) {
     const auto values = json.get<std::vector<double>>();
-    if (static_cast<Eigen::Index>(values.size()) != array.size()) throw Error("expected the sums of these poses");
+    if (static_cast<Eigen::Index>(values.size()) != array.size()) throw Error("expected sums over the same poses");
     array += Eigen::Map<const Array>(values.data(), array.rows(), array.cols());
   }
 

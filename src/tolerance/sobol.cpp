@@ -63,7 +63,7 @@ class PickAndFreeze {
   double length(const SourceErrors& errors) const {
     Eigen::VectorXd components = Eigen::VectorXd::Zero(response_.rows());
     if (options_.model == Model::exact) {
-      if (!response_.exact(errors, components)) throw Unreachable("a drawn machine does not close at the pose");
+      if (!response_.exact(errors, components)) throw Unreachable("a simulated machine cannot reach the pose");
       return components.norm();
     }
     for (std::size_t limb = 0; limb < limbs_; ++limb) {

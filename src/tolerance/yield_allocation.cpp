@@ -48,7 +48,7 @@ class YieldAllocator {
     allocation_.status = AllocationStatus::not_converged;
     allocation_.reason = allocation_.failures && !allocation_.failures->reason.empty()
                              ? allocation_.failures->reason
-                             : std::string("the solver did not settle");
+                             : std::string("the solver did not converge");
     return finished(x);
   }
 
@@ -99,13 +99,13 @@ class YieldAllocator {
     const FailureShare& share = *allocation_.failures;
     if (share.status == FailureStatus::settled && share.best().value > *problem_.max_failures) {
       allocation_.status = AllocationStatus::infeasible;
-      allocation_.reason = fmt::format("{:.3g} of the machines fail with every tolerance at its tightest, above {:.3g}",
+      allocation_.reason = fmt::format("failure rate {:.3g} with the tightest tolerances, above {:.3g}",
                                        share.best().value, *problem_.max_failures);
       return false;
     }
     if (!add_cuts(x)) return true;
     allocation_.status = AllocationStatus::infeasible;
-    allocation_.reason = "a limit that is not by yield fails with every tolerance at its tightest";
+    allocation_.reason = "a worst-case or statistical limit is exceeded with the tightest tolerances";
     return false;
   }
 

@@ -102,8 +102,8 @@ void expect_refused(const std::string& statement, Source source, std::initialize
 }
 
 TEST(DrawingStatement, OtherThanTheRobotsSizeIsRefused) {
-  expect_refused("376 +- 0.04", Source::arm_length, {"\"375 +- H\"", "the robot's is 375 mm"});
-  expect_refused("376 IT8", Source::arm_length, {"the robot's is 375 mm"});
+  expect_refused("376 +- 0.04", Source::arm_length, {"\"375 +- H\"", "the robot's size is 375 mm"});
+  expect_refused("376 IT8", Source::arm_length, {"the robot's size is 375 mm"});
 }
 
 TEST(DrawingStatement, WhatIsNoStatementIsRefused) {
@@ -129,7 +129,7 @@ TEST(DrawingStatement, WhyItCannotBeIsSaid) {
   expect_refused("angularity 0.02/100", Source::alpha2, {"neither parallel nor square"});
   expect_refused("parallelism 0.02/100", Source::beta0, {"leaves this turn free"});
   expect_refused("IT0", Source::rod_mean, {"ISO 286-1 has no IT0 at 950 mm"});
-  expect_refused("IT8 IT7", Source::arm_length, {"\"IT7\" is too much"});
+  expect_refused("IT8 IT7", Source::arm_length, {"remove \"IT7\""});
   expect_refused("IT8", Source::theta_offset, {"an encoder's zero is set on the machine"});
   expect_refused("IT8", Source::theta_offset, {"an endstop is set on the machine"}, catalogue::linear_delta());
   expect_refused("IT8", Source::gain, {"lead"}, of_kind("hexapod"));

@@ -284,7 +284,7 @@ TEST(FailureShare, OfPartsThatCannotFailIsSaidToBeImpossible) {
   const double worst = worst_case(LinearModel(robot).rows(poses[0], {Quantity::tilt}), tolerances).value;
   const auto found = [&](double limit) { return failure_share(robot, tolerances, {{{Quantity::tilt}, limit}}, poses); };
   EXPECT_EQ(found(1.01 * worst).status, FailureStatus::impossible);
-  EXPECT_THAT(found(1.01 * worst).reason, HasSubstr("no machine within its drawings"));
+  EXPECT_THAT(found(1.01 * worst).reason, HasSubstr("no machine within its tolerances"));
   EXPECT_EQ(found(0.5 * worst).status, FailureStatus::settled);
   EXPECT_GT(found(0.5 * worst).best().value, 0.0);
 }

@@ -105,7 +105,7 @@ TEST(YieldAllocationOf, TightestPartsThatFailIsInfeasible) {
   problem.poses = {{robot.workspace().centre(), 0.0}};
   const Allocation found = allocate(robot, problem);
   EXPECT_EQ(found.status, AllocationStatus::infeasible);
-  EXPECT_THAT(found.reason, HasSubstr("of the machines fail with every tolerance at its tightest"));
+  EXPECT_THAT(found.reason, HasSubstr("with the tightest tolerances, above "));
 }
 
 TEST(YieldAllocationOf, WhatMakesNoSenseIsRefused) {

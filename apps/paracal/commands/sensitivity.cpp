@@ -63,8 +63,8 @@ Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
 }
 
 std::string text_of(const Robot& robot, const SensitivityFindings& found) {
-  std::string text = fmt::format("sensitivity of {} over the workspace ({} poses), mean and largest{}\n",
-                                 name(found.what), found.global.poses, found.local ? ", and at the pose" : "");
+  std::string text = fmt::format("sensitivity of {} over the workspace ({} poses): mean, largest{}\n", name(found.what),
+                                 found.global.poses, found.local ? ", at the pose" : "");
   const auto out = std::back_inserter(text);
   for (const Source source : sources_of(robot.actuator())) {
     const Eigen::Index k = place(source);
@@ -77,9 +77,9 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
     fmt::format_to(out, "  {}\n", unit);
   }
   const Shown worst = shown(found.what.quantity, found.worst.value);
-  fmt::format_to(out, "largest 3 sigma with the tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
+  fmt::format_to(out, "largest 3 sigma with these tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
                  pose_text(robot, found.worst.pose));
-  fmt::format_to(out, "what makes it, share of the variance:\n{}", pareto(found.contributors, robot.actuator()));
+  fmt::format_to(out, "contributions to its variance:\n{}", pareto(found.contributors, robot.actuator()));
   return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 

@@ -44,26 +44,26 @@ Allocation allocated(const ToleranceAllocateArguments& options, const Robot& rob
 
 std::string text_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
   std::string text =
-      fmt::format("{}{}{}\n", name(allocation.status), allocation.reason.empty() ? "" : ": ", allocation.reason);
+      fmt::format("{}: {}\ncost {:.6g}\n", name(allocation.status),
+                  allocation.reason.empty() ? "every limit is kept" : allocation.reason, allocation.cost);
   const auto out = std::back_inserter(text);
   if (!is_general(options)) {
-    fmt::format_to(out, "tolerances of the tilt group (half-widths, 3 sigma), 1e-3 rad\n");
+    fmt::format_to(out, "tolerances that affect tilt (half-widths, 3 sigma), mrad\n");
     const io::Json group = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
     for (const auto& [key, value] : group.items()) {
       fmt::format_to(out, "  {:<25}{:>8.3f}\n", key, 1e3 * value.get<double>());
     }
   }
-  fmt::format_to(out, "cost {:.6g}\n", allocation.cost);
   for (const RequirementOutcome& one : allocation.requirements) {
     const Quantity quantity = one.requirement.characteristic.quantity;
     const Shown worst = shown(quantity, one.worst.value), limit = shown(quantity, one.requirement.limit);
-    fmt::format_to(out, "{} ({}): {:.4g} of {:.4g} {} at {}; 1 % more would save {:.3g}\n",
+    fmt::format_to(out, "{} ({}): {:.4g} of {:.4g} {} at {}; a limit 1 % wider would save {:.3g}\n",
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
                    worst.unit, pose_text(robot, one.worst.pose), 0.01 * one.price * one.requirement.limit);
   }
   if (allocation.failures) text += failure_line(*allocation.failures);
   if (allocation.failure_price > 0.0)
-    text += fmt::format("  twice as many failures would save {:.3g} to first order\n", allocation.failure_price);
+    text += fmt::format("  twice the failure rate would save about {:.3g}\n", allocation.failure_price);
   text += assumed_lines(allocation.tolerances.assumed) + "\n" + io::tolerances_toml(allocation.tolerances, robot);
   return text;
 }

@@ -126,7 +126,7 @@ Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, Sess
 }
 
 std::string sobol_text(const std::vector<SobolIndex>& indices, Actuator actuator) {
-  std::string text = "Sobol indices at the worst pose (exact model): alone, with interactions\n";
+  std::string text = "Sobol indices at the worst pose (exact model): first order, total\n";
   for (const SobolIndex& one : indices) {
     fmt::format_to(std::back_inserter(text), "  {:<17}{:>7.3f} [{:.3f}, {:.3f}]{:>9.3f} [{:.3f}, {:.3f}]\n",
                    name(one.source, actuator), one.first, one.first_interval.low, one.first_interval.high, one.total,
@@ -138,40 +138,40 @@ std::string sobol_text(const std::vector<SobolIndex>& indices, Actuator actuator
 std::string text_of(const ToleranceAnalyzeArguments& options, const Robot& robot, const Findings& found) {
   const MonteCarlo& batch = found.batch;
   const double confidence = options.monte_carlo.confidence;
-  std::string text = fmt::format(
-      "{} machines ({} model), {}\n", batch.machines, options.model,
-      batch.converged ? fmt::format("every sigma known to {:g} % at {:g} % confidence",
-                                    100.0 * options.monte_carlo.sigma_error, 100.0 * confidence)
-                      : std::string(found.partial ? "partial: stopped" : "fewer than sigma was to be known from"));
+  std::string text = found.partial ? "partial result: stopped by the user\n" : "";
+  text += yield_text(found.failures, batch, confidence);
   const auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
     const RequirementAnalysis& one = found.analyses[k];
     const RequirementStatistics& drawn = batch.requirements[k];
     const Quantity quantity = one.requirement.characteristic.quantity;
     const double factor = shown(quantity, 1.0).value;
-    fmt::format_to(out, "\n{}, {}; limit {:.4g}\n", name(one.requirement.characteristic), shown(quantity, 0.0).unit,
+    fmt::format_to(out, "\n{}, {}: limit {:.4g}\n", name(one.requirement.characteristic), shown(quantity, 0.0).unit,
                    factor * one.requirement.limit);
-    fmt::format_to(out, "  worst case           {:>10.4g}  at {}\n", factor * one.worst_case.value,
-                   pose_text(robot, one.worst_case.pose));
+    if (!found.of_each.empty()) text += failure_line(found.of_each[k]);
     fmt::format_to(out, "  3 sigma, RSS         {:>10.4g}  at {}\n", factor * one.three_sigma.value,
                    pose_text(robot, one.three_sigma.pose));
     const SigmaAtPose& worst = drawn.at_worst();
     fmt::format_to(out, "  3 sigma, Monte Carlo {:>10.4g}  [{:.4g}, {:.4g}]; Cpk {:.2f}\n", 3.0 * factor * worst.sigma,
                    3.0 * factor * worst.interval.low, 3.0 * factor * worst.interval.high, drawn.cpk());
-    fmt::format_to(out, "  largest on a machine: ");
+    fmt::format_to(out, "  worst case           {:>10.4g}  at {}\n", factor * one.worst_case.value,
+                   pose_text(robot, one.worst_case.pose));
+    fmt::format_to(out, "  largest error of a machine, percentiles:");
     for (const double share : kPercentiles) {
-      fmt::format_to(out, " {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
+      fmt::format_to(out, "  {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
     }
-    text += "\n";
-    if (!found.of_each.empty()) text += failure_line(found.of_each[k]);
-    text += pareto(one.contributors, robot.actuator());
+    text += "\n  contributions to the variance at the worst pose\n" + pareto(one.contributors, robot.actuator());
   }
-  text += "\n" + yield_text(found.failures, batch, confidence);
-  if (batch.not_closed > 0) fmt::format_to(out, "{} machines do not close somewhere\n", batch.not_closed);
+  fmt::format_to(out, "\nMonte Carlo: {} simulated machines, {} model; {:g} % intervals{}\n", batch.machines,
+                 options.model, 100.0 * confidence,
+                 batch.converged ? fmt::format("; every sigma to {:g} %", 100.0 * options.monte_carlo.sigma_error)
+                                 : std::string("; too few for --sigma-error: raise --max-machines"));
+  if (batch.not_closed > 0) fmt::format_to(out, "{} machines cannot reach every pose\n", batch.not_closed);
   if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol, robot.actuator());
-  if (!found.linearity.empty()) text += "\nthe linear model against the exact one, tolerances times a factor\n";
+  if (!found.linearity.empty())
+    text += "\ndifference of the linear model from the exact model, by factor on all tolerances\n";
   for (const LinearityPoint& point : found.linearity) {
-    fmt::format_to(out, "  {:>5g}: off by {:.3g} %\n", point.factor, 100.0 * point.difference);
+    fmt::format_to(out, "  {:>5g}: {:.3g} %\n", point.factor, 100.0 * point.difference);
   }
   return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
