@@ -22,12 +22,12 @@ jobs::Part part_of(const LongJobOptions& options, const jobs::Ranks& ranks) {
                          ? std::nullopt
                          : number_in<std::uint64_t>(std::string_view(options.part).substr(slash + 1));
   if (!number || !count || *number == 0 || *number > *count) {
-    throw WrongUsage(fmt::format("--part: expected K/N with 1 <= K <= N, as 3/10, got \"{}\"", options.part));
+    throw WrongUsage(fmt::format("--part: expected K/N with 1 <= K <= N, for example 3/10, got \"{}\"", options.part));
   }
   if (options.checkpoint.empty()) {
-    throw WrongUsage("--part: expected --checkpoint DIR, a folder that all parts see, got none");
+    throw WrongUsage("--part: expected --checkpoint DIR (a folder that all parts share), got none");
   }
-  if (ranks.size() > 1) throw WrongUsage("--part: expected one process a part, got several ranks of MPI");
+  if (ranks.size() > 1) throw WrongUsage("--part: expected one process per part, got several MPI ranks");
   return {*number - 1, *count};
 }
 
@@ -47,7 +47,7 @@ void add_long_job_options(Command& command, LongJobOptions& options) {
 
 void require_job(const LongJobOptions& options, bool is_long, std::string_view option) {
   if (is_long || (options.checkpoint.empty() && options.part.empty())) return;
-  throw WrongUsage(fmt::format("{}: expected {} with it, got none: there is nothing that takes long",
+  throw WrongUsage(fmt::format("{}: expected {} with it, got none; without it the job is short",
                                options.checkpoint.empty() ? "--part" : "--checkpoint", option));
 }
 
@@ -92,8 +92,8 @@ ShownJob::ShownJob(const LongJobOptions& options, Session& session, const io::Js
 std::string ShownJob::missing_parts() const {
   if (job_.left_to_others() == 0) return "";
   return fmt::format(
-      "part {} of {} is done; {} chunks of other parts are not there yet. When all parts have ended, the same command "
-      "without --part shows the result.\n",
+      "part {} of {} is done; {} chunks of other parts are missing. When all parts are done, run the command without "
+      "--part to see the result.\n",
       part_.number + 1, part_.count, job_.left_to_others());
 }
 

@@ -18,7 +18,7 @@ namespace paracal::app {
 namespace {
 
 constexpr std::array kCores{1, 2, 16, 128, 1024};
-constexpr double kMostBytes = 1e4;  // of a chunk: once all bins hold something, more machines add little
+constexpr double kMostBytes = 1e4;  // of a chunk: when no bin is empty, more machines add little
 
 struct Measured {
   Tally tally;
@@ -89,21 +89,21 @@ YieldPlan measured_plan(const Batch& batch, ChunkSizes sizes, std::uint64_t mach
 
 std::string text_of(const YieldPlan& plan) {
   std::string text =
-      fmt::format("plan of a batch of {} machines, from rates measured now on one core\n", plan.machines);
+      fmt::format("predicted cost of a batch of {} machines, from rates measured now on one core\n", plan.machines);
   const auto out = std::back_inserter(text);
   if (plan.first_order_us > 0.0) {
-    fmt::format_to(out, "  a machine to first order takes {:.3g} us\n", plan.first_order_us);
+    fmt::format_to(out, "  first-order model: {:.3g} us per machine\n", plan.first_order_us);
   }
-  fmt::format_to(out, "  an exact machine takes {:.3g} ms; about {} machines are computed exactly\n", plan.exact_ms,
+  fmt::format_to(out, "  exact model: {:.3g} ms per machine, for about {} machines\n", plan.exact_ms,
                  plan.exact_machines);
-  fmt::format_to(out, "  in all {} of one core; at best\n", time_text(plan.core_seconds));
+  fmt::format_to(out, "  total: {} on one core; shortest time on\n", time_text(plan.core_seconds));
   for (const int cores : kCores) {
     const double seconds = std::max(plan.core_seconds / cores, plan.longest_chunk_s);
     fmt::format_to(out, "  {:>6} core{} {:>9}\n", cores, cores == 1 ? " " : "s", time_text(seconds));
   }
   fmt::format_to(out,
-                 "  {:.0f} MB of memory a process; a process that dies costs {} of work\n"
-                 "  with --checkpoint {} files of at most {:.1f} kB, {:.3g} MB in all\n",
+                 "  memory: {:.0f} MB per process; a process that fails loses {} of work\n"
+                 "  with --checkpoint: {} files of at most {:.1f} kB, {:.3g} MB in total\n",
                  plan.megabytes, time_text(plan.longest_chunk_s), plan.chunks, plan.bytes_a_chunk / 1e3,
                  static_cast<double>(plan.chunks) * plan.bytes_a_chunk / 1e6);
   return text;

@@ -172,7 +172,7 @@ ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances
 
 ProductionPlan settled(const Robot& robot, ProductionPlan plan) {
   if (plan.stations.empty() || plan.validation.empty()) {
-    throw InvalidArgument("batch: expected stations to measure and to validate, got none");
+    throw InvalidArgument("batch: expected poses to measure and to validate, got none");
   }
   for (const Station& station : plan.validation) (void)believed_joints(robot, station);
   RandomStream random(0);

@@ -95,7 +95,7 @@ Surrogate::Surrogate(const Robot& robot, const ProductionPlan& plan)
       sources_(kSourceCount * robot.limb_count()),
       errors_(varying_errors(robot, plan.tolerances)),
       stays_level_(!robot.on_single_rods()) {
-  if (!follows(plan)) throw InvalidArgument("surrogate: expected a fine calibration of all errors by method best");
+  if (!follows(plan)) throw InvalidArgument("surrogate: expected a fine calibration of all errors with method best");
   ask_readings(robot, plan);
   ask_validation(robot, plan.validation);
 }

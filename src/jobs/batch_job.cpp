@@ -36,7 +36,7 @@ class MachineStage : public JobStage {
   }
   void check(std::uint64_t chunk, std::string_view result) const override {
     if (machines_in(result) != range(chunk).count) {
-      throw Error(fmt::format("expected what {} machines add up to, got something else", range(chunk).count));
+      throw Error(fmt::format("expected the sums of {} machines, got something else", range(chunk).count));
     }
   }
   void add(std::string_view result) override { tally_.add(io::tally_of(io::parse_shallow(result))); }
@@ -72,7 +72,7 @@ Json description(const Batch& batch, ChunkSizes sizes) {
 ChunkSizes chunk_sizes(const Json& description) {
   const Json& chunks = description.at("chunks");
   const ChunkSizes sizes{chunks.at("first_order").get<std::uint64_t>(), chunks.at("exact").get<std::uint64_t>()};
-  if (sizes.exact == 0) throw InvalidArgument("chunks: expected at least one machine a chunk, got 0");
+  if (sizes.exact == 0) throw InvalidArgument("chunks: expected at least one machine per chunk, got 0");
   return sizes;
 }
 

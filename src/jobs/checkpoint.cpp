@@ -48,7 +48,7 @@ Json agreed_with(const io::TextFile& header, const Json& description) {
   if (got == expected) return got;
   const std::string complaint =
       got.is_object() ? first_difference(expected, got) : "expected the description of a job, got something else";
-  throw InputFileError(header.name, 0, complaint + " (this folder holds another job)");
+  throw InputFileError(header.name, 0, complaint + " (this folder belongs to another job; use another --checkpoint)");
 }
 
 std::string bytes_of_file(const std::filesystem::path& path) {
@@ -86,11 +86,11 @@ std::string Checkpoint::read(const std::string& name) const {
   try {
     const Json chunk = io::parse_shallow(gunzip(bytes));
     if (const auto job = chunk.at("job").get<std::string>(); job != hash_) {
-      throw InputFileError(file.string(), 0, fmt::format("expected a chunk of job {}, got one of {}", hash_, job));
+      throw InputFileError(file.string(), 0, fmt::format("expected a chunk of job {}, got one of job {}", hash_, job));
     }
     std::string content = chunk.at("content").dump();
     if (chunk.at("chunk") != name || chunk.at("sha256") != io::sha256(content)) {
-      throw Error(fmt::format("expected the chunk {} with the hash of its content, got another one", name));
+      throw Error(fmt::format("expected chunk {} with the hash of its content, got another hash", name));
     }
     return content;
   } catch (const InputFileError&) {

@@ -57,7 +57,7 @@ std::optional<std::string> ChunkedJob::kept(const JobStage& stage, std::uint64_t
   } catch (const std::exception& damaged) {
     if (options_.warning) {
       options_.warning(
-          fmt::format("{}: {}; it is computed again", checkpoint_->file_of(name).string(), damaged.what()));
+          fmt::format("{}: {}; this chunk is computed again", checkpoint_->file_of(name).string(), damaged.what()));
     }
     return std::nullopt;
   }

@@ -49,7 +49,7 @@ std::string gunzip(std::string_view bytes) {
     text.append(piece.data(), piece.size() - stream.avail_out);
   }
   inflateEnd(&stream);
-  if (status != Z_STREAM_END) throw Error("expected a whole file of gzip, got something else");
+  if (status != Z_STREAM_END) throw Error("expected a complete gzip file, got something else");
   return text;
 }
 

@@ -16,7 +16,7 @@ constexpr int kRoot = 0, kTag = 0;
 
 int length_of(const std::string& text) {
   if (text.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    throw Error("a total is longer than a message can be: use fewer machines a job");
+    throw Error("a sum exceeds the largest MPI message; use fewer machines per job");
   }
   return static_cast<int>(text.size());
 }

@@ -5,7 +5,9 @@
 
 namespace paracal::jobs {
 
-std::string gzip(std::string_view /*text*/) { throw Error("this program is built without zlib: it keeps no chunks"); }
+std::string gzip(std::string_view /*text*/) {
+  throw Error("this program is built without zlib; --checkpoint needs it");
+}
 std::string gunzip(std::string_view /*bytes*/) { return gzip({}); }
 
 }  // namespace paracal::jobs

@@ -63,7 +63,7 @@ struct Order {
 
 /// The metrologist knows the instrument, and corrects by the residuals.
 NoiseModel first_guess(const VirtualInstrument& instrument) {
-  constexpr double kSmallest = 1e-5;  // mm or rad: a perfect instrument is not believed
+  constexpr double kSmallest = 1e-5;  // mm or rad: no instrument is perfect
   NoiseModel noise;
   if (instrument.noise >= kSmallest) noise.point = noise.body = instrument.noise;
   if (instrument.rotation_noise >= kSmallest) noise.rotation = instrument.rotation_noise;
@@ -109,7 +109,7 @@ Order order_of(const YieldArguments& options, Session& session) {
   if (!options.poses.empty()) plan.stations = io::read_poses(input(options.poses), robot.joint_space());
   if (robot.commands_tilt() && options.rotation != "none") {
     throw WrongUsage(
-        fmt::format("--rotation: expected none of a plate whose orientation is read, got {}", options.rotation));
+        fmt::format("--rotation: expected none (the orientation of this plate is measured), got {}", options.rotation));
   }
   plan.instrument = options.instrument.instrument(options.rotation != "none");
   plan.instrument.reads_orientation = robot.commands_tilt();
@@ -118,7 +118,7 @@ Order order_of(const YieldArguments& options, Session& session) {
   plan.calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
   plan.limits = limits_of(options, robot);
   if (options.min_yield && !has_limits(plan)) {
-    throw WrongUsage("--min-yield: expected a limit that machines must keep (--max-...) with it, got none");
+    throw WrongUsage("--min-yield: expected a limit (--max-...) with it, got none");
   }
   order.batch.plan = settled(robot, std::move(plan));
   if (!options.exact) order.batch = with_surrogate(std::move(order.batch));
@@ -137,13 +137,14 @@ void require_chunks(const YieldArguments& options, const ShownJob& job) {
   const std::uint64_t begun = sizes.first_order > 0 ? sizes.first_order : sizes.exact;
   if (options.chunk == 0 || options.chunk == begun) return;
   throw InputFileError((std::filesystem::path(options.job.checkpoint) / "job.json").string(), 0,
-                       fmt::format("expected chunks of {} machines, got {}: leave out --chunk, or take another folder",
+                       fmt::format("expected chunks of {} machines, got {}; remove --chunk or use another folder",
                                    options.chunk, begun));
 }
 
-/// So many exact machines that a yield just above the one that is judged could be told from it.
+/// The number of exact machines that can distinguish a yield slightly above the required one from it.
 std::uint64_t least_exact(const YieldArguments& options) {
-  constexpr double kMachines = 8.0;  // of those that may fail: at 95 %, twice what none of them could tell
+  constexpr double kMachines =
+      8.0;  // failures expected at the required yield: twice as many as a proof without failures needs at 95 %
   if (!options.min_yield || *options.min_yield >= 1.0) return 0;
   return static_cast<std::uint64_t>(kMachines / (1.0 - *options.min_yield));
 }
@@ -162,9 +163,9 @@ jobs::BatchResult make(const YieldArguments& options, Session& session, const Ba
 
 std::string percent(double share) { return fmt::format("{:.3f} %", 100.0 * share); }
 
-/// What an interval knows; few machines cannot tell where a rare error ends.
+/// The interval; too few machines give a rare error no upper end.
 std::string interval_text(const Interval& interval, double factor) {
-  if (!std::isfinite(interval.high)) return fmt::format("above {:.4g}; not known yet", factor * interval.low);
+  if (!std::isfinite(interval.high)) return fmt::format("above {:.4g}; upper end not known yet", factor * interval.low);
   return fmt::format("{:.4g} to {:.4g}", factor * interval.low, factor * interval.high);
 }
 
@@ -172,7 +173,7 @@ std::string spread_line(const ErrorSpread& spread, double factor, double confide
   std::string text = fmt::format("{:<8}", when);
   const auto out = std::back_inserter(text);
   for (const double share : {0.5, 0.9, 0.95, 0.99, 0.9973}) {
-    // An upper end that is not known: the figure is no more than the largest of these machines may suggest.
+    // Without an upper end, the figure comes only from the largest of these machines.
     const bool is_known = std::isfinite(spread.quantile_interval(share, confidence).high);
     fmt::format_to(out, "{:>11}", fmt::format("{:.4g}{}", factor * spread.quantile(share), is_known ? "" : "?"));
   }
@@ -182,8 +183,8 @@ std::string spread_line(const ErrorSpread& spread, double factor, double confide
 
 std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
   std::string text = fmt::format(
-      "  largest error of a machine over {} poses: so many percent of the machines are within\n"
-      "  {:<22}{:8}{:>11}{:>11}{:>11}{:>11}{:>11}   {} interval of the 95 %\n",
+      "  largest error of a machine over {} poses: percentiles\n"
+      "  {:<22}{:8}{:>11}{:>11}{:>11}{:>11}{:>11}   {} interval of the 95 % percentile\n",
       batch.plan.validation.size() - 1, "", "", "50 %", "90 %", "95 %", "99 %", "99.73 %",
       fmt::format("{:g} %", 100.0 * confidence));
   bool is_known = true;
@@ -196,25 +197,25 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
       is_known = is_known && std::isfinite(one->quantile_interval(0.9973, confidence).high);
     }
   }
-  if (!is_known) text += "  ? not known yet: too few exact machines to bound it from above (more --machines)\n";
+  if (!is_known) text += "  ? upper end not known: too few exact machines; raise --machines\n";
   return text;
 }
 
 std::string yield_line(const YieldArguments& options, const Batch& batch, const Tally& tally) {
-  if (!has_limits(batch.plan)) return "  no limits (--max-...): no yield\n";
+  if (!has_limits(batch.plan)) return "no yield: no limits are stated; set them with --max-...\n";
   const Proportion share = yield(tally, options.confidence), defects = defects_per_million(share);
-  return fmt::format("  yield {} ({} to {} at {:g} % confidence); defects per million {:.0f} ({:.0f} to {:.0f})\n",
+  return fmt::format("yield {} [{}, {}] ({:g} % interval); defects per million {:.0f} [{:.0f}, {:.0f}]\n",
                      percent(share.value), percent(share.interval.low), percent(share.interval.high),
                      100.0 * options.confidence, defects.value, defects.interval.low, defects.interval.high);
 }
 
-/// How many of the machines were computed to first order alone, and what that cannot tell.
+/// How many machines were computed exactly, and which failures this number cannot exclude.
 std::string way_line(const Tally& tally, double confidence) {
   if (tally.produced() == tally.machines()) return "";
-  std::string text =
-      fmt::format("  {} machines computed exactly; the others to first order, corrected by these\n", tally.produced());
+  std::string text = fmt::format(
+      "  exact model: {} machines; the others: first order, corrected by paired simulation\n", tally.produced());
   if (const double unseen = unseen_share(tally, confidence); unseen > 0.0) {
-    text += fmt::format("  no calibration failed among them: up to {} of all machines may fail all the same\n",
+    text += fmt::format("  no calibration failed among the exact machines; up to {} of all machines may still fail\n",
                         percent(unseen));
   }
   return text;
@@ -222,17 +223,19 @@ std::string way_line(const Tally& tally, double confidence) {
 
 std::string text_of(const YieldArguments& options, const Batch& batch, const jobs::BatchResult& result) {
   const Tally& tally = result.tally;
-  std::string text =
-      fmt::format("batch of {} machines of {}, seed {}\n", tally.machines(), batch.robot.name(), batch.seed);
+  std::string text;
   const auto out = std::back_inserter(text);
-  if (!result.complete) fmt::format_to(out, "  partial: stopped, {} machines were asked for\n", options.machines);
-  if (tally.produced() == 0) return text + "  no machine computed exactly yet: nothing is known\n";
-  fmt::format_to(out,
-                 "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} do not close\n",
-                 tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
-                 tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
-  text += way_line(tally, options.confidence) + yield_line(options, batch, tally);
-  text += accuracy_table(batch, tally, options.confidence);
+  if (!result.complete)
+    fmt::format_to(out, "partial result: stopped by the user before {} machines were complete\n", options.machines);
+  if (tally.produced() == 0) return text + "no result yet: no machine is computed exactly\n";
+  text += yield_line(options, batch, tally);
+  fmt::format_to(out, "batch of {} simulated machines of {}, seed {}\n", tally.machines(), batch.robot.name(),
+                 batch.seed);
+  fmt::format_to(
+      out, "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} cannot reach a pose\n",
+      tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
+      tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
+  text += way_line(tally, options.confidence) + accuracy_table(batch, tally, options.confidence);
   return text + assumed_lines(batch.plan.tolerances.assumed);
 }
 
