@@ -27,7 +27,7 @@ std::vector<PosePair> driven(const Robot& robot, const SourceErrors& errors, con
   pairs.reserve(stations.size());
   for (const auto& [name, commanded, believed, stated_in] : stations) {
     const auto plate = drive(machine, robot.nominal(), commanded);
-    if (!plate) throw Unreachable("the calibrated machine does not close everywhere in its workspace");
+    if (!plate) throw Unreachable("the calibrated machine cannot reach every pose of its workspace");
     pairs.push_back({commanded, pose_of(machine, *plate)});
   }
   return pairs;

@@ -28,7 +28,7 @@ std::string within_html(const io::Json& data) {
 
 std::string page(std::string_view html_template, const io::Json& data) {
   const std::size_t place = html_template.find(kPlace);
-  if (place == std::string_view::npos) throw Error("the template of reports keeps no place for data");
+  if (place == std::string_view::npos) throw Error("the report template has no place for data");
   std::string html(html_template.substr(0, place));
   html += within_html(data);
   html += html_template.substr(place + kPlace.size());

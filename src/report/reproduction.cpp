@@ -29,7 +29,7 @@ constexpr int kOfLength = 3, kOfOffset = 3, kOfRotation = 1, kOfTolerance = 2, k
 PosePair uncompensated(const Robot& robot, const Machine& machine, const Pose& commanded) {
   const InverseResult believed = inverse(robot.nominal(), commanded);
   const ForwardResult actual = forward(machine, believed.joints);
-  if (!believed.ok() || !actual.ok()) throw Error("a published pose is out of reach");
+  if (!believed.ok() || !actual.ok()) throw Error("no solution: a published pose is out of reach");
   return {commanded, {actual.plate.position, machine.rotation_of(actual.plate.slide)}};
 }
 
@@ -52,7 +52,7 @@ std::vector<double> offset_allowances(const Robot& robot, const Measurements& re
 
 void add_offsets(const Robot& robot, const io::PublishedHuang2016& published, const Calibration& found, Rows& rows) {
   Table table(rows, "Encoder offsets from the six distances of Table 3",
-              "the paper had all 21 distances between its points, of which it prints six");
+              "the paper used 21 distances between its points and prints six of them");
   const std::vector<double> allowances = offset_allowances(robot, published.rough, found);
   for (std::size_t k = 0; k < found.parameters.size(); ++k) {
     const ParameterEstimate& parameter = found.parameters[k];
@@ -85,7 +85,7 @@ double of_rotations(int numbers) { return numbers * rounding(kOfRotation) + comb
 
 void add_table3(const io::PublishedHuang2016& published, const std::vector<PoseError>& offsets, Rows& rows) {
   Table table(rows, "Table 3, before: from the published offsets",
-              "the machine has other errors than its offsets, and the table does not say which");
+              "the machine also has other errors, which the table does not state");
   for (std::size_t k = 0; k < offsets.size(); ++k) {
     const auto& [point, paper] = published.before[k];
     const PoseError& ours = offsets[k];
@@ -104,20 +104,20 @@ void add_table3(const io::PublishedHuang2016& published, const std::vector<PoseE
 /// the volumetric error both are lengths of vectors whose directions are not printed: their difference is the least
 /// that can have been left.
 void add_table3_after(const io::PublishedHuang2016& published, const std::vector<PoseError>& offsets, Rows& rows) {
-  Table table(rows, "Table 3, after: what the offsets leave of the errors before",
-              "the printed errors before and after contradict each other under the printed offsets");
+  Table table(rows, "Table 3, after: remaining error after the offsets are compensated",
+              "the printed errors before and after do not agree under the printed offsets");
   for (std::size_t k = 0; k < offsets.size(); ++k) {
     const auto& [point, before] = published.before[k];
     const PoseError& paper = published.after[k].error;
     const std::string id = "table3.after." + point;
     const double distance = before.distance - offsets[k].distance;
-    table.add(id + ".d_rho", "distance error left at " + point, "mm", paper.distance, distance,
+    table.add(id + ".d_rho", "remaining distance error at " + point, "mm", paper.distance, distance,
               judge(paper.distance, distance, of_lengths(2)));
     const double least = std::abs(before.volumetric - offsets[k].volumetric);
-    table.add(id + ".d_v", "volumetric error left at " + point + ", at least", "mm", paper.volumetric, least,
+    table.add(id + ".d_v", "remaining volumetric error at " + point + ", at least", "mm", paper.volumetric, least,
               judge_least(paper.volumetric, least, of_lengths(2)));
     const double rotation = to_degrees(paper.rotation), left = to_degrees(before.rotation - offsets[k].rotation);
-    table.add(id + ".d_phi", "rotational error left at " + point, "deg", rotation, left,
+    table.add(id + ".d_phi", "remaining rotational error at " + point, "deg", rotation, left,
               judge(rotation, left, of_rotations(2)));
   }
 }
@@ -126,7 +126,7 @@ void add_table3_after(const io::PublishedHuang2016& published, const std::vector
 /// @param key  of the rows, with its title.
 void add_table2(const Robot& robot, const io::PublishedHuang2016& published, Bound bound, const std::string& key,
                 const std::string& title, Rows& rows) {
-  Table table(rows, title, "the paper does not say over which points it takes the maxima of Eq. (12)");
+  Table table(rows, title, "the paper does not state the points at which it takes the maxima of Eq. (12)");
   const Tolerances tolerances = allocate(robot, EqualInfluence{.bound = bound}).tolerances;
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) continue;
@@ -155,7 +155,7 @@ void add_figure5(const Robot& robot, const io::PublishedHuang2016::Figures& publ
 void add_figure6(const Robot& robot, const io::PublishedHuang2016::Figures& published, Rows& rows) {
   constexpr int kRadii = 5, kLayers = 3;
   Table table(rows, "Figure 6: where 3 sigma of the tilt is largest, as designed",
-              "relative to home, as the paper reads it, the bottom is worse: tilt.bottom");
+              "relative to home, as in the paper, the bottom is worse (row tilt.bottom)");
   const Workspace& workspace = robot.workspace();
   std::vector<ValueAtPose> map = sigma_map(robot, {Quantity::tilt}, *robot.tolerances(),
                                            {.radii = kRadii, .azimuths = 8, .layers = kLayers}, false);
@@ -175,7 +175,7 @@ void add_observability(const Robot& robot, const io::PublishedHuang2016::Figures
   const auto add = [&](const char* id, const char* words, Stage stage, int points) {
     Table table(rows, words);
     const auto ours = static_cast<double>(paper_plan(robot, stage).n), paper = static_cast<double>(points);
-    table.add(id, "points a circle", "points", paper, ours, judge(paper, ours, rounding(kOfCount)));
+    table.add(id, "points per circle", "points", paper, ours, judge(paper, ours, rounding(kOfCount)));
   };
   add("figure7.n", "Figure 7: rough calibration", Stage::rough, published.rough_points);
   add("figure8.n", "Figure 8: fine calibration", Stage::fine, published.fine_points);

@@ -19,7 +19,8 @@ Interval ranked(std::vector<double> sample, std::size_t rank) {
 
 void require(const std::vector<double>& sample, std::size_t least) {
   if (sample.size() < least) {
-    throw InvalidArgument(fmt::format("95 % by order statistics needs {} values, got {}", least, sample.size()));
+    throw InvalidArgument(
+        fmt::format("order statistics at 95 %: expected at least {} values, got {}", least, sample.size()));
   }
 }
 
@@ -34,8 +35,8 @@ bool tells_nothing(double allowed, const Interval& sampling) {
 }
 
 std::string difference(double paper, double ours, double tolerance) {
-  const char* sign = paper * ours < 0.0 ? "other sign, " : "";
-  return fmt::format("{}off by {:.3g}, allowed {:.3g}", sign, std::abs(ours - paper), tolerance);
+  const char* sign = paper * ours < 0.0 ? "opposite sign, " : "";
+  return fmt::format("{}difference {:.3g}, allowed {:.3g}", sign, std::abs(ours - paper), tolerance);
 }
 
 }  // namespace
@@ -56,15 +57,17 @@ std::string_view name(Finding finding) {
 
 std::vector<std::string> rule_in_words() {
   return {
-      fmt::format("tolerance = half a unit of the last printed digit + sqrt(n) x {} mm or {} deg, where n readings "
-                  "of the published machine make the quantity + the 95 % interval of ours, where it comes from "
-                  "virtual twins",
+      fmt::format("tolerance: half a unit of the last printed digit + sqrt(n) x {} mm or {} deg for a quantity from n "
+                  "readings of the published machine",
                   kPositionReading, kRotationReading),
-      "a published machine beside its twins lies within the central 95 % of them; a median has its 95 % interval",
-      std::string("a yes or no of the published machine is reproduced when most twins say so, at 95 % confidence; ") +
-          "it is not contradicted when at least 1 in 20 does",
-      "a number that comes out again of twins made from it is not contradicted: it could not have failed",
-      "a row that a zero or the other sign would pass as well cannot be tested"};
+      "results from twins (simulated copies of the machine) add their 95 % interval to the tolerance",
+      "the published machine must lie within the central 95 % of its twins; a median has its 95 % interval",
+      fmt::format("a yes or no of the published machine is reproduced if most twins agree (95 % confidence); "
+                  "it is {} if at least 1 in 20 agrees",
+                  name(Finding::not_contradicted)),
+      fmt::format("a number recovered from twins that were made from it is {}: this test could not have failed",
+                  name(Finding::not_contradicted)),
+      "a row cannot be tested if zero or the opposite sign would also pass"};
 }
 
 double rounding(int decimals) { return 0.5 * std::pow(10.0, -decimals); }
@@ -97,7 +100,7 @@ Judgement judge(double paper, double ours, double allowed, const Interval& sampl
   const std::string found = difference(paper, ours, tolerance);
   if (std::abs(ours - paper) > tolerance) return {tolerance, Finding::not_reproduced, found};
   if (tells_nothing(allowed, sampling)) {
-    return {tolerance, Finding::cannot_be_tested, found + ": a zero or the other sign would pass as well"};
+    return {tolerance, Finding::cannot_be_tested, found + ": zero or the opposite sign would also pass"};
   }
   return {tolerance, Finding::reproduced, found};
 }
@@ -106,23 +109,23 @@ Judgement judge(double paper, double ours, double allowed) { return judge(paper,
 
 Judgement judge_least(double paper, double least, double allowed) {
   if (paper < least - allowed) return {allowed, Finding::not_reproduced, difference(paper, least, allowed)};
-  return {allowed, Finding::cannot_be_tested, "only the least value is known, which it keeps"};
+  return {allowed, Finding::cannot_be_tested, "only a lower bound is known; the number is above it"};
 }
 
 Judgement found_again(Judgement judgement) {
   if (judgement.finding != Finding::reproduced) return judgement;
   judgement.finding = Finding::not_contradicted;
-  judgement.reason += ": ours is made from the published number, so it could not have failed";
+  judgement.reason += ": ours was made from the published number, so this test could not have failed";
   return judgement;
 }
 
 Judgement judge_share(const Proportion& share) {
   const std::string found =
-      fmt::format("{:.2g} to {:.2g} of all machines (95 %)", share.interval.low, share.interval.high);
+      fmt::format("fraction {:.2g} to {:.2g} of all machines (95 % interval)", share.interval.low, share.interval.high);
   constexpr double kMost = 0.5, kTolerance = 1.0 - kMost;
   if (share.interval.low > kMost) return {kTolerance, Finding::reproduced, found};
   if (share.interval.low >= kRarest) {
-    return {kTolerance, Finding::not_contradicted, found + ": not most of them"};
+    return {kTolerance, Finding::not_contradicted, found + ": not proven for most machines"};
   }
   if (share.interval.high < kRarest) return {kTolerance, Finding::not_reproduced, found};
   return {kTolerance, Finding::cannot_be_tested, found + ": too few twins"};

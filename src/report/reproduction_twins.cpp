@@ -27,8 +27,8 @@ class Table4 {
       : robot_(robot),
         paper_(paper),
         twins_(twins),
-        table_(rows, fmt::format("Table 4: found again on {} twins", twins.count),
-               "each of these intervals misses by chance in 1 of 20") {}
+        table_(rows, fmt::format("Table 4: recovered from {} twins", twins.count),
+               "each of these 95 % intervals misses the value in 1 of 20 cases") {}
 
   void add_rows() {
     for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
@@ -54,7 +54,7 @@ class Table4 {
     std::vector<double> found = twins_.identified[0][index(Source::e_y)];
     for (std::size_t n = 0; n < found.size(); ++n) found[n] -= twins_.identified[1][index(Source::e_y)][n];
     const double paper = paper_(0, Source::e_y) - paper_(1, Source::e_y);
-    table_.add("table4.e_y.limb1-limb2", "e_y of limb 1 less limb 2", "mm", paper, median(found),
+    table_.add("table4.e_y.limb1-limb2", "e_y of limb 1 minus limb 2", "mm", paper, median(found),
                judged(paper, found, 2));
   }
 
@@ -66,7 +66,7 @@ class Table4 {
   static Judgement unidentifiable(const std::vector<double>& found) {
     const Interval range = median_interval(found);
     return {0.5 * (range.high - range.low), Finding::cannot_be_tested,
-            "no distance sees it, only the difference of limbs 1 and 2"};
+            "distances determine only the difference of limbs 1 and 2"};
   }
 
   const Robot& robot_;
@@ -77,8 +77,8 @@ class Table4 {
 
 /// The published machine among its twins, measured as it was: all six by the same range.
 void add_table5(const char* state, const PoseError& paper, const Largest& twins, Rows& rows) {
-  Table table(rows, fmt::format("Table 5, {}: among the central 95 % of twins (median shown)", state),
-              "d_v depends on how the instrument's frame was aligned, which the paper does not say");
+  Table table(rows, fmt::format("Table 5, {}: within the central 95 % of twins (median shown)", state),
+              "d_v depends on the alignment of the instrument's frame, which the paper does not state");
   const auto add = [&](const char* symbol, const char* words, const char* unit, double published,
                        const std::vector<double>& found, int decimals) {
     table.add(fmt::format("table5.{}.{}", state, symbol), words, unit, published, median(found),
@@ -108,7 +108,7 @@ std::string_view name(io::Layer layer) {
 /// Figure 9 shows where the largest errors of one machine stand.
 void add_figure9(const Robot& robot, const io::PublishedHuang2016::Figures& published, const Largest& twins,
                  Rows& rows) {
-  Table table(rows, "Figure 9: share of twins worst where the paper's machine was");
+  Table table(rows, "Figure 9: fraction of twins with the largest error where the paper's machine had it");
   const auto add = [&](const char* id, const char* error, const std::vector<Place>& places, io::Layer layer) {
     add_share(table, id, fmt::format("{} error, {} rim", error, name(layer)),
               share(places, robot.workspace().radius, layer));
@@ -121,10 +121,11 @@ void add_figure9(const Robot& robot, const io::PublishedHuang2016::Figures& publ
 /// The concluding tilt and where it was found, among machines within Table 2's tolerances.
 void add_tilt(const Robot& robot, const io::PublishedHuang2016::Figures& published, const Tilts& tilts, Rows& rows) {
   const auto reached = std::ranges::count_if(tilts.bottom, [&](double tilt) { return tilt >= published.tilt; });
-  Table table(rows, "Tilt within Table 2's tolerances: share of twins as the paper's machine",
-              fmt::format("half of the twins stay below {:.3f}/100; readings of tilt are not allowed for, since the "
-                          "distance between the paper's two reflectors is not printed",
-                          100.0 * median(tilts.bottom)));
+  Table table(
+      rows, "Tilt within Table 2's tolerances: fraction of twins that agree with the paper's machine",
+      fmt::format("half of the twins stay below {:.3f}/100; noise of tilt readings is not included, because the "
+                  "paper does not state the distance between its two reflectors",
+                  100.0 * median(tilts.bottom)));
   add_share(table, "tilt.reached", fmt::format("tilt of {:.3f}/100 reached in the bottom layer", 1e2 * published.tilt),
             proportion(static_cast<std::uint64_t>(reached), tilts.bottom.size(), kConfidence));
   add_share(table, "tilt.bottom", fmt::format("largest tilt of all layers, {} rim", name(published.tilted_most)),

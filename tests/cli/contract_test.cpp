@@ -358,7 +358,7 @@ TEST(ReproduceCommand, CountsWhatItPrints) {
                               all, printed["reproduced"], printed["not contradicted"], printed["not reproduced"],
                               printed["cannot be tested"]));
   EXPECT_THAT(result.out, HasSubstr("half a unit of the last printed digit"));
-  EXPECT_THAT(result.out, HasSubstr("why not all: "));
+  EXPECT_THAT(result.out, HasSubstr("    cause: "));
 }
 
 TEST(Program, AnswersHelpAndVersion) {

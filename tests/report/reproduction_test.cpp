@@ -95,7 +95,7 @@ TEST(ReproductionRule, AWrongSignNeverPasses) {
       }
     }
   }
-  EXPECT_THAT(judge(-1.0, 1.0, 0.1).reason, HasSubstr("other sign"));
+  EXPECT_THAT(judge(-1.0, 1.0, 0.1).reason, HasSubstr("opposite sign"));
   EXPECT_EQ(judge(0.02, 0.01, 0.06).finding, Finding::cannot_be_tested);
 }
 

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "paracal/io/published.hpp"
 #include "paracal/report/error_map.hpp"
@@ -28,12 +29,12 @@ std::string row_text(const ReproductionRow& row) {
   return row.ok() ? line : line + "      " + reason + "\n";
 }
 
-/// The rows of one table, and why, where some do not come out.
+/// The rows of one table, and the cause where some are not reproduced.
 std::string table_text(std::span<const ReproductionRow> rows) {
   std::string text = "\n" + rows.front().table + "\n", cause;
   for (const ReproductionRow& row : rows) {
     text += row_text(row);
-    if (!row.cause.empty()) cause = "    why not all: " + row.cause + "\n";
+    if (!row.cause.empty()) cause = "    cause: " + row.cause + "\n";
   }
   return text + cause;
 }
@@ -50,14 +51,15 @@ std::string rows_text(std::span<const ReproductionRow> rows) {
 }
 
 std::string table(const Reproduction& reproduction) {
-  std::string text = "published numbers beside ours, by one rule:\n";
+  std::string text = "published numbers compared with ours, all by one rule:\n";
   for (const std::string& sentence : report::rule_in_words()) text += "- " + sentence + "\n";
-  return text + rows_text(reproduction.rows) +
-         fmt::format(
-             "\n{} published numbers: {} reproduced, {} not contradicted, {} not reproduced, {} cannot be tested\n",
-             reproduction.rows.size(), reproduction.count(Finding::reproduced),
-             reproduction.count(Finding::not_contradicted), reproduction.count(Finding::not_reproduced),
-             reproduction.count(Finding::cannot_be_tested));
+  text += rows_text(reproduction.rows) + fmt::format("\n{} published numbers", reproduction.rows.size());
+  const char* mark = ": ";
+  for (const Finding finding :
+       {Finding::reproduced, Finding::not_contradicted, Finding::not_reproduced, Finding::cannot_be_tested}) {
+    text += fmt::format("{}{} {}", std::exchange(mark, ", "), reproduction.count(finding), name(finding));
+  }
+  return text + "\n";
 }
 
 io::Json row_json(const ReproductionRow& row) {
