@@ -75,9 +75,9 @@ TEST_F(Demo, SaysWhatTheFilesSay) {
   for (const char* telling : {"calibration of huang2016: accepted", "validation: accepted"}) {
     EXPECT_THAT(shown, testing::Contains(telling));
   }
-  EXPECT_THAT(result.out, HasSubstr("drawn from the tolerances; noise 0.017 mm, three visits a pose.\n"));
-  EXPECT_THAT(result.out, HasSubstr(fmt::format("\n{} files are in paracal-demo; look at report.html there.\n"
-                                                "The same by hand: cd paracal-demo && sh commands.sh\n",
+  EXPECT_THAT(result.out, HasSubstr("within the tolerances and measure it: noise 0.017 mm, three visits per pose.\n"));
+  EXPECT_THAT(result.out, HasSubstr(fmt::format("\n{} files are in paracal-demo; open report.html there.\n"
+                                                "To repeat the commands: cd paracal-demo && sh commands.sh\n",
                                                 made.size())));
   EXPECT_THAT(result.err, IsEmpty());
 }

@@ -32,34 +32,34 @@ struct Step {
   }
 };
 
-/// From a plan to a compensated controller.
+/// From the choice of poses to a compensated controller.
 /// @param seed  of the machine, its check and its noise.
 std::vector<Step> steps_of(const std::string& robot, std::uint64_t seed) {
   const std::string tracker = "--noise-mm 0.017 --repeats 3 --frame random";
   return {
-      {"Which 20 poses tell the most about the machine?",
+      {"Choose the 20 poses that determine the errors best.",
        fmt::format("poses --robot {} --optimal 20 --candidates 2000 --out plan.csv", robot)},
-      {"A tracker measures them: a virtual machine, drawn from the tolerances; noise 0.017 mm, three visits a pose.",
+      {"Simulate a machine within the tolerances and measure it: noise 0.017 mm, three visits per pose.",
        fmt::format("simulate --poses plan.csv --seed {} {} --truth truth.toml --out measured.csv", seed + 6, tracker)},
-      {"Which errors does the machine have, and how sure is that?",
+      {"Identify the errors of the machine, with their uncertainty.",
        "calibrate --measurements measured.csv --out calibration.json",
        "calibration.txt",
-       {"calibration of", "  in use", "  residuals"}},
-      {"30 other poses, to see what the calibration is worth where it saw nothing.",
+       {"calibration of", "uncertainty over the workspace", "  uncertainty over the workspace", "  residuals"}},
+      {"Choose 30 other poses to check the calibration.",
        fmt::format("poses --robot {} --optimal 30 --candidates 2000 --criterion D --seed 2 --out check_plan.csv",
                    robot)},
-      {"The tracker measures the same machine there.",
+      {"Simulate measurements of the same machine at these poses.",
        fmt::format("simulate --poses check_plan.csv --errors truth.toml --seed {} {} --out check.csv", seed + 7,
                    tracker)},
-      {"Is it good enough now?",
+      {"Check the calibration against these measurements: is every error below 0.1 mm?",
        "validate --calibration calibration.json --measurements check.csv --limit-mm 0.1",
        "validation.txt",
        {"validation", "  largest errors", "  distance to home", "  position", "  distance error"}},
-      {"Joint angles that compensate, for these poses.",
+      {"Compute compensated joint angles for these poses.",
        "compensate --calibration calibration.json --poses check_plan.csv --out joints.csv"},
-      {"The compensation for a controller, in C.",
+      {"Export the compensation as C code for a controller.",
        "export --calibration calibration.json --target c99 --out compensator.h"},
-      {"A page to look at.", "report --calibration calibration.json --measurements check.csv --out report.html"}};
+      {"Write the HTML report.", "report --calibration calibration.json --measurements check.csv --out report.html"}};
 }
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -79,7 +79,7 @@ struct Demonstration {
 };
 
 std::string script_of(const std::vector<Step>& steps) {
-  std::string script = "#!/bin/sh\n# What paracal demo did, to be repeated: sh commands.sh\n";
+  std::string script = "#!/bin/sh\n# The commands of paracal demo. Repeat them: sh commands.sh\n";
   for (const Step& step : steps) script += fmt::format("\n# {}\n{}\n", step.what, step.shell_line());
   return script;
 }
@@ -117,7 +117,7 @@ std::string text_of(const Demonstration& all, const fs::path& folder) {
   }
   const std::string quoted = shell_word(folder.string());
   return text +
-         fmt::format("\n{} files are in {}; look at report.html there.\nThe same by hand: cd {} && sh commands.sh\n",
+         fmt::format("\n{} files are in {}; open report.html there.\nTo repeat the commands: cd {} && sh commands.sh\n",
                      all.files.size(), folder.string(), quoted);
 }
 
@@ -139,7 +139,7 @@ std::string robot_of(const Command& command) {
   std::string name = robot->values().front();
   const auto names = catalogue::names();
   if (std::ranges::find(names, name) != names.end()) return name;
-  throw WrongUsage(fmt::format("demo: --robot: expected a name of the catalogue (paracal robot --list), got {}", name));
+  throw WrongUsage(fmt::format("demo: --robot: expected a catalogue name (see paracal robot --list), got {}", name));
 }
 
 void run(const std::string& folder_name, const std::string& robot, Session& session) {

@@ -99,7 +99,7 @@ io::Json head(const Robot& robot, const Pose& pose) {
           {"parameters", parameters_json(robot)}};
 }
 
-/// All errors move and turn a plate with six freedoms: one matrix says how.
+/// All errors move and turn a plate with six degrees of freedom; one matrix describes both.
 void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& session) {
   const LinearModel model(robot);
   const Eigen::MatrixXd motion = of_own_sources(robot, model.rows(pose, {Quantity::position}));
@@ -122,13 +122,13 @@ void run(const std::vector<double>& numbers, Session& session) {
   if (robot.on_single_rods()) return run_with_six_freedoms(robot, pose, session);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {
-    throw MathematicsSaysNo(fmt::format("pose: {} does not reach ({:g}, {:g}, {:g}) mm at {:g} deg", robot.name(),
-                                        numbers[0], numbers[1], numbers[2], to_degrees(pose.rotation)));
+    throw MathematicsSaysNo(fmt::format("pose: no solution: {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg",
+                                        robot.name(), numbers[0], numbers[1], numbers[2], to_degrees(pose.rotation)));
   }
   if (!model.ok()) {
-    throw MathematicsSaysNo(
-        fmt::format("pose: the robot is singular there (reciprocal conditions {:.1e} and {:.1e}, limit {:.0e})",
-                    model.condition_dd, model.condition_ee, ErrorModel::kSmallestCondition));
+    throw MathematicsSaysNo(fmt::format(
+        "pose: no solution: the robot is singular there (reciprocal conditions {:.1e} and {:.1e}, limit {:.0e})",
+        model.condition_dd, model.condition_ee, ErrorModel::kSmallestCondition));
   }
   if (!session.json()) return session.print(report(robot, model));
   io::Json json = head(robot, pose);
