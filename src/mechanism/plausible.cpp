@@ -17,7 +17,7 @@ std::optional<std::string> complaint(std::string_view quantity, double value, co
 Range dimension(std::vector<double> all) {
   constexpr double kSmallest = 1e-6, kLargest = 100.0;
   const double middle = detail::median(std::move(all));
-  return {kSmallest * middle, kLargest * middle, "mm", "beside the other dimensions"};
+  return {kSmallest * middle, kLargest * middle, "mm", "compared with the other dimensions"};
 }
 
 }  // namespace paracal::plausible

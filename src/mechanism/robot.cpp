@@ -78,8 +78,8 @@ void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
       const double gap = std::abs(std::remainder(azimuth[i] - azimuth[j], 2.0 * std::numbers::pi));
       if (gap < kSmallestAzimuthGap) {
         throw InvalidArgument(fmt::format(
-            "geometry.limb_azimuth_deg: limbs {} and {} stand at one azimuth ({:g} and {:g} deg), expected at least "
-            "{:g} deg between them",
+            "geometry.limb_azimuth_deg: expected at least {4:g} deg between limbs, got limbs {0} and {1} at "
+            "{2:g} and {3:g} deg",
             j + 1, i + 1, to_degrees(azimuth[j]), to_degrees(azimuth[i]), to_degrees(kSmallestAzimuthGap)));
       }
     }
@@ -95,7 +95,7 @@ void check_slide(Slide& slide, std::size_t limbs) {
   slide.axis.normalize();
   if (slide.sign.size() != limbs) {
     throw InvalidArgument(
-        fmt::format("plate.slide_sign: expected one sign a limb ({}), got {}", limbs, slide.sign.size()));
+        fmt::format("plate.slide_sign: expected one sign per limb ({}), got {}", limbs, slide.sign.size()));
   }
   double sum = 0.0;
   for (const double sign : slide.sign) {
@@ -105,7 +105,7 @@ void check_slide(Slide& slide, std::size_t limbs) {
     sum += sign;
   }
   if (std::abs(sum) == static_cast<double>(limbs)) {
-    throw InvalidArgument("plate.slide_sign: expected both signs, got one: such a slide only shifts the plate");
+    throw InvalidArgument("plate.slide_sign: expected both signs, got one (the slide would only shift the plate)");
   }
 }
 
@@ -205,8 +205,9 @@ void check_intended(const RobotDescription& robot) {
             fmt::format("limb: expected a number for {} of limb {}", name(source, actuator), limb + 1));
       }
       if (!tilts_plate(source, actuator) || robot.intended(limb, source) == 0.0) continue;
-      throw InvalidArgument(fmt::format("limb: expected no {} of limb {}: nobody intends a plate that tilts",
-                                        name(source, actuator), limb + 1));
+      throw InvalidArgument(
+          fmt::format("limb: expected no {} of limb {} (it would tilt the plate by design); state it in [[error]]",
+                      name(source, actuator), limb + 1));
     }
     if (auto complaint = absurd_length(robot.geometry, robot.intended, limb)) {
       throw InvalidArgument(fmt::format("limb: {}", *complaint));
@@ -218,7 +219,7 @@ void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
   if (on_single_rods(description.geometry.actuator)) {
     detail::check_single_rods(description.geometry);
-    if (has_slide) throw InvalidArgument("plate: expected no slide on a plate on limbs with one rod");
+    if (has_slide) throw InvalidArgument("plate: expected no slide with limbs of one rod");
     return;
   }
   check_lengths(description.geometry);
@@ -241,7 +242,7 @@ Machine checked_nominal(RobotDescription& description) {
   const auto is_limit = [](double value) { return value > 0.0 && std::isfinite(value); };
   if (const auto& limits = description.joint_limits;
       limits && !(is_limit(limits->speed) && is_limit(limits->acceleration))) {
-    throw InvalidArgument("joints: expected a largest speed and a largest acceleration above 0");
+    throw InvalidArgument("joints: expected a largest speed and acceleration above 0");
   }
   Machine nominal = build(description, SourceErrors{});
   check_reach(nominal, description.workspace);

@@ -63,8 +63,8 @@ void require_hold(const Machine& machine, const Hold& rows, const Pose& pose) {
   const Eigen::VectorXd values = rows.jacobiSvd().singularValues();
   if (values(values.size() - 1) > kHeld * values(0)) return;
   throw InvalidArgument(
-      fmt::format("workspace: the rods do not hold the plate at {}: it could move with all of them as they are "
-                  "(singular; {:.1g} of how the stiffest motion is held)",
+      fmt::format("workspace: singular at {}: the plate could move although no rod changes its length "
+                  "(smallest singular value {:.1g} of the largest)",
                   standing(machine, pose), values(values.size() - 1) / values(0)));
 }
 
@@ -81,8 +81,8 @@ void require_one_side(const Machine& machine, const Pose& centre, const Pose& po
     const Limb& limb = machine.limbs[i];
     if (side_of_arm(limb, centre) * side_of_arm(limb, pose) > 0.0) continue;
     throw InvalidArgument(fmt::format(
-        "limb: expected arm_at_zero of limb {} to say which of two ways its arm goes; somewhere between the "
-        "centre of the workspace and {} both are as near to it, and the arm would jump",
+        "limb: expected an arm_at_zero of limb {} that selects one of the two arm positions everywhere; between the "
+        "centre of the workspace and {} both are equally near to it, and the arm would jump",
         i + 1, standing(machine, pose)));
   }
 }
@@ -170,7 +170,8 @@ void check_freedoms(const PlateFreedoms& freedoms, std::size_t limbs) {
     throw InvalidArgument(fmt::format("plate.freedoms: expected x and y among them, got {}", in_words(freedoms)));
   }
   if (limbs == freedoms.count()) return;
-  const std::string of = freedoms.count() == kMaxLimbs ? "six freedoms" : "freedoms " + in_words(freedoms);
+  const std::string of =
+      freedoms.count() == kMaxLimbs ? "six degrees of freedom" : "degrees of freedom " + in_words(freedoms);
   throw InvalidArgument(
       fmt::format("limb: expected {} limbs with one rod for a plate with {}, got {}", freedoms.count(), of, limbs));
 }
@@ -216,8 +217,8 @@ void check_single_rods(const Geometry& geometry) {
     check_drive(geometry.actuator, limb, i + 1);
     for (std::size_t j = 0; j < i; ++j) {
       if (!is_alike(limb, limbs[j])) continue;
-      throw InvalidArgument(fmt::format("limb: expected limbs of their own, got limbs {} and {} both from {} to {}",
-                                        j + 1, i + 1, place(limb.base), place(limb.plate)));
+      throw InvalidArgument(fmt::format("limb: expected different limbs, got limbs {} and {} both from {} to {}", j + 1,
+                                        i + 1, place(limb.base), place(limb.plate)));
     }
   }
 }
@@ -227,7 +228,7 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   if (freedoms.holds_z() ? workspace.height != 0.0 : !(workspace.height > 0.0)) {
     throw InvalidArgument(
         fmt::format("workspace.height_mm: expected {}, got {:g} mm",
-                    freedoms.holds_z() ? "nothing, or 0, of a plate that stays in its plane" : "a length above 0 mm",
+                    freedoms.holds_z() ? "nothing or 0 for a plate that stays in its plane" : "a length above 0 mm",
                     workspace.height));
   }
   if (!std::isfinite(workspace.top_z) || !std::isfinite(bottom)) {
@@ -235,15 +236,16 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   }
   if (!freedoms.holds_z() && !(workspace.top_z < 0.0 || bottom > 0.0)) {
     throw InvalidArgument(
-        fmt::format("workspace.top_z_mm: expected a workspace above the base, or one below, got z from {} to {} mm",
-                    bottom, workspace.top_z));
+        fmt::format("workspace.top_z_mm: expected a workspace above or below the base, got z from {} to {} mm", bottom,
+                    workspace.top_z));
   }
   if (!(workspace.max_tilt >= 0.0) || !(workspace.max_tilt < 0.5 * std::numbers::pi)) {
     throw InvalidArgument(fmt::format("workspace.tilt_deg: expected at least 0 and less than 90 deg, got {:g}",
                                       to_degrees(workspace.max_tilt)));
   }
   if (workspace.max_tilt > 0.0 && !freedoms.tilt()) {
-    throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate whose freedoms are " + in_words(freedoms));
+    throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate with the degrees of freedom " +
+                          in_words(freedoms));
   }
 }
 
@@ -259,8 +261,8 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
     require_one_side(machine, centre, pose);
     if (rows.determinant() * side > 0.0) continue;
     throw InvalidArgument(fmt::format(
-        "workspace: the rods do not hold the plate somewhere between its centre and {} (singular: there it would go "
-        "through a pose in which it could move with all of them as they are)",
+        "workspace: singular between its centre and {}: there the plate could move although no rod changes its "
+        "length",
         standing(machine, pose)));
   }
 }
@@ -268,7 +270,8 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
 std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_t limb) {
   const double growth = kGainLength + errors(limb, Source::gain);
   if (growth > 0.0) return std::nullopt;
-  return fmt::format("expected the drive of limb {} to go forward with its joint, got {:g} mm/m", limb + 1, growth);
+  return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", limb + 1,
+                     growth);
 }
 
 std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {

@@ -79,9 +79,10 @@ void list_assumed(Tolerances& tolerances, Actuator actuator) {
   const std::string generous = listed(tolerances, Origin::generous, actuator);
   const std::string exact = listed(tolerances, Origin::exact, actuator);
   if (!generous.empty()) {
-    tolerances.assumed.push_back("tolerances that nobody states, generous defaults (half-widths): " + generous);
+    tolerances.assumed.push_back("default tolerances (half-widths; set yours with --tolerances): " + generous);
   }
-  if (!exact.empty()) tolerances.assumed.push_back("tolerances that a table takes for zero, unlisted: " + exact);
+  if (!exact.empty())
+    tolerances.assumed.push_back("tolerances set to zero because the table does not list them: " + exact);
 }
 
 namespace {

@@ -317,7 +317,7 @@ const std::vector<BrokenInput> kCalibrations{
                {"tolerances.toml:4: ", "measured.rod_mean_mm within 1525", "got -1e+300"}),
     tolerances("negative", "theta_offset_deg = -1\n", {"tolerances.toml:1: ", "theta_offset_deg", "-1"}),
     tolerances("drawing_of_another_size", "e_mm = 1\narm_length_mm = \"376 +- 0.04\"\n",
-               {"tolerances.toml:2: ", "\"375 +- H\"", "the robot's is 375 mm"}),
+               {"tolerances.toml:2: ", "\"375 +- H\"", "the robot's size is 375 mm"}),
     tolerances("unknown_key", "theta_offset_rad = 0.01\n", {"tolerances.toml:1: ", "theta_offset_rad"}),
     tolerances("toml_syntax", "theta_offset_deg 1\n", {"tolerances.toml:1: ", "expected TOML"}),
 };

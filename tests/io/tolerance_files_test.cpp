@@ -88,7 +88,7 @@ TEST(ToleranceFile, WhatNobodyStatesStaysUnstated) {
   const Robot robot = catalogue::huang2016();
   const Robot again = read_robot({"r.toml", robot_toml(robot)});
   EXPECT_THAT(robot.tolerances()->assumed,
-              ElementsAre(AllOf(HasSubstr("nobody states"), HasSubstr("theta_offset 1.5 deg, e 3 mm"),
+              ElementsAre(AllOf(HasSubstr("default tolerances"), HasSubstr("theta_offset 1.5 deg, e 3 mm"),
                                 HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr("alpha2")))));
   EXPECT_EQ(again.tolerances()->assumed, robot.tolerances()->assumed);
   EXPECT_THROW(read(kAll + "beta2_deg = 1\ngenerous = [\"gamma_deg\"]\n"), InputFileError);
@@ -127,7 +127,7 @@ TEST(ToleranceFile, WhatNoDrawingSaysIsRefusedWithItsLine) {
   refused(
       "arm_length_mm = \"376 +- 0.04\"",
       "arm_length_mm: expected a number, \"IT8\" or \"375 +- H\" (bore distance of the arm), got \"376 +- 0.04\": the "
-      "robot's is 375 mm");
+      "robot's size is 375 mm");
   refused("theta_offset_deg = \"IT8\"", "theta_offset_deg: expected a number, got \"IT8\": an encoder's zero");
   refused("alpha2_deg = \"perpendicularity 0.02/100\"", "leaves this turn free");
   refused("e_mm = \"IT8\"", "e_mm: expected a number or \"position dia T\" (base joint)");
@@ -164,7 +164,7 @@ TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
       [&] {
         read_robot({"r.toml", text});
       },
-      testing::ThrowsMessage<InputFileError>(HasSubstr("the robot's is 950 mm")));
+      testing::ThrowsMessage<InputFileError>(HasSubstr("the robot's size is 950 mm")));
 }
 
 TEST(Tolerances, ThePaperStatesTable2Alone) {

@@ -98,8 +98,8 @@ TEST(Robot, DrivesGoForward) {
     errors(1, Source::gain) = -1000.0;
     EXPECT_THAT(*implausible(robot, errors), testing::HasSubstr("gain of limb 2 within 1000 mm/m")) << name;
     description.intended(1, Source::gain) = -1000.0;
-    EXPECT_THAT([&] { Robot{description}; },
-                testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("drive of limb 2 to go forward")))
+    EXPECT_THAT([&] { Robot{description}; }, testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr(
+                                                 "drive of limb 2 to move in the direction of its joint")))
         << name;
   }
 }

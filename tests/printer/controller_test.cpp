@@ -212,7 +212,8 @@ TEST(PrinterController, CorrectsProgramsForAnUnchangedFirmware) {
 TEST(PrinterTolerances, OfCarriagesTakeTheirDrivesForExact) {
   const Tolerances carriages = printer_tolerances(catalogue::linear_delta().geometry());
   EXPECT_EQ(carriages[Source::gain], 0.0);
-  EXPECT_THAT(carriages.assumed, testing::Contains(testing::EndsWith("takes for zero, unlisted: gain")));
+  EXPECT_THAT(carriages.assumed,
+              testing::Contains(testing::EndsWith("set to zero because the table does not list them: gain")));
   EXPECT_EQ(printer_tolerances(catalogue::rotary_delta().geometry()).assumed.size(), 1u);
 }
 
