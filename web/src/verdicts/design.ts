@@ -12,7 +12,7 @@ export function ofAnalysis(analysis: Analysis): Verdict {
   return {
     yes: analysis.converged && kept,
     says: !analysis.converged ? text.no.converged : kept ? text.yes.analysis : text.no.analysis,
-    sentence: `${text.yield}: ${percent(share.value, 4)} of ${analysis.machines} drawn (${analysis.model} model).`,
+    sentence: `${text.yield}: ${percent(share.value, 4)}. ${text.simulated(String(analysis.machines), analysis.model)}`,
     cards: [
       card(text.yield, [percent(share.value, 4)], [text.interval(percent(share.low, 4), percent(share.high, 4), analysis.confidence)]),
       ...requirements.map((one) => {
