@@ -54,7 +54,7 @@ TEST(ToleranceFile, OthersAreGenerousWhereItSaysSo) {
   EXPECT_EQ(tolerances[Source::e_z], 0.1);
   EXPECT_EQ(tolerances[Source::theta_offset], generous_tolerances(kGeometry)[Source::theta_offset]);
   ASSERT_EQ(tolerances.assumed.size(), 1u);
-  EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("generous"), HasSubstr("theta_offset 1.5 deg"),
+  EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("default tolerances"), HasSubstr("theta_offset 1.5 deg"),
                                            HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr(" e "))));
 }
 
@@ -129,7 +129,7 @@ TEST(ToleranceFile, WhatNoDrawingSaysIsRefusedWithItsLine) {
       "arm_length_mm: expected a number, \"IT8\" or \"375 +- H\" (bore distance of the arm), got \"376 +- 0.04\": the "
       "robot's size is 375 mm");
   refused("theta_offset_deg = \"IT8\"", "theta_offset_deg: expected a number, got \"IT8\": an encoder's zero");
-  refused("alpha2_deg = \"perpendicularity 0.02/100\"", "leaves this turn free");
+  refused("alpha2_deg = \"perpendicularity 0.02/100\"", "this does not limit the rotation");
   refused("e_mm = \"IT8\"", "e_mm: expected a number or \"position dia T\" (base joint)");
   refused("e_mm = [0.1, 0.1, 0.1]", "expected a number for e_mm, got an array");
 }

@@ -247,11 +247,11 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "x"])", "expected each name once");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "z"])", "expected x and y among plate.freedoms, got x, z");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "y", "tilt_z"])",
-                 "expected 3 limbs with one rod for a plate with freedoms x, y, tilt_z, got 2");
+                 "expected 3 limbs with one rod for a plate with degrees of freedom x, y, tilt_z, got 2");
   expect_refused("five-bar", freedoms, "slide_axis = [1.0, 0.0, 0.0]", "plate.freedoms");
-  expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\nheight_mm = 10",
-                 "nothing, or 0, of a plate that stays");
-  expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\ntilt_deg = 5", "expected nothing for a plate whose");
+  expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\nheight_mm = 10", "nothing or 0 for a plate that stays");
+  expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\ntilt_deg = 5",
+                 "expected nothing for a plate with the degrees of freedom x, y");
   expect_refused("five-bar", "radius_mm = 60", "radius_mm = 160", "cannot reach");
   expect_refused("3-rrr", "tilt_deg = 15", "tilt_deg = 80", "workspace");
   expect_refused("five-bar", "arm_at_zero = [-0.7, 0.7, 0.0]", "arm_at_zero = [0.3, 1.0, 0.0]", "the arm would jump");

@@ -125,9 +125,9 @@ TEST(DrawingStatement, WhatIsNoStatementIsRefused) {
 
 TEST(DrawingStatement, WhyItCannotBeIsSaid) {
   expect_refused("H7", Source::arm_length, {"of a fit"});
-  expect_refused("perpendicularity 0.02/100", Source::alpha2, {"leaves this turn free"});
-  expect_refused("angularity 0.02/100", Source::alpha2, {"neither parallel nor square"});
-  expect_refused("parallelism 0.02/100", Source::beta0, {"leaves this turn free"});
+  expect_refused("perpendicularity 0.02/100", Source::alpha2, {"this does not limit the rotation"});
+  expect_refused("angularity 0.02/100", Source::alpha2, {"angularity does not apply"});
+  expect_refused("parallelism 0.02/100", Source::beta0, {"this does not limit the rotation"});
   expect_refused("IT0", Source::rod_mean, {"ISO 286-1 has no IT0 at 950 mm"});
   expect_refused("IT8 IT7", Source::arm_length, {"remove \"IT7\""});
   expect_refused("IT8", Source::theta_offset, {"an encoder's zero is set on the machine"});
@@ -148,7 +148,7 @@ TEST(DrawingStatement, ALengthOfNothingHasNoGrade) {
 TEST(DrawingStatement, UnlikeLimbsHaveGradesOfTheirOwnSizes) {
   const Robot robot = unlike();
   EXPECT_DOUBLE_EQ(half_width("IT7", Source::rod_mean, robot), 0.105 / 2);  // 1003 mm, the wider one
-  expect_refused("998 +- 0.04", Source::rod_mean, {"998 to 1003 mm", "unlike"}, robot);
+  expect_refused("998 +- 0.04", Source::rod_mean, {"998 to 1003 mm", "the limbs differ"}, robot);
   const DrawingStatement said = on_a_drawing(0.105 / 2, feature(Source::rod_mean, robot));
   EXPECT_EQ(said.statement, "IT7");
   EXPECT_EQ(said.text, "joint distance of each rod +- 0.0525 (IT7)");

@@ -157,20 +157,20 @@ of("calibration", "numbers in the page are those of the JSON", async (page) => {
     near(U, expanded);
   });
   const cards = await page.locator(".card").allTextContents();
-  const inUse = Number(cards[0].match(/\u00b1\s*([\d.]+)/)[1]); // U in use comes first, to two digits
-  assert.ok(cards[0].startsWith("In use") && Math.abs(inUse - printed.use.distance_mm.U) <= 0.051 * printed.use.distance_mm.U, cards[0]);
+  const inUse = Number(cards[0].match(/\u00b1\s*([\d.]+)/)[1]); // U over the workspace comes first, to two digits
+  assert.ok(cards[0].startsWith("U over the workspace") && Math.abs(inUse - printed.use.distance_mm.U) <= 0.051 * printed.use.distance_mm.U, cards[0]);
   const [from, to] = cards.find((text) => text.startsWith("Residuals of distances")).match(/[\d.]+/g).map(Number);
   assert.ok(Math.abs(from - printed.before.max_abs_distance_mm) < 0.051 && Math.abs(to - printed.after.max_abs_distance_mm) < 0.051, cards.join());
   assert.equal(await page.locator(".verdict").count(), 1);
   for (const one of printed.assumed) assert.ok((await page.locator(".notes").allTextContents()).join().includes(one), one);
 });
 
-of("calibration", "a reading that contradicts the others is named and left out", async (page) => {
+of("calibration", "an outlier is named and excluded", async (page) => {
   const { results } = await dataOf(page);
   const [worst] = results.calibration.suspects;
   assert.ok(worst.excluded);
   const row = await page.locator("#residuals table tbody tr").first().allTextContents();
-  assert.ok(row[0].startsWith(worst.reading) && row[0].endsWith("left out"), row[0]);
+  assert.ok(row[0].startsWith(worst.reading) && row[0].endsWith("excluded"), row[0]);
 });
 
 for (const kind of ["printer", "keep"]) {
@@ -180,7 +180,7 @@ for (const kind of ["printer", "keep"]) {
   });
 }
 
-for (const [kind, are, are_not] of [["yield", /Machines within the limits: \d+ of 30/, /null/], ["unlimited", /\d+ machines, without limits/, /within the limits|null/]]) {
+for (const [kind, are, are_not] of [["yield", /Machines within the limits: \d+ of 30/, /null/], ["unlimited", /\d+ machines; no limits are stated/, /within the limits|null/]]) {
   of(kind, "what was assumed is noted, and without limits nothing is said to keep them", async (page) => {
     const { results } = await dataOf(page), header = await page.locator("#verdict").textContent();
     assert.ok(results.yield.assumed[0].includes("theta_offset"));
