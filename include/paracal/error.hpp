@@ -6,16 +6,16 @@
 
 namespace paracal {
 
-/// Root of everything this library throws. It is thrown only for what the caller or a file got wrong, at construction
-/// or load; numerical outcomes (unreachable, singular, not converged) are statuses in results.
+/// Base class of all exceptions of this library. They report only mistakes of the caller or in a file, at construction
+/// or load. Numerical results (unreachable, singular, not converged) have a status instead.
 class Error : public std::runtime_error {
  public:
-  /// @param message  is kept as printable().
+  /// @param message  is stored as printable().
   explicit Error(const std::string& message);
 };
 
-/// An argument that cannot be meant: a negative length, a NaN, two limbs at one azimuth. The message names the
-/// quantity, the value that came and the limit that it breaks, with units.
+/// An invalid argument: a negative length, a NaN, two limbs at one azimuth. The message states the quantity, its value
+/// and the violated limit, with units.
 class InvalidArgument : public Error {
   using Error::Error;
 };
@@ -25,11 +25,11 @@ class Unreachable : public Error {
   using Error::Error;
 };
 
-/// A file that cannot be used. The message reads `file:line: expected ..., got ...`; the line is omitted if the
-/// whole file is wrong.
+/// A file that cannot be used. The message reads `file:line: expected ..., got ...`; without the line if it concerns
+/// the whole file.
 class InputFileError : public Error {
  public:
-  /// @param line  from 1; 0 if the whole file is wrong.
+  /// @param line  from 1; 0: the whole file.
   InputFileError(const std::string& file, int line, const std::string& complaint);
 
   const std::string& file() const { return file_; }
@@ -40,14 +40,14 @@ class InputFileError : public Error {
   int line_;
 };
 
-/// The first character that a terminal obeys instead of showing it (those that turn round the order of others among
-/// them); tabulators are none. Empty where there is none.
+/// The first control character (including those that change the direction of text), except tabs. Empty if there is
+/// none.
 std::string_view control_character(std::string_view text);
 
 /// Bytes as \x1b.
 std::string escaped(std::string_view bytes);
 
-/// A message as a terminal may show it: control characters, which come from files, as \x1b, and at most 2000
+/// A message that is safe for a terminal: control characters as \x1b, at most 2000
 /// characters.
 std::string printable(std::string_view message);
 

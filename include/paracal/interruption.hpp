@@ -4,9 +4,9 @@
 
 namespace paracal {
 
-/// While one lives, what its thread computes by this library calls `check` at once and about every 50 ms, on that
-/// thread. What `check` throws ends the computation and reaches the caller; nothing else of it remains. The one that
-/// lived before counts again afterwards.
+/// While an object exists, computations of its thread call `check` at once and about every 50 ms, on that
+/// thread. An exception of `check` stops the computation and reaches the caller, without other effects. Afterwards the
+/// previous object is active again.
 class Interruptible {
  public:
   explicit Interruptible(std::function<void()> check);
@@ -19,8 +19,8 @@ class Interruptible {
   const std::function<void()>* before_;
 };
 
-/// For loops that may last: calls the check of the thread's Interruptible where there is one and it is time. Not for
-/// what a library in C calls back, which no exception can leave.
+/// For long loops: calls the check of the thread's Interruptible, if there is one and 50 ms have passed. Not for
+/// callbacks from C libraries, which do not allow exceptions.
 void let_interrupt();
 
 }  // namespace paracal

@@ -1,7 +1,7 @@
 #pragma once
 
-// The whole library but for JSON (paracal/io/json.hpp and the headers of paracal/report/ that include it), which needs
-// nlohmann-json, and paracal/mechanism/machine_impl.hpp, which is for scalars of one's own.
+// The whole library except JSON (paracal/io/json.hpp and the headers of paracal/report/ that include it), which needs
+// nlohmann-json, and paracal/mechanism/machine_impl.hpp, which is for other scalar types.
 
 #include "paracal/batch/batch.hpp"
 #include "paracal/batch/error_spread.hpp"

@@ -7,12 +7,12 @@
 
 namespace paracal {
 
-/// The known word nearest to an unknown one, by letters inserted, omitted, changed or swapped with their neighbours. At
-/// most one such change is allowed, or one per three letters of the word; hyphens do not count.
-/// Empty if no word is that near.
+/// The known word that an unknown one probably means: the one with the fewest letters inserted, omitted, changed or
+/// swapped with a neighbour. At most one such edit, or one per three letters; hyphens do not count.
+/// Empty if no word is near enough.
 std::optional<std::string> meant_by(std::string_view word, const std::vector<std::string>& known);
 
-/// " (did you mean WORD?)", or nothing: what messages end with.
+/// " (did you mean WORD?)" for the end of a message, or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace paracal

@@ -6,27 +6,27 @@
 
 namespace paracal {
 
-/// Which number of a machine.
+/// A quantity of a machine.
 struct Measure {
   ErrorKind kind = ErrorKind::distance;
   bool after = true;     ///< calibration
   bool used_up = false;  ///< instead: the largest error after calibration over its limit
 };
 
-/// How an error spreads over the machines of a batch, of which N are known to first order (l) and n of these exactly
-/// (g), too. The probability that an error is beyond x is what first order predicts, corrected by how that errs on the
-/// n  [angelopoulos2023],
+/// Distribution of an error over a batch of N machines, computed to first order (l); n of them also exactly (g). The
+/// probability of an error above x is the first-order prediction, corrected by its error on the n machines
+/// [angelopoulos2023]:
 ///
 ///   \f[ Q(x) = \lambda \bar p_{N-n} + \overline{(1[g > x] - \lambda p(l))}_n, \qquad \lambda = 1 - n / N \f]
 ///
-/// with p(l) the percentage of the n ratios g / l above x / l. Nothing is assumed of these: a bad prediction costs
-/// width, not truth. With V the variance of Q, the interval is that of a score test which counts one machine more that
-/// no prediction saw,
+/// with p(l) the fraction of the n ratios g / l above x / l. Their distribution is arbitrary: a bad prediction widens
+/// the interval, but causes no bias. With V the variance of Q, the interval is that of a score test with one additional
+/// unpredicted machine:
 ///
 ///   \f[ |Q - q| \le h = z^2 / 2n + \sqrt{(z^2 / 2n)^2 + z^2 V} \f]
 ///
-/// so that nothing is known better than n machines can tell: without surprises h = z^2 / n, as of a counted proportion
-/// [wilson1927]. Where all were made by produce(), n = N and this is the counted distribution. Scrap has no error; of
+/// So the interval is never narrower than n machines allow: without errors h = z^2 / n, as for a counted proportion
+/// [wilson1927]. If produce() computed all, n = N and this is the counted distribution. Scrap has no error; in
 /// `used_up` it does not pass.
 class ErrorSpread {
  public:
@@ -36,9 +36,9 @@ class ErrorSpread {
     double mean = 0.0, std = 0.0;
   };
   Moments moments() const;
-  /// Smallest value that at least this percentage does not exceed; NaN without machines.
+  /// Smallest value that at least this fraction does not exceed; NaN without machines.
   double quantile(double share) const;
-  /// Of all machines of which these are some. From 0 and to infinity where these machines cannot tell.
+  /// Interval for all possible machines. From 0, and to infinity if these machines are too few.
   Interval quantile_interval(double share, double confidence) const;
   /// Probability of errors below a value.
   Proportion share_within(double value, double confidence) const;
@@ -65,7 +65,7 @@ class ErrorSpread {
   std::vector<double> machines_by_bin() const;
 
   std::vector<Known> known_;
-  std::vector<Histogram::Bin> others_;  ///< machines known to first order alone
+  std::vector<Histogram::Bin> others_;  ///< machines computed only to first order
   std::vector<std::int64_t> shifts_;    ///< bins from linear to exact, ascending
   std::vector<double> larger_shifts_;   ///< percentage above shifts_.front(), above the next bin, ...
   double n_ = 0.0, closed_ = 0.0, rest_ = 0.0;

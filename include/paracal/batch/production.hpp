@@ -14,13 +14,13 @@
 
 namespace paracal {
 
-/// What a customer gets, as the largest over the validation poses (home first).
+/// Errors of a delivered machine: the largest over the validation poses (home first).
 enum class ErrorKind : std::uint8_t {
   distance,            ///< |d_rho|, mm
   volumetric,          ///< d_v, mm
   volumetric_aligned,  ///< |dr| after the rigid motion that fits best has been removed, mm
-  rotation,            ///< |d_phi|, or how far a plate with six freedoms is turned since home, rad; 0 for a rigid plate
-  tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate against how it was commanded, rad
+  rotation,            ///< |d_phi|, or rotation from home with six degrees of freedom, rad; 0 for a rigid plate
+  tilt,                ///< sqrt(tilt_x^2 + tilt_y^2) of the plate relative to the commanded tilt, rad
 };
 
 inline constexpr std::array kErrorKinds{ErrorKind::distance, ErrorKind::volumetric, ErrorKind::volumetric_aligned,
@@ -47,46 +47,46 @@ class PerErrorKind {
 /// Largest errors of one machine, mm and rad.
 using Accuracy = PerErrorKind<double>;
 
-/// How one machine of a batch is made, measured, calibrated and judged.
+/// Production, measurement, calibration and validation of one machine of a batch.
 struct ProductionPlan {
   Tolerances tolerances = {};           ///< of its parts
   std::vector<Station> stations = {};   ///< to measure; home first
   CalibrationOptions calibration = {};  ///< as the metrologist sets them
   VirtualInstrument instrument = {};
-  std::vector<Station> validation = {};             ///< home first; their poses are asked of the controller
+  std::vector<Station> validation = {};             ///< commanded poses, home first
   PerErrorKind<std::optional<double>> limits = {};  ///< of the errors after calibration, mm and rad; empty: none
 };
 
-/// Standard deviation of a coordinate that a metrologist may count on: a third of the positioning repeatability in
+/// Usual standard deviation of a coordinate: a third of the positioning repeatability in
 /// [huang2016, section 5.2], mm.
 inline constexpr double kUsualNoise = 0.017;
 
-/// Whether ErrorKind::rotation says anything of a robot.
+/// Whether ErrorKind::rotation applies to a robot.
 bool turns(const Robot& robot);
 
-/// The largest error over its limit; 0 without limits. A machine passes up to 1.
+/// The largest error divided by its limit; 0 without limits. A machine passes up to 1.
 double used_up(const Accuracy& accuracy, const PerErrorKind<std::optional<double>>& limits);
 
-/// Without limits nothing can be said about keeping them.
+/// Whether there are limits.
 bool has_limits(const ProductionPlan& plan);
 
 /// The paper's scheme: home and nine points on each of two rims measured with kUsualNoise, 120 poses to validate; the
-/// tolerances are the metrologist's priors, too. Of a plate with six freedoms full poses are read at 30 stations that
-/// select_stations() chooses, and the validation poses are tilted all ways (workspace_stations).
+/// tolerances are also the priors. Plates with six degrees of freedom: full poses at 30 stations from
+/// select_stations(), and validation poses with all tilts (workspace_stations).
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances);
 
-/// The plan with its automatic choices made, once for all machines: readings alike in kind carry the same stage.
-/// @throws Unreachable when the nominal robot does not reach a station, InvalidArgument for measurements that make no
-/// sense or a plan without stations to measure and to validate.
+/// The plan with its automatic choices, once for all machines: the kinds of readings determine the stage.
+/// @throws Unreachable if the nominal robot cannot reach a station, InvalidArgument for invalid measurements or a plan
+/// without stations to measure and to validate.
 ProductionPlan settled(const Robot& robot, ProductionPlan plan);
 
-/// How the making of a machine ended.
+/// Result for a machine.
 enum class Fate : std::uint8_t {
   accepted,          ///< calibrated; its controller is compensated
   rejected,          ///< as Verdict; the controller stays nominal
   not_identifiable,  ///< likewise
-  not_converged,     ///< likewise, or the numbers left the range where they mean something
-  does_not_close,    ///< some pose cannot be taken, or asked for after calibration: scrap, without any accuracy
+  not_converged,     ///< likewise, or the numbers are out of range
+  does_not_close,    ///< a pose is out of reach, before or after calibration: scrap
 };
 
 inline constexpr std::array kFates{Fate::accepted, Fate::rejected, Fate::not_identifiable, Fate::not_converged,
@@ -104,13 +104,13 @@ struct [[nodiscard]] MachineOutcome {
   bool operator==(const MachineOutcome&) const = default;
 };
 
-/// One virtual machine from tolerances to what a customer gets: errors drawn, stations measured, calibrated, controller
-/// compensated, validated. Compensation is exact:
+/// One simulated machine from tolerances to delivery: errors, measurements, calibration, compensated controller,
+/// validation. Compensation is exact:
 ///
 ///   q = inverse(build(robot, identified errors), commanded pose),   pose taken = forward(build(robot, errors), q)
 ///
-/// Everything random comes from stream `machine` of `seed`, so a machine does not depend on any other. What the numbers
-/// refuse is a fate, never an exception.
+/// Everything random comes from stream `machine` of `seed`, so a machine does not depend on any other. Numerical
+/// failures give a fate, not an exception.
 /// @param plan  settled().
 MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint64_t seed, std::uint64_t machine);
 

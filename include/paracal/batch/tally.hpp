@@ -20,7 +20,7 @@ struct ErrorBins {
 
 ErrorBins bins_of(const Accuracy& before, const Accuracy& after, const PerErrorKind<std::optional<double>>& limits);
 
-/// A machine computed both ways: to first order, and by produce().
+/// Paired simulation of a machine: to first order, and by produce().
 struct MachinePair {
   std::uint64_t machine = 0;
   Fate fate = Fate::does_not_close;
@@ -39,20 +39,20 @@ struct FirstOrderTally {
   void add(const FirstOrderTally& other);
 };
 
-/// What many machines add up to, in whole numbers alone: parts merged in any order are the same whole, to the last bit,
-/// in memory that does not depend on their number (but for pairs, which are few).
+/// Sums over many machines, in whole numbers: the result does not depend on the order of merging, to the last bit.
+/// Memory does not depend on the number of machines (except for the few pairs).
 struct Tally {
-  std::array<std::uint64_t, kFates.size()> fates{};  ///< of the machines that produce() made
+  std::array<std::uint64_t, kFates.size()> fates{};  ///< of the machines from produce()
   std::uint64_t passed = 0;                          ///< likewise
-  PerErrorKind<Histogram> before, after;             ///< of these but scrap and pairs, mm and rad
-  std::optional<FirstOrderTally> first_order = {};   ///< where most machines are computed to first order
+  PerErrorKind<Histogram> before, after;             ///< of these without scrap and pairs, mm and rad
+  std::optional<FirstOrderTally> first_order = {};   ///< if most machines are computed to first order
   std::vector<MachinePair> pairs = {};               ///< some of them, by number
 
   std::uint64_t& of(Fate fate) { return fates[static_cast<std::size_t>(fate)]; }
   std::uint64_t of(Fate fate) const { return fates[static_cast<std::size_t>(fate)]; }
-  /// That produce() made.
+  /// Number of machines from produce().
   std::uint64_t produced() const;
-  /// All of them.
+  /// Number of all machines.
   std::uint64_t machines() const { return first_order ? first_order->machines : produced(); }
 
   void add(const MachineOutcome& outcome);
@@ -60,11 +60,11 @@ struct Tally {
   void add(const Tally& other);
 };
 
-/// Probability that a machine passes: counted where produce() made all  [clopper-pearson1934], else by ErrorSpread.
+/// Probability that a machine passes: counted if produce() computed all  [clopper-pearson1934], else by ErrorSpread.
 Proportion yield(const Tally& tally, double confidence);
 
-/// Where none of the exact machines was rejected, not settled or scrap: what percentage may be so all the same, the
-/// upper end of the interval of none  [clopper-pearson1934]. Zero where all were made by produce().
+/// If no exact machine was rejected, not converged or scrap: upper end of the interval of this fraction
+/// [clopper-pearson1934]. Zero if produce() computed all machines.
 double unseen_share(const Tally& tally, double confidence);
 
 }  // namespace paracal

@@ -8,19 +8,19 @@
 
 namespace paracal {
 
-/// Where a machine puts its plate when its controller, which computes with another machine, is sent to a pose:
+/// Actual pose of a machine for a commanded pose, if its controller computes with another machine (`believed`):
 ///
-///   forward(actual, inverse(believed, commanded))
+///   `forward(actual, inverse(believed, commanded))`
 ///
-/// @param guess  near the answer, which saves the search for one; by default the commanded pose itself, within
-/// millimetres of it. Where the iteration does not settle from there, the general start of forward() decides.
-/// @returns empty when the believed machine does not reach the pose, or the actual one does not close there.
+/// @param guess  start near the solution, to save time; default: the commanded pose, which is within
+/// millimetres of it. If the iteration does not converge, forward() uses its general start.
+/// @returns empty if the controller's machine cannot reach the pose, or the actual one has no solution.
 /// Real-time: yes (no allocation, no exception, bounded loop).
 std::optional<PlateState> drive(const Machine& actual, const Machine& believed, const Pose& commanded,
                                 const std::optional<PlateState>& guess = std::nullopt) noexcept;
 
-/// How far a plate is turned away from a commanded pose, about x, y and z of {O}, rad: a turn's vector on struts, the
-/// plate's three angles where it is to stay level.
+/// Rotation of a plate relative to a commanded pose, about x, y and z of {O}, rad: a rotation vector on struts, the
+/// plate's three angles if it is level.
 Eigen::Vector3d turned_away(const Machine& machine, const Pose& commanded, const PlateState& plate) noexcept;
 
 }  // namespace paracal

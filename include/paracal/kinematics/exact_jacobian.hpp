@@ -6,16 +6,16 @@
 
 namespace paracal {
 
-/// Derivative of the exact plate state with respect to the source errors of all limbs, at a machine that already has
-/// errors. It is what identification needs where the linear model at zero error no longer holds; at zero error it
-/// holds the columns of G (error_model) divided by paper_scale, in the order of the sources.
+/// Derivatives of the plate state with respect to the geometric errors of all limbs, at a machine that already has
+/// errors. Identification uses it because the linear model is valid only near zero error. At zero error it
+/// contains the columns of G (error_model) divided by paper_scale, in the order of the errors.
 struct [[nodiscard]] ExactJacobian {
   static constexpr int kStates = kMaxLimbs + 3;
   static constexpr int kColumns = static_cast<int>(kSourceCount) * kMaxLimbs;
   /// Rows: position (mm), slide (mm; absent without one), tilt_x, tilt_y, tilt_z (rad).
   /// Columns: limb by limb, the sources in their order, per mm or per rad.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kStates, kColumns> plate;
-  bool ok = false;  ///< false at a singular closure; `plate` then holds nothing
+  bool ok = false;  ///< false at a singular closure; `plate` is then empty
 
   static Eigen::Index column(std::size_t limb, Source source) {
     return static_cast<Eigen::Index>(limb * kSourceCount + index(source));
@@ -31,7 +31,7 @@ struct [[nodiscard]] ExactJacobian {
 /// (measured: 6.5e-4).
 ///
 /// @param plate   the answer of forward(machine, joints).
-/// @param joints  believed joint coordinates, rad or mm. Real-time: yes.
+/// @param joints  commanded joint coordinates, rad or mm. Real-time: yes.
 ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept;
 
 }  // namespace paracal

@@ -10,10 +10,10 @@
 namespace paracal {
 
 enum class ForwardStatus : std::uint8_t {
-  converged,  ///< the plate stands here
-  strained,   ///< converged, but some rod would have to stretch by more than max_residual: the machine does not close
-  singular,   ///< the joints do not hold the plate; the plate state is where the iteration stopped
-  not_converged,  ///< max_iterations spent or left the real numbers; the plate state is where the iteration stopped
+  converged,      ///< the pose is the solution
+  strained,       ///< converged, but a rod-length residual is above max_residual: no exact solution
+  singular,       ///< the plate can move with fixed joints; the plate state is that of the last iteration
+  not_converged,  ///< max_iterations reached, or NaN; the plate state is that of the last iteration
 };
 
 struct ForwardOptions {
@@ -21,15 +21,15 @@ struct ForwardOptions {
       {};  ///< first guess; default: below the base at the closed-form depth of the joints
   int max_iterations = 50;
   double step_tolerance = 1e-9;  ///< mm (rotations count with half the parallelogram's width): stop below this step
-  double max_residual = 1.0;     ///< mm: above it a converged answer is called strained
+  double max_residual = 1.0;     ///< mm: above it a converged solution is `strained`
 };
 
-/// Exact pose of a machine with its evidence.
+/// Exact pose of a machine, with residuals.
 struct [[nodiscard]] ForwardResult {
   ForwardStatus status = ForwardStatus::not_converged;
   PlateState plate;
-  double residual = 0.0;  ///< largest rod-length residual, mm: what elastic parts have to take up
-  double gradient = 0.0;  ///< norm of J^T f at the answer, mm; zero but for rounding
+  double residual = 0.0;  ///< largest rod-length residual, mm, which elastic parts must absorb
+  double gradient = 0.0;  ///< norm of J^T f at the solution, mm; zero except for rounding
   int iterations = 0;
 
   bool ok() const { return status == ForwardStatus::converged; }
@@ -45,7 +45,7 @@ struct [[nodiscard]] ForwardResult {
 /// over-constraint, which to first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with
 /// analytic Jacobian, steps halved while they do not descend.
 ///
-/// @param joints  as the controller believes them, rad or mm, one a limb.
+/// @param joints  commanded joints, rad or mm, one per limb.
 /// Real-time: yes (no allocation, no exception, bounded loop).
 ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options = {}) noexcept;
 

@@ -9,16 +9,16 @@ namespace paracal {
 
 enum class InverseStatus : std::uint8_t {
   reached,
-  unreachable,    ///< a limb's arm and rod do not meet, or a plate is asked to turn or tilt that cannot (the joints are
-                  ///< then those of the pose without); joints of limbs that do not reach are NaN
-  not_converged,  ///< only with tilt errors: the pose is at a singularity of the machine; joints are the last iterate
+  unreachable,    ///< out of reach (joints of these limbs are NaN), or a rotation or tilt that the plate cannot have
+                  ///< (the joints are then those of the pose without it)
+  not_converged,  ///< only with tilt errors: the pose is singular; joints are the last iterate
 };
 
 struct [[nodiscard]] InverseResult {
   InverseStatus status = InverseStatus::unreachable;
-  Joints joints;  ///< rad or mm, as the controller should command them
+  Joints joints;  ///< rad or mm, to command
   int unreachable_limb =
-      -1;              ///< first limb that does not reach, from 0; -1 when a plate is asked to turn or tilt that cannot
+      -1;  ///< first limb that cannot reach the pose, from 0; -1 if the plate cannot have this rotation or tilt
   int iterations = 0;  ///< 0: closed form
 
   bool ok() const { return status == InverseStatus::reached; }
@@ -28,8 +28,8 @@ struct [[nodiscard]] InverseResult {
 ///
 /// Closed form (solve_joint) limb by limb on struts, and when no source error tilts the plate: the parallelograms then
 /// stay perfect and only the centre lines count. With tilt errors the closed form starts a Newton iteration on the
-/// exact closure, so that forward(machine, inverse(machine, pose)) returns the pose while the tilt stays what it must
-/// be.
+/// exact closure. forward(machine, inverse(machine, pose)) then returns the pose; the tilt cannot be
+/// corrected.
 ///
 /// Real-time: yes (no allocation, no exception, bounded loop).
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept;

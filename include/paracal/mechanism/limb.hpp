@@ -21,13 +21,13 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 ///   actuator           revolute, crank:   C = b + L u_1(q), an arm of length L that the joint turns;
 ///                      linear, carriage:  C = b - L u_1 + (gain q + joint_offset) v_1, a carriage on a rail along
 ///                                         v_1 whose arm points inward (linear) or has none (carriage)
-///                      strut:             C = b, whence the one rod grows: l = l_1 + gain q + joint_offset
+///                      strut:             C = b, from which the rod extends: l = l_1 + gain q + joint_offset
 ///   base      b_i      base joint B_i in the base frame {O}; of a rail: where the carriage stands at q = 0
 ///   frame     R_0,i    columns u_0, v_0, w_0 in {O}: radial, vertical (along the rail), actuator axis (tangent); of
 ///                      limbs with one rod see frame_of()
 ///   arm       L_i      arm (proximal link) from B_i, or from the carriage, to the elbow C_i
-///   joint_offset       added to the believed joint coordinate, rad or mm
-///   gain               mm that a strut grows, or a carriage runs, a mm of its joint coordinate
+///   joint_offset       added to the commanded joint coordinate, rad or mm
+///   gain               mm of extension of a strut, or travel of a carriage, per mm of its joint coordinate
 ///   elbow_frame R_2,i  short side of the parallelogram at the elbow, relative to the arm
 ///   elbow_width c_c,i  its length
 ///   plate     a_i      plate joint A_i in the plate frame {O'}
@@ -64,15 +64,15 @@ struct BasicLimb {
 };
 using Limb = BasicLimb<double>;
 
-/// Where the arm stands: the direction u_1 of the arm, its normal v_1, and both seen from the base frame.
+/// Position of the arm: the direction u_1 of the arm, its normal v_1, and both seen from the base frame.
 template <typename Scalar>
 struct ArmDirections {
   Vector3<Scalar> u1;
   Vector3<Scalar> v1;
 };
 
-/// u_1 = cos(th) u_0 + sin(th) v_0,  v_1 = -sin(th) u_0 + cos(th) v_0,  th = believed joint + offset; a carriage does
-/// not turn, nor has a strut an arm: u_1 = u_0, v_1 = v_0.
+/// u_1 = cos(th) u_0 + sin(th) v_0,  v_1 = -sin(th) u_0 + cos(th) v_0,  th = commanded joint + offset. A
+/// carriage does not rotate and a strut has no arm: u_1 = u_0, v_1 = v_0.
 template <typename Scalar>
 ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint) {
   using std::cos, std::sin;
@@ -128,7 +128,7 @@ inline double close_on_rail(const Limb& limb, const Eigen::Vector3d& joint_at_pl
 
 /// Joint coordinate of a limb.
 struct JointSolution {
-  double joint;  ///< rad or mm; as the controller believes it (offset removed); NaN when out of reach
+  double joint;  ///< rad or mm; as commanded (offset removed); NaN when out of reach
   bool reached;
 };
 

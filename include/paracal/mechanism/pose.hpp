@@ -11,11 +11,11 @@ namespace paracal {
 /// At most this many limbs: fixed-capacity types keep pose evaluations free of heap allocation.
 inline constexpr int kMaxLimbs = 6;
 
-/// Names of what a plate on limbs with one rod can be free in.
+/// Names of the possible degrees of freedom of a plate on limbs with one rod.
 inline constexpr std::array<std::string_view, 6> kPlateCoordinates{"x", "y", "z", "tilt_x", "tilt_y", "tilt_z"};
 
-/// Which coordinates of a plate on limbs with one rod its guides leave free, of x, y, z, tilt_x, tilt_y, tilt_z; they
-/// hold the others: a five-bar moves in x and y. Each limb with its one rod takes one that is free.
+/// Degrees of freedom that the guides leave to a plate on limbs with one rod, of x, y, z, tilt_x, tilt_y, tilt_z. A
+/// five-bar moves in x and y. The number of limbs equals that of degrees of freedom.
 struct PlateFreedoms {
   std::array<bool, 6> free{true, true, true, true, true, true};
 
@@ -26,7 +26,7 @@ struct PlateFreedoms {
   bool operator==(const PlateFreedoms&) const = default;
 };
 
-/// What a controller commands: where the plate centre O' goes and how far the end-effector turns, or the plate itself.
+/// A commanded pose: position of the plate centre O', and rotation of the end-effector or of the plate itself.
 ///
 ///   position   r, mm, in the base frame {O}: origin at the base centre, z up, so the workspace of a hanging plate has
 ///              z < 0

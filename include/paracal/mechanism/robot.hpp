@@ -12,7 +12,7 @@
 
 namespace paracal {
 
-/// A limb with one rod, nominally; mm. Its upper end is where the drive puts it, the lower end a joint of the plate.
+/// A nominal limb with one rod; mm. The drive moves its upper end; its lower end is a joint of the plate.
 struct SingleRod {
   /// In the base frame. Of a strut the joint at the base; of an arm the centre of the circle on which the rod's upper
   /// end goes; of a rail where that end stands at joint coordinate 0.
@@ -61,32 +61,32 @@ struct Slide {
   double pinion_radius = 0.0;  ///< r_g, mm
 };
 
-/// What drives and mechanics bear, rad/s and rad/s^2 or mm/s and mm/s^2.
+/// Limits of drives and mechanics, rad/s and rad/s^2 or mm/s and mm/s^2.
 struct JointLimits {
   double speed = 0.0, acceleration = 0.0;
 
   bool operator==(const JointLimits&) const = default;
 };
 
-/// Everything a robot is before it is checked. `slide` empty means a rigid plate (Delta).
+/// The description of a robot before it is checked. `slide` empty means a rigid plate (Delta).
 struct RobotDescription {
   std::string name;
   Geometry geometry;
   std::optional<Slide> slide;
   Workspace workspace;
   std::optional<Tolerances> tolerances;
-  /// What single limbs differ by from that geometry on purpose: rods of other lengths, rails that lean, what a
-  /// controller holds of its own machine. Of the position group; source errors count from here.
+  /// Intended differences of limbs from that geometry: rods of other lengths, inclined rails, values stored in a
+  /// controller. Only the position group; geometric errors are relative to this.
   SourceErrors intended = {};
   /// Where the controller's coordinates, and so a program's, begin in the base frame, mm.
   Eigen::Vector3d controller_origin = Eigen::Vector3d::Zero();
-  /// Of every joint, where they are known.
+  /// Of every joint, if known.
   std::optional<JointLimits> joint_limits = {};
 };
 
-/// A nominal robot that makes sense: every length is positive, its limbs are distinct and as many as the plate's
-/// freedoms (3 for a rigid plate, 4 with a slide, those that are stated on limbs with one rod), and every limb reaches
-/// the whole workspace.
+/// A valid nominal robot: every length is positive, the limbs differ, and every limb reaches the whole workspace. The
+/// number of limbs is that of the plate's degrees of freedom: 3 for a rigid plate, 4 with a slide, and as stated for
+/// limbs with one rod.
 /// Immutable.
 class Robot {
  public:
@@ -105,14 +105,14 @@ class Robot {
   std::size_t limb_count() const { return description_.geometry.limb_azimuth.size(); }
   Actuator actuator() const { return description_.geometry.actuator; }
   JointSpace joint_space() const;
-  /// How far from the base the plate comes at most, mm: all parts end to end, or the end of the workspace, where rails
-  /// lead further.
+  /// Largest distance of the plate from the base, mm: the sum of all parts, or the end of the workspace if rails are
+  /// longer.
   double reach() const;
   bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
   /// Some tilt of the plate is commanded.
   bool commands_tilt() const { return nominal_.commands_tilt(); }
 
-  /// The machine without source errors: what the controller believes.
+  /// The machine without geometric errors, as the controller assumes it.
   const Machine& nominal() const { return nominal_; }
 
  private:
@@ -120,15 +120,15 @@ class Robot {
   Machine nominal_;
 };
 
-/// No part can be off by as much: half a turn, or the size of the robot (base radius, arm and rod end to end), rad or
+/// Upper limit of any error: half a turn, or the size of the robot (base radius + arm + rod), rad or
 /// mm.
 double largest_error(const Geometry& geometry, Source source);
 
-/// Why there can be no such machine: a length that is not above zero, an angle off by half a turn, a place off by more
-/// than the robot is large. Empty where there can.
+/// Why such a machine is impossible: a length of zero or less, an angle error of half a turn, or a position error
+/// above the size of the robot. Empty if it is possible.
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors);
 
-/// The robot's own tolerances; generous ones where it states none.
+/// The robot's tolerances; default tolerances if it states none.
 Tolerances tolerances_of(const Robot& robot);
 
 }  // namespace paracal

@@ -19,17 +19,17 @@ namespace paracal {
 /// in places of this one.
 enum class Source : std::uint8_t {
   // Position group: they move the plate but do not tilt it; compensation removes their effect.
-  theta_offset,  ///< joint zero: the actuator stands at q + theta_offset when the controller believes q; a length on a
+  theta_offset,  ///< joint zero: the actuator is at q + theta_offset for the commanded q; a length on a
                  ///< rail
   e_x,           ///< base joint relative to plate joint, Delta b - Delta a, in the base frame
   e_y,
   e_z,
-  arm_length,  ///< length of the arm (proximal link); a rail has the gain of its drive in this place
-  alpha0,      ///< the limb's frame turned about its radial direction: actuator axis and, alike, the short side at the
+  arm_length,  ///< length of the arm (proximal link); a rail has the gain of its drive instead
+  alpha0,      ///< rotation of the limb's frame about its radial direction: actuator axis and short side at the
                ///< plate
-  beta0,       ///< the same about the vertical direction; of a rail: it leans, turned about the limb's tangent
+  beta0,       ///< the same about the vertical direction; rail: inclination about the limb's tangent
   rod_mean,    ///< mean length of the two rods of the parallelogram
-  // Tilt group: they make the parallelogram imperfect and tilt the plate; only tight parts remove their effect.
+  // Tilt group: they make the parallelogram imperfect and tilt the plate; only tight tolerances reduce their effect.
   rod_difference,    ///< length of rod 1 minus rod 2
   width_difference,  ///< width of the parallelogram at the elbow minus width at the plate
   alpha03,           ///< alpha0 minus its counterpart at the plate: twist between the two short sides
@@ -37,40 +37,40 @@ enum class Source : std::uint8_t {
   alpha2,            ///< the short side at the elbow turned about the arm
   beta2,             ///< the short side at the elbow turned about the normal of the arm
 
-  gain = arm_length,  ///< of a drive that is a length: mm that it moves too far in a metre
+  gain = arm_length,  ///< of a linear drive: mm of excess travel per metre
 
-  // Of a limb with one rod. A plate on these can follow all their errors, wherever they stand.
-  normal = e_x,              ///< of a rail: it stands off along its upward normal
-  across = e_y,              ///< of a rail: it stands off sideways
+  // Of a limb with one rod. All their errors move the plate, and all can be compensated.
+  normal = e_x,              ///< of a rail: offset along its upward normal
+  across = e_y,              ///< of a rail: sideways offset
   rod_length = rod_mean,     ///< length of the one rod
   plate_x = rod_difference,  ///< plate joint, in the plate frame
   plate_y = width_difference,
   plate_z = alpha03,
 };
 
-/// Travel in which `gain` is what a drive moves too far, mm.
+/// Travel that `gain` refers to, mm.
 inline constexpr double kGainLength = 1000.0;
 
 inline constexpr std::size_t kSourceCount = 14;
 inline constexpr std::size_t kPositionSourceCount = 8;
 inline constexpr std::size_t kTiltSourceCount = kSourceCount - kPositionSourceCount;
 
-/// What drives a limb. All limbs of a robot have the same.
+/// The actuator of a limb. All limbs of a robot have the same kind.
 enum class Actuator : std::uint8_t {
-  revolute,  ///< a motor swings an arm; joint coordinate: angle, rad
+  revolute,  ///< a motor rotates an arm; joint coordinate: angle, rad
   linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
-  strut,     ///< the limb is one rod that grows; joint coordinate: by how much, mm
-  crank,     ///< a motor swings an arm on which one rod hangs; joint coordinate: angle, rad
-  carriage,  ///< one rod hangs on a carriage that runs along a rail; joint coordinate: how far, mm
+  strut,     ///< the limb is one rod that extends; joint coordinate: extension, mm
+  crank,     ///< a motor rotates an arm with one rod; joint coordinate: angle, rad
+  carriage,  ///< a carriage with one rod runs along a rail; joint coordinate: travel, mm
 };
 
-/// A plate on limbs with one rod each, as many as its freedoms: all their errors move it, and it is brought back.
+/// A plate on limbs with one rod each, as many as its degrees of freedom: compensation corrects all their errors.
 constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
 
 /// The joint coordinate is the angle of an arm.
 constexpr bool swings_arm(Actuator actuator) { return actuator == Actuator::revolute || actuator == Actuator::crank; }
 
-/// The joint coordinate is a place on a rail.
+/// The joint coordinate is a position on a rail.
 constexpr bool runs_on_rail(Actuator actuator) {
   return actuator == Actuator::linear || actuator == Actuator::carriage;
 }
@@ -114,21 +114,21 @@ constexpr std::span<const Source> sources_of(Actuator actuator) {
   }
 }
 
-/// True for the group that tilts a plate which is to stay level.
+/// True for the group that tilts a level plate.
 constexpr bool tilts_plate(Source source, Actuator actuator = Actuator::revolute) {
   return !on_single_rods(actuator) && index(source) >= kPositionSourceCount;
 }
 
-/// mm; of a robot that nobody names: no robot is larger.
+/// mm; for a robot that is not stated: no robot is larger.
 inline constexpr double kLargestReach = 1e5;
 
-/// What tables need to know of a robot: how many joint coordinates it has, of which kind, and how far it reaches. The
-/// default, none, stands for any robot.
+/// Properties of a robot for reading tables: number and kind of its joint coordinates, and its reach. The
+/// default applies to any robot.
 struct JointSpace {
   JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {}
   std::size_t count;
   Actuator actuator;
-  std::optional<double> guided_z = {};  ///< z of the plate, mm, where guides hold it: poses need not state it
+  std::optional<double> guided_z = {};  ///< z of the plate, mm, if guides fix it: poses may omit it
   double reach = kLargestReach;         ///< mm; see Robot::reach()
 };
 
@@ -136,8 +136,8 @@ struct JointSpace {
 /// instead of rad.
 Unit unit(Source source, Actuator actuator);
 
-/// Whether the machine feels an error in a way of its own. A rail does not know where along itself it begins (e_z
-/// shifts it as theta_offset does): a calibration holds that at zero. A revolute limb feels all.
+/// Whether an error has an effect of its own. On a rail e_z has the same effect as theta_offset; a calibration fixes
+/// it at zero. On a revolute limb all errors have.
 constexpr bool is_felt(Source source, Actuator actuator) {
   if (on_single_rods(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
   return actuator == Actuator::revolute || source != Source::e_z;
@@ -150,7 +150,7 @@ std::string_view name(Source source, Actuator actuator = Actuator::revolute);
 /// The source with that name; empty when that kind of limb has none.
 std::optional<Source> source_named(std::string_view name, Actuator actuator);
 
-/// Three coordinates of a point share a tolerance and a key of files: "e" of e_x, e_y and e_z. Else the name itself.
+/// The coordinates of a point share a tolerance and a key of files: "e" of e_x, e_y and e_z. Else the name itself.
 std::string_view shared_name(Source source, Actuator actuator);
 
 /// Which of the three it is, from 0; empty where the source is no coordinate of a point.

@@ -7,12 +7,12 @@
 
 namespace paracal::report {
 
-/// A self-contained HTML page: the template with the data of a report in the place that it keeps for them.
+/// A self-contained HTML page: the template with the data of a report.
 ///
-/// The data stand in a script element of type application/json, every '<' of them as \u003c: whatever a name in a
-/// measurement file holds, it can neither end that element nor become markup. Bytes that are no UTF-8 become U+FFFD.
+/// The data are in a script element of type application/json, with every '<' as \u003c. So no name in a measurement
+/// file can end that element or become markup. Bytes that are not UTF-8 become U+FFFD.
 ///
-/// @throws Error when the template keeps no place.
+/// @throws Error if the template has no place for data.
 std::string page(std::string_view html_template, const io::Json& data);
 
 }  // namespace paracal::report

@@ -7,7 +7,7 @@
 
 namespace paracal::report {
 
-/// O2 against the number of points a circle, for the rough and the fine stage  [huang2016, Figs. 7, 8]:
+/// O2 against the number of points per circle, for the rough and the fine stage  [huang2016, Figs. 7, 8]:
 ///   {rough: {n, curve: [{n, O2, change}]}, fine: likewise}
 io::Json observability(const Robot& robot);
 
@@ -17,7 +17,7 @@ io::Json observability(const Robot& robot);
 io::Json three_sigma_map(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
                          double factor);
 
-/// A histogram in at most 40 equal bins from zero: {bin_width, counts, total}; what lies beyond the last bin is in it.
+/// A histogram in at most 40 equal bins from zero: {bin_width, counts, total}; larger values are in the last bin.
 /// @param factor  as above.
 io::Json histogram(const Histogram& histogram, double factor);
 

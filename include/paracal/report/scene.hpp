@@ -10,21 +10,21 @@
 
 namespace paracal::report {
 
-/// How far the plate centre is off at a commanded pose, in the robot's frame, mm.
+/// Position error of the plate centre at a commanded pose, in the robot's frame, mm.
 struct ErrorArrow {
   std::string pose;
   Pose commanded;
-  Eigen::Vector3d before;                     ///< against the nominal robot
-  std::optional<Eigen::Vector3d> after = {};  ///< against the calibrated one; empty where nothing was measured
+  Eigen::Vector3d before;                     ///< relative to the nominal robot
+  std::optional<Eigen::Vector3d> after = {};  ///< relative to the calibrated machine; empty if not measured
 };
 
-/// What the points of a calibration show, repeats averaged, left out readings left out. Empty where distances alone
+/// Errors of the points of a calibration: repeats averaged, excluded readings omitted. Empty if only distances
 /// were measured: they have no direction.
 std::vector<ErrorArrow> measured_arrows(const Calibration& calibration, const Measurements& measurements);
 std::vector<ErrorArrow> measured_arrows(const Validation& validation);
 
-/// Where a machine with these errors goes when its controller believes the nominal robot; poses that do not close are
-/// left out.
+/// Errors of a machine with these errors if its controller uses the nominal robot; poses without a solution are
+/// omitted.
 std::vector<ErrorArrow> predicted_arrows(const Robot& robot, const SourceErrors& errors,
                                          const std::vector<Station>& stations);
 
@@ -33,8 +33,8 @@ std::vector<ErrorArrow> predicted_arrows(const Robot& robot, const SourceErrors&
 ///   y],
 ///    limbs: [{base_mm, elbow_mm, rods_mm: [[from, to], [from, to]]}]}]}
 /// Base joint and elbow are the ends of an arm; of a rail, of the carriage. A strut has a base joint and one rod, and a
-/// pose of a plate on struts tilt_deg, as commanded, and its normal; tilt_rad is how far it is turned away from there.
-/// Home comes first. Beyond 250 poses the limbs are left out, poses beyond 2000 altogether.
+/// pose of a plate on struts tilt_deg, as commanded, and its normal; tilt_rad is the rotation relative to this.
+/// Home is first. Only the first 250 poses have limbs; poses after the 2000th are omitted.
 io::Json scene(const Robot& robot, const std::vector<ErrorArrow>& arrows, const SourceErrors& errors);
 
 }  // namespace paracal::report

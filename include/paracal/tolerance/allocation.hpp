@@ -13,34 +13,34 @@
 namespace paracal {
 
 enum class AllocationStatus : std::uint8_t {
-  optimal,        ///< every requirement holds, and no cheaper choice is known to exist
-  feasible,       ///< every requirement holds; the search over grades ended before it could prove optimality
-  infeasible,     ///< a requirement fails with every tolerance at its tightest
-  not_converged,  ///< the solver did not settle; do not use
+  optimal,        ///< every requirement is met at the least cost
+  feasible,       ///< every requirement is met; the search over grades ended without a proof of optimality
+  infeasible,     ///< a requirement is not met even with the tightest tolerances
+  not_converged,  ///< the solver did not converge; do not use
 };
 
-/// A requirement at the answer.
+/// A requirement with the chosen tolerances.
 struct RequirementOutcome {
   Requirement requirement;
-  ValueAtPose worst;   ///< 3 sigma, or worst case, where it is largest; mm or rad
-  double price = 0.0;  ///< cost saved per mm or rad of a wider limit (Lagrange multiplier); 0 when it does not bind
+  ValueAtPose worst;   ///< 3 sigma, or worst case, at the worst pose; mm or rad
+  double price = 0.0;  ///< cost saved per mm or rad of a wider limit (Lagrange multiplier); 0 if not active
 };
 
 struct [[nodiscard]] Allocation {
   AllocationStatus status = AllocationStatus::not_converged;
-  std::string reason = {};  ///< why not optimal
+  std::string reason = {};  ///< reason if not optimal
   Tolerances tolerances = {};
   double cost = 0.0;
   std::vector<RequirementOutcome> requirements = {};
-  int rounds = 0;                             ///< of adding worst poses, or of drawing machines
-  std::optional<FailureShare> failures = {};  ///< of the limits with criterion `yield`
-  /// Cost saved where twice as many machines might fail, to first order; 0 when that does not bind.
+  int rounds = 0;                             ///< iterations: added worst poses, or new simulated machines
+  std::optional<FailureShare> failures = {};  ///< failure rate of the limits with criterion `yield`
+  /// Cost saved by twice the failure rate, to first order; 0 if not active.
   double failure_price = 0.0;
 
   bool ok() const { return status == AllocationStatus::optimal || status == AllocationStatus::feasible; }
 };
 
-/// How [huang2016, Eq. (12)] reads "the largest sigma of tilt".
+/// Interpretation of "the largest sigma of tilt" in [huang2016, Eq. (12)].
 enum class Bound : std::uint8_t {
   sum_of_maxima,  ///< sqrt(sum_k max over poses of (mu_k sigma_k)^2), means and maxima over the Cartesian grid: it
                   ///< reproduces Table 2
@@ -49,10 +49,10 @@ enum class Bound : std::uint8_t {
   true_maximum,   ///< max over the workspace of sqrt(sum_k mu_k^2 sigma_k^2), means by quadrature: about 10 % wider
 };
 
-/// How the paper's lower bound 0.02/100 is meant; as a standard deviation it contradicts Table 2.
+/// Meaning of the paper's lower bound 0.02/100; as a standard deviation it does not agree with Table 2.
 enum class LeastReading : std::uint8_t {
-  tolerance,  ///< of T = 3 sigma
-  sigma,      ///< of sigma
+  tolerance,  ///< bound of T = 3 sigma
+  sigma,      ///< bound of sigma
 };
 
 /// The paper's problem of one variable  [huang2016, Eqs. (12), (13)]: tolerances of the tilt group in the ratio of
@@ -67,41 +67,41 @@ struct EqualInfluence {
 };
 
 /// Cost: mean of 1 / sigma_k in the paper's units, 1 / rad  [huang2016, Eq. (12) with w_k = 1/6]. `worst` is the
-/// largest 3 sigma in the whole workspace, rotations included, whatever the bound says.
-/// @throws InvalidArgument for a plate with six freedoms, which has no tilt group.
+/// largest 3 sigma in the whole workspace, including rotations, for every `bound`.
+/// @throws InvalidArgument for a plate with six degrees of freedom, which has no tilt group.
 Allocation allocate(const Robot& robot, const EqualInfluence& problem);
 
-/// A tolerance that the designer may choose; several sources (e_x, e_y, e_z) may share one.
+/// A tolerance to be chosen; several geometric errors (e_x, e_y, e_z) may share one.
 struct DesignVariable {
   std::vector<Source> sources;
   CostCurve cost;
   double lower = 0.0, upper = 0.0;  ///< half-widths, mm or rad, above zero; not for grades
 };
 
-/// Minimise the sum of all limbs' costs so that every requirement holds everywhere in the workspace.
+/// Minimises the cost of all limbs subject to all requirements everywhere in the workspace.
 struct AllocationProblem {
   std::vector<DesignVariable> variables = {};
-  Tolerances rest = {};  ///< of the sources that are not variables; its distribution holds for all
+  Tolerances rest = {};  ///< of the errors that are not variables; its distribution applies to all
   std::vector<Requirement> requirements = {};
-  /// Largest share of the machines that may break a limit with criterion `yield`, whichever; asked where there is one.
+  /// Largest failure rate with respect to all limits with criterion `yield`; required if there is one.
   std::optional<double> max_failures = {};
-  /// Where machines are held against limits by yield, beside the worst poses.
+  /// Poses where limits by yield apply, in addition to the worst poses.
   std::vector<Pose> poses = {};
 };
 
-/// Cutting planes: the requirements are imposed at their worst poses (and, for a worst case, worst directions) found so
-/// far, the convex problem that results is solved (sequential quadratic programming; branch and bound over grades with
-/// the Lagrangian's bound), and the poses that are now worst join, until nothing is violated by more than 1e-6.
+/// Cutting planes: each iteration solves the convex problem with the worst poses (worst case: and directions) so far.
+/// It uses sequential quadratic programming, and branch and bound over grades with the Lagrangian's bound. Then it
+/// adds the poses that are now worst, until no limit is exceeded by more than 1e-6.
 ///
-/// With limits that a share of machines may break, P(T) <= p: machines that fail at half-widths T are drawn
-/// (failure_share()), and count for others near by as
+/// With limits by yield, the failure rate is P(T) <= p. Importance sampling at half-widths T (failure_share()) gives
+/// failed machines, which estimate the rate at half-widths T' near T:
 ///
 ///   \f[ P(T') = mean(w \prod_k (T_k / T'_k) exp(z_k^2 / 2 (1 - (T_k / T'_k)^2))),    z_k = 3 e_k / T_k \f]
 ///
-/// a smooth function of T' with its gradient, times what the exact model makes of it. The cheapest T' within a quarter
-/// of T is drawn at next, until it stays. The upper end of the stated interval keeps p.
-/// @throws InvalidArgument for bounds, costs or grades that make no sense; for grades, or errors that are not normal,
-/// with a share.
+/// This is a smooth function of T' with a gradient, times the correction by the exact model. The next T is the cheapest
+/// T' within a quarter of T, until it converges. The upper end of the stated interval is at most p.
+/// @throws InvalidArgument for invalid bounds, costs or grades; with limits by yield also for grades and for
+/// distributions that are not normal.
 Allocation allocate(const Robot& robot, const AllocationProblem& problem);
 
 /// "optimal", "feasible", "infeasible", "not converged".

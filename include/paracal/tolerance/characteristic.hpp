@@ -15,8 +15,8 @@
 
 namespace paracal {
 
-/// What a customer may ask to be small. A characteristic is the length of a vector of one to three components, each
-/// linear in the source errors to first order. "Of the plate" is relative to the commanded pose, about the axes of {O}.
+/// A quantity that requirements limit. A characteristic is the length of a vector of one to three components, each
+/// linear in the errors to first order. "Of the plate" is relative to the commanded pose, about the axes of {O}.
 enum class Quantity : std::uint8_t {
   tilt,      ///< eps_theta = |(eps_x, eps_y)| of the plate, rad  [huang2016, section 3.1]
   twist,     ///< |eps_z| of the plate, rad
@@ -30,9 +30,9 @@ inline constexpr std::array<Quantity, 5> kQuantities{Quantity::tilt, Quantity::t
 
 struct Characteristic {
   Quantity quantity = Quantity::tilt;
-  /// After the position group has been identified without error and compensated: only what the tilt group does remains,
-  /// G_de dp_e and G_ee dp_e  [huang2016, Eqs. (5), (6)]. Nothing remains of a plate on struts, whose errors can all be
-  /// compensated: there it is not asked for.
+  /// After exact identification and compensation of the position group: only the effect of the tilt group remains,
+  /// G_de dp_e and G_ee dp_e  [huang2016, Eqs. (5), (6)]. Not for limbs with one rod, whose errors can all be
+  /// compensated.
   bool compensated = false;
 
   bool operator==(const Characteristic&) const = default;
@@ -44,12 +44,12 @@ std::optional<Characteristic> characteristic_named(std::string_view wanted);
 Unit unit(Quantity quantity);
 int component_count(Quantity quantity);
 
-/// Components of a characteristic, a row each, against the source errors, 14 a limb; mm and rad.
+/// Components of a characteristic, one row each, against the errors, 14 per limb; mm and rad.
 using SourceRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3,
                                  static_cast<int>(kSourceCount) * kMaxLimbs>;
 
-/// Whether it can be asked of a robot: rotation of one with a slide, what is left behind compensation where the plate
-/// stays level. Why not, or empty.
+/// Why a robot has no such characteristic; empty if it has. Rotation needs a slide; `compensated` needs a level
+/// plate.
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic);
 
 /// Derivative of characteristics with respect to the source errors of the nominal robot  [huang2016, Eqs. (5), (6)]; of
@@ -58,15 +58,15 @@ class LinearModel {
  public:
   explicit LinearModel(const Robot& robot);
 
-  /// @throws Unreachable for a pose that the robot does not reach regularly, InvalidArgument for what cannot be asked
-  /// of it.
+  /// @throws Unreachable for a pose that is out of reach or singular, InvalidArgument for a characteristic that it
+  /// does not have.
   SourceRows rows(const Pose& pose, Characteristic characteristic) const;
-  /// All three turns of the plate about x, y and z of {O}, zero of those that guides keep it from.
+  /// All three turns of the plate about x, y and z of {O}, zero for those that guides prevent.
   /// @throws Unreachable likewise.
   SourceRows turns(const Pose& pose) const;
 
  private:
-  /// Of a plate on struts: (dr, eps), a column a source error.
+  /// Plate on struts: (dr, eps), one column per geometric error.
   using OnStruts =
       Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(kSourceCount) * kMaxLimbs>;
   using AtPose = std::variant<ErrorModel, OnStruts>;
@@ -77,18 +77,18 @@ class LinearModel {
   Columns motion(const AtPose& at, bool compensated) const;
   Columns turn(const AtPose& at) const;
 
-  Robot robot_;  ///< its own: a caller may give a temporary
+  Robot robot_;  ///< a copy: the caller may give a temporary
   AtPose home_;
   std::array<double, kSourceCount> scale_{};
 };
 
-/// The pose as commanded, and where a machine really puts its plate.
+/// A commanded pose and the actual pose of a machine.
 struct Reached {
   Pose commanded;
   Eigen::Vector3d position;       ///< mm
-  Eigen::Vector3d tilt;           ///< how far the plate is turned away from it about x, y and z of {O}, rad
+  Eigen::Vector3d tilt;           ///< rotation of the plate relative to it, about x, y and z of {O}, rad
   double rotation = 0.0;          ///< rad
-  Eigen::Vector3d home_position;  ///< where it puts its plate when the workspace's centre is commanded
+  Eigen::Vector3d home_position;  ///< actual position for the centre of the workspace
 };
 
 /// The exact components that rows() linearises.

@@ -12,29 +12,29 @@ namespace paracal {
 enum class Orientation : std::uint8_t { parallelism, perpendicularity, angularity };
 std::string_view name(Orientation orientation);
 
-/// What of a drawing a source error is the error of, and how its tolerance may be stated there.
+/// The feature on a drawing that a geometric error belongs to, and the possible statements of its tolerance.
 struct DrawnFeature {
   enum class Kind : std::uint8_t {
     size,   ///< a length between two joints or bores: limits, or a grade
-    turn,   ///< how a feature lies to a datum: an orientation
-    place,  ///< where a point lies: a position
-    none,   ///< set on the machine, or of a bought drive
+    turn,   ///< direction of a feature relative to a datum: an orientation
+    place,  ///< location of a point: a position
+    none,   ///< adjusted on the machine, or property of a drive
   };
-  /// An orientation that limits the error, and to what.
+  /// An orientation that limits the error, and its datum.
   struct Datum {
     Orientation orientation;
     std::string_view to;
   };
 
   Kind kind = Kind::none;
-  std::string_view name;     ///< "bore distance of the arm"; of `none`: why there is nothing
+  std::string_view name;     ///< "bore distance of the arm"; of `none`: the reason
   bool is_of_pairs = false;  ///< a size: the error is the difference of two parts of this size
   std::vector<Datum> data = {};
-  double length = 0.0;             ///< of the feature that turns, mm; where the robot does not know it 100
-  std::vector<double> sizes = {};  ///< nominal, mm, ascending: one where all limbs are alike
+  double length = 0.0;             ///< of a `turn` feature, mm; 100 if unknown
+  std::vector<double> sizes = {};  ///< nominal, mm, ascending: one if all limbs are equal
 };
 
-/// @param intended  what single limbs differ by on purpose, as the robot has it: it belongs to the nominal size.
+/// @param intended  intended differences of limbs, as in the robot: part of the nominal size.
 DrawnFeature drawn_feature(Source source, const Geometry& geometry, const SourceErrors& intended);
 
 }  // namespace paracal

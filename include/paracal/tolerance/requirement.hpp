@@ -7,25 +7,25 @@
 namespace paracal {
 
 enum class Spread : std::uint8_t {
-  statistical,  ///< 3 sigma, root of the sum of squares  [huang2016, Eq. (11)]
-  worst_case,   ///< every part at the worst end of its tolerance at once
-  yield,        ///< few machines break it: a share that the whole problem states
+  statistical,  ///< 3 sigma, root sum of squares  [huang2016, Eq. (11)]
+  worst_case,   ///< all parts at the worst limits of their tolerances
+  yield,        ///< at most the failure rate that the problem states
 };
 
-/// What must hold everywhere in the workspace.
+/// A limit for the whole workspace.
 struct Requirement {
   Characteristic characteristic = {};
   double limit = 1e-3;  ///< mm or rad
   Spread criterion = Spread::statistical;
 };
 
-/// What they speak of, one by one.
+/// The characteristics of requirements.
 std::vector<Characteristic> characteristics_of(const std::vector<Requirement>& requirements);
 
 /// "statistical", "worst-case", "yield".
 std::string_view name(Spread criterion);
 
-/// The worst that parts within their drawings can do at a pose: a machine, and the direction in which it is worst.
+/// Worst case at a pose of parts within their tolerances, and its direction.
 ///
 ///   \f[ max_{|dp_k| \le T_k} |rows dp| = max_{|n| = 1} sum_k |n . g_k| T_k \f]
 ///
@@ -43,7 +43,7 @@ PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& dire
 /// The worst case at a pose, or 3 sigma.
 double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion);
 
-/// Where that is largest in the workspace.
+/// The pose of the workspace where this is largest.
 ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
                          Spread criterion);
 

@@ -16,13 +16,13 @@ enum class Model : std::uint8_t {
   exact,   ///< the closure itself, least squares over all rods
 };
 
-/// A machine that is sent from pose to pose, by the exact model.
+/// Actual poses of a machine, by the exact model.
 class SentMachine {
  public:
-  /// @param compensated  its controller believes the machine without its tilt errors, not the nominal robot.
+  /// @param compensated  its controller uses the machine without tilt errors instead of the nominal robot.
   SentMachine(const Robot& robot, const SourceErrors& errors, bool compensated);
 
-  /// Empty when it does not close there or at the workspace's centre, or the compensated pose is out of reach.
+  /// Empty if it has no solution there or at the workspace's centre, or the compensated pose is out of reach.
   std::optional<Reached> at(const Pose& commanded) const;
 
  private:
@@ -42,21 +42,21 @@ class Response {
   Eigen::Index rows() const { return linear_.rows(); }
   Eigen::Index first_row(std::size_t characteristic) const { return first_row_[characteristic]; }
 
-  /// Derivative with respect to the source errors, 14 a limb.
+  /// Derivative with respect to the geometric errors, 14 per limb.
   const Eigen::MatrixXd& linear() const { return linear_; }
 
-  /// The components of a machine, by the exact model: its controller believes the nominal robot, or (compensated) the
+  /// The components of a machine, by the exact model: its controller uses the nominal robot, or (compensated) the
   /// machine without its tilt errors.
-  /// @returns false when the machine does not close, or the compensated pose is out of reach, at some pose.
+  /// @returns false if there is no solution, or the compensated pose is out of reach, at some pose.
   bool exact(const SourceErrors& errors, Eigen::Ref<Eigen::VectorXd> components) const;
 
-  /// Squared lengths of a characteristic, from components of many machines, a column each: a row a pose.
+  /// Squared lengths of a characteristic, from components of many machines, one column each; one row per pose.
   Eigen::ArrayXXd squared_lengths(std::size_t characteristic, const Eigen::MatrixXd& components) const;
 
  private:
   bool add_exact(const SourceErrors& errors, bool compensated, Eigen::Ref<Eigen::VectorXd> components) const;
 
-  Robot robot_;  ///< its own: a caller may give a temporary
+  Robot robot_;  ///< a copy: the caller may give a temporary
   std::vector<Characteristic> characteristics_;
   std::vector<Pose> poses_;
   std::vector<Eigen::Index> first_row_;

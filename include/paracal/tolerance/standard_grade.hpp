@@ -30,7 +30,7 @@ enum class StandardGrade : std::uint8_t {
   IT18,
 };
 
-/// Largest nominal size that has grades, mm.
+/// Largest nominal size with grades, mm.
 inline constexpr double kLargestGradedSize = 3150.0;
 
 /// "IT8".
@@ -38,8 +38,8 @@ std::string_view name(StandardGrade grade);
 /// The grade of that name; empty when there is none.
 std::optional<StandardGrade> standard_grade_named(std::string_view wanted);
 
-/// Width of the tolerance zone, upper limit less lower limit, mm: the standard's table, which it says counts where its
-/// formulae give other values [iso286-1, Table 1]. A range of sizes holds its upper end: 18 mm is of "over 10 up to
+/// Width of the tolerance zone, upper limit less lower limit, mm: by the standard's table, which has priority over
+/// its formulae [iso286-1, Table 1]. A range of sizes includes its upper end: 18 mm is of "over 10 up to
 /// 18".
 ///
 /// @param size  nominal, mm.

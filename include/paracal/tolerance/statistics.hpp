@@ -5,7 +5,7 @@
 
 namespace paracal {
 
-/// Where a quantity lies at a stated confidence.
+/// Interval of a quantity at a stated confidence.
 struct Interval {
   double low = 0.0, high = 0.0;
 
@@ -16,7 +16,7 @@ struct Interval {
 /// @param confidence  two-sided, below 1.
 Interval proportion_interval(std::uint64_t hits, std::uint64_t trials, double confidence);
 
-/// A share of machines, with its interval at a stated confidence.
+/// A fraction of machines, with its interval at a stated confidence.
 struct Proportion {
   double value = 0.0;  ///< NaN without machines
   Interval interval;
@@ -29,8 +29,8 @@ Proportion proportion(std::uint64_t hits, std::uint64_t trials, double confidenc
 Proportion defects_per_million(const Proportion& yield);
 
 /// Counts of magnitudes in bins a 256th of an octave wide, from 2^-40 to 2^24 (mm or rad), everything below in the
-/// first bin and above in the last: any number of values in constant memory, quantiles known to 0.2 %. All of it is
-/// whole numbers, so that parts add up to the same whole in any order.
+/// first bin and above in the last. Memory is constant; quantiles have an error of 0.2 %. All counts are whole numbers,
+/// so the sum of parts does not depend on their order.
 class Histogram {
  public:
   Histogram() : counts_(kBins, 0) {}
@@ -44,9 +44,9 @@ class Histogram {
   std::uint64_t total() const { return total_; }
   double mean() const;
   double std() const;
-  /// Smallest value that at least this share of all values does not exceed; NaN when empty.
+  /// Smallest value that at least this fraction of all values does not exceed; NaN if empty.
   double quantile(double share) const;
-  /// Where the quantile of all machines lies, when these are some of them: order statistics at binomial ranks.
+  /// Interval of the quantile of all machines, if these are a sample: order statistics at binomial ranks.
   Interval quantile_interval(double share, double confidence) const;
 
   struct Bin {
@@ -54,11 +54,11 @@ class Histogram {
     std::uint64_t count = 0;
     bool operator==(const Bin&) const = default;
   };
-  /// The bins that hold something, in order.
+  /// The bins that are not empty, in order.
   std::vector<Bin> counts() const;
   /// The bin of a value.
   static std::uint32_t bin_of(double value);
-  /// Where a bin begins; the first one holds zero, too.
+  /// Lower end of a bin; the first one also contains zero.
   static double begin_of(std::uint32_t bin);
   /// Middle of a bin.
   static double value_of(std::uint32_t bin);

@@ -6,7 +6,7 @@
 
 namespace paracal {
 
-/// A pose and its share of the workspace; the weights of a set add up to 1.
+/// A pose and its weight; the sum of the weights is 1.
 struct WeightedPose {
   Pose pose;
   double weight = 0.0;
@@ -20,16 +20,16 @@ std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across = 21, in
 /// struts, the three tilts; equidistant in azimuth. Each level has twice the points in every direction.
 std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_rotations);
 
-/// Points of polar circles in equidistant layers, surface included, without weights: where maxima are looked for.
+/// Points of polar circles in equidistant layers, including the surface, without weights: to search for maxima.
 struct PolarGrid {
   int radii = 5;      ///< circles, the outermost on the rim; the axis comes on top
-  int azimuths = 24;  ///< points a circle
+  int azimuths = 24;  ///< points per circle
   int layers = 5;
 };
 std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all_rotations);
 
-/// The rim and the axis on top, middle and bottom of the workspace with extremes of rotation and tilt, as densely as a
-/// machine's largest error asks for: between 48 azimuths it is passed by some 2 %.
+/// Rim and axis in the top, middle and bottom layers, at the extremes of rotation and tilt. With 48 azimuths the
+/// largest error of a machine between them is about 2 % larger.
 std::vector<Pose> surface_poses(const Robot& robot);
 
 }  // namespace paracal
