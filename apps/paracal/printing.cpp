@@ -1,13 +1,16 @@
 #include "printing.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <ctime>
 #include <filesystem>
 #include <sstream>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "calibration_page.hpp"
 #include "inputs.hpp"
@@ -93,6 +96,37 @@ std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const
   return arrows;
 }
 
+/// The firmwares whose M-codes a file holds, as --firmware names them; Marlin's M503 says "echo:" before its lines.
+std::vector<std::string_view> firmwares_of(const io::TextFile& file) {
+  std::vector<std::string_view> readable;
+  for (const std::string_view firmware : {kMarlin, kReprap}) {
+    if (firmware == kReprap && file.text.find("echo:") != std::string::npos) continue;
+    try {
+      (void)io::read_machine_codes(file, dialect_of(firmware));
+      readable.push_back(firmware);
+    } catch (const InputFileError&) {
+      continue;
+    }
+  }
+  return readable;
+}
+
+io::KlipperDelta klipper_of(const io::TextFile& file) {
+  try {
+    return io::read_klipper(file);
+  } catch (const InputFileError&) {
+    for (const char* section : {"[printer]", "[include "}) {
+      if (file.text.find(section) != std::string::npos) throw;
+    }
+    const std::vector<std::string_view> firmwares = firmwares_of(file);
+    if (firmwares.empty()) throw;
+    throw InputFileError(file.name, 0,
+                         fmt::format("expected Klipper's printer.cfg, got the settings of another firmware; add "
+                                     "--firmware {}",
+                                     fmt::join(firmwares, " or --firmware ")));
+  }
+}
+
 }  // namespace
 
 Option* add_printer_option(Command& command, PrinterFile& file) {
@@ -115,7 +149,7 @@ PrinterState read_printer(const PrinterFile& file) {
             .print_radius = io::print_radius_of_codes(text, dialect_of(file.firmware)),
             .text = text};
   }
-  io::KlipperDelta klipper = io::read_klipper(text);
+  io::KlipperDelta klipper = klipper_of(text);
   return {.files = std::move(klipper.files),
           .geometry = klipper.geometry,
           .print_radius = klipper.print_radius,

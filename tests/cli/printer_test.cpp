@@ -320,6 +320,31 @@ TEST_F(PrinterCommand, OtherFirmwaresGiveARobot) {
   EXPECT_EQ(folder.run("sensitivity --robot robot.toml").exit_code, kDone);
 }
 
+TEST_F(PrinterCommand, OtherFirmwaresSettingsAreRecognised) {
+  const std::string marlin =
+      "echo:; Endstop adjustment:\necho:  M666 X0.00 Y-0.10 Z-0.30\necho:; Delta settings:\n"
+      "echo:  M665 L215.00 R105.60 H235.00 S80.00 X0.00 Y0.00 Z0.00 A0.00 B0.00 C0.00\n";
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    folder.write("settings.txt", text);
+    for (const char* command : {"calibrate", "robot"}) {
+      const ProgramResult result = folder.run(std::string(command) + " --printer settings.txt");
+      EXPECT_EQ(result.exit_code, kBadInputFile);
+      EXPECT_THAT(result.err, HasSubstr("settings.txt: expected " + message + "\n"));
+    }
+  };
+  const std::string add = "Klipper's printer.cfg, got the settings of another firmware; add --firmware ";
+  refused(marlin, add + "marlin");
+  refused("M665 R105.6 L215.1:215:214.9 B85 H235\nM666 X0.2 Y-0.1 Z0\n", add + "reprapfirmware");
+  refused("M669 K10 U170 L320 R34 H412.5 A-30:60\n", add + "reprapfirmware");
+  refused("M665 R105.6 L215 H235\n", add + "marlin or --firmware reprapfirmware");
+  refused("echo:  M92 X80.00 Y80.00 Z80.00\n", "kinematics in [printer], got none");
+  refused("[include missing.cfg]\n[gcode_macro M665]\ngcode: M665 R105.6 L215 H235\n",
+          "kinematics in [printer], got none; it may be in missing.cfg, which settings.txt:1 includes and which is not "
+          "there");
+  folder.write("settings.txt", marlin);
+  EXPECT_EQ(folder.run("robot --printer settings.txt --firmware marlin").exit_code, kDone);
+}
+
 TEST_F(PrinterCommand, RotaryDeltasAreToldInTheWordsOfTheirFirmware) {
   folder.write("printer.cfg", rotary_printer().config);
   const ProgramResult result = folder.run("calibrate --printer printer.cfg");
