@@ -231,7 +231,10 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       ->takes("COLUMNS");
   command.add_option("--unit", options.unit, "unit of the export, if its header row states none")
       ->takes("mm|m|um|inch");
-  command.add_option("--match", options.match, "how points of an export are assigned to poses")
+  command
+      .add_option(
+          "--match", options.match,
+          "how points of an export are assigned to poses: by name, or in order (one or more passes over all poses)")
       ->check(one_of({"name", "order"}))
       ->shows_default();
   add_table_options(command, options.style);

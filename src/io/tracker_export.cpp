@@ -159,20 +159,41 @@ std::string some_of(const auto& items) {
   return items.size() <= kShown ? text : fmt::format("{} and {} more", text, items.size() - kShown);
 }
 
-/// Where the point of each pose is to go.
+/// Sum of the squared distances between points that lie `step` apart in the list, of one block of `block` points.
+double spread(const std::vector<ExportedPoint>& points, std::size_t block, std::size_t step) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k + step < points.size(); ++k) {
+    if (k / block == (k + step) / block) sum += (points[k + step].point - points[k].point).squaredNorm();
+  }
+  return sum;
+}
+
+/// Points in the order of the poses, once or in several passes over all poses.
 void add_by_order(SeriesBuilder& series, const std::string& file, const std::vector<ExportedPoint>& points,
                   const std::vector<Station>& poses) {
-  if (points.size() != poses.size()) {
-    throw InputFileError(
-        file, 0,
-        fmt::format("expected {} points, one for each pose in their order, got {}", poses.size(), points.size()));
+  const std::size_t count = poses.size(), passes = points.size() / count;
+  if (points.size() % count != 0) {
+    throw InputFileError(file, 0,
+                         fmt::format("expected {0} points in the order of the {0} poses, or {1}, {2}, ... for several "
+                                     "passes over them, got {3}; add or remove points, or match by name",
+                                     count, 2 * count, 3 * count, points.size()));
+  }
+  if (passes > 1 && spread(points, passes, 1) < spread(points, points.size(), count)) {
+    throw InputFileError(file, points[1].line,
+                         fmt::format("expected {} passes over the {} poses, one after the other, got the repeats of "
+                                     "each pose together; sort the points by pass",
+                                     passes, count));
   }
   series.note(
-      fmt::format("the {} points are taken for those of the {} poses in their order, as asked; their names do "
-                  "not count",
-                  points.size(), poses.size()));
+      passes == 1
+          ? fmt::format("{} points are matched to the {} poses in their order; their names do not count", count, count)
+          : fmt::format("{} points are matched to {} passes over the {} poses in their order; their names do "
+                        "not count",
+                        points.size(), passes, count));
   for (std::size_t k = 0; k < points.size(); ++k) {
-    series.add(points[k].line, poses[k].name, {.station = k, .point = points[k].point, .sigma = points[k].sigma});
+    const std::size_t station = k % count;
+    series.add(points[k].line, poses[station].name,
+               {.station = station, .point = points[k].point, .sigma = points[k].sigma});
   }
 }
 
