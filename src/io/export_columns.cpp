@@ -106,6 +106,32 @@ std::string note_of(const HeaderRow& row, const FieldColumns& columns, double mm
   return text;
 }
 
+/// Of several candidates the one that says "measured", else the first.
+std::size_t likeliest(const HeaderRow& row, const std::vector<std::size_t>& candidates) {
+  const auto is_measured = [&](std::size_t column) { return row.headings[column - 1].is_measured; };
+  const auto measured = std::ranges::find_if(candidates, is_measured);
+  return measured != candidates.end() ? *measured : candidates.front();
+}
+
+/// The --columns that choose among the candidates of a header row: by headings, or where these cannot tell columns
+/// apart by numbers, which need the unit, too.
+std::string choice_of(const HeaderRow& row) {
+  FieldColumns columns{};
+  bool tells_apart = true;
+  std::string by_heading;
+  for (std::size_t field = 0; field < kExportFields.size(); ++field) {
+    if (row.columns[field].empty()) continue;
+    columns[field] = likeliest(row, row.columns[field]);
+    const std::string& heading = row.fields[columns[field] - 1];
+    tells_apart = tells_apart && std::ranges::count(row.fields, heading) == 1 &&
+                  heading.find_first_of(",='") == std::string::npos && !finite_number(heading);
+    by_heading += fmt::format("{}{}={}", by_heading.empty() ? "" : ",", kExportFields[field], heading);
+  }
+  if (tells_apart) return fmt::format("--columns '{}'", by_heading);
+  const auto* unit = std::ranges::find(kLengthUnits, row.headings[columns[1] - 1].mm.value_or(1.0), &LengthUnit::mm);
+  return fmt::format("--columns {} --unit {}", text_of(columns), unit->name);
+}
+
 FieldColumns columns_of(const TextFile& file, const HeaderRow& row, bool by_order) {
   FieldColumns columns{};
   for (std::size_t field = 0; field < kExportFields.size(); ++field) {
@@ -117,14 +143,21 @@ FieldColumns columns_of(const TextFile& file, const HeaderRow& row, bool by_orde
       continue;
     }
     if (by_order && kExportFields[field] == "name") continue;  // nobody asks which
+    const std::string expected = fmt::format("expected one column of {} in the header row, got ", kExportFields[field]);
+    if (found.empty()) {
+      throw InputFileError(file.name, row.line,
+                           expected +
+                               "none; choose it with --columns, or take the points in the order of the poses with "
+                               "--match order");
+    }
     std::vector<std::string> got;
     got.reserve(found.size());
-    for (const std::size_t column : found) got.push_back(fmt::format("\"{}\"", row.fields[column - 1]));
+    for (const std::size_t column : found) {
+      got.push_back(fmt::format("\"{}\" (column {})", row.fields[column - 1], column));
+    }
     throw InputFileError(
         file.name, row.line,
-        fmt::format("expected one column of {} in the header row, got {} (--columns says which, e.g. "
-                    "name=1,x=2,y=3,z=4 or by headings)",
-                    kExportFields[field], got.empty() ? "none" : fmt::format("{}", fmt::join(got, ", "))));
+        fmt::format("{}{}; choose with --columns, e.g. {}", expected, fmt::join(got, " and "), choice_of(row)));
   }
   return columns;
 }

@@ -12,7 +12,18 @@ namespace paracal::io {
 namespace {
 
 /// What header rows say besides.
-constexpr std::array<LengthUnit, 3> kOtherUnits{{{"in", 25.4}, {"\u00B5m", 0.001}, {"\u03BCm", 0.001}}};
+constexpr std::array<LengthUnit, 12> kOtherUnits{{{"in", 25.4},
+                                                  {"inches", 25.4},
+                                                  {"\u00B5m", 0.001},
+                                                  {"\u03BCm", 0.001},
+                                                  {"millimeter", 1.0},
+                                                  {"millimeters", 1.0},
+                                                  {"millimetre", 1.0},
+                                                  {"millimetres", 1.0},
+                                                  {"meter", 1000.0},
+                                                  {"meters", 1000.0},
+                                                  {"metre", 1000.0},
+                                                  {"metres", 1000.0}}};
 
 std::string lower_case(std::string_view text) {
   std::string lower(text);
@@ -29,27 +40,47 @@ std::optional<double> unit_named(std::string_view name) {
   return std::nullopt;
 }
 
+constexpr std::array<std::string_view, 4> kMeasuredWords{"measured", "meas", "actual", "act"};
+
+/// Says what the word of a heading means.
+Heading with_meaning(Heading heading) {
+  constexpr std::string_view kBetween = " _-.:()[]";
+  std::string_view rest = heading.word;
+  while (true) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBetween), rest.size()));
+    if (rest.empty()) return heading;
+    const std::string_view word = rest.substr(0, rest.find_first_of(kBetween));
+    rest.remove_prefix(word.size());
+    if (std::ranges::find(kMeasuredWords, word) != kMeasuredWords.end()) {
+      heading.is_measured = true;
+    } else {
+      heading.meaning.append(heading.meaning.empty() ? "" : " ").append(word);
+    }
+  }
+}
+
 Heading heading_of(std::string_view field) {
   const std::string whole = lower_case(field);
   std::string_view text = whole;
   const bool has_brackets = text.ends_with(']') || text.ends_with(')');
   const std::size_t at = text.find_last_of(has_brackets ? "[(" : "_ ");
-  if (at == std::string_view::npos || at == 0) return {whole, whole};
+  if (at == std::string_view::npos || at == 0) return with_meaning({whole, whole});
   std::string_view unit = text.substr(at + 1);
   if (has_brackets) unit.remove_suffix(1);
   const std::optional<double> mm = unit_named(trimmed(unit));
-  return {whole, mm ? std::string(trimmed(text.substr(0, at))) : whole, mm};
+  return with_meaning({whole, mm ? std::string(trimmed(text.substr(0, at))) : whole, mm});
 }
 
-constexpr std::array<std::string_view, 6> kNameWords{"name", "point", "point name", "target", "label", "pose"};
+constexpr std::array<std::string_view, 9> kNameWords{"name",        "point", "point name", "pointname", "target",
+                                                     "target name", "label", "pose",       "pose name"};
 
 bool is_wanted(const Heading& heading, std::size_t field, const Places& wanted) {
   if (!wanted[field].empty()) {
     const std::string asked = lower_case(wanted[field]);
     return heading.whole == asked || heading.word == asked;
   }
-  if (kExportFields[field] != "name") return heading.word == kExportFields[field];
-  return std::ranges::find(kNameWords, heading.word) != kNameWords.end();
+  if (kExportFields[field] != "name") return heading.meaning == kExportFields[field];
+  return std::ranges::find(kNameWords, heading.meaning) != kNameWords.end();
 }
 
 /// @param wanted  headings; where one is empty, the field's own word.

@@ -21,11 +21,13 @@ inline constexpr std::array<LengthUnit, 4> kLengthUnits{{{"mm", 1.0}, {"m", 1000
 /// What somebody says of each field: a number from 1, a heading, or nothing.
 using Places = std::array<std::string, kExportFields.size()>;
 
-/// "X [mm]", "X (mm)", "X_mm", "X mm" as x and 1 mm.
+/// "X [mm]", "X (mm)", "X_mm", "X mm" as x and 1 mm; so are "Measured X [mm]", "X Actual (mm)" and "Meas_X_mm".
 struct Heading {
   std::string whole;  ///< in lower case, as the word
   std::string word;
   std::optional<double> mm = {};
+  std::string meaning = {};  ///< words between single blanks, without those that say "measured"
+  bool is_measured = false;  ///< has such a word
 };
 
 /// A line with headings, and which of them are which field.
@@ -39,6 +41,7 @@ struct HeaderRow {
 
 /// The first line that names x, y and z.
 /// @param wanted  headings; where one is empty, the field's own word.
+/// A word that is not known ("Nominal X", "dX") makes another column of it.
 std::optional<HeaderRow> find_header(const TextFile& file, const Places& wanted);
 
 }  // namespace paracal::io

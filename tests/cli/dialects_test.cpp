@@ -113,7 +113,8 @@ TEST_F(Dialects, ExportsAreTheSame) {
   const auto nameless = [](const auto&, const std::string& x, const std::string& y, const std::string& z) {
     return x + "\t" + y + "\t" + z;
   };
-  EXPECT_THAT(same("x_mm\ty_mm\tz_mm\n" + exported(nameless), " --match order"), HasSubstr("14 points are matched to the 14 poses"));
+  EXPECT_THAT(same("x_mm\ty_mm\tz_mm\n" + exported(nameless), " --match order"),
+              HasSubstr("14 points are matched to the 14 poses"));
 }
 
 TEST_F(Dialects, PosesAndJointsAreTheSame) {

@@ -80,16 +80,59 @@ TEST(ExportColumns, AreSaidByHeadings) {
   refused<InvalidArgument>(text, "either all numbers or all headings", {.columns = "name=1,x=Measured X,y=4,z=5"});
 }
 
+TEST(ExportColumns, MeasuredColumnsAreRecognised) {
+  const std::string points = "P1,0,0,-888,1031.5,-20.25,-88.125\nP2,100,0,-888,931.75,-20.5,-88\n";
+  for (const char* header :
+       {"Point Name,Nominal X,Nominal Y,Nominal Z,Measured X [mm],Measured Y [mm],Measured Z [mm]",
+        "Target,Nom X (mm),Nom Y (mm),Nom Z (mm),Meas X (mm),Meas Y (mm),Meas Z (mm)",
+        "Name,X Nominal,Y Nominal,Z Nominal,X Actual (mm),Y Actual (mm),Z Actual (mm)",
+        "point_name,x_nom_mm,y_nom_mm,z_nom_mm,x_meas_mm,y_meas_mm,z_meas_mm",
+        "Target Name,Design X,Design Y,Design Z,X (Measured) [millimeters],Y (Measured) [millimeters],"
+        "Z (Measured) [millimeters]",
+        "Name,Reference X [m],Reference Y [m],Reference Z [m],Act. X(mm),Act. Y(mm),Act. Z(mm)",
+        "Name,Dev X [mm],Dev Y [mm],Dev Z [mm],X [mm],Y [mm],Z [mm]"}) {
+    reads(std::string(header) + "\n" + points);
+  }
+  EXPECT_THAT(
+      exported("Name,Nominal X,Nominal Y,Nominal Z,Actual X [mm],Actual Y [mm],Actual Z [mm]\n" + points).notes,
+      Contains(HasSubstr("Name, Actual X [mm], Actual Y [mm], Actual Z [mm] (unit 1 mm); passed over: Nominal X, "
+                         "Nominal Y, Nominal Z")));
+  refused("Name,Nominal X [mm],Nominal Y [mm],Nominal Z [mm]\nP1,1,2,3\n",
+          "expected a header row that names x, y and z");
+  refused("Name,X [cm],Y [cm],Z [cm]\nP1,1,2,3\n", "expected a header row that names x, y and z");
+}
+
+TEST(ExportColumns, AmbiguousHeaderRowsSayWhichColumnsToGive) {
+  const std::string points = "P1,0,0,-888,1031.5,-20.25,-88.125\nP2,100,0,-888,931.75,-20.5,-88\n";
+  const std::string two_kinds = "Name,X,Y,Z,Measured X,Measured Y,Measured Z\n" + points;
+  refused(two_kinds,
+          "e.txt:1: expected one column of x in the header row, got \"X\" (column 2) and \"Measured X\" (column 5); "
+          "choose with --columns, e.g. --columns 'name=Name,x=Measured X,y=Measured Y,z=Measured Z'");
+  reads(two_kinds, {.columns = "name=Name,x=Measured X,y=Measured Y,z=Measured Z", .unit = "mm"});
+  const std::string same_words = "Point,X [mm],Y [mm],Z [mm],X [mm],Y [mm],Z [mm]\n" + points;
+  refused(same_words,
+          "got \"X [mm]\" (column 2) and \"X [mm]\" (column 5); choose with --columns, e.g. --columns "
+          "name=1,x=2,y=3,z=4 --unit mm");
+  reads(same_words, {.columns = "name=1,x=5,y=6,z=7", .unit = "mm"});
+  refused("Name,Measured X,Actual X,Y,Z\nP1,1,1,2,3\n", "got \"Measured X\" (column 2) and \"Actual X\" (column 3)",
+          {.unit = "mm"});
+}
+
 TEST(ExportColumns, HeaderRowsThatDoNotSayItAreRefused) {
   refused("Name,X,Y,Z\nP1,1,2,3\n", "e.txt:1: expected a unit in the header row, as in \"X [mm]\", or --unit");
   refused("Name,X [mm],Y [mm],Z\nP1,1,2,3\n", "e.txt:1: expected one unit of \"X [mm]\" and \"Z\", got two");
   refused("Name,X [mm],Y [mm],Z [mm]\nP1,1,2,3\n",
           "e.txt:1: expected --unit as in the header row (1 mm), got another (25.4 mm)", {.unit = "inch"});
-  refused("Name,Target,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
-          "expected one column of name in the header row, got \"Name\", \"Target\"");
-  refused("X_mm,Y_mm,Z_mm\n1,2,3\n", "expected one column of name in the header row, got none");
+  refused(
+      "Name,Target,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
+      "expected one column of name in the header row, got \"Name\" (column 1) and \"Target\" (column 2); choose with "
+      "--columns, e.g. --columns 'name=Name,x=X_mm,y=Y_mm,z=Z_mm'");
+  refused(
+      "X_mm,Y_mm,Z_mm\n1,2,3\n",
+      "expected one column of name in the header row, got none; choose it with --columns, or take the points in the "
+      "order of the poses with --match order");
   refused("Name,X_mm,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
-          "expected one column of x in the header row, got \"X_mm\", \"X_mm\"");
+          "expected one column of x in the header row, got \"X_mm\" (column 2) and \"X_mm\" (column 3)");
   refused("// Name X Y Z\nP1 1 2 3\n", "e.txt: expected a header row that names x, y and z, got none", {.unit = "mm"});
   refused<InvalidArgument>("P1 1 2 3\n", "unit: expected mm, m, um or inch, got none",
                            {.columns = "name=1,x=2,y=3,z=4"});

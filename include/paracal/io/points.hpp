@@ -39,7 +39,7 @@ struct ColumnMap {
   std::optional<std::size_t> sigma = {};  ///< standard deviation of each coordinate, in the unit of the coordinates
   double mm_per_unit = 0.0;
   int data_after = 0;                   ///< line of a header row: what stands down to there is no point
-  bool by_order = false;                ///< the k-th point is that of the k-th pose, whatever its name
+  bool by_order = false;                ///< points are in the order of the poses, once or in several passes
   std::vector<std::string> notes = {};  ///< how this was found
 };
 
@@ -53,7 +53,7 @@ ColumnMap parse_column_map(std::string_view columns, std::string_view unit);
 inline constexpr std::string_view kSpatialAnalyzer = "spatialanalyzer";
 
 /// Where a file holds what is needed: by numbers, or by the headings of a header row, which is the first line that
-/// names x, y and z ("X", "x_mm", "Y [mm]", "Z (inch)"; letters of either case).
+/// names x, y and z ("X", "x_mm", "Y [mm]", "Measured Z (inch)"; letters of either case).
 /// @param columns   as of parse_column_map; the same with headings, "name=Target,x=Measured X"; kSpatialAnalyzer; or
 ///                  empty: the headings x, y, z and one of name, point, point name, target, label, pose.
 /// @param unit      as of parse_column_map; empty where the header row states it.
@@ -70,9 +70,9 @@ bool has_export_header(const TextFile& file);
 /// semicolons, commas or blanks: by the first of these that a line holds outside quotation marks. Every line has the
 /// same number of fields, so that a name with a blank cannot shift the columns unseen. Decimals as DecimalSign tells.
 ///
-/// Points are matched to the poses by order where that is asked for: there are then as many. Else by name. Names that
-/// are no pose (reference points) and poses that were not measured are noted. The same name again is a repeat; with the
-/// same numbers again, one reading and a note.
+/// Points are matched to the poses by order where that is asked for: one pass over all poses, or several, which are
+/// repeats. Else by name. Names that are no pose (reference points) and poses that were not measured are noted. The
+/// same name again is a repeat; with the same numbers again, one reading and a note.
 /// @param poses  the first is home, if it was measured.
 /// @throws InputFileError for a line without the columns, with anything but finite numbers in them or with a point that
 /// is not among the others, or when no name is a pose.
