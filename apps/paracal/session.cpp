@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <filesystem>
 #include <limits>
 
 #include "paracal/io/file.hpp"
@@ -18,6 +20,8 @@
 #include "terminal.hpp"
 
 namespace paracal::app {
+
+namespace fs = std::filesystem;
 
 Command* Session::add_command(Command& parent, const std::string& name, const std::string& job,
                               const std::string& what) {
@@ -98,6 +102,22 @@ Robot Session::robot(const RobotSources& inputs) {
   robot_file_ = stated.front().robot_file;
   if (robot_file_) outputs.keep_off({robot_file_->string()});  // a table may name it
   return stated.front().robot;
+}
+
+std::string Session::robot_line(const Robot& robot) const {
+  if (!robot_file_) return io::robot_line(robot);
+  try {
+    if (!fs::is_regular_file(*robot_file_)) return "";  // a pipe is read once
+    const fs::path folder = out_.empty() ? fs::current_path() : fs::absolute(out_).parent_path();
+    fs::path path = fs::relative(*robot_file_, folder);
+    if (path.extension() != ".toml" && !path.has_parent_path()) path = "." / path;
+    const std::string line = fmt::format("# robot: {}", path.string());
+    const auto read = io::robot_of_line(out_, 0, line);  // not all names are read as they are written
+    const bool is_named = line.find('\n') == std::string::npos && fs::equivalent(*read->robot_file, *robot_file_);
+    return is_named ? line + "\n" : "";
+  } catch (const std::exception&) {
+    return "";
+  }
 }
 
 Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {

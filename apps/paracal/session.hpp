@@ -90,6 +90,9 @@ class Session {
   Robot robot(const RobotSources& inputs = {});
   /// The same; require_level().
   Robot level_robot(std::string_view task, const RobotSources& inputs = {});
+  /// "# robot: NAME" for a table of this robot(): its name in the catalogue, or the path of its file from the folder of
+  /// --out (else from the current one), as readers of the table look for it. Empty where a table cannot name it.
+  std::string robot_line(const Robot& robot) const;
   /// The file that described it, where one did.
   const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }
 

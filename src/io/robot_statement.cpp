@@ -70,6 +70,25 @@ std::optional<std::string> name_in(std::string_view line) {
   return std::string(trimmed(line.substr(kKey.size()), " \t\r,;"));
 }
 
+/// Whether a name stands for a file rather than the catalogue's.
+bool is_file(const std::filesystem::path& name) { return name.extension() == ".toml" || name.has_parent_path(); }
+
+/// Where a table's robot file is looked for: in its folder; of standard input and other open files in the current one.
+std::filesystem::path folder_of(const std::string& table) {
+  const bool is_open_already = table.starts_with("/dev/") || table.starts_with("/proc/");
+  return is_open_already ? std::filesystem::path() : std::filesystem::path(table).parent_path();
+}
+
+/// Of a line in a table that lies in `folder`.
+void require_robot_file(const std::string& name, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (!is_file(name) || std::filesystem::exists(folder / name, ignored)) return;
+  throw InvalidArgument(
+      fmt::format("expected the robot file {}, got none there; write the path from this table's folder "
+                  "to the file, or remove this line and add --robot FILE",
+                  (folder / name).string()));
+}
+
 /// The depth of a robot's JSON is 4; nothing deeper is followed.
 constexpr int kDeepestRobot = 8;
 
@@ -109,7 +128,7 @@ toml::array toml_of_array(const Json& json, int depth) {
 
 RobotStatement named_robot(const std::string& name, const std::filesystem::path& folder) {
   const std::filesystem::path path(name);
-  if (path.extension() != ".toml" && !path.has_parent_path()) return {.robot = catalogue::find(name), .by = name};
+  if (!is_file(path)) return {.robot = catalogue::find(name), .by = name};
   const std::filesystem::path file = folder / path;
   return {.robot = read_robot(read_file(file)), .by = file.string(), .robot_file = file};
 }
@@ -118,7 +137,9 @@ std::optional<RobotStatement> robot_of_line(const std::string& file, int line, s
   const std::optional<std::string> name = name_in(text);
   if (!name) return std::nullopt;
   try {
-    RobotStatement stated = named_robot(*name, std::filesystem::path(file).parent_path());
+    const std::filesystem::path folder = folder_of(file);
+    require_robot_file(*name, folder);
+    RobotStatement stated = named_robot(*name, folder);
     stated.by = file;
     stated.line = line;
     return stated;

@@ -1,6 +1,9 @@
 // Which robot a command is of: --robot, a calibration or a line of a table says it, all that do agree, and nothing else
 // does.
 
+#include <filesystem>
+#include <string_view>
+
 #include "json_checks.hpp"
 #include "support/places.hpp"
 
@@ -8,7 +11,7 @@ namespace paracal::test::robot_statement_test {
 namespace {
 
 using nlohmann::json;
-using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
+using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::StartsWith;
 
 const std::string kData = source_folder() / "data/huang2016";
 
@@ -138,9 +141,64 @@ TEST_F(StatedRobot, MayBeAFileBesideTheTable) {
   EXPECT_NE(done("inverse --poses sub/poses.csv"), done("inverse --poses poses.csv --robot rotary_delta"));
   expect_refused("inverse --poses sub/poses.csv --errors calibration.json", kBadInputFile,
                  "geometry.rod_mm 950.0, got 951.0");
-  EXPECT_THAT(done("poses --robot sub/mine.toml"), Not(HasSubstr("# robot:")));
   const json made = json_of(run("yield --machines 1 --poses sub/poses.csv --json"));
   EXPECT_EQ(made.at("inputs")[0].at("file"), "sub/mine.toml");
+}
+
+/// The line holds the path from the table's folder to the file, so that both can move together.
+TEST_F(StatedRobot, OfAFileIsNamedByItsPath) {
+  std::filesystem::create_directories(folder.path() / "sub/deeper");
+  folder.write("sub/mine.toml", done("robot --template delta"));
+  EXPECT_THAT(done("poses --robot sub/mine.toml"), StartsWith("# robot: sub/mine.toml\n"));
+  const auto first_line = [&](const std::string& table) {
+    const std::string text = folder.read(table);
+    return text.substr(0, text.find('\n'));
+  };
+  done("poses --robot sub/mine.toml --out sub/plan.csv");
+  EXPECT_EQ(first_line("sub/plan.csv"), "# robot: mine.toml");
+  done("simulate --poses sub/plan.csv --out sub/deeper/points.csv");
+  EXPECT_EQ(first_line("sub/deeper/points.csv"), "# robot: ../mine.toml");
+  done("poses --robot sub/mine.toml --optimal 20 --candidates 200 --out optimal.csv");
+  EXPECT_EQ(first_line("optimal.csv"), "# robot: sub/mine.toml");
+  const json found = json_of(run("calibrate --measurements sub/deeper/points.csv --json"));
+  EXPECT_EQ(found.at("robot").at("name"), "delta");
+
+  rename(folder.path() / "sub", folder.path() / "moved");
+  done("calibrate --measurements moved/deeper/points.csv");
+  const std::string missing =
+      "optimal.csv:1: expected the robot file sub/mine.toml, got none there; write the path from "
+      "this table's folder to the file, or remove this line and add --robot FILE";
+  expect_refused("simulate --poses optimal.csv", kBadInputFile, missing);
+  expect_refused("simulate --poses optimal.csv --robot moved/mine.toml", kBadInputFile, missing);
+}
+
+/// A file is what its dimensions, workspace and tolerances are, even where its name is one of the catalogue.
+TEST_F(StatedRobot, OfAFileWithACatalogueNameIsTheFile) {
+  folder.write("mine.toml", done("robot --robot rotary_delta"));
+  EXPECT_THAT(done("poses --robot mine.toml"), StartsWith("# robot: mine.toml\n"));
+}
+
+TEST_F(StatedRobot, IsNotNamedWhereReadersWouldTakeItOtherwise) {
+  const std::string robot = done("robot --robot rotary_delta");
+  for (const char* name : {"./mine", "mine;.toml", " mine.toml", "mine\n.toml"}) {
+    folder.write(name, robot);
+    const ProgramResult result = run_program({"poses", "--robot", name}, {.folder = folder.path()});
+    ASSERT_EQ(result.exit_code, kDone) << result.err;
+    const bool is_named = std::string_view(name) == "./mine" || std::string_view(name) == "mine;.toml";
+    EXPECT_EQ(result.out.starts_with("# robot: "), is_named) << name;
+    folder.write("again.csv", result.out);
+    const ProgramResult again =
+        run_program({"inverse", "--poses", "again.csv", "--robot", name}, {.folder = folder.path()});
+    EXPECT_EQ(again.exit_code, kDone) << again.err;
+  }
+}
+
+/// Of standard input, files are found from the current folder.
+TEST_F(StatedRobot, OfAFileMayComeThroughAPipe) {
+  folder.write("mine.toml", done("robot --template delta"));
+  folder.write("plan.csv", done("poses --robot mine.toml"));
+  const Surroundings pipe{.folder = folder.path(), .launcher = {"/bin/sh", "-c", "cat plan.csv | \"$0\" \"$@\""}};
+  EXPECT_EQ(run_program({"inverse", "--poses", "/dev/stdin"}, pipe).out, done("inverse --poses plan.csv"));
 }
 
 /// What comes through a pipe can be read once.

@@ -15,7 +15,6 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/io/points.hpp"
-#include "paracal/io/robot_statement.hpp"
 #include "paracal/units.hpp"
 #include "progress_line.hpp"
 #include "session.hpp"
@@ -75,7 +74,7 @@ void run_paper_plan(const PosesArguments& options, Session& session) {
     }
     return session.print_json(json);
   }
-  std::string text = io::robot_line(robot);
+  std::string text = session.robot_line(robot);
   fmt::format_to(std::back_inserter(text), "# {} stage: n = {} points per circle (change of O2 below {:g})\n",
                  options.stage, plan.n, options.threshold);
   for (const CurvePoint& point : plan.curve) {
@@ -213,7 +212,7 @@ void run_selection(const PosesArguments& options, Session& session) {
     return session.print_json(json);
   }
   const WorkspaceUncertainty& after = selection.uncertainty;
-  std::string text = io::robot_line(robot);
+  std::string text = session.robot_line(robot);
   fmt::format_to(
       std::back_inserter(text),
       "# {} of {} candidate poses, criterion {}; predicted largest standard deviation over the workspace:\n# distance "

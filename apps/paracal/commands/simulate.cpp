@@ -9,7 +9,6 @@
 #include "measuring.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/io/points.hpp"
-#include "paracal/io/robot_statement.hpp"
 #include "paracal/io/tables.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
@@ -145,7 +144,7 @@ void run(const SimulateArguments& options, Session& session) {
     session.outputs.store.write(options.truth, io::source_errors_toml(errors, robot.joint_space()));
   }
   if (!session.json()) {
-    return session.print(io::robot_line(robot) + assumed_lines(assumed, "#") +
+    return session.print(session.robot_line(robot) + assumed_lines(assumed, "#") +
                          table_of(measurements, robot.actuator()));
   }
   io::Json json = json_of(measurements);
