@@ -11,8 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using IsOwn = std::function<bool(const fs::directory_entry&)>;
+
 /// What speaks against filling it; empty: nothing.
-std::string complaint(const fs::path& folder) {
+std::string complaint(const fs::path& folder, const std::string& who, const IsOwn& is_own) {
   std::error_code error;
   if (folder.empty()) return "expected a folder, got \"\"";
   if (!fs::exists(folder, error)) {
@@ -21,17 +23,20 @@ std::string complaint(const fs::path& folder) {
     return fmt::format("{}: expected a folder to make it in, got none: {}", folder.string(), parent.string());
   }
   if (!fs::is_directory(folder, error)) return fmt::format("expected a folder, got a file: {}", folder.string());
-  const fs::directory_iterator entries(folder);
-  if (entries == fs::directory_iterator()) return {};
-  return fmt::format("expected an empty or a new folder, got {}, which has {}", folder.string(),
-                     entries->path().filename().string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_own && is_own(entry)) continue;
+    return fmt::format("expected an empty or a new folder{}, got {} with {}; name another folder",
+                       is_own ? fmt::format(", or one from an earlier {}", who) : std::string(), folder.string(),
+                       entry.path().filename().string());
+  }
+  return {};
 }
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& who, const std::string& name) : path_(name) {
+OutputFolder::OutputFolder(const std::string& who, const std::string& name, const IsOwn& is_own) : path_(name) {
   if (!path_.has_filename()) path_ = path_.parent_path();
-  const std::string against = complaint(path_);
+  const std::string against = complaint(path_, who, is_own);
   if (!against.empty()) throw WrongUsage(fmt::format("{}: {}", who, against));
 }
 

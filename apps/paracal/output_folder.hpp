@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -10,8 +11,10 @@ namespace paracal::app {
 class OutputFolder {
  public:
   /// @param who  what names it, for messages: a command or an option.
-  /// @throws WrongUsage unless the folder is empty, or can be made.
-  OutputFolder(const std::string& who, const std::string& name);
+  /// @param is_own  entries that an earlier run of the same command wrote, and that may be written again.
+  /// @throws WrongUsage unless the folder can be made, or has no other entries.
+  OutputFolder(const std::string& who, const std::string& name,
+               const std::function<bool(const std::filesystem::directory_entry&)>& is_own = {});
 
   const std::filesystem::path& path() const { return path_; }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "json_checks.hpp"
+#include "paracal/io/toml.hpp"
 #include "support/places.hpp"
 
 namespace paracal::test::demo_test {
@@ -43,6 +44,17 @@ class Demo : public testing::Test {
     return run_program(words(command), {.folder = folder.path(), .environment = std::move(environment)});
   }
 
+  /// commands.sh of one of the folder's folders, in there.
+  void run_script(const std::string& made) const {
+    create_directory(folder.path() / "bin");
+    if (!exists(folder.path() / "bin/paracal")) {
+      create_symlink(build_folder() / "bin/paracal", folder.path() / "bin/paracal");
+    }
+    const std::string line = fmt::format("cd {0}/{1} && PATH={0}/bin:$PATH SOURCE_DATE_EPOCH=0 sh -e commands.sh",
+                                         folder.path().string(), made);
+    ASSERT_EQ(std::system(line.c_str()), 0);
+  }
+
   const TemporaryFolder folder;
 };
 
@@ -53,14 +65,60 @@ TEST_F(Demo, IsWhatItsCommandsMake) {
   const std::vector<std::string> commands = lines_after("paracal ", made.at("commands.sh"));
   EXPECT_THAT(lines_after("  $ paracal ", result.out), ElementsAreArray(commands));
 
-  create_directory(folder.path() / "bin");
-  create_symlink(build_folder() / "bin/paracal", folder.path() / "bin/paracal");
   create_directory(folder.path() / "again");
   folder.write("again/commands.sh", made.at("commands.sh"));
-  const std::string line =
-      fmt::format("cd {0}/again && PATH={0}/bin:$PATH SOURCE_DATE_EPOCH=0 sh -e commands.sh", folder.path().string());
-  ASSERT_EQ(std::system(line.c_str()), 0);
+  run_script("again");
   EXPECT_EQ(files_of(folder.path() / "again"), made);
+}
+
+/// Of every kind, from a file of the user's own, whose name and folder the demo does not need any more.
+TEST_F(Demo, TakesRobotFilesOfEveryKind) {
+  create_directory(folder.path() / "my robots");
+  for (const std::string& kind : io::robot_templates()) {
+    const std::string text = run("robot --template " + kind).out;
+    folder.write("my robots/my own.toml", text);
+    const json object = json_of(run_program({"demo", kind, "--robot", "my robots/my own.toml", "--json"},
+                                            {.folder = folder.path(), .environment = kFixedDate}));
+    for (const json& step : object.at("steps")) EXPECT_EQ(step.at("exit_code"), 0) << kind << step.dump();
+    const auto made = files_of(folder.path() / kind);
+    EXPECT_EQ(made.at("robot.toml"), text);
+    EXPECT_THAT(made.at("plan.csv"), StartsWith("# robot: robot.toml\n"));
+    EXPECT_THAT(made.at("measured.csv"), StartsWith("# robot: robot.toml\n"));
+    remove_all(folder.path() / "my robots/my own.toml");
+    if (kind != "five-bar" && kind != "delta") continue;
+    run_script(kind);
+    EXPECT_EQ(files_of(folder.path() / kind), made) << kind;
+  }
+}
+
+TEST_F(Demo, WritesItsOwnFolderAgain) {
+  ASSERT_EQ(run(kDemo).exit_code, kDone);
+  const auto first = files_of(folder.path() / "made");
+  folder.write("made/report.html", "old");
+  const ProgramResult again = run(kDemo);
+  ASSERT_EQ(again.exit_code, kDone) << again.err;
+  EXPECT_EQ(files_of(folder.path() / "made"), first);
+  folder.write("mine.toml", run("robot --template five-bar").out);
+  ASSERT_EQ(run("demo made --robot mine.toml").exit_code, kDone);
+  ASSERT_EQ(run("demo made --robot made/robot.toml").exit_code, kDone);
+  EXPECT_NE(files_of(folder.path() / "made").at("plan.csv"), first.at("plan.csv"));
+
+  const auto refused = [&](const std::string& file) {
+    const auto before = files_of(folder.path() / "made");
+    const ProgramResult result = run(kDemo);
+    EXPECT_EQ(result.exit_code, kWrongUsage);
+    EXPECT_THAT(result.err, HasSubstr("expected an empty or a new folder, or one from an earlier demo, got made with " +
+                                      file + "; name another folder"));
+    EXPECT_EQ(files_of(folder.path() / "made"), before);
+  };
+  folder.write("made/notes.txt", "mine");
+  refused("notes.txt");
+  remove(folder.path() / "made/notes.txt");
+  for (const auto& [name, text] : files_of(folder.path() / "made")) {
+    if (name != "commands.sh") remove(folder.path() / "made" / name);
+  }
+  folder.write("made/commands.sh", "#!/bin/sh\nparacal poses\n");
+  refused("commands.sh");
 }
 
 TEST_F(Demo, SaysWhatTheFilesSay) {
@@ -114,10 +172,10 @@ TEST_F(Demo, RefusesFoldersThatAreNotEmpty) {
     EXPECT_THAT(result.out, IsEmpty());
     EXPECT_THAT(folder.names(), ElementsAre("plan.csv"));
   };
-  refused("demo .", "expected an empty or a new folder, got ., which has plan.csv");
+  refused("demo .", "expected an empty or a new folder, or one from an earlier demo, got . with plan.csv");
   refused("demo plan.csv", "expected a folder, got a file: plan.csv");
   refused("demo one/two", "one/two: expected a folder to make it in, got none: ");
-  refused("demo made --robot nobody", "expected a name of the catalogue (paracal robot --list), got nobody");
+  refused("demo made --robot nobody", "got \"nobody\" (a robot file ends in .toml)");
   EXPECT_EQ(folder.read("plan.csv"), "mine");
 }
 

@@ -83,7 +83,7 @@ TEST_F(LinuxcncConfiguration, RefusesOtherFoldersTargetsAndFiles) {
   std::filesystem::create_directory(machine());
   folder.write("machine/paracal.ini", "mine");
   refused({"--target", "linuxcnc", "--config", "machine"},
-          "--config: expected an empty or a new folder, got machine, which has paracal.ini");
+          "--config: expected an empty or a new folder, got machine with paracal.ini; name another folder");
   refused({"--target", "linuxcnc", "--config", "poses.csv"}, "--config: expected a folder, got a file: poses.csv");
   refused({"--target", "linuxcnc", "--config", "one/two"}, "expected a folder to make it in, got none: ");
   refused({"--target", "linuxcnc", "--config", ""}, "--config: expected a folder, got \"\"");

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <memory>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "interruption.hpp"
 #include "output_folder.hpp"
-#include "paracal/mechanism/catalogue.hpp"
+#include "paracal/io/file.hpp"
 #include "program.hpp"
 #include "scratch_folder.hpp"
 #include "session.hpp"
@@ -78,17 +81,48 @@ struct Demonstration {
   std::map<std::string, std::string> files = {};
 };
 
+constexpr std::string_view kScript = "commands.sh", kRobotFile = "robot.toml";
+constexpr std::string_view kScriptHead = "#!/bin/sh\n# The commands of paracal demo. Repeat them: sh commands.sh\n";
+
 std::string script_of(const std::vector<Step>& steps) {
-  std::string script = "#!/bin/sh\n# The commands of paracal demo. Repeat them: sh commands.sh\n";
+  std::string script(kScriptHead);
   for (const Step& step : steps) script += fmt::format("\n# {}\n{}\n", step.what, step.shell_line());
   return script;
 }
 
+/// Names of all files that the steps write, and of what stands beside them.
+std::set<std::string> names_of_files(const std::vector<Step>& steps) {
+  std::set<std::string> names{std::string(kScript), std::string(kRobotFile)};
+  for (const Step& step : steps) {
+    if (!step.text_file.empty()) names.insert(step.text_file);
+    const std::vector<std::string> words = words_of(step.command);
+    for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+      if (words[k] == "--out" || words[k] == "--truth") names.insert(words[k + 1]);
+    }
+  }
+  return names;
+}
+
+/// The folder that is filled: a new or empty one, or one that an earlier demo filled, and nobody else.
+OutputFolder folder_for(const std::vector<Step>& steps, const std::string& name) {
+  std::ifstream script(fs::path(name) / kScript, std::ios::binary);
+  std::string head(kScriptHead.size(), '\0');
+  script.read(head.data(), static_cast<std::streamsize>(head.size()));
+  const bool is_made_here = head == kScriptHead;
+  const std::set<std::string> files = names_of_files(steps);
+  return {"demo", name, [&](const fs::directory_entry& entry) {
+            return is_made_here && entry.is_regular_file() && files.contains(entry.path().filename().string());
+          }};
+}
+
 /// Everything, in a folder that is gone afterwards; as far as it came where somebody interrupts it.
-Demonstration demonstrate(const std::vector<Step>& steps, Session& session, const std::atomic<bool>& interrupted) {
+/// @param texts  files that the steps read.
+Demonstration demonstrate(const std::vector<Step>& steps, std::map<std::string, std::string> texts, Session& session,
+                          const std::atomic<bool>& interrupted) {
   const ScratchFolder scratch;
   Demonstration all;
-  std::map<std::string, std::string> texts{{"commands.sh", script_of(steps)}};
+  for (const auto& [name, text] : texts) std::ofstream(name, std::ios::binary) << text;
+  texts[std::string(kScript)] = script_of(steps);
   for (const Step& step : steps) {
     Done done{step};
     const auto take = [&done](std::string_view text) { done.text += text; };
@@ -133,19 +167,20 @@ io::Json json_of(const Demonstration& all, const fs::path& folder) {
   return {{"folder", folder.string()}, {"steps", steps}, {"files", files}};
 }
 
-std::string robot_of(const Command& command) {
-  const Option* const robot = command.get_option("--robot");
-  if (!robot->is_given()) return "huang2016";
-  std::string name = robot->values().front();
-  const auto names = catalogue::names();
-  if (std::ranges::find(names, name) != names.end()) return name;
-  throw WrongUsage(fmt::format("demo: --robot: expected a catalogue name (see paracal robot --list), got {}", name));
-}
-
-void run(const std::string& folder_name, const std::string& robot, Session& session) {
-  const OutputFolder folder("demo", folder_name);
+void run(const std::string& folder_name, bool has_robot, Session& session) {
+  std::string robot = "huang2016";
+  std::map<std::string, std::string> files;
+  if (has_robot) {
+    robot = session.robot().name();
+    if (const auto& file = session.robot_file()) {
+      robot = kRobotFile;
+      files[robot] = io::read_file(*file).text;
+    }
+  }
+  const std::vector<Step> steps = steps_of(robot, session.seed());
+  const OutputFolder folder = folder_for(steps, folder_name);
   const std::atomic<bool>& interrupted = flag_of_interruption();
-  const Demonstration all = demonstrate(steps_of(robot, session.seed()), session, interrupted);
+  const Demonstration all = demonstrate(steps, std::move(files), session, interrupted);
   if (interrupted) end_by_interruption();
   session.json() ? session.print_json(json_of(all, folder.path())) : session.print(text_of(all, folder.path()));
   folder.write(all.files);
@@ -157,9 +192,9 @@ void add_demo(Command& program, Session& session) {
   Command* command = session.add_command(
       program, "demo", "Try it", "run a whole calibration of a simulated machine, and keep every file and command");
   const auto folder = std::make_shared<std::string>("paracal-demo");
-  command->add_option("folder", *folder, "folder for the files")->shows_default();
+  command->add_option("folder", *folder, "folder for the files: new, empty, or from an earlier demo")->shows_default();
   command->example("Run it in the folder paracal-demo", "paracal demo");
-  command->callback([&session, command, folder] { run(*folder, robot_of(*command), session); });
+  command->callback([&session, command, folder] { run(*folder, command->get_option("--robot")->is_given(), session); });
 }
 
 }  // namespace paracal::app
