@@ -61,22 +61,23 @@ PrinterState with_readings(const PrinterOptions& options) {
     InputFile stamp{file.name, io::sha256(file)};
     const auto known = std::ranges::find(printer.files, stamp.sha256, &InputFile::sha256);
     if (known != printer.files.end()) {  // a reading left out would still be there, and tell of itself
-      throw InputFileError(file.name, 0, fmt::format("expected other readings, got those of {} again", known->name));
+      throw InputFileError(
+          file.name, 0,
+          fmt::format("expected other readings, got those of {} again: name each file once", known->name));
     }
     const DeltaReadings more = io::read_printer_table(file, printer.geometry);
     DeltaReadings& all = printer.readings;
     const std::size_t again = add_new(more.heights, all.heights) + add_new(more.distances, all.distances);
     if (again > 0) {
-      printer.notes.push_back(
-          fmt::format("{}: {} of its rows say to the last digit what others say: counted once", file.name, again));
+      printer.notes.push_back(fmt::format("{}: {} rows repeat other rows exactly and count once", file.name, again));
     }
     printer.files.push_back(std::move(stamp));
   }
   if (printer.readings.heights.empty()) {
     const char* expected =
         options.printer.firmware == kKlipper
-            ? "expected heights of the bed (height0 ... in [delta_calibrate], or --readings), got none"
-            : "expected heights of the bed beside it (--readings), got none";
+            ? "expected heights of the bed, got none: run DELTA_CALIBRATE and SAVE_CONFIG, or add --readings"
+            : "expected heights of the bed, got none: add --readings";
     throw InputFileError(printer.files.front().name, 0, expected);
   }
   return printer;
@@ -222,7 +223,7 @@ std::filesystem::path kept_path(const std::filesystem::path& path) {
 std::string write_configuration(const PrinterOptions& options, const PrinterState& printer,
                                 const PrinterCalibration& found, Session& session) {
   if (options.config.empty() && !options.apply) return {};
-  if (!found.is_advised()) return "\nnothing is advised, so no configuration is written\n";
+  if (!found.is_advised()) return "\nNo configuration is written, because no new values are advised.\n";
   const std::string changed = io::klipper_config(printer.text, found.advised());
   const std::string encoded = io::encoded(changed, printer.text.encoding);
   if (!options.config.empty()) session.outputs.store.write(options.config, encoded);
@@ -235,7 +236,7 @@ std::string write_configuration(const PrinterOptions& options, const PrinterStat
   const std::filesystem::path kept = kept_path(file);
   session.outputs.store.write(file, encoded, {.sha256 = io::sha256(printer.text), .kept_as = kept.filename()});
   session.say_when_done(
-      fmt::format("changed: {}; what it was: {}; restart the firmware\n", options.printer.name, kept.string()));
+      fmt::format("changed: {}; backup: {}; restart the firmware\n", options.printer.name, kept.string()));
   return "\n" + changed_lines(printer.text.text, changed);
 }
 
@@ -244,16 +245,16 @@ void check_configuration_options(const PrinterOptions& options, const Session& s
        {std::pair{options.apply, "--apply"}, {options.accept_shift, "--accept-shift"}}) {
     if (!is_given || session.out().empty()) continue;
     throw WrongUsage(
-        fmt::format("{}: expected no --out with it: a calibration counts its errors from the values that the firmware "
-                    "has; {}, then calibrate again",
-                    option, options.apply ? "apply" : "put the new values into the firmware"));
+        fmt::format("{}: expected no --out with it: the calibration would refer to the replaced values; {}, then "
+                    "calibrate again with --out",
+                    option, options.apply ? "apply the new values" : "put the new values into the firmware"));
   }
   const char* name = options.apply ? "--apply" : "--config";
   if (!options.apply && options.config.empty()) return;
   if (options.printer.firmware != kKlipper) {
     throw WrongUsage(
-        fmt::format("{}: expected Klipper's printer.cfg, got --firmware {}: enter the lines and save with "
-                    "M500 (in config.g, replace them)",
+        fmt::format("{}: expected Klipper's printer.cfg, got --firmware {}: send the printed M-codes and save with "
+                    "M500 (in config.g, replace the lines)",
                     name, options.printer.firmware));
   }
 }
@@ -265,10 +266,10 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   const PrinterState printer = with_readings(options);
   const std::string write = options.write.empty() ? options.printer.firmware : options.write;
   if (write == kMarlin && printer.geometry.actuator != Actuator::linear) {
-    throw WrongUsage("--write marlin: expected a linear delta, since Marlin knows no rotary ones");
+    throw WrongUsage("--write marlin: expected a linear delta, got a rotary one, which Marlin does not support");
   }
   PrinterCalibration found = calibrate(printer, options);
-  found.findings.insert(found.findings.begin(), printer.notes.begin(), printer.notes.end());
+  found.findings.insert(found.findings.end(), printer.notes.begin(), printer.notes.end());
   const std::string parameters = parameters_text(write, found.advised());
   found.calibration.files = printer.files;
   std::vector<std::string> read;
@@ -286,8 +287,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   if (!is_met) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);
   if (session.json()) return;
-  std::string text;
-  for (const std::string& finding : found.findings) text += fmt::format("- {}\n", finding);
+  std::string text = fmt::format("{}\n", fmt::join(found.findings, "\n- "));
   if (found.is_advised()) text.append("\n").append(parameters);
   text += written;
   session.print_summary(text);

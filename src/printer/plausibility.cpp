@@ -27,7 +27,7 @@ void check_change(const char* what, double before, double after, double size, co
                   std::vector<std::string>& complaints) {
   if (std::abs(after - before) <= limits.changed * size) return;
   complaints.push_back(
-      fmt::format("{} of {:.2f} mm in the file would be {:.2f} mm by the readings", what, before, after));
+      fmt::format("{} is {:.2f} mm in the file but {:.2f} mm by the readings: measure it", what, before, after));
 }
 
 DeltaReadings changed(DeltaReadings readings, const auto& change) {
@@ -63,8 +63,9 @@ std::optional<std::string> wrong_steps(const DeltaGeometry& saved, const DeltaRe
       if (left >= best) continue;
       best = left;
       cause = fmt::format(
-          "steps of {} {:.4g} times as large would suit the file: is its rotation_distance, gear_ratio, microsteps or "
-          "full_steps_per_rotation (steps a mm) what it was when the readings were taken, and right?",
+          "the readings fit the file if the steps of {} are {:.4g} times as large: check rotation_distance, "
+          "gear_ratio, "
+          "microsteps and full_steps_per_rotation (steps per mm), now and when the readings were taken",
           tower < 0 ? std::string("all towers") : fmt::format("tower {}", "ABC"[tower]), ratio);
     }
   }
@@ -82,7 +83,7 @@ std::optional<std::string> wrong_order(const DeltaGeometry& saved, const DeltaRe
     const double left = misfit(saved, changed(readings, exchanged));
     if (left >= best) continue;
     best = left;
-    cause = fmt::format("towers in the order {}{}{} would suit the file: were the towers of the readings exchanged?",
+    cause = fmt::format("the readings fit the file with the towers in the order {}{}{}: check the order of the towers",
                         "ABC"[order[0]], "ABC"[order[1]], "ABC"[order[2]]);
   }
   return cause;
@@ -94,35 +95,36 @@ std::vector<std::string> implausible(const DeltaGeometry& geometry, const Printe
   std::vector<std::string> complaints;
   const double rod = mean_of(geometry.rod);
   if (!(std::ranges::min(geometry.rod) > 0.0 && geometry.radius > 0.0)) {
-    return {
-        fmt::format("a radius of {:.2f} mm and rods of {:.2f} mm in the mean are no lengths", geometry.radius, rod)};
+    return {fmt::format("expected radius and rods above 0, got {:.2f} mm and rods of {:.2f} mm (mean)", geometry.radius,
+                        rod)};
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const double angle = geometry.tower_angle[i],
                  off = std::remainder(angle - design_angle(angle), 2.0 * std::numbers::pi);
     if (std::abs(off) <= limits.tower) continue;
-    complaints.push_back(fmt::format("tower {} stands {:+.1f} deg from where towers stand", "ABC"[i], to_degrees(off)));
+    complaints.push_back(
+        fmt::format("tower {} is {:+.1f} deg from its design angle: check it", "ABC"[i], to_degrees(off)));
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const double apart =
         std::remainder(geometry.tower_angle[i] - geometry.tower_angle[(i + 1) % 3], 2.0 * std::numbers::pi);
     if (std::abs(std::abs(apart) - to_radians(120.0)) <= 2.0 * limits.tower) continue;
-    complaints.push_back(fmt::format("towers {} and {} stand {:.1f} deg apart, not 120", "ABC"[i], "ABC"[(i + 1) % 3],
-                                     std::abs(to_degrees(apart))));
+    complaints.push_back(fmt::format("towers {} and {} are {:.1f} deg apart, not 120: check their angles", "ABC"[i],
+                                     "ABC"[(i + 1) % 3], std::abs(to_degrees(apart))));
   }
   if (spread(geometry.rod) > limits.rods_apart * rod) {
-    complaints.push_back(fmt::format("{} of {:.2f}, {:.2f} and {:.2f} mm are no set", rod_name(geometry),
-                                     geometry.rod[0], geometry.rod[1], geometry.rod[2]));
+    complaints.push_back(fmt::format("{} of {:.2f}, {:.2f} and {:.2f} mm differ too much: measure them",
+                                     rod_name(geometry), geometry.rod[0], geometry.rod[1], geometry.rod[2]));
   }
   if (spread(geometry.endstop) > limits.endstops_apart * rod) {
-    complaints.push_back(fmt::format("endstops at {:.2f}, {:.2f} and {:.2f} mm are further apart than towers are built",
+    complaints.push_back(fmt::format("endstops at {:.2f}, {:.2f} and {:.2f} mm differ too much: check them",
                                      geometry.endstop[0], geometry.endstop[1], geometry.endstop[2]));
   }
   if (geometry.actuator == Actuator::linear) {
     const double share = geometry.radius / rod;
     if (share < limits.smallest_radius || share > limits.largest_radius) {
-      complaints.push_back(
-          fmt::format("a delta radius of {:.2f} mm does not go with rods of {:.2f} mm", geometry.radius, rod));
+      complaints.push_back(fmt::format("a delta radius of {:.2f} mm does not match rods of {:.2f} mm: measure both",
+                                       geometry.radius, rod));
     }
   }
   return complaints;
@@ -143,8 +145,8 @@ std::optional<std::string> contradiction(const DeltaGeometry& saved, const Delta
     for (std::size_t j = 0; j < k; ++j) {
       const Eigen::Vector3d apart = beds[k] - beds[j];
       if (apart.head<2>().norm() > kOnePlace || std::abs(apart.z()) <= worst) continue;
-      return fmt::format("the bed at ({:.1f}, {:.1f}) mm was read twice, {:.2f} mm apart", beds[k].x(), beds[k].y(),
-                         std::abs(apart.z()));
+      return fmt::format("two heights of the bed at ({:.1f}, {:.1f}) mm differ by {:.2f} mm: measure again",
+                         beds[k].x(), beds[k].y(), std::abs(apart.z()));
     }
   }
   return std::nullopt;
@@ -152,21 +154,23 @@ std::optional<std::string> contradiction(const DeltaGeometry& saved, const Delta
 
 /// What a fit of the readings says against the file.
 std::vector<std::string> complaints_of(const DeltaGeometry& saved, const DeltaFit& fit, const PrinterLimits& limits) {
-  if (!fit.ok()) return {"the firmware's fit does not settle on these readings"};
+  if (!fit.ok()) return {"the firmware's fit of these readings does not converge: check them"};
   std::vector<std::string> complaints;
   if (fit.rms_height > limits.worst_height || fit.rms_distance > limits.worst_distance) {
     complaints.push_back(
-        fmt::format("no delta explains these readings: the best leaves heights {:.2f} mm and distances {:.2f} mm (rms)",
+        fmt::format("no delta printer explains these readings: the best fit leaves {:.2f} mm in heights and {:.2f} mm "
+                    "in distances (rms)",
                     fit.rms_height, fit.rms_distance));
   }
   const bool linear = saved.actuator == Actuator::linear;
   const double rod = mean_of(saved.rod);
-  check_change("a radius", saved.radius, fit.geometry.radius, linear ? saved.radius : rod, limits, complaints);
+  check_change("the radius", saved.radius, fit.geometry.radius, linear ? saved.radius : rod, limits, complaints);
   for (std::size_t i = 0; i < 3; ++i) {
     check_change(linear ? "a rod" : "a lower arm", saved.rod[i], fit.geometry.rod[i], rod, limits, complaints);
     check_change("an endstop", saved.endstop[i], fit.geometry.endstop[i], rod, limits, complaints);
   }
-  for (const std::string& one : implausible(fit.geometry, limits)) complaints.push_back("by the readings, " + one);
+  for (const std::string& one : implausible(fit.geometry, limits))
+    complaints.push_back("in the fit of the readings, " + one);
   return complaints;
 }
 

@@ -126,8 +126,8 @@ void reject(const std::vector<std::string>& wrong, Calibration& calibration) {
 /// Where no machine closes: with what is likely to be wrong.
 [[noreturn]] void refuse(const DeltaGeometry& saved, const DeltaReadings& readings) {
   const std::vector<std::string> wrong = all_implausible(saved, readings, fit_as_firmware(saved, readings));
-  throw Unreachable(fmt::format("the printer's machine does not close at every reading: {}",
-                                wrong.empty() ? "are step counts and geometry of one printer?" : wrong.front()));
+  throw Unreachable(fmt::format("the geometry of the file cannot reach every reading: {}",
+                                wrong.empty() ? "check that both are of the same printer" : wrong.front()));
 }
 
 }  // namespace

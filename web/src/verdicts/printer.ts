@@ -18,7 +18,7 @@ export function ofPrinter(printer: Printer): Verdict {
     yes: isAccepted,
     says: text.says[printer.advice],
     sentence: text.sentence,
-    reasons: isAccepted ? [] : printer.findings.slice(-1),
+    reasons: isAccepted ? [] : printer.findings.slice(0, 1),
     cards: [
       card(text.shape, [from(digits(printer.expected_shape_saved_mm, 2)), digits(printer.judged_new.expected_shape_mm, 2), unitOf("mm")], [text.saved, text.lost(digits(lost, 2))]),
       ...(ours && firmware && saved
