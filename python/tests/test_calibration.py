@@ -274,7 +274,7 @@ class Virtual(TestCase):
         calibration = pc.calibrate(self.virtual.robot, measured)
         validation = pc.validate(calibration, measured)
         self.assertFalse(validation.accepted)
-        self.assertIn("confirms nothing", validation.reasons[-1])
+        self.assertIn("cannot confirm it", validation.reasons[-1])
 
     def test_predictions_hold_the_truth(self):
         robot = self.virtual.robot

@@ -48,7 +48,7 @@ class Notebooks(TestCase):
         )
         validation = text_shown(pc.validate(calibration, measured, limit_mm=1.0))
         self.assertIn("not accepted", validation)
-        self.assertIn("confirms nothing", validation)
+        self.assertIn("cannot confirm it", validation)
 
     def test_names_cannot_be_markup(self):
         text = pc.robot("huang2016").to_toml().replace("huang2016", "<script>alert(1)</script>")

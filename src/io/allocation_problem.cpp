@@ -39,7 +39,7 @@ Requirement requirement_of(Section section, const Robot& robot) {
     std::string known;
     for (const Quantity quantity : kQuantities) known.append(name({quantity, false})).append(", ");
     section.fail(*section.find("quantity"),
-                 fmt::format("expected {}or one of these with \"-compensated\" behind it, got \"{}\"", known, text));
+                 fmt::format("expected {}or one of these followed by \"-compensated\", got \"{}\"", known, text));
   }
   if (const std::string_view why = why_not_asked(robot, *characteristic); !why.empty()) {
     section.fail(*section.find("quantity"), fmt::format("{}: {}, got {}", text, why, robot.name()));
@@ -149,10 +149,10 @@ void read_max_failures(Section& root, const Robot& robot, AllocationProblem& pro
       std::ranges::any_of(problem.requirements, [](const Requirement& one) { return one.criterion == Spread::yield; });
   const toml::node* node = root.find("max_failures");
   if (node == nullptr && asked)
-    root.fail("expected max_failures, the share of machines that may break a limit by yield, got none");
+    root.fail("expected max_failures (accepted failure rate, for criterion = \"yield\"), got none");
   if (node == nullptr) return;
   const double share = root.number("max_failures", plausible::kFinite);
-  if (!asked) root.fail(*node, "expected a requirement with criterion = \"yield\" beside max_failures, got none");
+  if (!asked) root.fail(*node, "expected a requirement with criterion = \"yield\" for max_failures, got none");
   if (!(share > 0.0) || !(share < 0.5)) {
     root.fail(*node, fmt::format("expected max_failures above 0 and below 0.5, got {}", share));
   }

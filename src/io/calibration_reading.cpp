@@ -44,8 +44,8 @@ ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
   const Json& limb = parameter.at("limb").json();
   const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
   if (!source || !known_limb) {
-    parameter.refuse(
-        fmt::format("expected a source error of limbs 1 to {}, got {}", robot.limb_count(), parameter.json().dump()));
+    parameter.refuse(fmt::format("expected the name of an error and a limb from 1 to {}, got {}", robot.limb_count(),
+                                 parameter.json().dump()));
   }
   const JsonNode value = parameter.at("value"), unit = parameter.at("unit");
   const std::string_view expected_unit = file_unit(*source, actuator);
@@ -66,7 +66,7 @@ void read_parameters(const JsonNode& entries, const Robot& robot, CalibratedMach
   for (const JsonNode& entry : entries.entries()) {
     const auto [estimate, is_sought] = read_parameter(entry, robot);
     if (!seen.insert({estimate.limb, estimate.source}).second) {
-      entry.refuse(fmt::format("expected every source error once, got {} of limb {} again",
+      entry.refuse(fmt::format("expected every error once, got {} of limb {} again",
                                name(estimate.source, robot.actuator()), estimate.limb + 1));
     }
     machine.errors(estimate.limb, estimate.source) = estimate.value;
@@ -82,15 +82,15 @@ void require_covariance(const Eigen::MatrixXd& covariance, const JsonNode& node,
   const Eigen::VectorXd inverse = (std.array() > 0.0).select(std.cwiseInverse(), 0.0);
   const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance * inverse.asDiagonal();
   if (covariance.diagonal().minCoeff() < 0.0 || covariance.diagonal().maxCoeff() <= 0.0) {
-    node.refuse(fmt::format("expected variances above 0 in {}, got others", key));
+    node.refuse(fmt::format("expected variances above 0 in {}, got other values", key));
   }
   if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kRounding) {
-    node.refuse(fmt::format("expected a symmetric {}, got one that is not", key));
+    node.refuse(fmt::format("expected a symmetric {}, got an asymmetric one", key));
   }
   const double least = detail::symmetric_eigenvalues(correlations).minCoeff();
   const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
   if (least < -kRounding || hidden > 0.0) {
-    node.refuse(fmt::format("expected a positive semidefinite {}, got one that is not", key));
+    node.refuse(fmt::format("expected a positive semidefinite {}, got an indefinite one", key));
   }
 }
 
@@ -108,7 +108,7 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::vector<double> row = rows[i].numbers();
     if (row.size() != rows.size()) {
-      rows[i].refuse(fmt::format("expected a square covariance, row {} is not", i + 1));
+      rows[i].refuse(fmt::format("expected a square covariance, got {} entries in row {}", row.size(), i + 1));
     }
     for (std::size_t k = 0; k < row.size(); ++k) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
@@ -137,7 +137,7 @@ void require_stated_stds(const CalibratedMachine& machine, Actuator actuator, co
     const double expected = std::sqrt(machine.covariance(at, at));
     if (!one.std || std::abs(*one.std - expected) <= kRounding * expected) continue;
     const Unit unit = paracal::unit(one.source, actuator);
-    node.refuse(fmt::format("expected {:.4g} {} as std of {} of limb {}, which the covariance has, got {:.4g}",
+    node.refuse(fmt::format("expected the std of {2} of limb {3} as in the covariance ({0:.4g} {1}), got {4:.4g}",
                             to_file_unit(unit, expected), file_unit(unit), name(one.source, actuator), one.limb + 1,
                             to_file_unit(unit, *one.std)));
   }
@@ -156,12 +156,12 @@ void require_accepted(const JsonNode& calibration) {
   const auto verdict = calibration.find("verdict");
   const std::string yes(name(Verdict::accepted)), text = verdict ? verdict->text() : yes;
   if (!accepted.flag()) {
-    accepted.refuse(verdict ? fmt::format("expected an accepted calibration, got one whose verdict is: {}", text)
-                            : "expected an accepted calibration, got one that is not");
+    accepted.refuse(verdict
+                        ? fmt::format("expected an accepted calibration, got the verdict \"{}\": calibrate again", text)
+                        : "expected an accepted calibration, got accepted = false: calibrate again");
   }
   if (text != yes) {
-    verdict->refuse(
-        fmt::format("expected the verdict \"{}\" of a calibration that is accepted, got \"{}\"", yes, text));
+    verdict->refuse(fmt::format("expected the verdict \"{}\" with accepted = true, got \"{}\"", yes, text));
   }
 }
 
@@ -188,7 +188,7 @@ void check_statements(const JsonNode& calibration) {
     if (const auto number = calibration.find(key)) (void)number->number(range);
   }
   const auto date = calibration.find("date");
-  if (date && !is_date(date->text())) date->refuse_as("a date as 2016-10-05T12:00:00Z");
+  if (date && !is_date(date->text())) date->refuse_as("a date like 2016-10-05T12:00:00Z");
 }
 
 /// Name, geometry and plate must be those that were calibrated; tolerances and workspace may change.

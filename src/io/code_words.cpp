@@ -62,7 +62,7 @@ CodeWords::CodeWords(const TextFile& file, std::string_view name, std::string_vi
     for (const std::string_view word : words_of(*rest)) {
       const char letter = upper_case(word.front());
       if (letters.find(letter) == std::string_view::npos) {
-        fail(fmt::format("expected {} with words of {}, got \"{}\": is it of another firmware?", name, letters, word));
+        fail(fmt::format("expected {} with words of {}, got \"{}\": check --firmware", name, letters, word));
       }
       words_[letter] = {std::string(word.substr(1)), number};
     }

@@ -107,7 +107,7 @@ void CsvTable::refuse_count(const Row& row) const {
   throw InputFileError(
       name_, row.line,
       fmt::format("expected {} fields as in the header, got {}{}", header_.fields.size(), row.fields.size(),
-                  may_be_decimals ? " (decimal commas need semicolons or tabs between fields)" : ""));
+                  may_be_decimals ? " (with decimal commas, separate fields by semicolons or tabs)" : ""));
 }
 
 void CsvTable::look_at(const Row& row) {
@@ -130,7 +130,7 @@ std::vector<std::string> CsvTable::notes() const {
   std::vector<std::string> notes;
   if (first_escaped_ > 0) notes.push_back(note_of_escapes(first_escaped_));
   const std::vector<std::string> ignored = columns(true);
-  if (!ignored.empty()) notes.push_back(fmt::format("columns passed over, as asked: {}", fmt::join(ignored, ", ")));
+  if (!ignored.empty()) notes.push_back(fmt::format("columns ignored, as requested: {}", fmt::join(ignored, ", ")));
   return notes;
 }
 
@@ -183,8 +183,7 @@ void CsvTable::allow_only(const std::vector<std::string_view>& known) const {
   }
   if (others.empty()) return;
   throw InputFileError(name_, header_.line,
-                       fmt::format("expected only the columns {}; got {} (--ignore-columns \"{}\" passes over what is "
-                                   "not wanted)",
+                       fmt::format("expected only the columns {}; got {} (to ignore these: --ignore-columns \"{}\")",
                                    fmt::join(known, ", "), fmt::join(shown, ", "), fmt::join(others, ",")));
 }
 

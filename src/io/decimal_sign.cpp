@@ -63,14 +63,13 @@ std::string DecimalSign::why_not(std::string_view field) const {
   const Form form = form_of(field);
   if (form == Form::other) return {};
   if (sign_ == Sign::comma) {
-    return line_ == 0 ? " (--decimal-comma says that decimals have a comma)"
-                      : fmt::format(" (decimals have a comma in line {})", line_);
+    return line_ == 0 ? " (--decimal-comma is given)" : fmt::format(" (line {} has a decimal comma)", line_);
   }
-  if (sign_ == Sign::point) return fmt::format(" (decimals have a point in line {})", line_);
-  if (form == Form::comma) return " (--decimal-comma says that decimals have a comma)";
+  if (sign_ == Sign::point) return fmt::format(" (line {} has a decimal point)", line_);
+  if (form == Form::comma) return " (for decimal commas add --decimal-comma)";
   std::string whole(field);
   std::erase(whole, ',');
-  return fmt::format(" ({} or {}? --decimal-comma says that decimals have a comma)", with_point(field), whole);
+  return fmt::format(" ({} or {}? For decimal commas add --decimal-comma)", with_point(field), whole);
 }
 
 }  // namespace paracal::io

@@ -21,10 +21,10 @@ double mm_per(std::string_view unit) {
 }
 
 [[noreturn]] void refuse_columns(std::string_view columns, const std::string& reason) {
-  throw InvalidArgument(
-      fmt::format("columns: expected a list like name=3,x=4,y=5,z=6 (from 1, or headings; sigma=7 where stated), got "
-                  "\"{}\": {}",
-                  columns, reason));
+  throw InvalidArgument(fmt::format(
+      "columns: expected a list like name=3,x=4,y=5,z=6 (numbers from 1, or headings; sigma=7 is optional), got "
+      "\"{}\": {}",
+      columns, reason));
 }
 
 Places places_in(std::string_view columns) {
@@ -34,11 +34,11 @@ Places places_in(std::string_view columns) {
     const std::vector<std::string_view> sides = split(entry, '=');
     const auto* field = std::ranges::find(kExportFields, sides.front());
     if (sides.size() != 2 || field == kExportFields.end()) {
-      refuse_columns(columns, fmt::format("what is \"{}\"?", entry));
+      refuse_columns(columns, fmt::format("\"{}\" is unknown", entry));
     }
     std::string& place = places[static_cast<std::size_t>(field - kExportFields.begin())];
-    if (!place.empty()) refuse_columns(columns, fmt::format("{} stands twice", *field));
-    if (sides.back().empty()) refuse_columns(columns, "\"\" is no column");
+    if (!place.empty()) refuse_columns(columns, fmt::format("{} is given twice", *field));
+    if (sides.back().empty()) refuse_columns(columns, "\"\" is not a column");
     place = sides.back();
   }
   return places;
@@ -50,7 +50,7 @@ std::size_t column_number(std::string_view columns, const std::string& place) {
   if (place.empty()) return 0;
   const std::optional<double> number = finite_number(place);
   if (!number || !(*number >= 1.0 && *number <= 1e6) || *number != std::floor(*number)) {
-    refuse_columns(columns, fmt::format("\"{}\" is no column", place));
+    refuse_columns(columns, fmt::format("\"{}\" is not a column", place));
   }
   return static_cast<std::size_t>(*number);
 }
@@ -66,7 +66,7 @@ void check_columns(std::string_view columns, const FieldColumns& places, bool by
     const bool may_lack = kExportFields[k] == "sigma" || (by_order && kExportFields[k] == "name");
     if (places[k] == 0 && !may_lack) refuse_columns(columns, fmt::format("{} is missing", kExportFields[k]));
     if (places[k] != 0 && std::ranges::count(places, places[k]) > 1) {
-      refuse_columns(columns, fmt::format("column {} stands twice", places[k]));
+      refuse_columns(columns, fmt::format("column {} is given twice", places[k]));
     }
   }
 }
@@ -86,8 +86,8 @@ std::optional<double> unit_of(const TextFile& file, const HeaderRow& row, const 
   for (std::size_t field = 2; field < kExportFields.size(); ++field) {
     if (columns[field] == 0 || row.headings[columns[field] - 1].mm == mm) continue;
     throw InputFileError(file.name, row.line,
-                         fmt::format("expected one unit of \"{}\" and \"{}\", got two", row.fields[columns[1] - 1],
-                                     row.fields[columns[field] - 1]));
+                         fmt::format("expected the same unit for \"{}\" and \"{}\", got two units",
+                                     row.fields[columns[1] - 1], row.fields[columns[field] - 1]));
   }
   return mm;
 }
@@ -99,10 +99,10 @@ std::string note_of(const HeaderRow& row, const FieldColumns& columns, double mm
     const bool is_taken = std::ranges::find(columns, k + 1) != columns.end();
     if (!row.fields[k].empty()) (is_taken ? taken : passed).push_back(row.fields[k]);
   }
-  std::string text = fmt::format("the header row in line {} says which columns count: {} (unit {} mm)", row.line,
+  std::string text = fmt::format("columns taken from the header row in line {}: {} (unit {} mm)", row.line,
                                  fmt::join(taken, ", "), mm);
-  if (!passed.empty()) text += fmt::format("; passed over: {}", fmt::join(passed, ", "));
-  if (!row.is_first) text += "; what stands above it is passed over";
+  if (!passed.empty()) text += fmt::format("; ignored: {}", fmt::join(passed, ", "));
+  if (!row.is_first) text += "; the lines above it are ignored";
   return text;
 }
 
@@ -164,16 +164,15 @@ FieldColumns columns_of(const TextFile& file, const HeaderRow& row, bool by_orde
 
 [[noreturn]] void refuse_head(const TextFile& file) {
   throw InputFileError(file.name, 0,
-                       "expected a header row that names x, y and z, got none (--columns says where they are, e.g. "
-                       "name=1,x=2,y=3,z=4; --columns spatialanalyzer that lines end with target x y z)");
+                       "expected a header row that names x, y and z, got none: give them with --columns, e.g. "
+                       "name=1,x=2,y=3,z=4, or --columns spatialanalyzer if lines end with target x y z");
 }
 
 /// The unit, which header row and somebody (0: nobody) must not state differently.
 double unit_of(const TextFile& file, const HeaderRow& row, const std::optional<double>& in_file, double stated) {
   if (in_file && stated > 0.0 && *in_file != stated) {
-    throw InputFileError(
-        file.name, row.line,
-        fmt::format("expected --unit as in the header row ({} mm), got another ({} mm)", *in_file, stated));
+    throw InputFileError(file.name, row.line,
+                         fmt::format("expected --unit as in the header row ({} mm), got {} mm", *in_file, stated));
   }
   if (in_file || stated > 0.0) return in_file.value_or(stated);
   throw InputFileError(file.name, row.line,
@@ -201,11 +200,10 @@ ColumnMap spatial_analyzer(const TextFile& file, bool by_order) {
     if (is_export_comment(line)) continue;
     const std::size_t count = export_fields(line, file.style.decimal_comma).size();
     if (count < kFewest || count > kMost) {
-      throw InputFileError(
-          file.name, number,
-          fmt::format("expected [[collection] group] target x y z, got {} fields (--columns says which "
-                      "count, e.g. name=3,x=4,y=5,z=6)",
-                      count));
+      throw InputFileError(file.name, number,
+                           fmt::format("expected [[collection] group] target x y z, got {} fields: choose columns with "
+                                       "--columns, e.g. name=3,x=4,y=5,z=6",
+                                       count));
     }
     const std::size_t name = count - kCoordinates;
     return {.name = name, .x = name + 1, .y = name + 2, .z = name + 3, .by_order = by_order};
@@ -219,7 +217,7 @@ ColumnMap found_by(const TextFile& file, std::string_view columns, double stated
   const auto numbers = std::ranges::count_if(places, is_number);
   const auto given = std::ranges::count_if(places, [](const std::string& place) { return !place.empty(); });
   if (numbers == 0) return headed(file, places, stated, by_order);
-  if (numbers < given) refuse_columns(columns, "either all numbers or all headings");
+  if (numbers < given) refuse_columns(columns, "give either all numbers or all headings");
   return numbered(columns, places, by_order);
 }
 

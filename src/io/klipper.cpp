@@ -60,7 +60,7 @@ double gear_ratio(const Settings& settings, std::string_view section) {
     const double driven = finite_number(teeth.front()).value_or(0.0);
     const double driving = teeth.size() == 2 ? finite_number(teeth.back()).value_or(0.0) : 0.0;
     if (!(driven > 0.0 && driving > 0.0 && std::max(driven, driving) <= plausible::kPrinter.most)) {
-      Settings::fail(*value, fmt::format("expected gear_ratio as 80:16, got \"{}\"", pair));
+      Settings::fail(*value, fmt::format("expected gear_ratio like 80:16, got \"{}\"", pair));
     }
     ratio *= driven / driving;
   }
@@ -113,7 +113,7 @@ void check_endstops(const Settings& settings, const Keys& keys, const DeltaGeome
     }
     if (!std::isfinite(homed[i])) {
       Settings::fail(own("position_endstop"),
-                     fmt::format("expected position_endstop within reach of the arms, got {} mm", geometry.endstop[i]));
+                     fmt::format("expected a position_endstop that the arms reach, got {} mm", geometry.endstop[i]));
     }
   }
 }
@@ -152,7 +152,7 @@ JointDrops drops_of(const Settings& settings, const std::string& key, const std:
   for (std::size_t i = 0; i < 3; ++i) {
     const double steps = Settings::number_of({counts[i], value.file, value.line}, place);
     drops[i] =
-        step[i] * in_range(value, place, steps, {-most / step[i], most / step[i], "steps", "no joint moves further"});
+        step[i] * in_range(value, place, steps, {-most / step[i], most / step[i], "steps", "as far as a joint moves"});
   }
   return drops;
 }
@@ -163,7 +163,7 @@ DeltaReadings readings_of(const Settings& settings, const DeltaGeometry& geometr
     if (nozzle(geometry, drops)) return;
     Settings::fail(
         settings.require("delta_calibrate", key),
-        fmt::format("expected steps that the printer can take for {}, got some where its arms do not meet", key));
+        fmt::format("expected steps for {} that the printer can reach, got steps where its arms do not meet", key));
   };
   for (const bool by_hand : {false, true}) {
     const std::string_view prefix = by_hand ? "manual_height" : "height";
@@ -217,8 +217,9 @@ std::vector<std::string> passed_over(const Settings& settings) {
     int behind = 0;
     for (int k = gap + 1; k < kMost; ++k) behind += found(k) ? 1 : 0;
     if (behind == 0) continue;
-    notes.push_back(fmt::format("{}: {}{} is missing: {} readings behind it are passed over, as the firmware does",
-                                settings.files().front().name, prefix, gap, behind));
+    notes.push_back(
+        fmt::format("{}: {}{} is missing: {} later readings are ignored, as in the firmware; renumber them to use them",
+                    settings.files().front().name, prefix, gap, behind));
   }
   return notes;
 }
@@ -229,19 +230,19 @@ std::vector<std::string> notes_of(const Settings& settings, const DeltaGeometry&
     const auto saved = settings.overridden(one.section, one.key);
     if (!saved) continue;
     const Settings::Value typed = settings.require(one.section, one.key);
-    notes.push_back(fmt::format("{}:{}: {} {} of [{}] is typed there and in force, not the saved {} (line {})",
-                                typed.file->name, typed.line, one.key, typed.text, one.section, saved->text,
-                                saved->line));
+    notes.push_back(
+        fmt::format("{}:{}: {} {} of [{}] is in force, because a typed line overrides the saved {} (line {})",
+                    typed.file->name, typed.line, one.key, typed.text, one.section, saved->text, saved->line));
   }
   if (const auto& unread = settings.unread_block()) {
-    notes.push_back(fmt::format(
-        "{}:{}: Klipper passes over the whole SAVE_CONFIG block for this line: {}. Of the block only the readings of "
-        "DELTA_CALIBRATE count here; put it right, and restart the firmware, before values are saved",
-        settings.files().front().name, unread->line, unread->why));
+    notes.push_back(
+        fmt::format("{}:{}: Klipper ignores the whole SAVE_CONFIG block because of this line: {}. Only its readings of "
+                    "DELTA_CALIBRATE are used. Correct the line and restart the firmware before you save values",
+                    settings.files().front().name, unread->line, unread->why));
   }
   for (const Settings::Value& one : settings.missing()) {
     notes.push_back(fmt::format(
-        "{}:{}: {}, which is included there, is not here; if it states the printer's geometry, that is in force",
+        "{}:{}: the included {} is missing here; if it states the geometry of the printer, calibrate with that file",
         one.file->name, one.line, one.text));
   }
   return notes;
@@ -287,8 +288,8 @@ std::string klipper_config(const TextFile& file, const DeltaGeometry& geometry) 
   if (const auto& unread = settings.unread_block()) {
     Settings::fail(
         {{}, &own, unread->line},
-        fmt::format("expected a SAVE_CONFIG block that Klipper reads, where values can be put; it passes over "
-                    "all of it for this line: {}",
+        fmt::format("expected a SAVE_CONFIG block that Klipper reads; it ignores the whole block because of this "
+                    "line: {}. Correct the line first",
                     unread->why));
   }
   std::map<std::size_t, std::pair<std::size_t, std::string>> changes;  // by place: length, and what stands there then
@@ -298,9 +299,8 @@ std::string klipper_config(const TextFile& file, const DeltaGeometry& geometry) 
     if (!value) {
       unstated.push_back(one);
     } else if (value->file != &own) {
-      Settings::fail(*value,
-                     fmt::format("expected {} of [{}] in {}, where it can be changed; got it here: make it {:.9f}",
-                                 one.key, one.section, own.name, one.value));
+      Settings::fail(*value, fmt::format("expected {} of [{}] in {}, got it here: change it to {:.9f} by hand", one.key,
+                                         one.section, own.name, one.value));
     } else {
       changes[static_cast<std::size_t>(value->text.data() - own.text.data())] = {value->text.size(),
                                                                                  fmt::format("{:.9f}", one.value)};

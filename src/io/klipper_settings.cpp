@@ -90,11 +90,11 @@ std::optional<std::pair<std::size_t, std::string>> line_that_spoils(const std::v
   std::size_t end = lines.size(), head = 0;
   while (end > 0 && trimmed(lines[end - 1]).empty()) --end;
   while (head < end && !begins(head)) {
-    if (lines[head].starts_with("#*# ")) return {{head, "without the three lines that begin such a block above it"}};
+    if (lines[head].starts_with("#*# ")) return {{head, "which stands above the three lines that begin the block"}};
     ++head;
   }
   for (std::size_t k = head + 1; k < end; ++k) {
-    if (begins(k)) return {{k, "a second block"}};
+    if (begins(k)) return {{k, "which begins a second block"}};
     const bool saved = lines[k] == kSavedMark || lines[k].starts_with("#*# ");
     if (!saved) return {{k, "which does not begin with #*# and stands below the block"}};
   }
@@ -142,12 +142,11 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
   const std::filesystem::path folder = std::filesystem::path(pattern.file->name).parent_path();
   const std::string whole = (folder / pattern.text).string();
   const std::optional<std::vector<std::string>> names = matches(whole);
-  if (!names)
-    fail(pattern, fmt::format("expected a narrower pattern, got {}, which matches too many folders", pattern.text));
+  if (!names) fail(pattern, fmt::format("expected a pattern that matches fewer folders, got {}", pattern.text));
   if (names->empty() && pattern.text.find_first_of("*?[") == std::string_view::npos) missing_.push_back(pattern);
   for (const std::string& name : *names) {
     if (std::ranges::find(within, name) != within.end()) {
-      fail(pattern, fmt::format("expected files that do not include themselves, got {}", name));
+      fail(pattern, fmt::format("expected no file that includes itself, got {}", name));
     }
     if (!std::filesystem::is_regular_file(name)) fail(pattern, fmt::format("expected a regular file, got {}", name));
     if (files_.size() > kMostFiles) fail(pattern, fmt::format("expected at most {} files, got more", kMostFiles));
@@ -187,12 +186,12 @@ KlipperSettings::Value KlipperSettings::require(std::string_view section, std::s
   std::string complaint = fmt::format("expected {} in [{}], got none", key, section);
   if (unread_ && saved_.contains({std::string(section), std::string(key)})) {
     fail({{}, &files_.front(), unread_->line},
-         fmt::format("{} that the firmware reads: it passes over the whole SAVE_CONFIG block for this line: {}",
+         fmt::format("{} that the firmware reads: it ignores the whole SAVE_CONFIG block because of this line: {}",
                      complaint, unread_->why));
   }
   for (const Value& one : missing_) {
-    complaint += fmt::format("; it may be in {}, which {}:{} includes and which is not there", one.text, one.file->name,
-                             one.line);
+    complaint +=
+        fmt::format("; it may be in {}, which {}:{} includes but is missing", one.text, one.file->name, one.line);
   }
   fail({{}, &files_.front(), 0}, complaint);
 }

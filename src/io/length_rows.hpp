@@ -49,8 +49,8 @@ class LengthRows {
     for (std::size_t k = 0; k < series_.size(); ++k) {
       if (series_[k].readings.size() > kind_.unknowns) continue;
       table_.fail(first_rows_[k],
-                  fmt::format("expected at least {} readings of one set-up, whose position alone takes {}, got {} of "
-                              "{}: measure more poses",
+                  fmt::format("expected at least {} readings of one setup ({} determine its position), got {} of {}: "
+                              "measure more poses",
                               kind_.unknowns + 1, kind_.unknowns, series_[k].readings.size(), series_[k].name));
     }
     return std::move(series_);

@@ -30,7 +30,7 @@ Actuator kind_of(Section& limb, std::optional<Actuator> first) {
   const std::string name = limb.text("kind");
   const auto* kind = std::ranges::find(kLimbKinds, name, &actuator_name);
   if (kind == kLimbKinds.end()) {
-    fail(limb, "kind", "\"strut\", \"arm\" or \"rail\" (limbs with two rods are described by [geometry])", name);
+    fail(limb, "kind", "\"strut\", \"arm\" or \"rail\" (describe limbs with two rods by [geometry])", name);
   }
   if (first && *kind != *first) {
     fail(limb, "kind", fmt::format("\"{}\", as of the first limb,", actuator_name(*first)), name);
@@ -97,7 +97,7 @@ bool define_limbs(const toml::table& document) {
 PlateFreedoms freedoms_of(Section plate) {
   PlateFreedoms freedoms{.free = {}};
   if (!plate.find("freedoms")) {
-    plate.fail("expected plate.freedoms, and no slide, of a plate on limbs with one rod");
+    plate.fail(fmt::format("expected {} and no slide for limbs with one rod", plate.key_path("freedoms")));
   }
   for (const std::string& name : plate.texts("freedoms")) {
     const auto* coordinate = std::ranges::find(kPlateCoordinates, name);
@@ -138,7 +138,7 @@ Json freedoms_json(const PlateFreedoms& freedoms) {
 std::string limbs_toml(const Geometry& geometry) {
   std::string text;
   if (!geometry.freedoms.are_all())
-    text = fmt::format("\n[plate]\nfreedoms = {}\n", freedoms_json(geometry.freedoms).dump());
+    text = fmt::format("\n[plate]\n{} = {}\n", "freedoms", freedoms_json(geometry.freedoms).dump());
   for (const Json& limb : limbs_json(geometry)) {
     text += "\n[[limb]]\n";
     for (const auto& [key, value] : limb.items()) text += fmt::format("{} = {}\n", key, toml_value(value));

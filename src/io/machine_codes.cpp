@@ -39,23 +39,24 @@ void refuse_tilt(const CodeWords& endstops, CodeDialect dialect) {
   for (const char letter : {'A', 'B'}) {
     const double tilt = endstops.number_or(letter, 0.0);
     if (tilt == 0.0) continue;
-    endstops.fail(letter,
-                  fmt::format("expected M666 without bed tilt, got {}{}: level the bed or calibrate without it first",
-                              letter, tilt));
+    endstops.fail(
+        letter,
+        fmt::format("expected M666 without bed tilt, got {}{}: level the bed, or remove the tilt and measure again",
+                    letter, tilt));
   }
 }
 
 DeltaGeometry checked(const CodeWords& code, const DeltaGeometry& geometry) {
   const std::vector<std::string> complaints = implausible(geometry);
   if (complaints.empty()) return geometry;
-  code.fail(fmt::format("expected a delta of this firmware, got one that cannot be: {}", complaints.front()));
+  code.fail(fmt::format("expected a possible delta, got one where {}", complaints.front()));
 }
 
 void turn_towers(const CodeWords& code, DeltaGeometry& geometry) {
   constexpr double kWholeTurn = 360.0;
   const Three turned = towers_of(code);
   for (const double angle : turned) {
-    if (std::abs(angle) > kWholeTurn) code.fail(fmt::format("expected towers turned by up to 360 deg, got {}", angle));
+    if (std::abs(angle) > kWholeTurn) code.fail(fmt::format("expected tower angles up to 360 deg, got {}", angle));
   }
   for (std::size_t i = 0; i < 3; ++i) geometry.tower_angle[i] = to_radians(kDesignAngles[i] + turned[i]);
 }
@@ -85,7 +86,7 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
   turn_towers(code, geometry);
   const double below = nozzle_below(geometry);
   if (!std::isfinite(below)) {
-    code.fail("expected towers that stand apart and rods that meet between them, got a delta that does not close");
+    code.fail("expected separate towers and rods that meet between them, got a delta whose rods do not meet");
   }
   const Three adjustments = towers_of(endstops);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -147,7 +148,7 @@ std::string rotary_codes(const DeltaGeometry& geometry) {
   Three adjustments = split(homed_joints(geometry), homed);
   for (double& adjustment : adjustments) adjustment = to_degrees(adjustment);
   return fmt::format(
-      "; A of this line: your lowest angle, then {:.4f}, where the endstops are\nM669 K10 U{} L{} R{:.4f} H{} {}\n"
+      "; add A to this line: your lowest angle, then {:.4f} (angle at the endstops)\nM669 K10 U{} L{} R{:.4f} H{} {}\n"
       "M666 {}\n",
       to_degrees(homed), colons(geometry.arm), colons(geometry.rod), geometry.radius, colons(geometry.shoulder),
       of_towers(turned(geometry)), of_towers(adjustments));
@@ -189,7 +190,8 @@ double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {
 std::string machine_codes(const DeltaGeometry& geometry, CodeDialect dialect) {
   const bool marlin = dialect == CodeDialect::marlin;
   if (geometry.actuator == Actuator::revolute) {
-    if (marlin) throw InvalidArgument("expected a linear delta for Marlin, which knows no rotary ones");
+    if (marlin)
+      throw InvalidArgument("expected a linear delta for Marlin, got a rotary one, which Marlin does not support");
     return rotary_codes(geometry);
   }
   double homed = 0.0;

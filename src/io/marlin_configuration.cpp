@@ -106,7 +106,7 @@ class Reader {
   void check_again(std::string_view name, std::string_view value) {
     const auto [before, is_new] = defined_.try_emplace(std::string(name), value, line_);
     if (is_new || before->second.first == value) return;
-    fail(fmt::format("expected {} as in line {} ({}), got {}: leave the one that was compiled", name,
+    fail(fmt::format("expected {} as in line {} ({}), got {}: keep only the line that was compiled", name,
                      before->second.second, before->second.first, value));
   }
 
@@ -123,7 +123,8 @@ class Reader {
   void refuse_radii(const std::vector<std::string_view>& parts) const {
     const auto is_zero = [](std::string_view part) { return finite_number(part) == 0.0; };
     if (std::ranges::all_of(parts, is_zero)) return;
-    fail(fmt::format("expected no radii of single towers, got {}: the towers' places here have one radius", kRadii));
+    fail(
+        fmt::format("expected one radius for all towers, got {}: set it to 0 and calibrate the printer again", kRadii));
   }
 
   MarlinConfiguration found_;
@@ -145,7 +146,7 @@ std::optional<MarlinConfiguration> marlin_configuration(const TextFile& file) {
   if (!reader.is_delta()) return std::nullopt;
   if (const int line = reader.switched_off(); line > 0) {
     throw InputFileError(file.name, line,
-                         "expected #define DELTA, got it in a comment: such a firmware is of no delta");
+                         "expected #define DELTA, got it in a comment: this firmware is not for a delta");
   }
   return std::move(reader).found();
 }

@@ -45,14 +45,14 @@ class PoseTables {
     const std::size_t place = tables_.size() == 1 ? 0 : asked_;
     ++asked_;
     if (place < tables_.size()) return tables_[place];
-    throw InvalidArgument(
-        fmt::format("poses: expected one table for all that name poses, or one for each, got {} and none for {}",
-                    tables_.size(), asking));
+    throw InvalidArgument(fmt::format(
+        "poses: expected one table for all measurements that name poses, or one for each, got {} and none for {}",
+        tables_.size(), asking));
   }
   void check_all_used() const {
     if (tables_.size() < 2 || asked_ == tables_.size()) return;
-    throw InvalidArgument(
-        fmt::format("poses: expected a table for each of {} that name poses, got {}", asked_, tables_.size()));
+    throw InvalidArgument(fmt::format(
+        "poses: expected one table for each of {} measurement tables that name poses, got {}", asked_, tables_.size()));
   }
 
  private:
@@ -109,7 +109,7 @@ std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const
 }
 
 std::string confirms_nothing(const std::string& table) {
-  return table + " is what the calibration was made from: it confirms nothing";
+  return table + " was used for the calibration, so it cannot confirm it: use other measurements";
 }
 
 }  // namespace paracal::io

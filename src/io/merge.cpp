@@ -74,7 +74,7 @@ class Merger {
   void note_copies(const std::string& title, std::size_t copies, std::size_t readings) {
     if (copies == 0) return;
     merged_.notes.push_back(
-        fmt::format("{}, {} of {} readings stand in an earlier series too: counted once", title, copies, readings));
+        fmt::format("{}, {} of {} readings repeat an earlier series and count once", title, copies, readings));
   }
 
   void append_distances(const std::vector<DistanceReading>& readings, const std::string& title,

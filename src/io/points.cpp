@@ -71,7 +71,8 @@ class StationList {
   void refuse_change(const CsvTable& table, std::size_t row, const Station& station, const Station& first,
                      int line) const {
     const auto refuse = [&](const std::string& expected, const std::string& got) {
-      table.fail(row, fmt::format("expected pose {} at {} as in line {}, got {}", station.name, expected, line, got));
+      table.fail(row, fmt::format("expected pose {} at {} as in line {}, got {}; use another name for another pose",
+                                  station.name, expected, line, got));
     };
     if (!is_same(station.commanded, first.commanded)) refuse(text_of(first.commanded), text_of(station.commanded));
     if (!station.believed || is_same(station.believed, first.believed)) return;
@@ -120,7 +121,7 @@ std::optional<Quaternion> orientation_of(const CsvTable& table, std::size_t row)
   const auto part = [&](std::string_view column) { return table.number(row, column, plausible::kDirection); };
   const Quaternion read(part(w), part(x), part(y), part(z));
   if (std::abs(read.norm() - 1.0) <= PointReading::kUnitLength) return read;
-  table.fail(row, fmt::format("expected qw, qx, qy, qz of length 1, as of a rotation, got {:.6g}", read.norm()));
+  table.fail(row, fmt::format("expected a unit quaternion qw, qx, qy, qz, got length {:.6g}", read.norm()));
 }
 
 /// The number of a repeat is a label for people, but one that is no count shows that columns are mixed up.
@@ -150,7 +151,7 @@ void add_row(SeriesBuilder& series, const CsvTable& table, std::size_t row, cons
   PointReading reading = reading_without_point(table, row, station);
   if (const std::optional<Eigen::Vector3d> point = point_of(table, row, kPoint)) {
     if (has_any(table, kQuaternion) && !reading.orientation) {
-      return series.note(table.line(row), fmt::format("pose {} has no orientation; its point is passed over", pose));
+      return series.note(table.line(row), fmt::format("pose {} has no orientation: its point is ignored", pose));
     }
     reading.point = *point;
     series.add(table.line(row), pose, reading);
@@ -158,7 +159,7 @@ void add_row(SeriesBuilder& series, const CsvTable& table, std::size_t row, cons
   }
   const bool has_more = reading.second || reading.rotation || reading.orientation;
   series.note(table.line(row),
-              fmt::format("pose {} has no point{}", pose, has_more ? "; its other readings are passed over" : ""));
+              fmt::format("pose {} has no point{}", pose, has_more ? ": its other readings are ignored" : ""));
 }
 
 /// A body's poses have no second point: their orientations show what it would.

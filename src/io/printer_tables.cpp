@@ -20,7 +20,7 @@ class Reader {
     const double length = number(row, "distance_mm"), z = or_zero(row, "z_mm");
     if (!(length >= PrintedDistance::kShortest)) {
       table_.fail(row,
-                  fmt::format("expected distance_mm of {:g} and more, got {}", PrintedDistance::kShortest, length));
+                  fmt::format("expected distance_mm of at least {:g}, got {}", PrintedDistance::kShortest, length));
     }
     return {
         .distance = length, .from = drops(row, "from_x_mm", "from_y_mm", z), .to = drops(row, "to_x_mm", "to_y_mm", z)};
@@ -38,7 +38,7 @@ class Reader {
     const Eigen::Vector3d place(number(row, x), number(row, y), z);
     const auto drops = drops_to(geometry_, place);
     if (!drops) {
-      table_.fail(row, fmt::format("expected a place that the printer reaches, got ({:g}, {:g}, {:g}) mm", place.x(),
+      table_.fail(row, fmt::format("expected a position that the printer reaches, got ({:g}, {:g}, {:g}) mm", place.x(),
                                    place.y(), place.z()));
     }
     return *drops;

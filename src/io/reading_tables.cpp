@@ -151,11 +151,11 @@ std::size_t joint_count_of(const std::vector<Station>& stations) {
       std::ranges::count_if(stations, [](const Station& station) { return station.believed.has_value(); });
   if (stated == 0) return 0;
   if (static_cast<std::size_t>(stated) != stations.size()) {
-    throw InvalidArgument(fmt::format("expected the believed joints of all {} stations or of none, got those of {}",
+    throw InvalidArgument(fmt::format("expected commanded joints of all {} stations or of none, got those of {}",
                                       stations.size(), stated));
   }
   const auto count = static_cast<std::size_t>(stations.front().believed->size());
-  if (count < 3) throw InvalidArgument(fmt::format("expected 3 or 4 believed joints a station, got {}", count));
+  if (count < 3) throw InvalidArgument(fmt::format("expected 3 or 4 commanded joints per station, got {}", count));
   return count;
 }
 
@@ -171,7 +171,7 @@ std::vector<PointReading> home_first(std::vector<PointReading> readings) {
 std::string point_table(const Measurements& measurements, Actuator actuator) {
   if (measurements.series.size() != 1 || measurements.series.front().readings.empty()) {
     throw InvalidArgument(
-        fmt::format("expected one series of points to write, got {}",
+        fmt::format("expected one series of points, got {}",
                     measurements.series.size() == 1 ? "an empty one" : std::to_string(measurements.series.size())));
   }
   const std::vector<Station>& stations = measurements.stations;
@@ -211,7 +211,7 @@ std::string distance_table(const Measurements& measurements) {
 
 std::string length_table(const Measurements& measurements) {
   if (measurements.lengths.size() != 1) {
-    throw InvalidArgument(fmt::format("expected lengths of one set-up to write, got {}", measurements.lengths.size()));
+    throw InvalidArgument(fmt::format("expected lengths of one setup, got {}", measurements.lengths.size()));
   }
   check_names(measurements.stations);
   const LengthSeries& series = measurements.lengths.front();

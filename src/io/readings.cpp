@@ -37,7 +37,8 @@ void leave_out_unread_stations(Measurements& measurements) {
   }
   stations.resize(kept);
   if (!is_read.front()) {
-    measurements.notes.push_back(fmt::format("pose {} is home instead of {}", stations.front().name, home));
+    measurements.notes.push_back(
+        fmt::format("pose {} is used as home, because {} has no point", stations.front().name, home));
   }
   for (PointReading& reading : readings) reading.station = places[reading.station];
 }
@@ -86,13 +87,14 @@ void SeriesBuilder::note(int line, std::string_view text) { note(fmt::format("li
 void SeriesBuilder::add(int line, const std::string& pose, const PointReading& reading) {
   const auto [copied, is_new] = readings_.try_emplace(key_of(reading), line);
   if (!is_new) {
-    note(line, fmt::format("pose {} has the reading of line {} again: counted once", pose, copied->second));
+    note(line, fmt::format("pose {} repeats the reading of line {} and counts once", pose, copied->second));
     return;
   }
   const auto [twin, is_new_point] = points_.try_emplace(coordinates(reading.point), line, pose);
   if (!is_new_point) {
     const auto& [other_line, other_pose] = twin->second;
-    note(line, fmt::format("pose {} has exactly the point of pose {} in line {}", pose, other_pose, other_line));
+    note(line, fmt::format("pose {} has exactly the same point as pose {} in line {}: check both", pose, other_pose,
+                           other_line));
   }
   measurements_.series.front().readings.push_back(reading);
   lines_.push_back(line);

@@ -107,13 +107,13 @@ toml::table toml_of_object(const Json& json, int depth) {
 }
 
 void convert(const Json& json, int depth, const auto& add) {
-  if (depth > kDeepestRobot) throw InvalidArgument("expected a robot, got something nested deeper");
+  if (depth > kDeepestRobot) throw InvalidArgument("expected a robot, got deeper nesting");
   if (json.is_object()) return add(toml_of_object(json, depth));
   if (json.is_array()) return add(toml_of_array(json, depth));
   if (json.is_number()) return add(json.get<double>());
   if (json.is_boolean()) return add(json.get<bool>());
   if (json.is_string()) return add(json.get<std::string>());
-  throw InvalidArgument("expected a robot, got null within it");
+  throw InvalidArgument("expected a robot, got null in it");
 }
 
 toml::array toml_of_array(const Json& json, int depth) {

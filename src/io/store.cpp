@@ -146,7 +146,7 @@ class StoredFile {
     target_ = behind_links(path);
     std::error_code ignored;
     if (std::filesystem::is_directory(target_, ignored))
-      throw Error(fmt::format("{}: cannot be written: a folder", target_.string()));
+      throw Error(fmt::format("{}: cannot be written: it is a folder", target_.string()));
     reach_place();
     static std::atomic<unsigned> files = 0;
     const std::string folder = folder_of(place_);
@@ -227,7 +227,7 @@ class StoredFile {
       (void)uninterrupted([&] { return unlink(place_.c_str()); });
     } else if (!replace(earlier_, place_)) {
       const std::string left = std::filesystem::path(std::exchange(earlier_, {})).filename();
-      return fmt::format("; the earlier {} is now {} in the same folder", target_.string(), left);
+      return fmt::format("; the earlier {} is kept as {} in the same folder", target_.string(), left);
     }
     earlier_.clear();
     return {};
@@ -260,7 +260,7 @@ class StoredFile {
   void require_as_read() const {
     if (replaced_.sha256.empty() || (!earlier_.empty() && is_as_read(earlier_, replaced_.sha256))) return;
     throw Error(fmt::format(
-        "{}: expected the file that was read, got one that changed since; it was not overwritten: run this again",
+        "{}: expected the file as it was read, got a changed one; it is not overwritten: run the command again",
         target_.string()));
   }
 

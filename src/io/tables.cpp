@@ -212,10 +212,10 @@ Measurements read_distances(const TextFile& distances, const TextFile& poses, co
     DistanceReading reading;
     reading.from = stations.at(table, row, "from", poses.name);
     reading.to = stations.at(table, row, "to", poses.name);
-    if (reading.from == reading.to) table.fail(row, "expected two different poses, got one");
+    if (reading.from == reading.to) table.fail(row, "expected two different poses, got the same pose twice");
     const auto [first, inserted] = lines.try_emplace(std::minmax(reading.from, reading.to), table.line(row));
     if (!inserted) {
-      table.fail(row, fmt::format("expected every pair of poses once, got line {}'s again", first->second));
+      table.fail(row, fmt::format("expected every pair of poses once, got that of line {} again", first->second));
     }
     reading.distance = table.number(row, "distance_mm", plausible::positive_length(joints.reach));
     reading.distance_sigma = table.optional_number(row, "sigma_mm", plausible::kNoise);

@@ -13,6 +13,8 @@
 namespace paracal::io {
 namespace {
 
+constexpr std::string_view kGenerous = "generous";
+
 /// Reads one table of tolerances.
 class ToleranceTable {
  public:
@@ -90,9 +92,9 @@ class ToleranceTable {
 
   /// Keys whose values nobody states, as the program itself has written them.
   void read_generous() {
-    const toml::node* node = section_.find("generous");
+    const toml::node* node = section_.find(kGenerous);
     if (node == nullptr) return;
-    for (const std::string& name : section_.texts("generous")) {
+    for (const std::string& name : section_.texts(kGenerous)) {
       bool known = false;
       for (const Source source : sources_of(actuator_)) {
         if (key(source) != name) continue;
@@ -100,8 +102,8 @@ class ToleranceTable {
         known = true;
       }
       if (!known) {
-        section_.fail(*node, fmt::format("expected tolerances of this table for {}, got \"{}\"",
-                                         section_.key_path("generous"), name));
+        section_.fail(
+            *node, fmt::format("expected names of tolerances for {}, got \"{}\"", section_.key_path(kGenerous), name));
       }
     }
   }
@@ -117,8 +119,8 @@ class ToleranceTable {
     const toml::node* node = section_.find("others");
     if (node == nullptr) return "";
     std::string others = section_.text("others");
-    if (others == "exact" || others == "generous") return others;
-    section_.fail(*node, fmt::format("expected \"exact\" or \"generous\" for {}, got \"{}\"",
+    if (others == "exact" || others == kGenerous) return others;
+    section_.fail(*node, fmt::format("expected \"exact\" or \"{}\" for {}, got \"{}\"", kGenerous,
                                      section_.key_path("others"), others));
   }
 
@@ -128,16 +130,16 @@ class ToleranceTable {
     std::string missing;
     for (const Source source : sources_of(actuator_)) {
       if (!is_open(source)) continue;
-      tolerances_.origin[index(source)] = others == "generous" ? Origin::generous : Origin::exact;
-      if (others == "generous") tolerances_[source] = generous[source];
+      tolerances_.origin[index(source)] = others == kGenerous ? Origin::generous : Origin::exact;
+      if (others == kGenerous) tolerances_[source] = generous[source];
       if (!is_leading(source, actuator_)) continue;  // the key of the first
       missing.append(missing.empty() ? "" : ", ").append(key(source));
     }
     if (!others.empty() || missing.empty()) return;
     section_.fail(
-        fmt::format("expected every tolerance, or {0} = \"exact\" (the others are zero) or {0} = \"generous\" (the "
-                    "others are generous defaults); got neither {0} nor {1}",
-                    section_.key_path("others"), missing));
+        fmt::format("expected every tolerance, or {0} = \"exact\" (zero for the others) or {0} = \"{2}\" "
+                    "(default tolerances for the others); got no {0} and no {1}",
+                    section_.key_path("others"), missing, kGenerous));
   }
 
   Section section_;
@@ -184,7 +186,7 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator, con
   if (listed_tolerances(tolerances, actuator).size() < leading_sources(actuator).size()) text += "others = \"exact\"\n";
   const std::vector<std::string> generous = generous_keys(tolerances, actuator);
   if (!generous.empty()) {
-    text += fmt::format("generous = [\"{}\"]  # nobody states these\n", fmt::join(generous, "\", \""));
+    text += fmt::format("{} = [\"{}\"]  # default tolerances: state yours\n", kGenerous, fmt::join(generous, "\", \""));
   }
   text += fmt::format("distribution = \"{}\"\n", distribution_name(tolerances.distribution));
   if (!measured.empty()) text += "\n[tolerances.measured]  # errors of built parts\n" + measured;

@@ -81,7 +81,7 @@ SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointS
   const toml::array& tables = *limbs.as_array();
   if (tables.size() != joints.count) {
     root.fail(limbs,
-              fmt::format("expected {} [[limb]] tables as the robot has limbs, got {}", joints.count, tables.size()));
+              fmt::format("expected {} [[limb]] tables, one for each limb, got {}", joints.count, tables.size()));
   }
   SourceErrors errors;
   for (std::size_t i = 0; i < joints.count; ++i) {
@@ -260,7 +260,7 @@ std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joi
 SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  const toml::node& limbs = root.require("limb", "one [[limb]] table a limb");
+  const toml::node& limbs = root.require("limb", "one [[limb]] table for each limb");
   root.refuse_others();
   return limbs_of(root, limbs, joints);
 }

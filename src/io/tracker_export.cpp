@@ -41,8 +41,7 @@ class ExportReader {
   void add_notes(SeriesBuilder& series) const {
     for (const std::string& note : map_.notes) series.note(note);
     if (last_of_head_ > 0) {
-      series.note(
-          fmt::format("lines down to {} have no number where coordinates are to stand: passed over", last_of_head_));
+      series.note(fmt::format("lines up to {} have no coordinates and are ignored", last_of_head_));
     }
     if (first_escaped_ > 0) series.note(note_of_escapes(first_escaped_));
   }
@@ -115,7 +114,7 @@ class ExportReader {
       count_ = count;
     }
     if (count != count_) {
-      fail(fmt::format("expected {} fields as in line {}, got {} (names with separators in them need quotation marks)",
+      fail(fmt::format("expected {} fields as in line {}, got {} (put names with separators in quotation marks)",
                        count_, first_line_, count));
     }
   }
@@ -184,12 +183,9 @@ void add_by_order(SeriesBuilder& series, const std::string& file, const std::vec
                                      "each pose together; sort the points by pass",
                                      passes, count));
   }
-  series.note(
-      passes == 1
-          ? fmt::format("{} points are matched to the {} poses in their order; their names do not count", count, count)
-          : fmt::format("{} points are matched to {} passes over the {} poses in their order; their names do "
-                        "not count",
-                        points.size(), passes, count));
+  const std::string passes_text = passes == 1 ? "" : fmt::format("{} passes over ", passes);
+  series.note(fmt::format("{} points are assigned to {}the {} poses in order; their names are ignored", points.size(),
+                          passes_text, count));
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t station = k % count;
     series.add(points[k].line, poses[station].name,
@@ -205,17 +201,18 @@ void add_by_name(SeriesBuilder& series, const std::string& file, const std::vect
   for (const ExportedPoint& point : points) {
     const auto place = places.find(point.name);
     if (place == places.end()) {
-      series.note(point.line, fmt::format("{} is no pose: passed over", point.name));
+      series.note(point.line, fmt::format("{} is not a pose and is ignored", point.name));
       continue;
     }
     is_measured[place->second] = true;
     series.add(point.line, point.name, {.station = place->second, .point = point.point, .sigma = point.sigma});
   }
   if (series.is_empty()) {
-    throw InputFileError(file, 0,
-                         fmt::format("expected a point named as one of the poses {}; got only {} (--match order takes "
-                                     "them in the order of the poses)",
-                                     some_of(poses), some_of(points)));
+    throw InputFileError(
+        file, 0,
+        fmt::format("expected a point named as one of the poses {}; got only {}: rename them, or assign "
+                    "them in order with --match order",
+                    some_of(poses), some_of(points)));
   }
   for (std::size_t k = 0; k < poses.size(); ++k) {
     if (!is_measured[k]) series.note(fmt::format("pose {} was not measured", poses[k].name));

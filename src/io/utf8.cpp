@@ -80,7 +80,7 @@ std::string with_other_bytes_escaped(std::string_view text) {
 }
 
 std::string note_of_escapes(int line) {
-  return fmt::format("line {}: bytes that are no UTF-8 stand in names as \\xE9 and the like, here and below", line);
+  return fmt::format("line {}: bytes that are not UTF-8 are shown in names like \\xE9 from here on", line);
 }
 
 void Utf16Decoder::add(std::string_view bytes, std::string& text) {
@@ -97,7 +97,7 @@ void Utf16Decoder::add(std::string_view bytes, std::string& text) {
 
 void Utf16Decoder::add_unit(std::uint16_t unit, std::string& text) {
   if ((leading_ != 0) != is_trailing(unit)) {
-    throw InvalidArgument("expected UTF-16 text, got half a pair of surrogates");
+    throw InvalidArgument("expected UTF-16 text, got an incomplete surrogate pair");
   }
   if (is_leading(unit)) {
     leading_ = unit;
@@ -109,7 +109,7 @@ void Utf16Decoder::add_unit(std::uint16_t unit, std::string& text) {
 }
 
 void Utf16Decoder::finish() const {
-  if (has_byte_ || leading_ != 0) throw InvalidArgument("expected UTF-16 text, got half a character at its end");
+  if (has_byte_ || leading_ != 0) throw InvalidArgument("expected UTF-16 text, got an incomplete character at its end");
 }
 
 namespace {

@@ -114,7 +114,7 @@ TEST_F(Dialects, ExportsAreTheSame) {
     return x + "\t" + y + "\t" + z;
   };
   EXPECT_THAT(same("x_mm\ty_mm\tz_mm\n" + exported(nameless), " --match order"),
-              HasSubstr("14 points are matched to the 14 poses"));
+              HasSubstr("14 points are assigned to the 14 poses"));
 }
 
 TEST_F(Dialects, PosesAndJointsAreTheSame) {
@@ -152,7 +152,7 @@ TEST_F(Dialects, ExtraColumnsAreNamedAndIgnoredByRequest) {
     EXPECT_NE(folder.run(command + " --ignore-columns By").exit_code, kBadInputFile) << command;
   }
   EXPECT_THAT(json_of("calibrate --measurements more_points.csv --ignore-columns By").at("notes"),
-              Contains("columns passed over, as asked: By"));
+              Contains("columns ignored, as requested: By"));
 }
 
 TEST(DialectsOfPrinters, ReadingsTakeTheOptions) {

@@ -451,7 +451,7 @@ TEST(Injections, WhatCannotBePutBackIsNamed) {
       EXPECT_EQ(result.exit_code, kWrongUsage);
       const std::string kept = folder.read(result.err.substr(begin, end - begin));
       EXPECT_THAT(kept, testing::StartsWith("earlier out."));
-      EXPECT_THAT(result.err, testing::HasSubstr("; the earlier " + kept.substr(8) + " is now .paracal-"));
+      EXPECT_THAT(result.err, testing::HasSubstr("; the earlier " + kept.substr(8) + " is kept as .paracal-"));
     }
     EXPECT_GT(named, 0) << disk;
   }

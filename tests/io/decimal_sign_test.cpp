@@ -20,14 +20,14 @@ TEST(DecimalSign, IsShownByNumbersThatCannotBeMeantOtherwise) {
     EXPECT_EQ(sign.number("1,125"), 1.125) << field;
     EXPECT_EQ(sign.number("-3"), -3.0) << field;
     EXPECT_EQ(sign.number("1.5"), std::nullopt) << field;
-    EXPECT_EQ(sign.why_not("1.5"), " (decimals have a comma in line 7)") << field;
+    EXPECT_EQ(sign.why_not("1.5"), " (line 7 has a decimal comma)") << field;
   }
   for (const std::string field : {"1.5", "-0.125", "1.125"}) {
     const DecimalSign sign = shown_by(field);
     EXPECT_TRUE(sign.is_known()) << field;
     EXPECT_EQ(sign.number("1.125"), 1.125) << field;
     EXPECT_EQ(sign.number("1,5"), std::nullopt) << field;
-    EXPECT_EQ(sign.why_not("1,125"), " (decimals have a point in line 7)") << field;
+    EXPECT_EQ(sign.why_not("1,125"), " (line 7 has a decimal point)") << field;
   }
 }
 
@@ -41,8 +41,8 @@ TEST(DecimalSign, IsNotShownByAnythingElse) {
 TEST(DecimalSign, WhatMayBeTwoNumbersIsNone) {
   const DecimalSign unknown;
   EXPECT_EQ(unknown.number("-1,125"), std::nullopt);
-  EXPECT_THAT(unknown.why_not("-1,125"), HasSubstr("-1.125 or -1125? --decimal-comma says"));
-  EXPECT_THAT(unknown.why_not("1,5"), HasSubstr("(--decimal-comma says"));
+  EXPECT_THAT(unknown.why_not("-1,125"), HasSubstr("-1.125 or -1125? For decimal commas add --decimal-comma"));
+  EXPECT_THAT(unknown.why_not("1,5"), HasSubstr("(for decimal commas add --decimal-comma)"));
   EXPECT_EQ(unknown.why_not("P1"), "");
   EXPECT_EQ(unknown.number("1.5"), 1.5);
 }
@@ -53,7 +53,7 @@ TEST(DecimalSign, SomebodySaysIt) {
   EXPECT_EQ(comma.number("1,125"), 1.125);
   EXPECT_EQ(comma.number("1.125"), std::nullopt);
   EXPECT_EQ(comma.number("1.234,5"), std::nullopt);
-  EXPECT_EQ(comma.why_not("1.125"), " (--decimal-comma says that decimals have a comma)");
+  EXPECT_EQ(comma.why_not("1.125"), " (--decimal-comma is given)");
 }
 
 TEST(DecimalSign, TheFirstThatShowsItSaysIt) {
@@ -61,7 +61,7 @@ TEST(DecimalSign, TheFirstThatShowsItSaysIt) {
   sign.look("2,5", 8);
   sign.look("2.5", 9);
   EXPECT_EQ(sign.number("1,125"), 1.125);
-  EXPECT_EQ(sign.why_not("2.5"), " (decimals have a comma in line 8)");
+  EXPECT_EQ(sign.why_not("2.5"), " (line 8 has a decimal comma)");
 }
 
 TEST(DecimalSign, NumbersWithEitherSign) {

@@ -60,7 +60,8 @@ TEST(Dialects, SeparatorsAreOfOneKind) {
   refused("pose\tx_mm,y_mm,z_mm\n", "got tabs and commas");
   refused("pose;x_mm;y_mm;z_mm\nP1,1,2,3\n", "p.csv:2: expected 4 fields as in the header, got 1");
   refused("pose;x_mm;y_mm;z_mm\nP1;1;2;3;4\n", "p.csv:2: expected 4 fields as in the header, got 5");
-  refused("pose,x_mm,y_mm,z_mm\nP1,1,5,2,5,3,5\n", "got 7 (decimal commas need semicolons or tabs between fields)");
+  refused("pose,x_mm,y_mm,z_mm\nP1,1,5,2,5,3,5\n",
+          "got 7 (with decimal commas, separate fields by semicolons or tabs)");
   refused(",,,\n", "expected a header line, got no line");
   refused("x_mm,y_mm,z_mm\n,,\n", "expected at least one row below the header");
   refused("x_mm,,y_mm,z_mm\n1,2,3,4\n", "got \"\"");
@@ -72,16 +73,17 @@ TEST(Dialects, DecimalCommasAreCertainOrAskedFor) {
   EXPECT_EQ(read_poses({"p.csv", header + early + late}).at(0).commanded.position.x(), 1.125);
   EXPECT_EQ(streamed(header + early + late).at(0).commanded.position.x(), 1.125);
   refused(header + early,
-          "p.csv:2: expected a finite number in column x_mm, got \"1,125\" (1.125 or 1125? --decimal-comma");
-  refused(header + early + "P2;0.5;0;0\n", "got \"1,125\" (decimals have a point in line 3)");
+          "p.csv:2: expected a finite number in column x_mm, got \"1,125\" (1.125 or 1125? For decimal commas add "
+          "--decimal-comma");
+  refused(header + early + "P2;0.5;0;0\n", "got \"1,125\" (line 3 has a decimal point)");
   refused(header + late + "P1;1.5;2;3\n",
-          "p.csv:3: expected a finite number in column x_mm, got \"1.5\" (decimals have a comma in line 2)");
+          "p.csv:3: expected a finite number in column x_mm, got \"1.5\" (line 2 has a decimal comma)");
   refused(header + late + "P1;1.234,5;2;3\n", "got \"1.234,5\"");
   refused(header + late + "P1;1,234,567;2;3\n", "got \"1,234,567\"");
   const TableStyle comma{.decimal_comma = true};
   EXPECT_EQ(read_poses({"p.csv", header + early, comma}).at(0).commanded.position.x(), 1.125);
   EXPECT_EQ(streamed(header + early, comma).at(0).commanded.position.x(), 1.125);
-  refused(header + "P1;1.5;2;3\n", "--decimal-comma says that decimals have a comma", comma);
+  refused(header + "P1;1.5;2;3\n", "(--decimal-comma is given)", comma);
   // Names say nothing of numbers, nor do comments and columns that are passed over.
   refused(header + "\"1,5\";1,125;2;3\n", "1.125 or 1125?");
   refused(header + "# 0;0,5;0;0\n" + early, "1.125 or 1125?");
@@ -103,8 +105,8 @@ TEST(Dialects, ColumnsAreIgnoredByRequestAlone) {
       "C\nP1;1;NN;2;3;20,5\n";
   refused(text,
           "got \"Operator\", \"T \\xB0"
-          "C\" (--ignore-columns \"Operator,T \\xB0"
-          "C\" passes over");
+          "C\" (to ignore these: --ignore-columns \"Operator,T \\xB0"
+          "C\")");
   const TableStyle style{.ignored_columns = {"Operator",
                                              "T \\xB0"
                                              "C",
@@ -117,7 +119,7 @@ TEST(Dialects, ColumnsAreIgnoredByRequestAlone) {
   const std::string points = "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm,sigma_mm,n,n\nP1,0,0,-888,1,2,3,0.5,a,b\n";
   const Measurements m = read_points({"m.csv", points, {.ignored_columns = {"sigma_mm", "n"}}});
   EXPECT_FALSE(m.series.at(0).readings.at(0).sigma);
-  EXPECT_THAT(m.notes, ElementsAre("columns passed over, as asked: sigma_mm, n, n"));
+  EXPECT_THAT(m.notes, ElementsAre("columns ignored, as requested: sigma_mm, n, n"));
   refused("x_mm,y_mm,z_mm\n1,2,3\n", "expected a column \"x_mm\", got y_mm, z_mm", {.ignored_columns = {"x_mm"}});
 }
 

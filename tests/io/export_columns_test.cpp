@@ -64,10 +64,10 @@ TEST(ExportColumns, WhatStandsAboveAndBesideIsNoted) {
   const Measurements m = exported(
       "// a program\nReport of Monday;;;;;\nOperator;N. N.;;;;\n\n"
       "Group;Target;X [mm];Y [mm];Z [mm];RMS\nA;P1;1;2;3;0,01\nA;P2;4;5;6;0,02\n");
-  EXPECT_THAT(m.notes, ElementsAre("the header row in line 5 says which columns count: Target, X [mm], Y [mm], Z [mm] "
-                                   "(unit 1 mm); passed over: Group, RMS; what stands above it is passed over"));
+  EXPECT_THAT(m.notes, ElementsAre("columns taken from the header row in line 5: Target, X [mm], Y [mm], Z [mm] "
+                                   "(unit 1 mm); ignored: Group, RMS; the lines above it are ignored"));
   EXPECT_THAT(exported("name,x_m,y_m,z_m\nP1,1,2,3\nP2,4,5,6\n").notes,
-              ElementsAre("the header row in line 1 says which columns count: name, x_m, y_m, z_m (unit 1000 mm)"));
+              ElementsAre("columns taken from the header row in line 1: name, x_m, y_m, z_m (unit 1000 mm)"));
 }
 
 TEST(ExportColumns, AreSaidByHeadings) {
@@ -120,9 +120,10 @@ TEST(ExportColumns, AmbiguousHeaderRowsSayWhichColumnsToGive) {
 
 TEST(ExportColumns, HeaderRowsThatDoNotSayItAreRefused) {
   refused("Name,X,Y,Z\nP1,1,2,3\n", "e.txt:1: expected a unit in the header row, as in \"X [mm]\", or --unit");
-  refused("Name,X [mm],Y [mm],Z\nP1,1,2,3\n", "e.txt:1: expected one unit of \"X [mm]\" and \"Z\", got two");
-  refused("Name,X [mm],Y [mm],Z [mm]\nP1,1,2,3\n",
-          "e.txt:1: expected --unit as in the header row (1 mm), got another (25.4 mm)", {.unit = "inch"});
+  refused("Name,X [mm],Y [mm],Z\nP1,1,2,3\n",
+          "e.txt:1: expected the same unit for \"X [mm]\" and \"Z\", got two units");
+  refused("Name,X [mm],Y [mm],Z [mm]\nP1,1,2,3\n", "e.txt:1: expected --unit as in the header row (1 mm), got 25.4 mm",
+          {.unit = "inch"});
   refused(
       "Name,Target,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
       "expected one column of name in the header row, got \"Name\" (column 1) and \"Target\" (column 2); choose with "
@@ -149,7 +150,7 @@ TEST(ExportColumns, OfSpatialAnalyzer) {
   reads("Points,P1,1.0315,-0.02025,-0.088125\nPoints,P2,0.93175,-0.0205,-0.088\n", said);
   reads("P1 1.0315 -0.02025 -0.088125\nP2 0.93175 -0.0205 -0.088\n", said);
   refused("1.0315 -0.02025 -0.088125\n", "e.txt:1: expected [[collection] group] target x y z, got 3 fields", said);
-  refused("A Points P1 1 2 3 0.01\n", "got 7 fields (--columns says which", said);
+  refused("A Points P1 1 2 3 0.01\n", "got 7 fields: choose columns with --columns", said);
   refused("A P1 1 2 3\nA Points P1 1 2 3\n", "e.txt:2: expected 5 fields as in line 1, got 6", said);
   refused("// nothing\n", "expected at least one line with a point", said);
   refused<InvalidArgument>("P1 1 2 3\n", "unit:", {.columns = std::string(kSpatialAnalyzer)});
@@ -160,7 +161,7 @@ TEST(ExportColumns, FirstLinesWithoutCoordinatesArePassedOver) {
   const Said said{.columns = "name=1,x=2,y=3,z=4", .unit = "mm"};
   const Measurements m = exported("Report\nNo. 7, of Monday\nName;X;Y;Z\nP1;1;2;3\nP2;4;5;6\n", said);
   EXPECT_EQ(m.series.at(0).readings.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("lines down to 3 have no number where coordinates are to stand: passed over"));
+  EXPECT_THAT(m.notes, ElementsAre("lines up to 3 have no coordinates and are ignored"));
   refused("P1;1;oops;3\nP2;4;5;6\n", "e.txt:1: expected a finite number in column 3 (y), got \"oops\"", said);
   refused("P1;;;\nP2;4;5;6\n", "e.txt:1: expected", said);
   refused("Name;X;Y;Z\n", "expected at least one line with a point", said);
@@ -188,13 +189,13 @@ TEST(ExportColumns, PointsAreMatchedByOrderWhereThatIsAsked) {
   reads("No;Name;X_mm;Y_mm;Z_mm\n1;m7;1031.5;-20.25;-88.125\n2;m7;931.75;-20.5;-88\n", said);
   reads("1031.5 -20.25 -88.125\n931.75 -20.5 -88\n", {.columns = "x=1,y=2,z=3", .unit = "mm", .by_order = true});
   EXPECT_THAT(exported("X_mm;Y_mm;Z_mm\n1;2;3\n4;5;6\n", said).notes,
-              Contains("2 points are matched to the 2 poses in their order; their names do not count"));
+              Contains("2 points are assigned to the 2 poses in order; their names are ignored"));
   const std::string counts =
       "e.txt: expected 2 points in the order of the 2 poses, or 4, 6, ... for several passes over them, got ";
   const std::string todo = "; add or remove points, or match by name";
   refused("X_mm;Y_mm;Z_mm\n1;2;3\n", counts + "1" + todo, said);
   refused("X_mm;Y_mm;Z_mm\n1;2;3\n4;5;6\n7;8;9\n", counts + "3" + todo, said);
-  refused("Name;X_mm;Y_mm;Z_mm\nm1;1;2;3\nm2;4;5;6\n", "got only m1, m2 (--match order takes them");
+  refused("Name;X_mm;Y_mm;Z_mm\nm1;1;2;3\nm2;4;5;6\n", "got only m1, m2: rename them, or assign them in order");
 }
 
 TEST(ExportColumns, SeveralPassesByOrderAreRepeats) {
@@ -222,9 +223,10 @@ TEST(ExportColumns, BytesOfLatin1AreNoted) {
   const Measurements m = exported(
       "Gr\xF6\xDF"
       "e;Name;X_mm;Y_mm;Z_mm\n\xE4;P1;1;2;3\n\xE4;P\xE4;4;5;6\n");
-  EXPECT_THAT(m.notes, AllOf(Contains(HasSubstr("passed over: Gr\\xF6\\xDF"
-                                                "e")),
-                             Contains(HasSubstr("line 2: bytes")), Contains("line 3: P\\xE4 is no pose: passed over")));
+  EXPECT_THAT(m.notes,
+              AllOf(Contains(HasSubstr("; ignored: Gr\\xF6\\xDF"
+                                       "e")),
+                    Contains(HasSubstr("line 2: bytes")), Contains("line 3: P\\xE4 is not a pose and is ignored")));
 }
 
 TEST(ExportColumns, FilesAreKnownForExports) {

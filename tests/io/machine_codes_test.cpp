@@ -86,14 +86,14 @@ TEST(MachineCodes, AreRefusedWithTheirLine) {
   refused(CodeDialect::reprapfirmware, "M665 L200 R100 H200\nM666 X0 A0.2 B0\n",
           "config.g:2: expected M666 without bed tilt, got A0.2");
   // A bed's radius is the trim of a rod to the other firmware.
-  refused(CodeDialect::marlin, "M665 R105.6 L215.0 B85 H235\n", "are no set");
+  refused(CodeDialect::marlin, "M665 R105.6 L215.0 B85 H235\n", "differ too much");
   refused(CodeDialect::marlin, "G28\nM665 R100 H200\n", "config.g:2: expected M665 with L");
   refused(CodeDialect::marlin, "M665 L200 R100\n", "expected M665 with H");
   refused(CodeDialect::marlin, "\nM665 L2x0 R100 H200\n", "config.g:2: expected a number after L, got \"2x0\"");
   refused(CodeDialect::marlin, "M665 L200:201 R100 H200\n", "expected one number or three after L, got 2");
   refused(CodeDialect::marlin, "M665 L90 R100 H200\n", "rods longer than it");
-  refused(CodeDialect::marlin, "M665 L200 R100 H200 X1e4\n", "towers turned by up to 360 deg, got 10000");
-  refused(CodeDialect::reprapfirmware, "M665 L217 R105 H240 X120 Y0 Z-120\n", "towers that stand apart");
+  refused(CodeDialect::marlin, "M665 L200 R100 H200 X1e4\n", "tower angles up to 360 deg, got 10000");
+  refused(CodeDialect::reprapfirmware, "M665 L217 R105 H240 X120 Y0 Z-120\n", "separate towers");
   refused(CodeDialect::marlin, "M665 L200 R100 H200\nM666 Xnan\n", "config.g:2: expected a number after X");
   refused(CodeDialect::reprapfirmware, "M669 K0\nM665 L200 R100 H200\nM666 X0\n",
           "config.g:1: expected M669 K3 (linear delta) or K10 (rotary delta), got K0");
@@ -181,7 +181,7 @@ TEST(MarlinConfiguration, IsRefusedWithItsLine) {
   };
   is_refused(with("#define DELTA_RADIUS 100.5", "#define DELTA_RADIUS wide"), "config.g:12: expected a number after R");
   is_refused(with("{ 0.3, -0.2, 0.0 }", "{ 0.3, -0.2 }"), "config.g:13: expected 3 numbers for DELTA_TOWER_ANGLE_TRIM");
-  is_refused(with("{ 0.0, 0.0, 0.0 }", "{ 0.0, 0.4, 0.0 }"), "config.g:14: expected no radii of single towers");
+  is_refused(with("{ 0.0, 0.0, 0.0 }", "{ 0.0, 0.4, 0.0 }"), "config.g:14: expected one radius for all towers");
   is_refused(with("  //#define DELTA_DIAGONAL_ROD 250.0", "  #define DELTA_DIAGONAL_ROD 250.0"),
              "config.g:9: expected DELTA_DIAGONAL_ROD as in line 8 (260.0), got 250.0");
   is_refused("//#define DELTA // a printer of another kind\n" + std::string(kConfiguration),

@@ -110,8 +110,8 @@ TEST(PointTable, ABodysPoseIsReadAsAWhole) {
   const Measurements m = read_points({"m.csv", header + "A,0,0,-888,1,2,3,1,0,0,0,,\nB,9,0,-888,4,5,6,,,,,,\n"
                                                         "C,9,9,-888,,,,1,0,0,0,,\n"});
   EXPECT_EQ(m.stations.size(), 1u);
-  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has no orientation; its point is passed over",
-                                   "line 4: pose C has no point; its other readings are passed over"));
+  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has no orientation: its point is ignored",
+                                   "line 4: pose C has no point: its other readings are ignored"));
 }
 
 TEST(PointTable, WhatIsNoRotationIsRefused) {
@@ -123,8 +123,8 @@ TEST(PointTable, WhatIsNoRotationIsRefused) {
   };
   const std::string header = kPosesOfABody;
   refused(header, "A,0,0,-888,1,2,3,1,0,0,0.1,,\n",
-          "m.csv:2: expected qw, qx, qy, qz of length 1, as of a rotation, got 1.00499");
-  refused(header, "A,0,0,-888,1,2,3,0,0,0,0,,\n", "got 0");
+          "m.csv:2: expected a unit quaternion qw, qx, qy, qz, got length 1.00499");
+  refused(header, "A,0,0,-888,1,2,3,0,0,0,0,,\n", "got length 0");
   refused(header, "A,0,0,-888,1,2,3,1,0,0,,,\n",
           "m.csv:2: expected qw, qx, qy, qz either all filled in or all blank, got 1 blank");
   refused(header, "A,0,0,-888,1,2,3,1,0,0,0,,0\n", "expected sigma_deg from 1e-05 to 1e+06");
@@ -145,7 +145,7 @@ TEST(Merge, ACopiedPoseOfABodyCountsOnce) {
   ASSERT_EQ(both.series.size(), 2u);  // two frames
   EXPECT_EQ(both.series[0].readings.size(), 2u);
   EXPECT_EQ(both.series[1].readings.size(), 1u);
-  EXPECT_THAT(both.notes, ElementsAre("other.csv, 1 of 2 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(both.notes, ElementsAre("other.csv, 1 of 2 readings repeat an earlier series and count once"));
 }
 
 TEST(PointTable, PosesOfABodyReadBack) {
@@ -178,15 +178,15 @@ TEST(PointTable, MissingReadingsArePassedOverAndNamed) {
   EXPECT_EQ(m.stations[1].name, "D");
   ASSERT_EQ(m.series[0].readings.size(), 2u);
   EXPECT_EQ(m.series[0].readings[1].station, 1u);
-  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has no point",
-                                   "line 4: pose C has no point; its other readings are passed over",
-                                   "line 5: pose A has no point"));
+  EXPECT_THAT(m.notes,
+              ElementsAre("line 3: pose B has no point", "line 4: pose C has no point: its other readings are ignored",
+                          "line 5: pose A has no point"));
 }
 
 TEST(PointTable, TheFirstPoseThatWasReadIsHome) {
   const Measurements m = read_points(points("A,0,0,-888,0,,,\nB,9,0,-888,0,4,5,6\n"));
   EXPECT_EQ(m.stations.at(0).name, "B");
-  EXPECT_THAT(m.notes, ElementsAre("line 2: pose A has no point", "pose B is home instead of A"));
+  EXPECT_THAT(m.notes, ElementsAre("line 2: pose A has no point", "pose B is used as home, because A has no point"));
 }
 
 TEST(PointTable, AStationStaysWhereOneRowReadsIt) {
@@ -201,14 +201,14 @@ TEST(PointTable, DoubledReadingsCountOnce) {
   const Measurements m =
       read_points(points("phi_deg", "A,0,0,-888,0,1,2,3,10\nA,0,0,-888,0,1,2,3,10\nA,0,0,-888,0,1,2,3,11\n"));
   ASSERT_EQ(m.series[0].readings.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("line 3: pose A has the reading of line 2 again: counted once",
-                                   "line 4: pose A has exactly the point of pose A in line 2"));
+  EXPECT_THAT(m.notes, ElementsAre("line 3: pose A repeats the reading of line 2 and counts once",
+                                   "line 4: pose A has exactly the same point as pose A in line 2: check both"));
 }
 
 TEST(PointTable, TwoPosesAtOnePointAreNoted) {
   const Measurements m = read_points(points("A,0,0,-888,0,1,2,3\nB,9,0,-888,0,1,2,3\n"));
   EXPECT_EQ(m.series[0].readings.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has exactly the point of pose A in line 2"));
+  EXPECT_THAT(m.notes, ElementsAre("line 3: pose B has exactly the same point as pose A in line 2: check both"));
 }
 
 TEST(PointTable, RowsOfOnePoseMustAgree) {
@@ -372,7 +372,7 @@ TEST(PointTable, WhatCannotBeReadBackIsNotWritten) {
   const auto refused = [](const Measurements& m, const std::string& part) {
     EXPECT_THAT([&] { (void)point_table(m); }, ThrowsMessage<InvalidArgument>(HasSubstr(part)));
   };
-  refused({}, "expected one series of points to write, got 0");
+  refused({}, "expected one series of points, got 0");
   Measurements bad = good;
   bad.series.push_back(bad.series[0]);
   refused(bad, "got 2");
@@ -388,7 +388,7 @@ TEST(PointTable, WhatCannotBeReadBackIsNotWritten) {
   refused(bad, "station 2: expected a name");
   bad = good;
   bad.stations[1].believed = Joints::Zero(4);
-  refused(bad, "believed joints of all 2 stations or of none, got those of 1");
+  refused(bad, "commanded joints of all 2 stations or of none, got those of 1");
   bad.stations[0].believed = Joints::Zero(3);
   refused(bad, "3 finite joint coordinates");
   bad = good;
@@ -462,8 +462,8 @@ TEST(Merge, CopiedReadingsCountOnce) {
   EXPECT_EQ(m.series[1].name, "a.csv (2)");
   EXPECT_EQ(m.series[1].readings.size(), 1u);
   EXPECT_EQ(m.files.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("a.csv (2), 1 of 2 readings stand in an earlier series too: counted once",
-                                   "a.csv (3), 2 of 2 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(m.notes, ElementsAre("a.csv (2), 1 of 2 readings repeat an earlier series and count once",
+                                   "a.csv (3), 2 of 2 readings repeat an earlier series and count once"));
 }
 
 TEST(Merge, DistancesFindTheirStations) {
@@ -488,7 +488,7 @@ TEST(Merge, CopiedDistancesCountOnce) {
   ASSERT_EQ(m.distances.size(), 4u);
   EXPECT_EQ(m.distances[2].distance, 101.0);
   EXPECT_EQ(m.distances[3].distance, 50.5);
-  EXPECT_THAT(m.notes, ElementsAre("e.csv, 1 of 3 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(m.notes, ElementsAre("e.csv, 1 of 3 readings repeat an earlier series and count once"));
 }
 
 TEST(Merge, ARotationReadBackwardsIsTheSameReading) {
@@ -514,7 +514,7 @@ TEST(Merge, CopiedHeightsCountOnceAsAWhole) {
   EXPECT_EQ(m.lengths[0].name, "monday.csv");
   EXPECT_EQ(m.lengths[1].name, "tuesday.csv");
   EXPECT_EQ(m.lengths[1].readings.size(), 4u);
-  EXPECT_THAT(m.notes, ElementsAre("copy.csv, 4 of 4 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(m.notes, ElementsAre("copy.csv, 4 of 4 readings repeat an earlier series and count once"));
 }
 
 /// The same numbers on another instrument are no copy.
@@ -525,7 +525,7 @@ TEST(Merge, LengthsOfAnotherKindAreNoCopy) {
   const Measurements m = merge({heights, bar, bar});
   ASSERT_EQ(m.lengths.size(), 2u);
   EXPECT_EQ(m.lengths[1].kind, LengthKind::ball_bar);
-  EXPECT_THAT(m.notes, ElementsAre("b.csv (2), 4 of 4 readings stand in an earlier series too: counted once"));
+  EXPECT_THAT(m.notes, ElementsAre("b.csv (2), 4 of 4 readings repeat an earlier series and count once"));
 }
 
 TEST(Merge, OnePartStaysAsItIs) {
@@ -575,21 +575,21 @@ TEST(ColumnMap, SaysWhereAndInWhichUnit) {
 
 TEST(ColumnMap, AnythingElseIsRefused) {
   const std::vector<std::array<std::string, 2>> cases{
-      {"", "what is \"\"?"},
+      {"", "\"\" is unknown"},
       {"name=1,x=2,y=3", "z is missing"},
       {"x=2,y=3,z=4", "name is missing"},
-      {"name=1,x=2,y=3,z=4,w=5", "what is \"w=5\"?"},
-      {"name=1,x=2,y=3,z=4,", "what is \"\"?"},
-      {"name,x=2,y=3,z=4", "what is \"name\"?"},
-      {"name=1=2,x=2,y=3,z=4", "what is \"name=1=2\"?"},
-      {"name=0,x=2,y=3,z=4", "\"0\" is no column"},
-      {"name=1.5,x=2,y=3,z=4", "\"1.5\" is no column"},
-      {"name=-1,x=2,y=3,z=4", "\"-1\" is no column"},
-      {"name=1e300,x=2,y=3,z=4", "\"1e300\" is no column"},
-      {"name=nan,x=2,y=3,z=4", "\"nan\" is no column"},
-      {"name=,x=2,y=3,z=4", "\"\" is no column"},
-      {"name=1,x=2,x=3,z=4", "x stands twice"},
-      {"name=1,x=2,y=2,z=4", "column 2 stands twice"},
+      {"name=1,x=2,y=3,z=4,w=5", "\"w=5\" is unknown"},
+      {"name=1,x=2,y=3,z=4,", "\"\" is unknown"},
+      {"name,x=2,y=3,z=4", "\"name\" is unknown"},
+      {"name=1=2,x=2,y=3,z=4", "\"name=1=2\" is unknown"},
+      {"name=0,x=2,y=3,z=4", "\"0\" is not a column"},
+      {"name=1.5,x=2,y=3,z=4", "\"1.5\" is not a column"},
+      {"name=-1,x=2,y=3,z=4", "\"-1\" is not a column"},
+      {"name=1e300,x=2,y=3,z=4", "\"1e300\" is not a column"},
+      {"name=nan,x=2,y=3,z=4", "\"nan\" is not a column"},
+      {"name=,x=2,y=3,z=4", "\"\" is not a column"},
+      {"name=1,x=2,x=3,z=4", "x is given twice"},
+      {"name=1,x=2,y=2,z=4", "column 2 is given twice"},
   };
   for (const auto& one : cases) {
     EXPECT_THAT([&] { (void)parse_column_map(one[0], "mm"); },
@@ -668,16 +668,17 @@ TEST(TrackerExport, WhatIsNoPoseOrNotMeasuredIsNoted) {
   ASSERT_EQ(m.stations.size(), 1u);
   EXPECT_EQ(m.stations[0].name, "P2");
   EXPECT_EQ(m.series[0].readings.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("line 1: REF1 is no pose: passed over",
-                                   "line 3: pose P2 has the reading of line 2 again: counted once",
-                                   "line 5: far_left is no pose: passed over", "pose P1 was not measured",
-                                   "pose far left was not measured", "pose P2 is home instead of P1"));
+  EXPECT_THAT(m.notes,
+              ElementsAre("line 1: REF1 is not a pose and is ignored",
+                          "line 3: pose P2 repeats the reading of line 2 and counts once",
+                          "line 5: far_left is not a pose and is ignored", "pose P1 was not measured",
+                          "pose far left was not measured", "pose P2 is used as home, because P1 has no point"));
 }
 
 TEST(TrackerExport, TwoPosesAtOnePointAreNoted) {
   const Measurements m = exported("P1 4 5 6\nP2 4 5 6\n", "name=1,x=2,y=3,z=4");
   EXPECT_EQ(m.series[0].readings.size(), 2u);
-  EXPECT_THAT(m.notes, ElementsAre("line 2: pose P2 has exactly the point of pose P1 in line 1",
+  EXPECT_THAT(m.notes, ElementsAre("line 2: pose P2 has exactly the same point as pose P1 in line 1: check both",
                                    "pose far left was not measured"));
 }
 
@@ -690,7 +691,7 @@ TEST(TrackerExport, BrokenLinesAreRefused) {
   expect_refused("P1;1,500;2;3\n",
                  "t/e.txt:1: expected a finite number in column 2 (x), got \"1,500\" (1.500 or 1500?");
   expect_refused("P1;1,5;2.5;3,5\n",
-                 "t/e.txt:1: expected a finite number in column 3 (y), got \"2.5\" (decimals have a");
+                 "t/e.txt:1: expected a finite number in column 3 (y), got \"2.5\" (line 1 has a decimal comma)");
   expect_refused("P1,1,,3\n", "t/e.txt:1: expected a finite number in column 3 (y), got \"\"");
   expect_refused(",1,2,3\n", "t/e.txt:1: expected a name in column 1, got none");
   expect_refused("\"P1 1 2 3\n", "t/e.txt:1: expected closed quotation marks");

@@ -76,7 +76,7 @@ TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
         testing::ThrowsMessage<InputFileError>(testing::HasSubstr(complaint)))
         << more;
   };
-  refused("\n[[limb]]\n[[limb]]\n", "expected 3 [[limb]] tables as the robot has limbs, got 2");
+  refused("\n[[limb]]\n[[limb]]\n", "expected 3 [[limb]] tables, one for each limb, got 2");
   refused("\n[[limb]]\nalpha2_deg = 1\n[[limb]]\n[[limb]]\n", "limb: expected no alpha2 of limb 1");
   refused("\n[[limb]]\nrod_mean_mm = -950\n[[limb]]\n[[limb]]\n", "limb: expected the rods of limb 1 longer than 0 mm");
   refused("\n[[limb]]\nrod_mean_mm = nan\n[[limb]]\n[[limb]]\n", "rod_mean");

@@ -95,8 +95,7 @@ TEST_F(Stores, WhatChangedSinceItWasReadStays) {
     store.write(folder / "file", "new", {.sha256 = sha256("as read"), .kept_as = "kept"});
     store.commit();
   };
-  const auto is_refused =
-      ThrowsMessage<Error>(HasSubstr("file: expected the file that was read, got one that changed"));
+  const auto is_refused = ThrowsMessage<Error>(HasSubstr("file: expected the file as it was read, got a changed one"));
   EXPECT_THAT(replace, is_refused);
   EXPECT_EQ(entries(), 0);
   write_file(folder / "file", "an edit");

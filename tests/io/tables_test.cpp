@@ -80,7 +80,7 @@ TEST(HeightTable, ReadsRepeatsOfOnePlaneAndRefusesOtherPoses) {
   };
   refused("pose,height_mm\nnear,1\n", "bed.csv:2: expected a pose of p.csv in column pose, got \"near\"");
   refused("pose,height_mm\nhome,high\n", "bed.csv:2: ");
-  refused("pose,height_mm\nhome,1\nfar,2\nhome,1\n", "bed.csv:2: expected at least 4 readings of one set-up");
+  refused("pose,height_mm\nhome,1\nfar,2\nhome,1\n", "bed.csv:2: expected at least 4 readings of one setup");
   refused("pose,height_mm\n", "expected at least one row");
   // Joints of arms are no joints of rails.
   EXPECT_THROW((void)read_lengths({"bed.csv", "pose,height_mm\nhome,1\n"}, poses, {3}), InputFileError);

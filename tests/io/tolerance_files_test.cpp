@@ -35,7 +35,7 @@ TEST(ToleranceFile, MissingKeysAreRefusedWithBothWaysOut) {
       [] { read("\n[tolerances]\n" + kAll); },
       testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:2: "), HasSubstr("tolerances.others = \"exact\""),
                                                    HasSubstr("tolerances.others = \"generous\""),
-                                                   HasSubstr("nor beta2_deg"), Not(HasSubstr("alpha2_deg")))));
+                                                   HasSubstr("no beta2_deg"), Not(HasSubstr("alpha2_deg")))));
   EXPECT_THAT([] { read("rod_mean_mm = 1\n"); },
               testing::ThrowsMessage<InputFileError>(HasSubstr("theta_offset_deg, e_mm, arm_length_mm")));
 }

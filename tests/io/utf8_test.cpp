@@ -85,10 +85,10 @@ TEST(Utf16, HalfCharactersAreRefused) {
     bytes.resize(bytes.size() - cut);
     EXPECT_THAT([&] { (void)decoded(bytes); }, ThrowsMessage<InvalidArgument>(HasSubstr(message)));
   };
-  refused(u"ab", 1, "half a character at its end");
-  refused({u'a', char16_t{0xD83D}}, 0, "half a character at its end");
-  refused({u'a', char16_t{0xD83D}, u'b'}, 0, "half a pair of surrogates");
-  refused({u'a', char16_t{0xDC00}}, 0, "half a pair of surrogates");
+  refused(u"ab", 1, "an incomplete character at its end");
+  refused({u'a', char16_t{0xD83D}}, 0, "an incomplete character at its end");
+  refused({u'a', char16_t{0xD83D}, u'b'}, 0, "an incomplete surrogate pair");
+  refused({u'a', char16_t{0xDC00}}, 0, "an incomplete surrogate pair");
 }
 
 std::vector<std::string> streamed_names(const std::string& bytes) {
@@ -115,7 +115,7 @@ TEST(Utf16, StreamsAreDecodedAsTheyAreRead) {
   std::string cut = utf16(kWide, true);
   cut.pop_back();
   EXPECT_THAT([&] { (void)streamed_names(cut); },
-              ThrowsMessage<InputFileError>("p.csv: expected UTF-16 text, got half a character at its end"));
+              ThrowsMessage<InputFileError>("p.csv: expected UTF-16 text, got an incomplete character at its end"));
 }
 
 /// Gives some bytes, and then no more though they are not all.
@@ -148,7 +148,8 @@ TEST(Utf16, FilesAreHashedAsTheyAre) {
   EXPECT_EQ(points.stations.at(0).name, "P1");
   EXPECT_EQ(points.files.at(0).sha256, sha256(bytes));
   write_file(path, bytes.substr(0, bytes.size() - 1));
-  EXPECT_THAT([&] { (void)read_file(path); }, ThrowsMessage<InputFileError>(HasSubstr("half a character at its end")));
+  EXPECT_THAT([&] { (void)read_file(path); },
+              ThrowsMessage<InputFileError>(HasSubstr("an incomplete character at its end")));
 }
 
 TEST(Utf16, NoMarkIsNoUtf16) {
@@ -169,7 +170,7 @@ TEST(Latin1, NamesAndCommentsGoOnEscaped) {
                                            "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\n"
                                            "P1,0,0,-888,1,2,3\nMe\xDF,0,0,-888,4,5,6\nL\xE4,1,0,-888,7,8,9\n"});
   EXPECT_EQ(points.stations.at(1).name, "Me\\xDF");
-  const std::string note = "line 3: bytes that are no UTF-8 stand in names as \\xE9 and the like, here and below";
+  const std::string note = "line 3: bytes that are not UTF-8 are shown in names like \\xE9 from here on";
   EXPECT_THAT(points.notes, ElementsAre(note));
   const Measurements heights =
       read_lengths({"h.csv", "pose,height_mm\nMe\xDF 1,0.5\nP2,1\nP2,1.1\nP2,1.2\n"}, {"p.csv", poses});

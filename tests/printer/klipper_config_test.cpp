@@ -38,9 +38,10 @@ TEST(KlipperConfig, TypedValuesAreInForceAndTheOverriddenLineIsNamed) {
   const io::KlipperDelta printer = io::read_klipper({"printer.cfg", text});
   EXPECT_EQ(printer.geometry.radius, 160.5);
   ASSERT_EQ(printer.notes.size(), 1u);
-  EXPECT_THAT(printer.notes[0],
-              HasSubstr("printer.cfg:7: delta_radius 160.5 of [printer] is typed there and in force, not the saved "
-                        "161.820563 (line "));
+  EXPECT_THAT(
+      printer.notes[0],
+      HasSubstr("printer.cfg:7: delta_radius 160.5 of [printer] is in force, because a typed line overrides the "
+                "saved 161.820563 (line "));
 }
 
 TEST(KlipperConfig, TheSameNumberTypedIsNoContradiction) {
@@ -53,7 +54,7 @@ TEST(KlipperConfig, AMissingIncludeIsANoteUnlessItIsNeeded) {
   const test::KlipperSet set = set_named("K18");
   const io::KlipperDelta printer = io::read_klipper({"printer.cfg", "[include mainsail.cfg]\n" + set.config});
   ASSERT_EQ(printer.notes.size(), 1u);
-  EXPECT_THAT(printer.notes[0], HasSubstr("printer.cfg:1: mainsail.cfg, which is included there, is not here"));
+  EXPECT_THAT(printer.notes[0], HasSubstr("printer.cfg:1: the included mainsail.cfg is missing here"));
   const std::string text = "[include steppers.cfg]\n[printer]\nkinematics: delta\ndelta_radius: 100\n";
   EXPECT_THAT(
       [&] {
@@ -114,19 +115,18 @@ TEST(KlipperConfig, ABlockThatTheFirmwarePassesOverIsNotInForce) {
       "[printer]\nkinematics: delta\ndelta_radius: 160.5\n[stepper_a]\narm_length: 330\nangle: 210\nposition_endstop: "
       "400\n[stepper_b]\nangle: 330\n[stepper_c]\nangle: 90\n");
   const std::string all = typed + set.config;
-  ASSERT_THAT(io::read_klipper({"printer.cfg", all}).notes, testing::Not(Contains(HasSubstr("passes over"))));
+  ASSERT_THAT(io::read_klipper({"printer.cfg", all}).notes, testing::Not(Contains(HasSubstr("ignores the whole"))));
   for (const auto& [broken, why] : std::map<std::string, std::string>{
            {all + "[gcode_macro START]\ngcode:\n  G28\n", "\"[gcode_macro START]\", which does not begin with #*#"},
            {all + "\n[fan]\n", "an empty line, which does not begin"},
            {all + "#*#[printer]\n", "\"#*#[printer]\", which does not begin"},
-           {with(all, head, "#*# SAVE_CONFIG\n"), "\"#*# SAVE_CONFIG\", without the three lines"},
-           {"#*# mine\n" + all, "\"#*# mine\", without the three lines"},
+           {with(all, head, "#*# SAVE_CONFIG\n"), "\"#*# SAVE_CONFIG\", which stands above the three lines"},
+           {"#*# mine\n" + all, "\"#*# mine\", which stands above the three lines"},
            {all + "#*#\n" + head + "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n",
-            "a second block"}}) {
+            "which begins a second block"}}) {
     const std::string& text = broken;
     const io::KlipperDelta printer = io::read_klipper({"printer.cfg", text});
-    EXPECT_THAT(printer.notes,
-                Contains(testing::AllOf(HasSubstr("passes over the whole SAVE_CONFIG"), HasSubstr(why))));
+    EXPECT_THAT(printer.notes, Contains(testing::AllOf(HasSubstr("ignores the whole SAVE_CONFIG"), HasSubstr(why))));
     EXPECT_EQ(printer.geometry.rod, (std::array<double, 3>{330.0, 330.0, 330.0})) << why;
     EXPECT_EQ(printer.readings.heights.size(), set.readings.heights.size()) << why;
     EXPECT_THAT(
@@ -138,14 +138,14 @@ TEST(KlipperConfig, ABlockThatTheFirmwarePassesOverIsNotInForce) {
   // Blank lines at the end do not matter, nor does what a file of Windows ends lines with.
   std::string windows;
   for (const char one : all + "\n\n") windows += one == '\n' ? std::string("\r\n") : std::string(1, one);
-  EXPECT_THAT(io::read_klipper({"printer.cfg", windows}).notes, testing::Not(Contains(HasSubstr("passes over"))));
+  EXPECT_THAT(io::read_klipper({"printer.cfg", windows}).notes, testing::Not(Contains(HasSubstr("ignores the whole"))));
   // Where nothing else states the geometry, the firmware does not start.
   EXPECT_THAT(
       [&] {
         (void)io::read_klipper({"printer.cfg", set.config + "[fan]\n"});
       },
       testing::ThrowsMessage<InputFileError>(testing::AllOf(
-          HasSubstr("that the firmware reads: it passes over the whole SAVE_CONFIG block"), HasSubstr("[fan]"))));
+          HasSubstr("that the firmware reads: it ignores the whole SAVE_CONFIG block"), HasSubstr("[fan]"))));
 }
 
 TEST(KlipperConfig, ReadingsBehindAGapAreCounted) {
@@ -153,7 +153,7 @@ TEST(KlipperConfig, ReadingsBehindAGapAreCounted) {
   const std::string text = with(set.config, "#*# height2 = ", "#*# hight2 = ");
   const io::KlipperDelta printer = io::read_klipper({"printer.cfg", text});
   EXPECT_EQ(printer.readings.heights.size(), 2u);
-  EXPECT_THAT(printer.notes, Contains(HasSubstr(fmt::format("height2 is missing: {} readings behind it are passed over",
+  EXPECT_THAT(printer.notes, Contains(HasSubstr(fmt::format("height2 is missing: {} later readings are ignored",
                                                             set.readings.heights.size() - 3))));
 }
 
