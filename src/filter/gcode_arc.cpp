@@ -8,9 +8,9 @@ namespace paracal::io {
 namespace {
 
 constexpr std::string_view kNoCentre = "an arc without a centre in its plane";
-constexpr std::string_view kTwoCentres = "an arc with a centre and a radius";
+constexpr std::string_view kTwoCentres = "an arc with both a centre and a radius";
 constexpr std::string_view kNotReached = "an arc whose radius does not reach its end";
-constexpr std::string_view kTurns = "an arc whose turns (P) are no whole number from 1 to 1000";
+constexpr std::string_view kTurns = "an arc whose number of turns (P) is not a whole number from 1 to 1000";
 
 /// Angles below which an arc that begins where it ends is a full turn, rad; controllers take 1e-6 [linuxcnc].
 constexpr double kNoTurn = 1e-6;

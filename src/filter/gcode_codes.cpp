@@ -7,12 +7,12 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kSpline = "a spline", kDiameter = "diameters (G7)", kPolar = "polar coordinates (G16)",
-                           kRadius = "a path offset by the cutter's radius (G41, G42)",
-                           kAddedLength = "a tool length added to another (G43.2)",
-                           kNegativeLength = "a tool length that is subtracted (G44)", kScaled = "a scaled path (G51)",
+constexpr std::string_view kSpline = "a spline", kDiameter = "diameter mode (G7)", kPolar = "polar coordinates (G16)",
+                           kRadius = "cutter radius compensation (G41, G42)",
+                           kAddedLength = "an additional tool length (G43.2)",
+                           kNegativeLength = "a negative tool length (G44)", kScaled = "a scaled path (G51)",
                            kMirrored = "a mirrored path (G51.1)", kSubprogram = "a subprogram (G65)",
-                           kTurned = "a turned path (G68)";
+                           kTurned = "a rotated path (G68)";
 
 constexpr std::array kCodes{
     Code{0, Effect::rapid},

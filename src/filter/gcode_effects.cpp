@@ -9,11 +9,12 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 
-constexpr std::string_view kCycle = "a canned cycle (drilling)", kUnknown = "a G code that is not known here",
-                           kDefinition = "G10 other than L2 P of a system, without a turn R";
-constexpr std::string_view kCompute = "let the post-processor compute the path",
-                           kHarmless = "--harmless G187, say, if the code moves nothing and leaves coordinates alone",
-                           kDefine = "set the offset before the program runs", kTable = "--tools FILE with its length";
+constexpr std::string_view kCycle = "a canned cycle (drilling)", kUnknown = "an unknown G code",
+                           kDefinition = "G10 other than L2 P without rotation R";
+constexpr std::string_view
+    kCompute = "let the post-processor compute the path",
+    kHarmless = "add --harmless with this code (as --harmless G187) if it moves nothing and keeps coordinates",
+    kDefine = "set the offset before the program runs", kTable = "give its length with --tools FILE";
 
 /// G54 to G59, G59.1 to G59.3: from 1.
 std::size_t system_of(int tenths) {
@@ -80,9 +81,9 @@ void GcodeModes::take_tool_length(const GcodeBlock& block) {
   const GcodeWord* const word = block.word('H');
   const bool is_stated = word != nullptr && word->is_whole(1.0, kMostTool);
   const std::optional<int> tool = is_stated ? std::optional(static_cast<int>(word->value)) : tool_;
-  if (word != nullptr && !is_stated) throw RefusedProgram("G43 with an H that names no tool", kTable);
+  if (word != nullptr && !is_stated) throw RefusedProgram("G43 with an H that is not a tool number", kTable);
   const auto change = origin_.take_length_of(tool);
-  if (!change) throw RefusedProgram("the length of a tool that the table of --tools does not have", kTable);
+  if (!change) throw RefusedProgram("the length of a tool that --tools does not list", kTable);
   carry(*change, Loss::tool_length);
 }
 

@@ -36,16 +36,17 @@ class Gcode : public TargetFormat {
   }
   std::vector<std::string> assumed() const override {
     std::vector<std::string> sentences;
-    if (modes_.took_rotation_as_zero()) sentences.emplace_back("C, which the program never states, stays at 0 deg");
+    if (modes_.took_rotation_as_zero()) sentences.emplace_back("C stays at 0 deg, because the program never states it");
     if (modes_.took_rotation_of_systems_as_zero()) {
-      sentences.emplace_back("C is 0 in the origin of systems that G10 L2 defines without it");
+      sentences.emplace_back("C is 0 in coordinate systems that G10 L2 defines without C");
     }
-    if (modes_.took_no_shift_before()) sentences.emplace_back("no G92 holds before the program (--work-offsets)");
+    if (modes_.took_no_shift_before())
+      sentences.emplace_back("no G92 is active before the program (else give --work-offsets)");
     if (modes_.took_tool_as_given()) {
-      sentences.emplace_back("the tool is as long as --origin has it, along Z alone (--tools states lengths)");
+      sentences.emplace_back("--origin includes the tool length, along Z only (else give lengths with --tools)");
     }
-    if (has_tools_) sentences.emplace_back("--origin is that of a tool without length; --tools adds the tool's");
-    if (modes_.trusted_macros()) sentences.emplace_back("macros leave absolute coordinates in mm (G90, G21)");
+    if (has_tools_) sentences.emplace_back("--origin is that of a tool of length 0; --tools adds the length");
+    if (modes_.trusted_macros()) sentences.emplace_back("after macros, coordinates are absolute and in mm (G90, G21)");
     return sentences;
   }
 

@@ -12,14 +12,14 @@ namespace {
 
 /// Behind the letter of the axis, in the order of Loss.
 constexpr std::array<std::string_view, 8> kCauses{
-    "has not been stated yet (--start=X,Y,Z, if the program never does)",
-    "is not known since the tool was changed (T, M6)",
-    "is not known since motors were switched off (M18, M84) or moved singly (H)",
-    "is not known since homing, probing or a stored place (G28 to G30, G33, G38, G61)",
-    "is not known since the origin moved (G10, G52, G54 to G59.3, G92, M206)",
-    "is not known since the length of the tool changed (G43, G49; --tools)",
-    "is not known since something that may have done anything (a macro, M2, /, a line not known here)",
-    "is not known since a line that could not be corrected",
+    "is not stated yet (if the program never states it, give --start=X,Y,Z)",
+    "is unknown after a tool change (T, M6)",
+    "is unknown after motors were switched off (M18, M84) or moved alone (H)",
+    "is unknown after homing, probing or a stored position (G28 to G30, G33, G38, G61)",
+    "is unknown after a change of origin (G10, G52, G54 to G59.3, G92, M206)",
+    "is unknown after a change of tool length (G43, G49; give lengths with --tools)",
+    "is unknown after a line with unknown effect (a macro, M2, /, an unknown line)",
+    "is unknown after a line that could not be corrected",
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kMacro = "a macro (--harmless NAME, if it leaves plate, origin and modes as they are)";
+constexpr std::string_view kMacro = "a macro (give --harmless NAME if it changes no position, origin or mode)";
 constexpr std::string_view kOptional = "block delete (/)";
-constexpr std::string_view kLateRotation = "C is stated after motions for which it was taken as 0 (--start)";
+constexpr std::string_view kLateRotation = "C is stated after motions for which 0 was assumed (give --start)";
 
 }  // namespace
 
@@ -76,7 +76,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
     case GcodeBlock::Kind::setting:
       return {};
     case GcodeBlock::Kind::name:
-      if (has_moved_) throw RefusedProgram("an O word behind the first motion, a subprogram", kExpand);
+      if (has_moved_) throw RefusedProgram("an O word after the first motion (a subprogram)", kExpand);
       return {};
     case GcodeBlock::Kind::programmed:
       throw RefusedProgram("an O word, a jump, a parameter or an expression", kExpand);

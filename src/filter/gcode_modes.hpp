@@ -23,10 +23,10 @@
 namespace paracal::io {
 
 // Reasons that modes and motions share.
-inline constexpr std::string_view kMalformed = "not a block of G-code, or a wrong checksum";
+inline constexpr std::string_view kMalformed = "not a G-code block, or a wrong checksum";
 
 inline constexpr std::string_view kWithoutPoint =
-    "a length without a decimal point, which may count smallest steps, or without a number";
+    "a length without a decimal point (possibly in smallest steps) or without a number";
 
 /// What to do about drilling, loops and subprograms.
 inline constexpr std::string_view kExpand =

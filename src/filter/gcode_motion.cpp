@@ -11,16 +11,16 @@ namespace {
 
 constexpr std::string_view kElsewhere = "homing, probing and threads";
 constexpr std::string_view kMotors = "a motion of single motors or up to an endstop (H)";
-constexpr std::string_view kRestorePoint = "a motion relative to a saved place, or with a rounded corner (R)";
+constexpr std::string_view kRestorePoint = "a motion relative to a saved position, or with a rounded corner (R)";
 constexpr std::string_view kMCode = "axis words of an M code";
-constexpr std::string_view kModes = "unclear whether G0 or G1, G90, G20 or G21 hold";
-constexpr std::string_view kPlane = "an arc, and unclear in which plane (G17) and how its centre is stated (G91.1)";
-constexpr std::string_view kArcStart = "an arc from a place that is not known";
-constexpr std::string_view kOtherOrigin = "another origin than that of the first corrected target (--work-offsets)";
-constexpr std::string_view kOtherTool = "another tool than that of the first corrected target (--tools)";
-constexpr std::string_view kIncremental = "incremental (G91) from a place that is not known (--start)";
+constexpr std::string_view kModes = "a motion whose mode is unknown (G0 or G1, G90, G20 or G21)";
+constexpr std::string_view kPlane = "an arc whose plane (G17) or kind of centre (G91.1) is unknown";
+constexpr std::string_view kArcStart = "an arc from an unknown position";
+constexpr std::string_view kOtherOrigin = "another origin than at the first corrected target (give --work-offsets)";
+constexpr std::string_view kOtherTool = "another tool than at the first corrected target (give --tools)";
+constexpr std::string_view kIncremental = "an incremental motion (G91) from an unknown position (give --start)";
 constexpr std::string_view kRewrittenMode =
-    "a line without its motion (G2, G3) behind one that was rewritten and one that may have changed it";
+    "a line without its motion (G2, G3) after a rewritten line and a line that may have changed it";
 
 StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, word.value}; }
 

@@ -9,12 +9,11 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kForeignTurns =
-    "an arc with P, which is turns, more turns or nothing, as the firmware has it (--dialect)";
-constexpr std::string_view kNumbered = "a line to divide that has a checksum";
+constexpr std::string_view kForeignTurns = "an arc with P, whose meaning depends on the firmware (give --dialect)";
+constexpr std::string_view kNumbered = "a line to divide with a checksum";
 constexpr std::string_view kOtherAxes =
-    "a line to divide that moves other axes (A, B, U, V, W; C of a plate that does not turn), too";
-constexpr std::string_view kExtrusion = "a line to divide, and unclear whether extrusion is absolute (M82, M83)";
+    "a line to divide that also moves other axes (A, B, U, V, W; C of a plate that does not turn)";
+constexpr std::string_view kExtrusion = "a line to divide while the extrusion mode is unknown (state M82 or M83)";
 
 constexpr std::string_view kCentreLetters = "IJK";
 

@@ -11,7 +11,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kTooFine = "a line of more than 10000 pieces of --chord-mm";
+constexpr std::string_view kTooFine = "a line of more than 10000 pieces (increase --chord-mm)";
 constexpr std::uint32_t kMostPieces = 10'000;
 
 constexpr double kSagittaShare = 0.9;      ///< of the chord; the rest is the correction's

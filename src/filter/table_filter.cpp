@@ -14,8 +14,8 @@
 namespace paracal::io {
 namespace {
 
-constexpr std::string_view kWrongFields = "a row with other fields than the header";
-constexpr std::string_view kNoNumber = "a pose that is no finite number";
+constexpr std::string_view kWrongFields = "a row with more or fewer fields than the header";
+constexpr std::string_view kNoNumber = "a pose that is not a finite number";
 
 /// Where a field's text stands in a line, without blanks and quotation marks around it.
 struct Field {

@@ -14,7 +14,7 @@ namespace paracal::io {
 namespace {
 
 constexpr const char* kUnknownFeed =
-    "motions whose feed the program does not state (F) may take another time: the correction changes their length";
+    "motions without a stated feed (F) may take a different time, because the correction changes their length";
 constexpr std::string_view kUnreachable = "out of reach or singular";
 
 /// Targets that are corrected together.

@@ -47,7 +47,7 @@ ToolTable read_tool_table(const TextFile& file) {
     if (!is_row(block) || !is_tool) {
       throw InputFileError(
           file.name, number,
-          fmt::format("expected a tool as LinuxCNC's table has it (T1 P1 Z50.2), got {}", quoted(std::string(line))));
+          fmt::format("expected a tool as in LinuxCNC's table (T1 P1 Z50.2), got {}", quoted(std::string(line))));
     }
     std::array<double, 4> offset{};
     for (std::size_t axis = 0; axis < offset.size(); ++axis) {
@@ -57,7 +57,7 @@ ToolTable read_tool_table(const TextFile& file) {
       throw InputFileError(file.name, number, fmt::format("expected each tool once, got T{} again", tool->value));
     }
   }
-  if (tools.empty()) throw InputFileError(file.name, 0, "expected a tool a line (T1 P1 Z50.2), got none");
+  if (tools.empty()) throw InputFileError(file.name, 0, "expected one tool per line (T1 P1 Z50.2), got none");
   return tools;
 }
 
@@ -71,7 +71,7 @@ std::vector<std::string> read_harmless_words(const TextFile& file) {
     if (word.find_first_of(" \t") != std::string_view::npos || moves_axes(word)) {
       throw InputFileError(
           file.name, number,
-          fmt::format("expected one word a line that moves nothing (SNAP, G187), got {}", quoted(std::string(word))));
+          fmt::format("expected one word per line that moves nothing (SNAP, G187), got {}", quoted(std::string(word))));
     }
     words.push_back(upper_case(word));
   }

@@ -31,7 +31,7 @@ Parameters parameters_in(const TextFile& file) {
     if (!number || !value || *number != std::floor(*number) || std::abs(*number) > 1e6) {
       throw InputFileError(
           file.name, line,
-          fmt::format("expected a parameter's number and its value, got {}", quoted(std::string(text))));
+          fmt::format("expected the number and the value of a parameter, got {}", quoted(std::string(text))));
     }
     if (!parameters.emplace(static_cast<int>(*number), *value).second) {
       throw InputFileError(file.name, line, fmt::format("expected each parameter once, got {} again", *number));
@@ -63,12 +63,12 @@ WorkOffsets read_work_offsets(const TextFile& file) {
     if (is_known) offsets.systems[k] = offset;
   }
   if (!has_any) {
-    throw InputFileError(file.name, 0,
-                         "expected LinuxCNC's parameters 5221 and on, the origins of G54 to G59.3, got none");
+    throw InputFileError(file.name, 0, "expected LinuxCNC's parameters from 5221 (origins of G54 to G59.3), got none");
   }
   const double active = value(kActive).value_or(0.0);
   if (active != std::floor(active) || active < 0.0 || active > WorkOffsets::kSystems) {
-    throw InputFileError(file.name, 0, fmt::format("parameter 5220: expected a system from 1 to 9, got {}", active));
+    throw InputFileError(file.name, 0,
+                         fmt::format("parameter 5220: expected a coordinate system from 1 to 9, got {}", active));
   }
   offsets.active = static_cast<std::size_t>(active);
   return offsets;

@@ -67,7 +67,7 @@ TEST_F(ExportFilter, ProgramsKeepAllButTheTargets) {
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kDone);
   EXPECT_THAT(result.err, testing::MatchesRegex("part.ngc: 8 lines, 3 targets corrected\n"
-                                                "  [0-9]+ lines added: arcs in chords, divided lines, feeds\n"));
+                                                "  [0-9]+ lines added for arcs, divided lines and feeds\n"));
   EXPECT_EQ(folder.run(kGcode + " --chord-mm 5").err, "part.ngc: 8 lines, 3 targets corrected\n");
   EXPECT_THAT(result.out, StartsWith("%\n(part)\nG21 G90\nG0 X"));
   EXPECT_THAT(result.out, HasSubstr(" ; home\r\nN20 G1 X"));
@@ -104,7 +104,7 @@ TEST_F(ExportFilter, WorkOffsetsAreReadFromLinuxcncsFile) {
   folder.write("linuxcnc.var", parameters + "5220 x\n");
   const ProgramResult bad = folder.run(kGcode + " --work-offsets linuxcnc.var");
   EXPECT_EQ(bad.exit_code, kBadInputFile);
-  EXPECT_THAT(bad.err, StartsWith("paracal: linuxcnc.var:19: expected a parameter"));
+  EXPECT_THAT(bad.err, StartsWith("paracal: linuxcnc.var:19: expected the number and the value of a parameter"));
   EXPECT_EQ(folder.run(kGcode + " --work-offsets none.var").exit_code, kBadInputFile);
   EXPECT_EQ(folder.run(kCsv + " --work-offsets linuxcnc.var").exit_code, kWrongUsage);
 }
@@ -133,14 +133,13 @@ TEST_F(ExportFilter, AHalfCorrectedProgramIsRefused) {
     EXPECT_THAT(result.err,
                 StartsWith("paracal: part.ngc:2: expected targets that can all be corrected, got an arc without a "
                            "centre in its plane (1 "
-                           "times) among targets that can; line 4: homing, probing and threads (1 times); "));
+                           "times) between corrected targets; line 4: homing, probing and threads (1 times); "));
     EXPECT_THAT(result.err, HasSubstr("--partial corrects 3 targets"));
     EXPECT_EQ(folder.read("corrected.ngc"), "of yesterday");
   }
   const ProgramResult partial = folder.run(kGcode + " --partial --out corrected.ngc");
   EXPECT_EQ(partial.exit_code, kVerdictIsNo);
-  EXPECT_THAT(partial.err,
-              HasSubstr("\n  corrected in parts: 2 lines, the first in line 2, are left where they count: "));
+  EXPECT_THAT(partial.err, HasSubstr("\n  partly corrected: 2 working lines, the first in line 2, are unchanged; "));
   EXPECT_THAT(folder.read("corrected.ngc"), HasSubstr("\nG2 X5 Y5\n"));
   folder.write("targets.csv", "pose,x_mm,y_mm,z_mm,phi_deg\na,0,0,-888,0\nb,0,0,far,0\nc,9,0,-888,0\n");
   const ProgramResult table = folder.run(kCsv);
@@ -158,8 +157,8 @@ TEST_F(ExportFilter, AProgramWithoutACorrectedTargetIsRefused) {
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kBadInputFile);
   EXPECT_THAT(result.err,
-              StartsWith("paracal: part.ngc:1: expected targets that can all be corrected, got Y has not "
-                         "been stated yet (--start=X,Y,Z, if the program never does) (2 times); nothing was "
+              StartsWith("paracal: part.ngc:1: expected targets that can all be corrected, got Y is not "
+                         "stated yet (if the program never states it, give --start=X,Y,Z) (2 times); nothing was "
                          "written"));
   folder.write("part.ngc", "M3 S100\nG4 P1\nM2\n");
   EXPECT_EQ(folder.run(kGcode).exit_code, kDone);
@@ -172,9 +171,9 @@ TEST_F(ExportFilter, ACheckWritesNoProgram) {
   EXPECT_EQ(result.exit_code, kVerdictIsNo);
   EXPECT_THAT(result.err, IsEmpty());
   EXPECT_THAT(result.out, StartsWith("part.ngc: 5 lines, 4 targets corrected\n"));
-  for (const char* said : {"assumed: C, which the program never states, stays at 0 deg",
-                           "1 targets outside of the workspace, first in line 3",
-                           "passed through: an arc without a centre in its plane (1 times, first in line 4)",
+  for (const char* said : {"assumed: C stays at 0 deg, because the program never states it",
+                           "1 targets outside the workspace, first in line 3",
+                           "unchanged: an arc without a centre in its plane (1 times, first in line 4)",
                            "without --partial this file is refused"}) {
     EXPECT_THAT(result.out, HasSubstr(said));
   }
@@ -217,7 +216,7 @@ TEST_F(ExportFilter, ToolsHaveTheirLengths) {
   folder.write("tool.tbl", "T1 P1 Z50 ;long\nT2 P2 Z30\n");
   const ProgramResult result = folder.run(kGcode + " --tools tool.tbl");
   EXPECT_EQ(result.exit_code, kDone) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("assumed: --origin is that of a tool without length; --tools adds the tool's"));
+  EXPECT_THAT(result.err, HasSubstr("assumed: --origin is that of a tool of length 0; --tools adds the length"));
   const auto lines = result.out;
   double first = 0.0, second = 0.0;  // the same place of the plate
   ASSERT_EQ(std::sscanf(std::strchr(lines.c_str(), 'Z') + 1, "%lf", &first), 1);
@@ -234,9 +233,8 @@ TEST_F(ExportFilter, JointSpeedsAreHeldAgainstTheirLimits) {
   folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG1 X100 F3000\nG1 X0 F30000\nG1 Z-880 F100\n");
   const std::string command = kGcode + " --robot robot.toml";
   const ProgramResult result = folder.run(command);
-  EXPECT_THAT(result.err, HasSubstr("warning: 1 blocks ask a joint for more than [joints] allows, first in line 3"));
-  EXPECT_THAT(folder.run(command + " --check").out,
-              HasSubstr("blocks that ask the most of a joint, deg/s and deg/s^2:\n"));
+  EXPECT_THAT(result.err, HasSubstr("warning: 1 blocks exceed a limit of [joints], first in line 3"));
+  EXPECT_THAT(folder.run(command + " --check").out, HasSubstr("highest joint loads, deg/s and deg/s^2:\n"));
   const json checked = json_of(folder.run(command + " --check --json"));
   EXPECT_EQ(checked["joints_over_limit"], json::parse(R"({"count": 1, "first_line": 3})"));
   ASSERT_THAT(checked["hardest_blocks"], SizeIs(3));
@@ -278,7 +276,7 @@ TEST_F(ExportFilter, HarmlessWordsComeFromAFile) {
   EXPECT_EQ(folder.run(kGcode + " --harmless-words words.txt").exit_code, kDone);
   folder.write("words.txt", "G1\n");
   EXPECT_THAT(folder.run(kGcode + " --harmless-words words.txt").err,
-              StartsWith("paracal: words.txt:1: expected one word a line that moves nothing (SNAP, G187), got G1"));
+              StartsWith("paracal: words.txt:1: expected one word per line that moves nothing (SNAP, G187), got G1"));
 }
 
 TEST_F(ExportFilter, MacrosCanBeSaidToBeHarmless) {
@@ -308,11 +306,11 @@ TEST_F(ExportFilter, WorkBehindTheLastCorrectedTargetIsRefused) {
   EXPECT_THAT(result.out, IsEmpty());
   EXPECT_THAT(result.err,
               StartsWith("paracal: part.ngc:6: expected targets that can all be corrected, got another "
-                         "tool than that of the first corrected target (--tools) (2 times) among targets that "
-                         "can; nothing was written; --partial corrects 1 targets and leaves these"));
+                         "tool than at the first corrected target (give --tools) (2 times) between corrected "
+                         "targets; nothing was written; --partial corrects 1 targets and leaves the others"));
   const ProgramResult partial = folder.run(kGcode + " --partial");
   EXPECT_EQ(partial.exit_code, kVerdictIsNo);
-  EXPECT_THAT(partial.err, HasSubstr("corrected in parts: 2 lines, the first in line 6, "));
+  EXPECT_THAT(partial.err, HasSubstr("partly corrected: 2 working lines, the first in line 6, "));
   EXPECT_THAT(partial.out, HasSubstr("\nG1 X60 F1500\n"));
 }
 
@@ -320,9 +318,9 @@ TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
   folder.write("part.ngc", "G0 X0 Y0 Z-888 C0\nG53 G0 Z0\nG53 G0 X0 Y0\n");
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kVerdictIsNo);
-  EXPECT_THAT(result.err, HasSubstr("passed through: another origin than that of the first corrected target "
-                                    "(--work-offsets) (2 times, first in line 2)"));
-  EXPECT_THAT(result.err, testing::Not(HasSubstr("in parts")));
+  EXPECT_THAT(result.err, HasSubstr("unchanged: another origin than at the first corrected target "
+                                    "(give --work-offsets) (2 times, first in line 2)"));
+  EXPECT_THAT(result.err, testing::Not(HasSubstr("partly corrected")));
   const json summary = json_of(folder.run(kGcode + " --json --out corrected.ngc"), kVerdictIsNo);
   ASSERT_TRUE(
       has_keys(summary,
@@ -334,7 +332,7 @@ TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
   EXPECT_EQ(summary["refused"], false);
   ASSERT_THAT(summary["passed"], SizeIs(1));
   json passed = summary["passed"][0];
-  EXPECT_THAT(passed["reason"].get<std::string>(), StartsWith("another origin than that of the first"));
+  EXPECT_THAT(passed["reason"].get<std::string>(), StartsWith("another origin than at the first"));
   passed.erase("reason");
   EXPECT_EQ(passed, json::parse(R"({"count": 2, "first_line": 2, "between": 0})"));
   EXPECT_EQ(folder.read("corrected.ngc"), result.out);
@@ -360,7 +358,7 @@ TEST_F(ExportFilter, TheSelfTestSaysWhatTheControllerMustCompute) {
 TEST_F(ExportFilter, TheHeaderStandsInComments) {
   const std::string coarse = kGcode + " --chord-mm 5";
   const std::string plain = folder.run(coarse).out, with_header = folder.run(coarse + " --header").out;
-  EXPECT_THAT(with_header, StartsWith("%\n; corrected targets by paracal"));
+  EXPECT_THAT(with_header, StartsWith("%\n; targets corrected by paracal"));
   for (const char* said :
        {"; robot huang2016\n", "; calibration calibration.json\n", "; SHA-256 ", "; date ", " mm "}) {
     EXPECT_THAT(with_header, HasSubstr(said));
@@ -369,7 +367,7 @@ TEST_F(ExportFilter, TheHeaderStandsInComments) {
   // And nothing in it is a target.
   folder.write("part.ngc", with_header);
   EXPECT_THAT(folder.run(coarse).err, HasSubstr(" 3 targets corrected\n"));
-  EXPECT_THAT(folder.run(kCsv + " --header").out, StartsWith("# corrected targets by paracal"));
+  EXPECT_THAT(folder.run(kCsv + " --header").out, StartsWith("# targets corrected by paracal"));
 }
 
 TEST_F(ExportFilter, OriginAndStart) {

@@ -96,10 +96,10 @@ TEST_F(Cam, WhatIsMissingIsSaid) {
     SCOPED_TRACE(program.name);
     const test::Filtered result = converted({program.name, program.dialect}, text_of(program.name));
     if (!program.states_z) {
-      EXPECT_TRUE(result.has("(--start"));
+      EXPECT_TRUE(result.has("give --start"));
     }
     if (program.has_two_tools) {
-      EXPECT_TRUE(result.has("another tool than that of the first corrected target (--tools)"));
+      EXPECT_TRUE(result.has("another tool than at the first corrected target (give --tools)"));
     }
     EXPECT_EQ(result.summary.whole(), program.states_z && !program.has_two_tools);
   }

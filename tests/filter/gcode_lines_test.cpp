@@ -198,7 +198,7 @@ TEST_F(GcodeLines, WhetherExtrusionIsAbsoluteMustBeKnown) {
 /// What the owner of a printer knows of his macros.
 TEST_F(GcodeLines, MacrosThatMoveNothingCanBeNamed) {
   const std::string program = "G0 X0 Y0 Z-900\n_Take_Frame2 LAYER=3\nG1 X5\nPAUSE\nG1 Y5\n";
-  EXPECT_TRUE(of(program).has("a macro (--harmless NAME"));
+  EXPECT_TRUE(of(program).has("a macro (give --harmless NAME"));
   const Filtered one = of(program, {.harmless = {"_take_frame2"}});
   EXPECT_EQ(one.summary.corrected, 2);
   EXPECT_TRUE(of(program, {.harmless = {"_TAKE_FRAME2", "Pause"}}).summary.complete());
@@ -314,7 +314,7 @@ TEST_F(GcodeLines, AnotherAxisIsNotTurnedAhead) {
     const Filtered line = of(start + "G1 X300 " + axis + "90\nG1 X280\n"),
                    arc = of(start + "G3 X-80 I-40 " + axis + "180\nG1 X0 Y0 Z-900\n");
     for (const Filtered& result : {line, arc}) {
-      EXPECT_EQ(result.passed("a line to divide that moves other axes"), 1) << axis;
+      EXPECT_EQ(result.passed("a line to divide that also moves other axes"), 1) << axis;
       EXPECT_FALSE(result.summary.whole());
       EXPECT_EQ(result.summary.added, 0);
     }
@@ -400,14 +400,15 @@ TEST_F(GcodeLines, MacrosOfPrintersAreApproachAndRetreat) {
     const Filtered result = of(line + print + line, {.dialect = dialect});
     EXPECT_TRUE(result.summary.whole()) << macro;
     EXPECT_EQ(result.summary.corrected, 2) << macro;
-    EXPECT_EQ(result.passed("a macro (--harmless"), 2) << macro;
-    EXPECT_THAT(result.summary.assumed, Contains(HasSubstr("macros leave absolute coordinates in mm"))) << macro;
+    EXPECT_EQ(result.passed("a macro (give --harmless"), 2) << macro;
+    EXPECT_THAT(result.summary.assumed, Contains(HasSubstr("after macros, coordinates are absolute and in mm")))
+        << macro;
     EXPECT_THAT(of(line + "G90\n" + print, {.dialect = dialect}).summary.assumed, Not(Contains(HasSubstr("macros"))))
         << macro;
     EXPECT_FALSE(of(print + line + print, {.dialect = dialect}).summary.whole()) << macro;  // between targets
-    EXPECT_TRUE(of("G91\n" + line + print, {.dialect = dialect}).has("unclear")) << macro;
+    EXPECT_TRUE(of("G91\n" + line + print, {.dialect = dialect}).has("whose mode is unknown")) << macro;
   }
-  EXPECT_TRUE(of("START\n" + print).has("unclear"));  // of no printer nothing is known
+  EXPECT_TRUE(of("START\n" + print).has("whose mode is unknown"));  // of no printer nothing is known
   EXPECT_THROW(of("M98 P\"start.g\"\n" + print), InputFileError);
 }
 
@@ -456,7 +457,7 @@ TEST_F(GcodeLines, SpecialMotionsOfFirmwaresAreNoTargets) {
 
   for (const char* restored : {"G1 R1 X5", "G0 R2 X0 Y0 Z5", "G1 X5 R0"}) {
     const Filtered result = of(start + restored + "\nG1 Z-899\n", rrf);
-    EXPECT_EQ(result.passed("relative to a saved place"), 1) << restored;
+    EXPECT_EQ(result.passed("relative to a saved position"), 1) << restored;
     EXPECT_EQ(result.summary.corrected, 1) << restored;
   }
   EXPECT_EQ(of(start + "G0 R2 X1\nG1 X5\n", rrf).summary.corrected, 2);  // only of the axes that it names
@@ -491,7 +492,7 @@ TEST_F(GcodeLines, TurnsAreTheDialects) {
 TEST_F(GcodeLines, WhatReliesOnARewrittenModeIsNoRetreat) {
   const std::string start = "G0 X50 Y0 Z-900\nG3 X0 Y50 R50\n";
   const Filtered relies = of(start + "MY_MACRO\nG90 G21 Z-870\n");
-  EXPECT_TRUE(relies.has("behind one that was rewritten"));
+  EXPECT_TRUE(relies.has("after a rewritten line"));
   EXPECT_FALSE(relies.summary.whole());
   EXPECT_TRUE(of(start + "MY_MACRO\nG90 G21 G1 Z-870\nZ-860\n").summary.whole());
   EXPECT_TRUE(of(start + "MY_MACRO\nG80\nZ-870\n").summary.whole());
@@ -560,11 +561,11 @@ TEST_F(GcodeLines, WorkOffsetsComeFromLinuxcncsFile) {
     return std::string("taken");
   };
   EXPECT_EQ(complaint("5221 0\n5222 zero\n"),
-            "linuxcnc.var:2: expected a parameter's number and its value, got 5222 zero");
-  EXPECT_THAT(complaint("5221\n"), StartsWith("linuxcnc.var:1: expected a parameter's number"));
-  EXPECT_THAT(complaint("5221.5 3\n"), StartsWith("linuxcnc.var:1: expected a parameter's number"));
+            "linuxcnc.var:2: expected the number and the value of a parameter, got 5222 zero");
+  EXPECT_THAT(complaint("5221\n"), StartsWith("linuxcnc.var:1: expected the number and the value of a parameter"));
+  EXPECT_THAT(complaint("5221.5 3\n"), StartsWith("linuxcnc.var:1: expected the number and the value of a parameter"));
   EXPECT_THAT(complaint("5221 0\n5221 1\n"), StartsWith("linuxcnc.var:2: expected each parameter once"));
-  EXPECT_THAT(complaint("5161 0\n"), HasSubstr("5221 and on"));
+  EXPECT_THAT(complaint("5161 0\n"), HasSubstr("from 5221"));
   EXPECT_THAT(complaint("5221 0\n5220 12\n"), HasSubstr("from 1 to 9, got 12"));
 }
 

@@ -185,7 +185,7 @@ TEST_F(Gcode, ChecksumsAreComputedAnew) {
 }
 
 TEST_F(Gcode, AStatedStartNeedsNoOtherAxis) {
-  EXPECT_EQ(filtered("G1 X1\n").passed("not been stated"), 1);
+  EXPECT_EQ(filtered("G1 X1\n").passed("not stated yet"), 1);
   EXPECT_EQ(filtered("G1 X1\n", {.start = Pose{{0, 0, -900}, 0.0}}).text, "G1 " + words({{1, 0, -900}, 0.0}) + "\n");
 }
 
@@ -225,20 +225,20 @@ INSTANTIATE_TEST_SUITE_P(
     Lines, PassedGcode,
     testing::Values(
         Passed{"incremental_alone", "G91", "", "G90 G1 X1", ""},
-        Passed{"incremental_from_nowhere", "G28\nG91 G1 X1", "incremental", "G90 Y1", "not known since"},
-        Passed{"arc_from_nowhere", "G28\nG2 X5 Y5 Z-900 I1 J2 C0", "not known", "G1 Z-900", ""},
+        Passed{"incremental_from_nowhere", "G28\nG91 G1 X1", "incremental", "G90 Y1", "unknown after"},
+        Passed{"arc_from_nowhere", "G28\nG2 X5 Y5 Z-900 I1 J2 C0", "from an unknown position", "G1 Z-900", ""},
         Passed{"arc_not_reached", "G2 X5 Y5 I1 J2", "does not reach", "G1 Z-900", ""},
         Passed{"arc_without_centre", "G2 X5 Y5", "without a centre", "G1 Z-900", ""},
         Passed{"arc_of_another_plane", "G2 X5 Y5 K5", "without a centre", "G1 Z-900", ""},
         Passed{"arc_with_a_centre_off_its_plane", "G2 X5 Y5 I2.5 J2.5 K5", "without a centre", "G1 Z-900", ""},
         Passed{"arc_with_both", "G2 X5 Y5 I5 R5", "a centre and a radius", "G1 Z-900", ""},
         Passed{"arc_half_a_turn", "G2 X5 Y5 R5 P1.5", "turns", "G1 Z-900", ""},
-        Passed{"arc_in_no_plane", "G17.1 G2 X5 Y5 R5", "which plane", "G1 Z-900", ""},
+        Passed{"arc_in_no_plane", "G17.1 G2 X5 Y5 R5", "whose plane", "G1 Z-900", ""},
         Passed{"arc_too_fine", "G2 X5 Y5 R6 P1000", "pieces", "G1 Z-900", ""},
         Passed{"arc_with_another_axis", "G2 X5 Y5 A5 R6", "other axes", "G1 Z-900", ""},
         Passed{"arc_with_extrusion", "G2 X5 Y5 R6 E2", "M82", "G1 Z-900", ""},
         Passed{"arc_out_of_reach", "G2 X2000 Y0 R1000", "out of reach", "G1 X0 Z-900", ""},
-        Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "not known since"},
+        Passed{"machine_coordinates", "G53 G0 Z0", "another origin", "G0 X1", "is unknown after"},
         Passed{"machine_coordinates_recover", "G53 G0 Z0", "another origin", "G0 Z-900", ""},
         Passed{"other_system", "G55", "", kAll, "another origin"},
         Passed{"other_system_and_back", "G55\nG54", "", kAll, "another origin"},
@@ -250,40 +250,43 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"tool_length_by_axes", "G43.1 Z5", "", "G1 X1 Z-905", ""},
         Passed{"no_tool_length", "G49", "", "G1 X1", ""}, Passed{"no_cutter_radius", "G40", "", "G1 X1", ""},
         Passed{"nothing_ends", "G15 G50 G69 G8", "", "G1 X1", ""},
-        Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "not known since"},
-        Passed{"homing", "G28", "", "G1 X1", "not known since"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
+        Passed{"probe", "G38.2 Z-910 F10", "probing", "G1 X1", "is unknown after"},
+        Passed{"homing", "G28", "", "G1 X1", "is unknown after"}, Passed{"homing_flags", "G28 X Y", "", kAll, ""},
         Passed{"homing_over", "G28 Z-800", "homing", kAll, ""}, Passed{"dwell_in_x", "G4 X2.5", "", "Y1", ""},
-        Passed{"m_code", "M600 X80", "M code", "G1 Y1", "not known since"},
+        Passed{"m_code", "M600 X80", "M code", "G1 Y1", "is unknown after"},
         Passed{"steps_per_mm", "M92 X80", "", "G1 Y1", ""}, Passed{"jerk", "M205 X8.00 Y8 Z0.4 E5", "", "G1 Y1", ""},
         Passed{"currents", "M906 X800 Y800", "", "X1", ""}, Passed{"object", "M486 Acube.stl", "", "X1", ""},
-        Passed{"progress", "M73 P12 R34", "", "X1", ""}, Passed{"modes_are_restored", "M73", "", kAll, "unclear"},
+        Passed{"progress", "M73 P12 R34", "", "X1", ""},
+        Passed{"modes_are_restored", "M73", "", kAll, "whose mode is unknown"},
         Passed{"klipper_setting", "SET_VELOCITY_LIMIT ACCEL=3000", "", "G1 X1", ""},
         Passed{"klipper_object", "exclude_object_start NAME=cube_1", "", "X1", ""},
         Passed{"klipper_shape", "EXCLUDE_OBJECT_DEFINE NAME=a CENTER=1,2 POLYGON=[[0,0],[1,0]]", "", "X1", ""},
         Passed{"klipper_alone", "RESPOND", "", "X1", ""},
-        Passed{"klipper_macro", "SET_VELOCITY_LIMITS_OF_MINE", "a macro", kAll, "unclear"},
-        Passed{"klipper_motion", "PROBE_CALIBRATE", "a macro", kAll, "unclear"},
+        Passed{"klipper_macro", "SET_VELOCITY_LIMITS_OF_MINE", "a macro", kAll, "whose mode is unknown"},
+        Passed{"klipper_motion", "PROBE_CALIBRATE", "a macro", kAll, "whose mode is unknown"},
         Passed{"m_code_beside", "M3 S1000", "", "X1", ""},
-        Passed{"tool_change", "T2 M6", "", "G1 X1", "not known since"},
-        Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "not known since"},
-        Passed{"tool_alone", "T2", "", "G1 X1", "not known since"},
+        Passed{"tool_change", "T2 M6", "", "G1 X1", "is unknown after"},
+        Passed{"tool_change_of_a_prepared_tool", "M6", "", "G1 X1", "is unknown after"},
+        Passed{"tool_alone", "T2", "", "G1 X1", "is unknown after"},
         Passed{"home_offsets", "M206 X5", "M code", kAll, "another origin"},
         Passed{"tool_offsets", "M218 T1 X5", "M code", kAll, "another origin"},
-        Passed{"home_offsets_from_here", "M428", "", kAll, "another origin"}, Passed{"end", "M30", "", kAll, "unclear"},
-        Passed{"block_delete", "/G1 X1", "block delete", kAll, "unclear"},
+        Passed{"home_offsets_from_here", "M428", "", kAll, "another origin"},
+        Passed{"end", "M30", "", kAll, "whose mode is unknown"},
+        Passed{"block_delete", "/G1 X1", "block delete", kAll, "whose mode is unknown"},
         Passed{"block_delete_of_origin", "/G55\nG54 G90 G21", "", kAll, "another origin"},
         Passed{"block_delete_of_comment", "/ (nothing)", "", "G1 X1", ""},
-        Passed{"twice", "G1 X1 X2", "not a block", kAll, "unclear"},
-        Passed{"two_motions", "G0 G1 X1", "not a block", kAll, "unclear"},
-        Passed{"flag", "G1 X", "not a block", kAll, "unclear"},
-        Passed{"no_number", "G1 X-", "not a block", kAll, "unclear"},
-        Passed{"split_number", "G1 X1. 2", "not a block", kAll, "unclear"},
-        Passed{"open_comment", "G1 (X1", "not a block", kAll, "unclear"},
-        Passed{"no_code", "hello, there!", "not a block", kAll, "unclear"},
+        Passed{"twice", "G1 X1 X2", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"two_motions", "G0 G1 X1", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"flag", "G1 X", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"no_number", "G1 X-", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"split_number", "G1 X1. 2", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"open_comment", "G1 (X1", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"no_code", "hello, there!", "not a G-code block", kAll, "whose mode is unknown"},
         Passed{"message", "M117 it's X1 (!", "", "G1 X1", ""}, Passed{"comment", "; X1 Y2", "", "G1 X1", ""},
         Passed{"quoted", "M291 P\"X1 (Y2\" R\"it\" S1", "", "G1 X1", ""},
         Passed{"comment_with_expressions", "(#3 [1] O100 call G81)", "", "G1 X1", ""},
-        Passed{"no_motion_mode", "G80", "", "X1", "unclear"}, Passed{"inch_and_mm_of_mach3", "G70\nG71", "", "X1", ""},
+        Passed{"no_motion_mode", "G80", "", "X1", "whose mode is unknown"},
+        Passed{"inch_and_mm_of_mach3", "G70\nG71", "", "X1", ""},
         Passed{"out_of_reach", "G1 X4000", "out of reach", "G1 X1", ""},
         Passed{"extruder", "G1 E5 F100", "", "G1 X1", ""}),
     [](const auto& one) { return std::string(one.param.name); });
@@ -366,7 +369,7 @@ TEST_F(Gcode, WhatIsLeftBetweenTargetsIsNotWhole) {
       summary_of(home + target + arc + "G1 Z-901\n" + arc + arc + target + "G28\nG91 G1 Z5\n");
   EXPECT_FALSE(between.whole());
   ASSERT_THAT(between.passed, SizeIs(3));
-  EXPECT_THAT(std::string(between.passed[0].reason), testing::StartsWith("X is not known since homing"));
+  EXPECT_THAT(std::string(between.passed[0].reason), testing::StartsWith("X is unknown after homing"));
   EXPECT_EQ(between.passed[0].between, 0);
   EXPECT_THAT(std::string(between.passed[1].reason), HasSubstr("without a centre"));
   EXPECT_EQ(between.passed[1].count, 3);
@@ -419,24 +422,23 @@ TEST_F(Gcode, TheCauseOfAnUnknownAxisIsSaid) {
     return result.summary.passed.empty() ? std::string() : std::string(result.summary.passed.back().reason);
   };
   using testing::StartsWith;
-  for (const char* tool : {"T1", "M6"})
-    EXPECT_THAT(cause_behind(tool), StartsWith("Y is not known since the tool was"));
+  for (const char* tool : {"T1", "M6"}) EXPECT_THAT(cause_behind(tool), StartsWith("Y is unknown after a tool change"));
   for (const char* motors : {"M84", "M18", "G1 H2 X5 G54"}) {
     EXPECT_THAT(filtered("G54\n" + kStart + motors + "\nG1 X5 Z-900 C0\n", {.dialect = GcodeDialect::marlin})
                     .summary.passed.back()
                     .reason,
-                StartsWith("Y is not known since motors were"));
+                StartsWith("Y is unknown after motors were"));
   }
-  EXPECT_THAT(cause_behind("G28"), StartsWith("Y is not known since homing"));
+  EXPECT_THAT(cause_behind("G28"), StartsWith("Y is unknown after homing"));
   EXPECT_THAT(cause_behind("G92.3"), StartsWith("another origin"));
-  EXPECT_THAT(cause_behind("MY_MACRO\nG90 G21"), StartsWith("Y is not known since something that may have done"));
-  EXPECT_THAT(cause_behind("M600 Y5"), StartsWith("Y is not known since a line that could not be corrected"));
+  EXPECT_THAT(cause_behind("MY_MACRO\nG90 G21"), StartsWith("Y is unknown after a line with unknown effect"));
+  EXPECT_THAT(cause_behind("M600 Y5"), StartsWith("Y is unknown after a line that could not be corrected"));
   EXPECT_THAT(std::string(filtered("G1 X5\n").summary.passed.at(0).reason),
-              StartsWith("Y has not been stated yet (--start="));
+              StartsWith("Y is not stated yet (if the program never states it, give --start="));
   EXPECT_THAT(std::string(filtered("G0 Y5\nG92.3\nG1 X5 Z-900 C0\n").summary.passed.back().reason),
-              StartsWith("Y is not known since the origin moved"));
+              StartsWith("Y is unknown after a change of origin"));
   EXPECT_THAT(std::string(filtered("G0 Z-900\nG43 H1\nG1 X5 Y0 C0\n").summary.passed.back().reason),
-              StartsWith("Z is not known since the length of the tool changed"));
+              StartsWith("Z is unknown after a change of tool length"));
 }
 
 /// Motors are switched off with the letters of axes at the end of a print.
@@ -452,7 +454,7 @@ TEST_F(Gcode, MotorsThatAreOffHoldNoPlace) {
 TEST_F(Gcode, AStartIsOfTheSystemThatTheProgramNames) {
   const GcodeOptions frame{.start = Pose{{0, 0, -900}, 0.0}};
   EXPECT_TRUE(filtered("G55\nG1 X1\n", frame).summary.complete());
-  EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("since the origin moved"), 1);
+  EXPECT_EQ(filtered("G55\nG54\nG1 X1\n", frame).passed("after a change of origin"), 1);
   EXPECT_EQ(filtered("G1 X1\nG55\nG1 X2\n", frame).passed("another origin"), 1);
   EXPECT_EQ(filtered("G55\n" + kStart + "G55\nG1 X1\n").summary.corrected, 2);  // the same again changes nothing
 }
@@ -464,7 +466,7 @@ TEST_F(Gcode, ToolsHaveTheLengthsOfTheirTable) {
   const Filtered given = filtered("G0 X0 Y0 C0\nT1 M6\nG43 H1\nG0 X0 Y0 C0\nZ-900\nG49\nG43 H1\nX1\n");
   EXPECT_EQ(given.summary.corrected, 2);
   EXPECT_TRUE(given.summary.whole());
-  EXPECT_THAT(given.summary.assumed, testing::Contains(HasSubstr("--tools states lengths")));
+  EXPECT_THAT(given.summary.assumed, testing::Contains(HasSubstr("give lengths with --tools")));
   EXPECT_EQ(filtered("T1 M6\nG43\n" + kStart + "T2 M6\nG43\n" + kStart).passed("another tool"), 1);
   const GcodeOptions two{.tools = ToolTable{{1, {0, 0, 50, 0}}, {2, {1, 0, 30, 0}}}};
   const Filtered both = filtered("T1 M6\nG43\nG0 X0 Y0 Z-950 C0\nT2 M6\nG43 H2\nG0 X0 Y0 Z-950 C0\nG49\nZ-940\n", two);
@@ -474,9 +476,9 @@ TEST_F(Gcode, ToolsHaveTheLengthsOfTheirTable) {
   EXPECT_THAT(*test::word(both.lines()[2], 'Z'), z_of(*correction.target({{0, 0, -900}, 0.0}), 50));
   EXPECT_THAT(*test::word(both.lines()[5], 'Z'), z_of(*correction.target({{1, 0, -920}, 0.0}), 30));
   EXPECT_THAT(*test::word(both.lines()[7], 'Z'), z_of(*correction.target({{1, 0, -940}, 0.0}), 0));
-  EXPECT_THAT(both.summary.assumed, testing::Contains(HasSubstr("a tool without length")));
+  EXPECT_THAT(both.summary.assumed, testing::Contains(HasSubstr("a tool of length 0")));
   EXPECT_THAT([&] { filtered("G43 H3\n" + kStart, two); },
-              testing::ThrowsMessage<InputFileError>(HasSubstr("the table of --tools does not have")));
+              testing::ThrowsMessage<InputFileError>(HasSubstr("that --tools does not list")));
 
   const ToolTable tools = read_tool_table({"tool.tbl", "; mine\nT1 P1 X0 Y0 Z+50.2 D6 ;mill\n\nT12 P3 Z-3 C1\n"});
   EXPECT_EQ(tools, (ToolTable{{1, {0, 0, 50.2, 0}}, {12, {0, 0, -3, 1}}}));

@@ -57,12 +57,12 @@ void check_options(const FilterOptions& options, bool is_gcode, const Session& s
     throw WrongUsage(fmt::format("--chord-mm: expected a length above 0, got {}", *options.chord_mm));
   }
   if (session.json() && session.out().empty() && !options.check && !options.in_place) {
-    throw WrongUsage("expected --out FILE with --json: standard output has room for one of both");
+    throw WrongUsage("expected --out FILE with --json: standard output cannot hold both");
   }
   if (!is_gcode && !options.is_of_tables()) {
     throw WrongUsage(
         "--origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless and --harmless-words: expected "
-        "with --target gcode alone");
+        "only with --target gcode");
   }
 }
 
@@ -93,12 +93,12 @@ io::Json tests_json(const std::vector<TargetTest>& tests, Actuator actuator) {
 std::vector<std::string> header_lines(const Robot& robot, const ExportOrigin& origin,
                                       const std::vector<TargetTest>& tests) {
   std::vector<std::string> lines{
-      fmt::format("corrected targets by paracal {}: do not correct again", version()),
+      fmt::format("targets corrected by paracal {}: do not correct again", version()),
       fmt::format("robot {}", harmless(robot.name())),
       fmt::format("calibration {}", harmless(origin.calibration)),
       fmt::format("SHA-256 {}", origin.sha256),
       fmt::format("date {}", origin.date),
-      "self-test in mm and deg, robot frame: x y z phi wanted = told to the controller",
+      "self-test in mm and deg, robot frame: x y z phi commanded = sent to the controller",
   };
   const auto text = [](const Pose& pose) {
     const Eigen::Vector3d& r = pose.position;
@@ -181,38 +181,37 @@ std::string parts_text(const io::FilterSummary& summary) {
   }
   if (count == 0) return {};
   return fmt::format(
-      "  corrected in parts: {} lines, the first in line {}, are left where they count: there the machine works "
-      "without "
-      "the correction\n",
+      "  partly corrected: {} working lines, the first in line {}, are unchanged; there the machine moves without "
+      "correction\n",
       count, first);
 }
 
 std::string summary_text(const std::string& name, const io::FilterSummary& summary) {
   std::string text = fmt::format("{}: {} lines, {} targets corrected\n", name, summary.lines, summary.corrected);
   if (summary.added > 0) {
-    text += fmt::format("  {} lines added: arcs in chords, divided lines, feeds\n", summary.added);
+    text += fmt::format("  {} lines added for arcs, divided lines and feeds\n", summary.added);
   }
   for (const std::string& one : summary.assumed) text += fmt::format("  assumed: {}\n", one);
   if (summary.outside > 0) {
-    text += fmt::format("  {} targets outside of the workspace, first in line {}: is --origin right?\n",
-                        summary.outside, summary.first_outside);
+    text += fmt::format("  {} targets outside the workspace, first in line {}: check --origin\n", summary.outside,
+                        summary.first_outside);
   }
   if (summary.over_limit > 0) {
     text += fmt::format(
-        "  warning: {} blocks ask a joint for more than [joints] allows, first in line {}: lower F there "
-        "(--check lists the ten hardest)\n",
+        "  warning: {} blocks exceed a limit of [joints], first in line {}: lower F there "
+        "(--check lists the ten highest loads)\n",
         summary.over_limit, summary.first_over_limit);
   }
   for (const io::PassedThrough& one : summary.passed) {
-    text += fmt::format("  passed through: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
+    text += fmt::format("  unchanged: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
   }
   return text;
 }
 
 std::string farthest_text(const io::FilterSummary& summary) {
-  std::string text = "targets that the correction moves farthest, robot frame, mm and deg:\n";
+  std::string text = "largest corrections, robot frame, mm and deg:\n";
   text += fmt::format("{:>8} {:>10} {:>10} {:>10} {:>9} {:>10} {:>10} {:>10} {:>9} {:>8}\n", "line", "x", "y", "z",
-                      "phi", "told x", "told y", "told z", "told phi", "moved");
+                      "phi", "sent x", "sent y", "sent z", "sent phi", "moved");
   for (const io::CorrectedTarget& one : summary.farthest) {
     const Eigen::Vector3d &r = one.wanted.position, &t = one.target.position;
     text +=
@@ -247,15 +246,16 @@ void require_whole(const std::string& name, const io::FilterSummary& summary) {
   throw InputFileError(
       name, first_line,
       fmt::format("expected targets that can all be corrected, got {} ({} times){}{}; nothing was written; --partial "
-                  "corrects {} targets and leaves these",
-                  first.reason, count(first), is_between ? " among targets that can" : "", others, summary.corrected));
+                  "corrects {} targets and leaves the others unchanged",
+                  first.reason, count(first), is_between ? " between corrected targets" : "", others,
+                  summary.corrected));
 }
 
 /// The blocks that ask the most of a joint.
 std::string hardest_text(const io::FilterSummary& summary, Actuator actuator) {
   const Unit unit = joint_unit(actuator);
-  std::string text = fmt::format("blocks that ask the most of a joint, {0}/s and {0}/s^2:\n", file_unit(unit));
-  text += fmt::format("{:>8} {:>6} {:>12} {:>13} {:>12}\n", "line", "joint", "speed", "acceleration", "of its limit");
+  std::string text = fmt::format("highest joint loads, {0}/s and {0}/s^2:\n", file_unit(unit));
+  text += fmt::format("{:>8} {:>6} {:>12} {:>13} {:>12}\n", "line", "joint", "speed", "acceleration", "utilisation");
   for (const io::JointLoad& one : summary.hardest) {
     text += fmt::format("{:>8} {:>6} {:>12.1f} {:>13.0f} {:>10.0f} %\n", one.line, one.joint,
                         to_file_unit(unit, one.speed), to_file_unit(unit, one.acceleration), 100.0 * one.of_limit);
@@ -266,7 +266,7 @@ std::string hardest_text(const io::FilterSummary& summary, Actuator actuator) {
 std::string checked_text(const std::string& name, const io::FilterSummary& summary, Actuator actuator) {
   std::string text = summary_text(name, summary);
   if (is_refused(summary)) {
-    text += "without --partial this file is refused: no target, or not each that counts, can be corrected\n";
+    text += "without --partial this file is refused, because not every working target can be corrected\n";
   }
   if (!summary.hardest.empty()) text += hardest_text(summary, actuator);
   return summary.farthest.empty() ? text : text + farthest_text(summary);
