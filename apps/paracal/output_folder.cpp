@@ -20,7 +20,7 @@ std::string complaint(const fs::path& folder, const std::string& who, const IsOw
   if (!fs::exists(folder, error)) {
     const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
     if (fs::is_directory(parent, error)) return {};
-    return fmt::format("{}: expected a folder to make it in, got none: {}", folder.string(), parent.string());
+    return fmt::format("{}: expected an existing parent folder, got none: {}", folder.string(), parent.string());
   }
   if (!fs::is_directory(folder, error)) return fmt::format("expected a folder, got a file: {}", folder.string());
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {

@@ -159,7 +159,7 @@ void add_guides(const Machine& machine, Values& values) {
   }
   const bool guided = machine.has_guides();
   const std::string constants = fmt::format(
-      "/* What guides hold of a pose, and where, mm and rad: poses that are not there are unreachable. */\n"
+      "/* Coordinates that the guides fix, and their values, mm and rad: other poses are unreachable. */\n"
       "static const int paracal_is_held[6] = {{{}}};\nstatic const double paracal_held[6] = {{{}}};\n\n",
       fmt::join(held, ", "), fmt::join(where, ", "));
   const std::string check =
@@ -194,12 +194,12 @@ std::string single_rod_header(const Robot& robot, const SourceErrors& errors, co
 struct Axis {
   std::string_view letter, place, what;
 };
-constexpr std::array<Axis, 9> kAxes{{{"x", "tran.x", "wanted position of the plate's origin, mm"},
+constexpr std::array<Axis, 9> kAxes{{{"x", "tran.x", "commanded position of the plate's origin, mm"},
                                      {"y", "tran.y", "and y"},
                                      {"z", "tran.z", "and z"},
-                                     {"a", "a", "wanted tilt_x of the plate, deg"},
-                                     {"b", "b", "wanted tilt_y, deg"},
-                                     {"c", "c", "wanted tilt_z, deg"},
+                                     {"a", "a", "commanded tilt_x of the plate, deg"},
+                                     {"b", "b", "commanded tilt_y, deg"},
+                                     {"c", "c", "commanded tilt_z, deg"},
                                      {"u", "u", ""},
                                      {"v", "v", ""},
                                      {"w", "w", ""}}};

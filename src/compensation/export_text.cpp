@@ -108,15 +108,15 @@ std::string operations(const ExportedMachine& machine) {
   const RecordedMachine& recorded = machine.recorded;
   OperationCount count;
   add(count, recorded.level, recorded, 1);
-  if (machine.parameters.tilts_plate == 0) return brief(count, "arctangents") + " a call";
+  if (machine.parameters.tilts_plate == 0) return brief(count, "arctangents") + " per call";
   add(count, recorded.answer, recorded, 1);
   add(count, recorded.step, recorded, 4);
-  return fmt::format("{} a call of four steps, the rule", brief(count, "arctangents"));
+  return fmt::format("{} per call with four steps, the usual number", brief(count, "arctangents"));
 }
 
 std::string operations(const Procedure& joints, Actuator actuator) {
   return brief(joints.count(), swings_arm(actuator) ? "sines, cosines and arctangents" : "sines and cosines") +
-         " a call";
+         " per call";
 }
 
 std::string decimal(double value) {

@@ -60,7 +60,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   if (!robot.on_single_rods()) return of_level_plate(robot, known, way, controller);
   if (way == CompensationWay::exact) return of_six_freedoms(robot, known, controller);
   throw InvalidArgument(
-      "way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
+      "way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");
 }
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {

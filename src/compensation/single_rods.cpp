@@ -136,24 +136,25 @@ std::vector<JointMotion> motions(const Machine& machine) {
 
 std::vector<LimbConstant> constants_of(const Limb& limb) {
   const auto vector = [](const auto& v) { return std::vector{v(0), v(1), v(2)}; };
-  std::vector<LimbConstant> all{{"base", "where the limb begins, in the base frame, mm", vector(limb.base)},
-                                {"plate", "joint at the plate, in its frame, mm", vector(limb.plate)}};
+  std::vector<LimbConstant> all{{"base", "joint at the base, in the base frame, mm", vector(limb.base)},
+                                {"plate", "joint at the plate, in the plate frame, mm", vector(limb.plate)}};
   if (limb.is_strut()) {
-    all.push_back({"length", "from joint to joint where the drive stands at zero, mm", {rods_at(limb, 0.0)[0]}});
-    all.push_back({"growth", "mm a mm of the drive", {limb.gain}});
+    all.push_back({"length", "distance of the joints with the drive at zero, mm", {rods_at(limb, 0.0)[0]}});
+    all.push_back({"growth", "mm per mm of the drive", {limb.gain}});
     return all;
   }
   const bool swings = limb.actuator == Actuator::crank;
-  all.push_back({"u", swings ? "where the arm points at zero" : "square to the rail, as w", vector(limb.frame.col(0))});
-  all.push_back({"v", swings ? "where it goes from there" : "along the rail", vector(limb.frame.col(1))});
+  all.push_back(
+      {"u", swings ? "direction of the arm at zero" : "perpendicular to the rail, as w", vector(limb.frame.col(0))});
+  all.push_back({"v", swings ? "direction in which it moves from zero" : "along the rail", vector(limb.frame.col(1))});
   if (swings) {
     all.push_back({"arm", "length of the arm, mm", {limb.arm}});
   } else {
-    all.push_back({"w", "square to both", vector(limb.frame.col(2))});
-    all.push_back({"growth", "mm a mm of the drive", {limb.gain}});
+    all.push_back({"w", "perpendicular to both", vector(limb.frame.col(2))});
+    all.push_back({"growth", "mm per mm of the drive", {limb.gain}});
   }
   all.push_back({"rod", "length of the rod, mm", {limb.rod[0]}});
-  all.push_back({"zero", "where the drive stands at its zero", {limb.joint_offset}});
+  all.push_back({"zero", "joint coordinate with the drive at zero", {limb.joint_offset}});
   return all;
 }
 

@@ -142,9 +142,9 @@ std::string turn(std::string_view name, std::string_view function, const Procedu
 
 std::string state_declarations(const RecordedMachine& recorded, std::size_t limbs) {
   return fmt::format(
-      "  state : ARRAY [0..{}] OF LREAL; (* tilt, how far joints have moved, where arms or carriages stand *)\n"
-      "  answer : ARRAY [0..{}] OF LREAL; (* how arms and plate answer a pull of the rods *)\n"
-      "  changes : ARRAY [0..{}] OF LREAL; (* angles by which arms and plate turn in a step *)\n"
+      "  state : ARRAY [0..{}] OF LREAL; (* tilt, changes of the joints, positions of arms or carriages *)\n"
+      "  answer : ARRAY [0..{}] OF LREAL; (* response of arms and plate to the rods *)\n"
+      "  changes : ARRAY [0..{}] OF LREAL; (* rotations of arms and plate in one step *)\n"
       "  before : LREAL;\n  largest : LREAL;\n  settled : BOOL;\n  count : INT;\n  k : INT;\n",
       recorded.state_size - 1, recorded.answer_size - 1, limbs + 2);
 }

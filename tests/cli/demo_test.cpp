@@ -174,7 +174,7 @@ TEST_F(Demo, RefusesFoldersThatAreNotEmpty) {
   };
   refused("demo .", "expected an empty or a new folder, or one from an earlier demo, got . with plan.csv");
   refused("demo plan.csv", "expected a folder, got a file: plan.csv");
-  refused("demo one/two", "one/two: expected a folder to make it in, got none: ");
+  refused("demo one/two", "one/two: expected an existing parent folder, got none: ");
   refused("demo made --robot nobody", "got \"nobody\" (a robot file ends in .toml)");
   EXPECT_EQ(folder.read("plan.csv"), "mine");
 }

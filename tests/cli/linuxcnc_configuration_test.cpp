@@ -44,7 +44,7 @@ TEST_F(LinuxcncConfiguration, SaysWhatItWrote) {
   const auto made = files_of(machine());
   EXPECT_THAT(result.out,
               testing::StartsWith(fmt::format(
-                  "{} files are in machine; README.md there says what to change.\nTo start it: cd machine && "
+                  "{} files are in machine; README.md there states what to change.\nTo start: cd machine && "
                   "sudo halcompile --install paracal_kins.comp && linuxcnc paracal.ini\n  assumed: the controller ",
                   made.size())));
   EXPECT_THAT(result.out, HasSubstr("\n  nominal joints at rim along y, "));
@@ -85,12 +85,12 @@ TEST_F(LinuxcncConfiguration, RefusesOtherFoldersTargetsAndFiles) {
   refused({"--target", "linuxcnc", "--config", "machine"},
           "--config: expected an empty or a new folder, got machine with paracal.ini; name another folder");
   refused({"--target", "linuxcnc", "--config", "poses.csv"}, "--config: expected a folder, got a file: poses.csv");
-  refused({"--target", "linuxcnc", "--config", "one/two"}, "expected a folder to make it in, got none: ");
+  refused({"--target", "linuxcnc", "--config", "one/two"}, "expected an existing parent folder, got none: ");
   refused({"--target", "linuxcnc", "--config", ""}, "--config: expected a folder, got \"\"");
   refused({"--target", "c99", "--config", "new"}, "--config: expected with --target linuxcnc, got --target c99");
   refused({"--target", "linuxcnc", "--config", "new", "--out", "a.comp"},
-          "--config: the folder holds the component, too: expected no --out, got a.comp");
-  refused({"--target", "linuxcnc", "--config", "new", "--header"}, "expected with --target gcode or csv alone");
+          "--config: expected no --out, because the folder also contains the component, got a.comp");
+  refused({"--target", "linuxcnc", "--config", "new", "--header"}, "expected only with --target gcode or csv");
   EXPECT_EQ(folder.read("machine/paracal.ini"), "mine");
 }
 

@@ -202,7 +202,7 @@ TEST(ExportColumns, SeveralPassesByOrderAreRepeats) {
   const Said said{.by_order = true};
   const Measurements m = exported("X_mm;Y_mm;Z_mm\n1;2;3\n40;50;60\n1.1;2;3\n40.1;50;60\n1.2;2;3\n40.2;50;60\n", said);
   EXPECT_THAT(m.notes,
-              Contains("6 points are matched to 3 passes over the 2 poses in their order; their names do not count"));
+              Contains("6 points are assigned to 3 passes over the 2 poses in order; their names are ignored"));
   ASSERT_EQ(m.stations.size(), 2u);
   std::vector<std::pair<std::string, double>> read;
   for (const PointReading& one : m.series.at(0).readings) {

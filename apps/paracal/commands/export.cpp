@@ -89,7 +89,7 @@ void export_configuration(const OutputFolder& folder, const Robot& robot, const 
     for (const auto& [file, text] : files) json["files"].push_back(file);
     session.print_json(json);
   } else {
-    session.print(fmt::format("{} files are in {}; README.md there says what to change.\nTo start it: cd {} && sudo "
+    session.print(fmt::format("{} files are in {}; README.md there states what to change.\nTo start: cd {} && sudo "
                               "halcompile --install paracal_kins.comp && linuxcnc paracal.ini\n",
                               files.size(), name, shell_word(name)) +
                   assumed_lines(truth.assumed()) + listed(comparison_lines(truth.robot, truth.controller)));
@@ -123,7 +123,8 @@ std::optional<OutputFolder> configuration_folder(const ExportArguments& options,
     throw WrongUsage(fmt::format("--config: expected with --target linuxcnc, got --target {}", options.target));
   }
   if (!session.out().empty()) {
-    throw WrongUsage("--config: the folder holds the component, too: expected no --out, got " + session.out());
+    throw WrongUsage("--config: expected no --out, because the folder also contains the component, got " +
+                     session.out());
   }
   return OutputFolder("--config", *options.folder);
 }
@@ -146,7 +147,7 @@ void run(const ExportArguments& options, Session& session) {
   if (!options.filter.is_empty()) {
     throw WrongUsage(
         "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless, --harmless-words, "
-        "--in-place, --partial, --check and --header: expected with --target gcode or csv alone");
+        "--in-place, --partial, --check and --header: expected only with --target gcode or csv");
   }
   const JointTruth truth{robot, controller};
   origin.remarks = truth.remarks();

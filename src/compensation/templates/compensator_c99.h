@@ -5,28 +5,28 @@
  *   SHA-256      $SHA256$
  *   date         $DATE$$C_REMARKS$
  *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame: origin at the base centre, z up
- *   way          exact: inverse of the identified machine with all its errors
+ *   method       exact: inverse of the identified machine with all its errors
  *   operations   $OPERATIONS$
  *
  * Use:
  *
  *   double joints[PARACAL_LIMBS] = {where the machine stands, $JOINT_UNIT$};
- *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, NULL) != PARACAL_OK) stop on path;
- *   joints are then the last good ones
+ *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, NULL) != PARACAL_OK) stop on the path;
+ *   joints then keep the last valid values
  *
- * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
- * Where the machine stands: paracal_forward(joints, pose) gives the pose of joints.
+ * At start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares them.
+ * Present pose: paracal_forward(joints, pose) gives the pose of the joints.
  *
- * C99 and C++, freestanding, no state, no allocation, bounded time. Of a library it needs sqrt, sin, cos and atan2.
+ * C99 and C++, freestanding, no state, no allocation, bounded time. It needs sqrt, sin, cos and atan2 from a library.
  *
- * MISRA C:2012, as cppcheck's add-on sees it, but for 2.5 (macros for the program that includes this), 15.5 (a return where
- * a pose cannot be taken) and 21.2 (the four functions above, declared where there is no math.h).
+ * MISRA C:2012 as checked by cppcheck's add-on, except 2.5 (macros for the including program), 15.5 (early return for a
+ * pose without solution) and 21.2 (the four functions above, declared if there is no math.h).
  */
 #ifndef PARACAL_COMPENSATOR_H
 #define PARACAL_COMPENSATOR_H
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error "unreachable poses are told by numbers that are not finite: compile without -ffinite-math-only"
+#error "unreachable poses are detected by non-finite numbers: compile without -ffinite-math-only"
 #endif
 
 #include <stddef.h>
@@ -47,29 +47,29 @@ extern "C" {
 #define PARACAL_CALIBRATION_SHA256 "$SHA256$"
 #define PARACAL_DATE "$DATE$"
 #define PARACAL_LIMBS $LIMBS$
-#define PARACAL_ON_RAILS $ON_RAILS$ /* 0: the joints turn arms; 1: carriages run along rails */
-#define PARACAL_TILTS_PLATE $TILTS_PLATE$ /* 1: errors of the parallelograms are known, the closed form is refined */
+#define PARACAL_ON_RAILS $ON_RAILS$ /* 0: the joints rotate arms; 1: carriages run on rails */
+#define PARACAL_TILTS_PLATE $TILTS_PLATE$ /* 1: with errors of the parallelograms, the closed form is refined */
 
 /* What functions return. */
 #define PARACAL_OK 0
-#define PARACAL_UNREACHABLE 1 /* an arm and its rods do not meet there, or a rigid plate is asked to turn */
-#define PARACAL_NOT_FINITE 2  /* the pose holds NaN or infinity */
-#define PARACAL_SINGULAR 3    /* the machine does not hold the plate there */
+#define PARACAL_UNREACHABLE 1 /* an arm and its rods do not meet there, or a rigid plate should turn */
+#define PARACAL_NOT_FINITE 2  /* the pose contains NaN or infinity */
+#define PARACAL_SINGULAR 3    /* the limbs do not hold the plate there */
 
-/* One limb, errors included [huang2016, Eq. (1)]. */
+/* One limb with its errors [huang2016, Eq. (1)]. */
 struct paracal_limb {
   double base[3];       /* b_i, in the base frame */
   double radial[3];     /* u_0, v_0, w_0: directions there */
   double normal[3];
   double axis[3];
   double plate[3];      /* a_i, in the plate frame */
-  double slide[3];      /* its motion a rad of phi */
+  double slide[3];      /* its motion per rad of phi */
   double elbow_half[3]; /* half the short sides: along u_1, v_1, w_0 */
   double plate_half[3]; /* and in the plate frame */
   double rod[2];
   double arm;
   double joint_offset;
-  double joint_per_mm; /* of a carriage: mm of the joint coordinate for a mm of its way */
+  double joint_per_mm; /* of a carriage: mm of the joint coordinate per mm of travel */
 };
 
 static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
@@ -79,8 +79,8 @@ $LIMB_CONSTANTS$};
 static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
 static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
 
-$STATE_DEFINED$/* The straight lines below were made from the library's own formulas (compensator.hpp) with this machine's zeros left
- * out. Plate level: the joints; NaN when out of reach. */
+$STATE_DEFINED$/* The code without loops below was generated from the library's formulas (compensator.hpp) without this machine's
+ * zeros. Joints for a level plate; NaN if the pose is out of reach. */
 static inline void paracal_level(const double pose[4], double joints[PARACAL_LIMBS]$STATE_PARAMETER$) {
   const struct paracal_limb* const limb = paracal_limbs;
 $LEVEL$}
@@ -95,7 +95,7 @@ static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b
   return largest;
 }
 
-/* The motion of the plate, mm and rad, that belongs to small changes of the joints. */
+/* The motion of the plate, mm and rad, for small changes of the joints. */
 static inline void paracal_way_back(const double pose[4], const double joints[PARACAL_LIMBS],
                                     const double changes[PARACAL_LIMBS], double motion[PARACAL_LIMBS]) {
   const struct paracal_limb* const limb = paracal_limbs;
@@ -103,7 +103,7 @@ $WAY_BACK$}
 
 /* Joint coordinates ($JOINT_UNIT$) that bring the plate centre to x, y, z (mm) and the end-effector to phi (rad; 0 for a
  * rigid plate). joints_$JOINT_UNIT$, and tilt_rad where it is not NULL (the tilt about x and y that remains), are written
- * when the result is PARACAL_OK and left as they are otherwise. */
+ * if the result is PARACAL_OK, else unchanged. */
 static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, double phi_rad,
                                      double joints_$JOINT_UNIT$[PARACAL_LIMBS], double tilt_rad[2]) {
   const double pose[4] = {x_mm, y_mm, z_mm, phi_rad};
@@ -146,7 +146,7 @@ static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, doub
   return PARACAL_OK;
 }
 
-/* Poses, and the joints that the library found for them. */
+/* Poses, and their joints computed by the library. */
 struct paracal_test {
   double pose[4];
   double joints[PARACAL_LIMBS];
@@ -155,10 +155,10 @@ struct paracal_test {
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* The pose (mm, rad) that the identified machine takes with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
- * Newton from `pose`, or from the centre of the workspace where that cannot be taken; at most 50 steps, halved while they
- * leave the machine's reach or bring the joints no nearer. `pose` is written when the result is PARACAL_OK and left as
- * it is otherwise. */
+/* The pose (mm, rad) of the identified machine with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
+ * Newton's method from `pose`, or from the centre of the workspace if `pose` is out of reach. At most 50 steps; a step is
+ * halved if it leaves the reach or does not reduce the joint error. `pose` is written if the result is PARACAL_OK, else
+ * unchanged. */
 static inline int paracal_forward(const double joints_$JOINT_UNIT$[PARACAL_LIMBS], double pose[4]) {
   double at[4];
   double next[4];
@@ -210,8 +210,8 @@ static inline int paracal_forward(const double joints_$JOINT_UNIT$[PARACAL_LIMBS
   return PARACAL_UNREACHABLE;
 }
 
-/* 0: every joint within $JOINT_TOLERANCE$ $JOINT_UNIT$, and back from the joints within 1e-6 mm; otherwise the number, from 1, of
- * the first pose that is not. */
+/* 0: every joint agrees within $JOINT_TOLERANCE$ $JOINT_UNIT$, and the pose of the joints within 1e-6 mm. Otherwise the number,
+ * from 1, of the first pose that does not. */
 static inline int paracal_self_test(void) {
   int k;
   int i;

@@ -2,38 +2,38 @@ component paracal_kins "Kinematics of one calibrated parallel robot, written by 
 
 description
 """
-Joint angles that bring the identified machine to a pose, all its errors corrected. Do not edit: export again.
+Joint angles that bring the identified machine to a pose, with all its errors corrected. Do not edit: export again.
 
 robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
 date         $DATE$$PLAIN_REMARKS$
 units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot: origin at the base centre, z up
-joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move
+joints       0 to $LAST_JOINT$ are those of the robot; further joints are axes that the robot does not move
 
 Build it with: halcompile --install paracal_kins.comp
 
 As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree.
 
-As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
+As a component, for tests: loadrt paracal_kins and addf paracal-kins.compensate to a thread; pins below.
 
-While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
+On loading it computes the poses of its self-test. It refuses to load if a joint differs by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
 """;
 
-pin in float command.x "wanted position of the plate centre, mm";
+pin in float command.x "commanded position of the plate centre, mm";
 pin in float command.y;
 pin in float command.z;
-pin in float command.c "wanted rotation of the end-effector, deg (0 for a rigid plate)";
-pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
+pin in float command.c "commanded rotation of the end-effector, deg (0 for a rigid plate)";
+pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last valid ones while status is not 0";
 pin out float tilt.x "tilt of the plate about x that remains, deg";
-pin out float tilt.y "and about y";
+pin out float tilt.y "tilt about y that remains, deg";
 pin out signed status "0 ok, 1 unreachable, 2 not finite, 3 singular";
 
 option singleton yes;
 option period no;
 option extra_setup yes;
 function compensate "from command to joint, tilt and status";
-license "GPL"; // what LinuxCNC asks of its modules; this file may be used under GPL-2.0-or-later as well as Apache-2.0
+license "GPL"; // LinuxCNC requires this of modules; this file is licensed under GPL-2.0-or-later or Apache-2.0, as you choose
 ;;
 
 #include "rtapi_math.h"
@@ -76,7 +76,7 @@ static double* paracal_other_axis(EmcPose* pose, int number) {
 
 KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
 
-/* Leaves the joints as they are, the last good ones, where the pose cannot be taken. */
+/* Keeps the last valid joints if the pose has no solution. */
 int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INVERSE_FLAGS* iflags,
                       KINEMATICS_FORWARD_FLAGS* fflags) {
   const double phi_rad = PARACAL_LIMBS == 4 ? world->c / PARACAL_DEGREES : 0.0;

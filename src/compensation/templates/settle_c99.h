@@ -1,7 +1,7 @@
-#define PARACAL_STATE $STATE_SIZE$ /* tilt (3), how far each joint has moved, where arms or carriages stand */
-#define PARACAL_ANSWER $ANSWER_SIZE$ /* how arms and plate answer a pull of the rods */
+#define PARACAL_STATE $STATE_SIZE$ /* tilt (3), changes of the joints, positions of arms or carriages */
+#define PARACAL_ANSWER $ANSWER_SIZE$ /* response of arms and plate to the rods */
 
-/* Of angles that are nearly always small: by the series within $SERIES_REACH$ rad. */
+/* For angles that are nearly always small: a series within $SERIES_REACH$ rad. */
 static inline double paracal_turn_cosine(double angle) {
   double value;
   if (paracal_abs(angle) <= $SERIES_REACH$) {
@@ -25,13 +25,13 @@ static inline void paracal_answer(const double pose[4], const double state[PARAC
   const struct paracal_limb* const limb = paracal_limbs;
 $ANSWER$}
 
-/* One step towards the tilt at which the rods hold the plate; changes: angles by which arms and plate turn. */
+/* One step towards the tilt at which the rods hold the plate; changes: rotations of arms and plate. */
 static inline void paracal_step(const double pose[4], const double answer[PARACAL_ANSWER], double state[PARACAL_STATE],
                                 double changes[PARACAL_LIMBS + 3]) {
   const struct paracal_limb* const limb = paracal_limbs;
 $STEP$}
 
-/* Until a step leaves nothing: each leaves a thousandth of the one before; $MOST_STEPS$ are the most. */
+/* Steps until convergence: each leaves a thousandth of the error; at most $MOST_STEPS$ steps. */
 static inline int paracal_settle(const double pose[4], double state[PARACAL_STATE]) {
   double answer[PARACAL_ANSWER];
   double changes[PARACAL_LIMBS + 3];

@@ -5,31 +5,31 @@
  *   SHA-256      $SHA256$
  *   date         $DATE$$C_REMARKS$
  *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame, z up: x, y, z of the plate's origin, then tilt_x,
- *                tilt_y, tilt_z, by which the plate is turned R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)
- *   way          exact: inverse of the identified machine with all its errors, in closed form
+ *                tilt_y, tilt_z; rotation of the plate R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z)
+ *   method       exact: inverse of the identified machine with all its errors, in closed form
  *   operations   $OPERATIONS$
  *
  * Use:
  *
  *   double joints[PARACAL_LIMBS] = {where the machine stands, $JOINT_UNIT$};
  *   const double pose[6] = {x, y, z, tilt_x, tilt_y, tilt_z};
- *   in every cycle: if (paracal_compensate(pose, joints) != PARACAL_OK) stop on path;
- *   joints are then the last good ones
+ *   in every cycle: if (paracal_compensate(pose, joints) != PARACAL_OK) stop on the path;
+ *   joints then keep the last valid values
  *
- * Once, at start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares.
- * Where the machine stands: paracal_forward(joints, pose) gives the pose of joints near the pose that it finds there,
- * paracal_home(pose) a first one.
+ * At start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares them.
+ * Present pose: paracal_forward(joints, pose) gives the pose of the joints, near the pose that it is given;
+ * paracal_home(pose) gives a first one.
  *
- * C99 and C++, freestanding, no state, no allocation, bounded time. Of a library it needs the functions declared below.
+ * C99 and C++, freestanding, no state, no allocation, bounded time. It needs the functions declared below from a library.
  *
- * MISRA C:2012, as cppcheck's add-on sees it, but for 2.5 (macros for the program that includes this), 15.5 (a return where
- * a pose cannot be taken) and 21.2 (functions of the library, declared where there is no math.h).
+ * MISRA C:2012 as checked by cppcheck's add-on, except 2.5 (macros for the including program), 15.5 (early return for a
+ * pose without solution) and 21.2 (functions of the library, declared if there is no math.h).
  */
 #ifndef PARACAL_COMPENSATOR_H
 #define PARACAL_COMPENSATOR_H
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error "poses without an answer are told by numbers that are not finite: compile without -ffinite-math-only"
+#error "poses without solution are detected by non-finite numbers: compile without -ffinite-math-only"
 #endif
 
 #if defined(__cplusplus) || (defined(__STDC_HOSTED__) && (__STDC_HOSTED__ == 1) && !defined(__KERNEL__))
@@ -52,11 +52,11 @@ extern "C" {
 
 /* What functions return. */
 #define PARACAL_OK 0
-#define PARACAL_UNREACHABLE 1 /* a limb does not reach the pose; forward: no pose with these joints near that one */
+#define PARACAL_UNREACHABLE 1 /* a limb cannot reach the pose; forward: no pose near the start has these joints */
 #define PARACAL_NOT_FINITE 2  /* the pose, or a joint, is NaN or infinity */
 #define PARACAL_SINGULAR 3    /* the limbs do not hold the plate there */
 
-/* One limb, errors included: $EQUATION$. */
+/* One limb with its errors: $EQUATION$. */
 struct paracal_limb {
 $LIMB_MEMBERS$};
 
@@ -67,29 +67,29 @@ $GUIDE_CONSTANTS$/* Both are false for NaN. */
 static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
 static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
 
-/* The straight lines below were made from one formula with this machine's zeros left out: the joints of a pose. */
+/* The code without loops below was generated from one formula without this machine's zeros: the joints of a pose. */
 static inline void paracal_joints(const double pose[6], double joints[PARACAL_LIMBS]) {
   const struct paracal_limb* const limb = paracal_limbs;
 $JOINTS$}
 
-/* The same, and rows of their derivative by the pose. */
+/* The same, and the rows of their derivative by the pose. */
 static inline void paracal_rows(const double pose[6], double joints[PARACAL_LIMBS], double rows[PARACAL_ROWS]) {
   const struct paracal_limb* const limb = paracal_limbs;
 $ROWS$}
 
-/* The largest difference of two sets of joints; NaN or infinity where one is. */
+/* The largest difference of two sets of joints; not finite if one of them is not. */
 static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b[PARACAL_LIMBS]) {
   double largest = 0.0;
   int i;
   for (i = 0; i < PARACAL_LIMBS; ++i) {
     const double apart = paracal_abs(a[i] - b[i]);
-    if ((!(apart <= largest)) && paracal_is_finite(largest)) { largest = apart; } /* what is not finite stays */
+    if ((!(apart <= largest)) && paracal_is_finite(largest)) { largest = apart; } /* keep a value that is not finite */
   }
   return largest;
 }
 
-/* Joint coordinates ($JOINT_UNIT$) that bring the plate to a pose (mm, rad). They are written when the result is PARACAL_OK and
- * left as they are otherwise. */
+/* Joint coordinates ($JOINT_UNIT$) that bring the plate to a pose (mm, rad). They are written if the result is PARACAL_OK,
+ * else unchanged. */
 static inline int paracal_compensate(const double pose[6], double joints[PARACAL_LIMBS]) {
   double found[PARACAL_LIMBS];
   int i;
@@ -104,7 +104,7 @@ $GUIDE_CHECK$  }
   return PARACAL_OK;
 }
 
-/* Poses, and the joints that the library found for them. */
+/* Poses, and their joints computed by the library. */
 struct paracal_test {
   double pose[6];
   double joints[PARACAL_LIMBS];
@@ -113,14 +113,14 @@ struct paracal_test {
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* The centre of the workspace: a start where nothing else is known. From there paracal_forward finds what the self-test
- * tries, and as a rule every pose of the workspace; what it does not find it says. */
+/* The centre of the workspace: a start if no better pose is known. From there paracal_forward finds the poses of the
+ * self-test and usually every pose of the workspace; otherwise it returns an error. */
 static inline void paracal_home(double pose[6]) {
   int k;
   for (k = 0; k < 6; ++k) { pose[k] = paracal_tests[0].pose[k]; }
 }
 
-/* rows x = right by elimination, rows swapped for the largest pivot; the answer replaces `right`. */
+/* Solves rows x = right by elimination with row pivoting; x replaces `right`. */
 static inline int paracal_solve(double rows[PARACAL_ROWS], double right[PARACAL_LIMBS]) {
   int column;
   int row;
@@ -153,12 +153,12 @@ static inline int paracal_solve(double rows[PARACAL_ROWS], double right[PARACAL_
   return PARACAL_OK;
 }
 
-/* The pose (mm, rad) that the identified machine takes with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
- * Newton from `pose`, whose assembly mode it keeps to: give the last pose, or one commanded nearby. At most 50 steps,
- * halved while they bring the joints no nearer. `pose` is written when the result is PARACAL_OK and left as it is
- * otherwise. */
+/* The pose (mm, rad) of the identified machine with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
+ * Newton's method from `pose`, in the assembly mode of `pose`: give the last pose, or a commanded one nearby. At most 50
+ * steps; a step is halved if it does not reduce the joint error. `pose` is written if the result is PARACAL_OK, else
+ * unchanged. */
 static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pose[6]) {
-  static const int paracal_free[PARACAL_LIMBS] = {$FREE$}; /* what of a pose is free: its place there */
+  static const int paracal_free[PARACAL_LIMBS] = {$FREE$}; /* free coordinates of a pose: their places */
   double at[6];
   double next[6];
   double joints[PARACAL_LIMBS];
@@ -207,8 +207,8 @@ $GUIDE_START$    next[k] = at[k];
   return PARACAL_UNREACHABLE;
 }
 
-/* 0: every joint within $JOINT_TOLERANCE$ $JOINT_UNIT$, and back from the joints and the centre of the workspace within 1e-6 mm and rad;
- * otherwise the number, from 1, of the first pose that is not. */
+/* 0: every joint agrees within $JOINT_TOLERANCE$ $JOINT_UNIT$, and the pose found from the centre of the workspace within 1e-6 mm and
+ * rad. Otherwise the number, from 1, of the first pose that does not. */
 static inline int paracal_self_test(void) {
   int k;
   int i;

@@ -2,32 +2,32 @@ component paracal_kins "Kinematics of one calibrated machine, $PLATE$, written b
 
 description
 """
-Joints that bring the identified machine to a pose, all its errors corrected. Do not edit: export again.
+Joints that bring the identified machine to a pose, with all its errors corrected. Do not edit: export again.
 
 robot        $ROBOT$
 calibration  $CALIBRATION$
 SHA-256      $SHA256$
 date         $DATE$$PLAIN_REMARKS$
 units        mm and deg, joints in $SHOWN_JOINT_UNIT$; base frame of the robot, z up. $TURNS$
-joints       0 to $LAST_JOINT$ are the robot's; further joints are the axes that the robot does not move ($OTHER_AXES$)
+joints       0 to $LAST_JOINT$ are those of the robot; further joints are axes that the robot does not move ($OTHER_AXES$)
 
 Build it with: halcompile --install paracal_kins.comp
 
 As kinematics, in the machine's INI file: [KINS] KINEMATICS = paracal_kins, and [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree.
 
-As a component, to look at or to try: loadrt paracal_kins, addf paracal-kins.compensate to a thread; the pins below.
+As a component, for tests: loadrt paracal_kins and addf paracal-kins.compensate to a thread; pins below.
 
-While it loads it computes the poses of its self-test and refuses to load when a joint is off by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
+On loading it computes the poses of its self-test. It refuses to load if a joint differs by more than $JOINT_TOLERANCE$ $JOINT_UNIT$.
 """;
 
-$PINS$pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last good ones while status is not 0";
+$PINS$pin out float joint.#[$LIMBS$] "joints to command, $SHOWN_JOINT_UNIT$; the last valid ones while status is not 0";
 pin out signed status "0 ok, 1 unreachable, 2 not finite";
 
 option singleton yes;
 option period no;
 option extra_setup yes;
 function compensate "from command to joint and status";
-license "GPL"; // what LinuxCNC asks of its modules; this file may be used under GPL-2.0-or-later as well as Apache-2.0
+license "GPL"; // LinuxCNC requires this of modules; this file is licensed under GPL-2.0-or-later or Apache-2.0, as you choose
 ;;
 
 #include "rtapi_math.h"
@@ -55,12 +55,12 @@ EXTRA_SETUP() {
 }
 
 static void paracal_pose(const EmcPose* world, double pose[6]) {
-  paracal_home(pose); /* what guides hold */
+  paracal_home(pose); /* coordinates that the guides fix */
 $POSE_OF_WORLD$}
 
 KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
 
-/* Leaves the joints as they are, the last good ones, where the pose cannot be taken. */
+/* Keeps the last valid joints if the pose has no solution. */
 int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INVERSE_FLAGS* iflags,
                       KINEMATICS_FORWARD_FLAGS* fflags) {
   double pose[6], robot_joints[PARACAL_LIMBS];
@@ -72,7 +72,7 @@ int kinematicsInverse(const EmcPose* world, double* joints, const KINEMATICS_INV
 $OTHERS_OF_WORLD$  return 0;
 }
 
-/* From the pose in `world`; where no pose near it has these joints, as before homing, from the centre of the workspace. */
+/* Starts from the pose in `world`, or from the centre of the workspace if that fails, as before homing. */
 int kinematicsForward(const double* joints, EmcPose* world, const KINEMATICS_FORWARD_FLAGS* fflags,
                       KINEMATICS_INVERSE_FLAGS* iflags) {
   double pose[6], robot_joints[PARACAL_LIMBS];
