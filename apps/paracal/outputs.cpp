@@ -28,7 +28,7 @@ bool will_be_same_file(const std::string& one, const std::string& other) {
 }
 
 [[noreturn]] void refuse(const std::string& option, const std::string& file, const std::string& also) {
-  throw WrongUsage(fmt::format("{}: expected a file of its own, got {}, which is {}, too", option, file, also));
+  throw WrongUsage(fmt::format("{}: expected a separate file, got {}, which is also {}", option, file, also));
 }
 
 /// Sooner than after an hour's work.

@@ -83,8 +83,8 @@ std::vector<io::RobotStatement> statements(const std::string& option, const Robo
 /// Empty where guides let the plate go there.
 std::string_view why_held(const Machine& machine, const Pose& pose) {
   if (inverse(machine, pose).unreachable_limb >= 0 || inverse(machine, pose).ok()) return {};
-  return machine.freedoms.holds_z() ? "its guides hold the plate in its plane: expected z, and tilts, as they hold them"
-                                    : "its guides hold the plate: expected tilts as they hold them";
+  return machine.freedoms.holds_z() ? "expected z and tilts as the guides fix them"
+                                    : "expected tilts as the guides fix them";
 }
 
 }  // namespace
@@ -92,10 +92,10 @@ std::string_view why_held(const Machine& machine, const Pose& pose) {
 Robot Session::robot(const RobotSources& inputs) {
   const std::vector<io::RobotStatement> stated = statements(robot_, inputs);
   if (stated.empty()) {
-    throw WrongUsage(
-        fmt::format("--robot: expected a robot, got none: a catalogue name ({}), a file (.toml), or a line \"# robot: "
-                    "NAME\" in the measurements",
-                    catalogue_names()));
+    throw WrongUsage(fmt::format(
+        "--robot: expected a robot, got none: give a catalogue name ({}), a file (.toml), or a line \"# robot: "
+        "NAME\" in the measurements",
+        catalogue_names()));
   }
   for (const io::RobotStatement& one : stated) io::require_same(stated.front(), one);
   if (inputs.rows != nullptr) inputs.rows->expect(stated.front());
@@ -135,10 +135,10 @@ void require_level(const Robot& robot, std::string_view task) {
 }
 
 std::string_view why_not_turned(const Robot& robot, const Pose& pose) {
-  if (!robot.commands_tilt() && !pose.tilt.isZero(0.0)) return "such a plate stays level: expected no tilt";
+  if (!robot.commands_tilt() && !pose.tilt.isZero(0.0)) return "expected no tilt, because this plate stays level";
   if (robot.slide() || pose.rotation == 0.0) return why_held(robot.nominal(), pose);
-  return robot.commands_tilt() ? "such a plate turns by tilt_z: expected phi = 0 deg"
-                               : "a rigid plate does not turn: expected phi = 0 deg";
+  return robot.commands_tilt() ? "expected phi = 0 deg, because this plate turns by tilt_z"
+                               : "expected phi = 0 deg, because a rigid plate does not turn";
 }
 
 Pose pose_of_option(const Robot& robot, std::string_view option, const std::vector<double>& numbers) {

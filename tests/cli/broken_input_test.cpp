@@ -397,7 +397,7 @@ const std::vector<BrokenInput> kCalibrationFiles{
 
 const std::vector<BrokenInput> kUnreachable{
     unreachable("pose_too_far", {{"poses.csv", replaced(kPoses, "right,400", "right,1400")}}, kInverse,
-                {"paracal: poses.csv:4: pose right", "(1400, 0, -888) mm", "out of reach of limb"}),
+                {"paracal: poses.csv:4: pose right", "(1400, 0, -888) mm", "limb", "cannot reach this pose"}),
     unreachable("pose_of_a_rigid_plate_that_turns",
                 {{"poses.csv", replaced(kPoses, "400,0,-888,0\nleft", "400,0,-888,30\nleft")}},
                 kInverse + " --robot rotary_delta",

@@ -67,9 +67,9 @@ TEST_F(CompensateCommand, ErrorsInTomlDoTheSame) {
 }
 
 TEST_F(CompensateCommand, SaysThatUncertaintyIsNotKnown) {
-  EXPECT_THAT(folder.run(kCompensate).out,
-              AllOf(StartsWith("# U of these poses is not known: the errors have no covariance\n# assumed: the "),
-                    HasSubstr(" deg\npose,q1_deg,")));
+  EXPECT_THAT(folder.run(kCompensate).out, AllOf(StartsWith("# U of these poses is unknown, because the errors have no "
+                                                            "covariance: use --calibration\n# assumed: the "),
+                                                 HasSubstr(" deg\npose,q1_deg,")));
   const json compensated = json_from(kCompensate);
   for (const json& one : compensated.at("uncertainty")) EXPECT_TRUE(one.is_null());
 }

@@ -69,7 +69,7 @@ TEST_F(Faults, AnOutputIsNoInput) {
            {"report --calibration calibration.json --measurements points.csv --out points.csv", "--measurements"}}) {
     const ProgramResult result = folder.run(one.command);
     EXPECT_EQ(result.exit_code, kWrongUsage) << one.command;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("a file of its own"), HasSubstr(one.option))) << one.command;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("expected a separate file"), HasSubstr(one.option))) << one.command;
     EXPECT_THAT(result.out, IsEmpty()) << one.command;
     expect_untouched(one.command);
   }
@@ -138,7 +138,7 @@ TEST_F(Faults, FilesThatAreNamedInFilesAreInputs) {
   folder.write("delta.cfg", included);
   const ProgramResult printer = folder.run("calibrate --printer printer.cfg --out delta.cfg");
   EXPECT_EQ(printer.exit_code, kWrongUsage);
-  EXPECT_THAT(printer.err, HasSubstr("delta.cfg, which is read, too"));
+  EXPECT_THAT(printer.err, HasSubstr("delta.cfg, which is also read"));
   EXPECT_EQ(folder.read("delta.cfg"), included);
 
   const std::string robot = folder.run("robot").out;
@@ -147,7 +147,7 @@ TEST_F(Faults, FilesThatAreNamedInFilesAreInputs) {
   EXPECT_EQ(folder.run(words("inverse --poses named.csv")).exit_code, kDone);
   const ProgramResult inverse = folder.run(words("inverse --poses named.csv --out mine.toml"));
   EXPECT_EQ(inverse.exit_code, kWrongUsage);
-  EXPECT_THAT(inverse.err, HasSubstr("mine.toml, which is read, too"));
+  EXPECT_THAT(inverse.err, HasSubstr("mine.toml, which is also read"));
   EXPECT_EQ(folder.read("mine.toml"), robot);
 }
 

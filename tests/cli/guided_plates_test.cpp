@@ -150,7 +150,7 @@ TEST_P(GuidedWalk, PosesBesideTheGuidesAreRefused) {
     folder.write("lifted.csv", "pose,x_mm,y_mm,z_mm\nA,1,2,3\n");
     const ProgramResult lifted = run("inverse --robot r.toml --poses lifted.csv");
     EXPECT_EQ(lifted.exit_code, kMathematicsSaysNo);
-    EXPECT_THAT(lifted.err, HasSubstr("its guides hold the plate in its plane"));
+    EXPECT_THAT(lifted.err, HasSubstr("expected z and tilts as the guides fix them"));
     folder.write("flat.csv", "pose,x_mm,y_mm\nA,1,2\n");
     folder.write("stated.csv", "pose,x_mm,y_mm,z_mm\nA,1,2,0\n");
     EXPECT_EQ(run("inverse --robot r.toml --poses flat.csv").out, run("inverse --robot r.toml --poses stated.csv").out);

@@ -52,7 +52,7 @@ TEST(SixFreedoms, JointsAreCorrectedWhereNoTargetHasThem) {
   EXPECT_THAT(corrected.out, HasSubstr(exact.out.substr(exact.out.find("\na,"))));
   const ProgramResult targets = run("compensate --targets" + how);
   EXPECT_EQ(targets.exit_code, kMathematicsSaysNo);
-  EXPECT_THAT(targets.err, HasSubstr("no target of the nominal robot"));
+  EXPECT_THAT(targets.err, HasSubstr("no pose of the nominal robot"));
   const json found = json::parse(run("compensate --json" + how).out);
   EXPECT_TRUE(found.at("targets")[0].is_null());
 }
@@ -129,7 +129,7 @@ TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
     EXPECT_THAT(result.err,
                 testing::AnyOf(HasSubstr("stay level"), HasSubstr("stays level"), HasSubstr("tilt_x"),
-                               HasSubstr("orientation of this plate is measured"), HasSubstr("on limbs with one rod")))
+                               HasSubstr("orientation of this plate is measured"), HasSubstr("for limbs with one rod")))
         << command;
   }
 }
@@ -197,7 +197,7 @@ TEST_F(Hexapod, ARobotOfArmsDoesNotTilt) {
     folder.write("e.toml", "[[limb]]\n[[limb]]\n[[limb]]\n[[limb]]\n");
     const ProgramResult result = run(std::string(command) + " --robot huang2016");
     EXPECT_EQ(result.exit_code, kMathematicsSaysNo) << result.err;
-    EXPECT_THAT(result.err, HasSubstr("such a plate stays level"));
+    EXPECT_THAT(result.err, HasSubstr("because this plate stays level"));
   }
 }
 

@@ -88,7 +88,7 @@ TEST_F(StatedRobot, NobodyStatesAnything) {
                               "calibrate --measurements points.csv", "sensitivity", "tolerance allocate",
                               "tolerance analyze", "yield --machines 1", "yield --machines 1 --poses poses.csv"}) {
     expect_refused(command, kWrongUsage,
-                   "--robot: expected a robot, got none: a catalogue name (huang2016, rotary_delta, "
+                   "--robot: expected a robot, got none: give a catalogue name (huang2016, rotary_delta, "
                    "linear_delta), a file (.toml), or a line \"# robot: NAME\" in the measurements");
   }
 }

@@ -113,7 +113,7 @@ TEST_F(Rows, TablesSayTheSame) {
   for (const char* const options : {"", " --targets"}) {
     const std::string table = done(kCompensate + options);
     EXPECT_THAT(
-        table, AllOf(StartsWith("# U of these poses in the robot's frame (95 %), largest: x "),
+        table, AllOf(StartsWith("# largest U (k = 2, 95 %) of these poses in the robot's frame: x "),
                      HasSubstr(*options == '\0' ? "\npose,q1_deg,q2_deg,q3_deg,q4_deg\n1,"
                                                 : "\npose,x_mm,y_mm,z_mm,phi_deg,U_x_mm,U_y_mm,U_z_mm,U_phi_deg\n1,")));
     const std::vector<std::string> lines = lines_of(table);
@@ -135,7 +135,7 @@ TEST_F(Rows, TablesSayTheSame) {
     }
     double largest = 0.0;
     for (const json& one : object["uncertainty"]) largest = std::max(largest, one["U_mm"][0].get<double>());
-    EXPECT_THAT(lines[0], HasSubstr(fmt::format("largest: x {:.2g},", largest)));
+    EXPECT_THAT(lines[0], HasSubstr(fmt::format("robot's frame: x {:.2g},", largest)));
     ASSERT_EQ(folder.run(kCompensate + options + " --out out.csv").exit_code, kDone);
     EXPECT_TRUE(folder.read("out.csv") == table);
   }

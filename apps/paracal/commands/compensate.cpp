@@ -92,17 +92,17 @@ class LargestUncertainty {
     if (stated->tilt) largest_.tilt = largest_.tilt.value_or(Eigen::Vector3d::Zero()).cwiseMax(*stated->tilt);
   }
 
-  /// "# U of these poses in the robot's frame (95 %), largest: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of the
-  /// table.
+  /// "# largest U (k = 2, 95 %) of these poses in the robot's frame: x 2.4, y 2.4, z 0.1 mm, phi 4.8 deg": a comment of
+  /// the table.
   std::string line() const {
-    if (!is_known_) return "# U of these poses is not known: the errors have no covariance\n";
+    if (!is_known_) return "# U of these poses is unknown, because the errors have no covariance: use --calibration\n";
     const auto& [mm, rotation, tilt] = largest_;
     const std::string turns = tilt ? fmt::format("tilt {:.2g}, {:.2g}, {:.2g}", to_degrees(tilt->x()),
                                                  to_degrees(tilt->y()), to_degrees(tilt->z()))
                                    : fmt::format("phi {:.2g}", to_degrees(rotation));
     return fmt::format(
-        "# U of these poses in the robot's frame (95 %), largest: x {:.2g}, y {:.2g}, z {:.2g} mm, {} deg\n", mm.x(),
-        mm.y(), mm.z(), turns);
+        "# largest U (k = 2, 95 %) of these poses in the robot's frame: x {:.2g}, y {:.2g}, z {:.2g} mm, {} deg\n",
+        mm.x(), mm.y(), mm.z(), turns);
   }
 
  private:
@@ -113,7 +113,7 @@ class LargestUncertainty {
 PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
   if (robot.on_single_rods() && way != "exact") {
     throw WrongUsage(
-        "--way: expected exact of a plate on limbs with one rod: the linear ways are of one on parallelograms");
+        "--way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");
   }
   return pose_corrector(robot, machine.known(), kWays.at(way), machine.controller.computes_with(robot));
 }
@@ -121,9 +121,10 @@ PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& mach
 /// A target may be missing where nobody prints it by itself: some joints of a machine that is off are no nominal one's.
 Compensated compensated(const PoseCorrector& corrector, const Station& station, bool needs_target) {
   CorrectedPose found = corrector(station.commanded);
-  if (found.status == CompensationStatus::unreachable) refuse(station, "out of reach of the machine");
-  if (found.status != CompensationStatus::ok) refuse(station, "the machine is singular there");
-  if (needs_target && !found.target) refuse(station, "no target of the nominal robot has the corrected joints");
+  if (found.status == CompensationStatus::unreachable) refuse(station, "no solution: the pose is out of reach");
+  if (found.status != CompensationStatus::ok) refuse(station, "no solution: the machine is singular there");
+  if (needs_target && !found.target)
+    refuse(station, "no solution: no pose of the nominal robot has the corrected joints");
   return {station.name, std::move(found)};
 }
 

@@ -23,9 +23,10 @@ io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
   if (!result.ok()) {
     const char* why = result.residual > ForwardOptions{}.max_residual ? "the rods do not meet"
                       : result.status == ForwardStatus::singular      ? "the joints do not hold the plate"
-                                                                      : "the closure did not settle";
-    throw MathematicsSaysNo(fmt::format("{}: joints {}: {} (largest rod residual {:.3g} mm after {} iterations)",
-                                        row.stated_in, row.name, why, result.residual, result.iterations));
+                                                                      : "the iteration did not converge";
+    throw MathematicsSaysNo(
+        fmt::format("{}: joints {}: no solution: {} (largest rod residual {:.3g} mm after {} iterations)",
+                    row.stated_in, row.name, why, result.residual, result.iterations));
   }
   return {row.name, result, machine.rotation_of(result.plate.slide)};
 }

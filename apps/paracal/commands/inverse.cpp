@@ -21,10 +21,11 @@ struct InverseArguments {
 Joints joints_at(const Robot& robot, const Machine& machine, const Station& station) {
   const InverseResult result = inverse(machine, station.commanded);
   if (result.ok()) return result.joints;
-  std::string why = "the machine is singular there";
+  std::string why = "no solution: the machine is singular there";
   if (result.status == InverseStatus::unreachable) {
-    why = result.unreachable_limb < 0 ? std::string(why_not_turned(robot, station.commanded))
-                                      : fmt::format("out of reach of limb {}", result.unreachable_limb + 1);
+    why = result.unreachable_limb < 0
+              ? std::string(why_not_turned(robot, station.commanded))
+              : fmt::format("no solution: limb {} cannot reach this pose", result.unreachable_limb + 1);
   }
   throw MathematicsSaysNo(fmt::format("{}: {}", pose_text(station), why));
 }
