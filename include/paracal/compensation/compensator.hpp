@@ -1,11 +1,11 @@
 #pragma once
 
 // The compensator that runs in a controller: from a commanded pose to the joint coordinates that bring the identified
-// machine there. This header and limb_closure.hpp need the standard library alone and may be copied by themselves.
+// machine there. This header and limb_closure.hpp need only the standard library and may be copied alone.
 // Everything in them is real-time safe: noexcept, no allocation, no lock, no exception, no unbounded loop, no state
 // between calls.
 //
-// Its parameters are made once, outside of the control thread, by compensator_parameters (parameters.hpp).
+// Its parameters are computed once, outside the control thread, by compensator_parameters (parameters.hpp).
 
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@
 #include "paracal/mechanism/limb_closure.hpp"
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error "compensator.hpp tells unreachable poses by numbers that are not finite: compile without -ffinite-math-only"
+#error "compensator.hpp detects unreachable poses by non-finite numbers: compile without -ffinite-math-only"
 #endif
 
 namespace paracal {
@@ -32,33 +32,33 @@ struct CompensatorLimb {
   CompensatorVector<Scalar> base{};                      ///< b_i
   CompensatorVector<Scalar> radial{}, normal{}, axis{};  ///< u_0, v_0, w_0: columns of R_0
   CompensatorVector<Scalar> plate{};                     ///< a_i, in {O'}
-  CompensatorVector<Scalar> slide{};                     ///< mu_i r_g shat, in {O'}: motion of A_i a rad of phi
+  CompensatorVector<Scalar> slide{};                     ///< mu_i r_g shat, in {O'}: motion of A_i per rad of phi
   CompensatorVector<Scalar> elbow_half{};                ///< (c_c / 2) R_2 e_3, along u_1, v_1, w_0
   CompensatorVector<Scalar> plate_half{};                ///< (c_a / 2) R_3 e_3, in {O'}
   std::array<Scalar, 2> rod{};                           ///< l_1, l_2
   Scalar arm{};                                          ///< L_i
-  Scalar joint_offset{};                                 ///< added to the believed joint coordinate, rad or mm
-  /// 0: the joint turns an arm, C = b + L u_1; 1: it runs a carriage along a rail,
+  Scalar joint_offset{};                                 ///< added to the commanded joint coordinate, rad or mm
+  /// 0: the joint rotates an arm, C = b + L u_1; 1: it moves a carriage along a rail,
   /// C = b - L u_0 + (q / joint_per_mm + joint_offset) v_0
   Scalar on_rail{};
-  /// On a rail: mm of the joint coordinate that the carriage takes for a mm of its way, 1 / gain.
+  /// On a rail: mm of the joint coordinate per mm of travel of the carriage, 1 / gain.
   Scalar joint_per_mm = Scalar(1);
 };
 
-/// All that a compensator knows: plain numbers of fixed size, without padding, to be copied as bytes.
+/// All parameters of a compensator: plain numbers of fixed size, without padding, to be copied as bytes.
 template <typename Scalar>
 struct CompensatorParameters {
   std::array<CompensatorLimb<Scalar>, kCompensatorLimbs> identified{}, nominal{};
-  /// dp_d of each limb, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean (on a rail
-  /// theta_offset is a length itself, the rod's length stands for L, and gain, mm/m, for arm_length).
+  /// dp_d of each limb, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean. On a
+  /// rail: theta_offset (a length), rod length instead of L, and gain, mm/m, instead of arm_length.
   std::array<std::array<Scalar, 8>, kCompensatorLimbs> position_errors{};
   /// dp_e of each limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
   std::array<std::array<Scalar, 6>, kCompensatorLimbs> tilt_errors{};
   std::uint32_t limb_count = 0;   ///< 4 with a slide, 3 with a rigid plate
-  std::uint32_t tilts_plate = 0;  ///< 1: some error of the tilt group is not zero
+  std::uint32_t tilts_plate = 0;  ///< 1: at least one error of the tilt group is not zero
 };
 
-/// The same robot without errors: what a controller falls back to.
+/// The same robot without errors: the fallback of a controller.
 template <typename Scalar>
 CompensatorParameters<Scalar> without_errors(const CompensatorParameters<Scalar>& parameters) noexcept {
   CompensatorParameters<Scalar> nominal;
@@ -67,18 +67,18 @@ CompensatorParameters<Scalar> without_errors(const CompensatorParameters<Scalar>
   return nominal;
 }
 
-/// What the controller is asked for: O' in {O}, mm; phi of the end-effector, rad (0 for a rigid plate).
+/// The commanded pose: O' in {O}, mm; phi of the end-effector, rad (0 for a rigid plate).
 template <typename Scalar>
 struct CompensatorPose {
   Scalar x{}, y{}, z{};
   Scalar phi{};
 };
 
-/// Joint coordinates to command, rad (mm on rails), one a limb; entries beyond the number of limbs are not used.
+/// Joint coordinates to command, rad (mm on rails), one per limb; entries beyond the number of limbs are not used.
 template <typename Scalar>
 using CompensatorJoints = std::array<Scalar, kCompensatorLimbs>;
 
-/// Tilt of the plate that no joint command removes, rad.
+/// Tilt of the plate that no joint command can remove, rad.
 template <typename Scalar>
 struct CompensatorTilt {
   Scalar eps_x{}, eps_y{};
@@ -86,15 +86,15 @@ struct CompensatorTilt {
 
 enum class CompensationWay : std::uint8_t {
   linear,      ///< nominal inverse + dq_m of the position group [huang2016, Eqs. (22), (23)]
-  tilt_aware,  ///< and of what the tilt group moves the plate by [huang2016, Eq. (8)]
+  tilt_aware,  ///< also the displacement of the plate by the tilt group [huang2016, Eq. (8)]
   exact,       ///< inverse of the identified machine with all errors
 };
 
 enum class CompensationStatus : std::uint8_t {
   ok,
-  unreachable,  ///< an arm and its rods do not meet there, or a rigid plate is asked to turn
-  not_finite,   ///< the commanded pose holds NaN or infinity
-  singular,     ///< the machine does not hold the plate there: the correction has no answer
+  unreachable,  ///< an arm and its rods do not meet there, or a rigid plate should turn
+  not_finite,   ///< the commanded pose contains NaN or infinity
+  singular,     ///< the limbs do not hold the plate there: the correction has no solution
 };
 
 namespace compensation_detail {
@@ -150,7 +150,7 @@ bool runs_on_rail(const CompensatorLimb<Scalar>& limb) noexcept {
   return limb.on_rail != Scalar(0);
 }
 
-/// Where the arm or the carriage is one mean rod away from the plate joint, d from b_i.
+/// Position of the arm or the carriage at one mean rod length from the plate joint, d from b_i.
 template <typename Scalar>
 ArmDirection<Scalar> close_limb(const CompensatorLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
   const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
@@ -159,7 +159,7 @@ ArmDirection<Scalar> close_limb(const CompensatorLimb<Scalar>& limb, const Vecto
   return {Scalar(1), close_on_rail(RailReach<Scalar>{radial, normal, dot(d, limb.axis), limb.arm, rod})};
 }
 
-/// The elbow (on a rail the carriage) in {O}: its centre C and the directions that its short side keeps.
+/// The elbow (on a rail the carriage) in {O}: its centre C and the directions fixed to its short side.
 template <typename Scalar>
 struct ClosedElbow {
   Vector<Scalar> u1, v1, centre;
@@ -179,8 +179,8 @@ ClosedElbow<Scalar> elbow_of(const CompensatorLimb<Scalar>& limb, const ArmDirec
 template <typename Scalar, std::size_t N>
 using Arms = std::array<ArmDirection<Scalar>, N>;
 
-/// Closed form for all limbs, plate level. All triangles before the first arctangent: the short chains of arithmetic
-/// then overlap, limb with limb.
+/// Closed form for all limbs with a level plate. All triangles come before the first arctangent, so the short chains of
+/// arithmetic of the limbs overlap.
 template <std::size_t N, typename Scalar>
 Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
                            const CompensatorPose<Scalar>& pose) noexcept {
@@ -194,7 +194,7 @@ Arms<Scalar, N> level_arms(const std::array<CompensatorLimb<Scalar>, kCompensato
   return arms;
 }
 
-/// Where a joint coordinate puts the arm, rad, or the carriage, mm.
+/// Position of the arm, rad, or of the carriage, mm, for a joint coordinate.
 template <typename Scalar>
 Scalar place_of(const CompensatorLimb<Scalar>& limb, Scalar joint) noexcept {
   return (runs_on_rail(limb) ? joint / limb.joint_per_mm : joint) + limb.joint_offset;
@@ -220,7 +220,7 @@ bool level_inverse(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>&
   return all_finite(joints, N);
 }
 
-/// Rows of the inverse of a symmetric matrix; not finite where it is singular.
+/// Rows of the inverse of a symmetric matrix; not finite if it is singular.
 template <typename Scalar>
 std::array<Vector<Scalar>, 3> inverse_of_symmetric(const std::array<Vector<Scalar>, 3>& rows) noexcept {
   std::array<Vector<Scalar>, 3> inverse;
@@ -259,11 +259,11 @@ PlateFrame<Scalar> plate_frame(const Vector<Scalar>& tilt) noexcept {
   return {plate_columns(turn_by(tilt[0]), turn_by(tilt[1]), turn_by(tilt[2]))};
 }
 
-/// Where arms and plate are while the tilt is sought; position and slide of the plate are held on the pose.
+/// Arms and plate during the search for the tilt; position and slide of the plate stay on the pose.
 template <typename Scalar, std::size_t N>
 struct TiltedPose {
   Arms<Scalar, N> arms;           ///< of unit length
-  std::array<Scalar, N> moved{};  ///< joints, by how much since the level plate, rad or mm
+  std::array<Scalar, N> moved{};  ///< changes of the joints since the level plate, rad or mm
   Vector<Scalar> tilt{};          ///< rad
 };
 
@@ -280,8 +280,8 @@ TiltedPose<Scalar, N> level_pose(const std::array<CompensatorLimb<Scalar>, kComp
   return state;
 }
 
-/// What the rods exert on the plate if each is a spring of tension f = |rod| - l. The plate is where the least-squares
-/// closure says when force, moment and the force along the slide are zero (J^T f = 0, J = df / d(plate)).
+/// Load of the rods on the plate if each is a spring of tension f = |rod| - l. The least-squares closure is reached
+/// when force, moment and the force along the slide are zero (J^T f = 0, J = df / d(plate)).
 template <typename Scalar>
 struct Pull {
   Vector<Scalar> force{}, moment{};
@@ -317,8 +317,8 @@ Pull<Scalar> pull_of_rods(const std::array<CompensatorLimb<Scalar>, kCompensator
   return pull;
 }
 
-/// Change of a limb's mean rod by motions of the plate: n by its position, n . slide by phi (mm a rad). Their dual has
-/// the same shape: how the plate moves if this limb's rod alone changes by 1 mm, the others being orthogonal to it.
+/// Change of a limb's mean rod by motions of the plate: n by its position, n . slide by phi (mm per rad). The dual has
+/// the same form: the motion of the plate if only this limb's rod changes by 1 mm.
 template <typename Scalar>
 struct RodMotion {
   Vector<Scalar> position{};
@@ -351,14 +351,14 @@ std::array<RodMotion<Scalar>, 4> dual_motions(const std::array<RodMotion<Scalar>
   return dual;
 }
 
-/// How arms and plate answer a pull, rods of a limb taken as parallel: J^T (f + J_q dq + J_tilt dtilt) = 0 then falls
-/// apart into limbs and three equations for the tilt. Made once, at the level plate; errors of the tilt group change
-/// it by their own size, so each step leaves that share (a thousandth) of what there was.
+/// Response of arms and plate to a pull, with parallel rods in each limb: J^T (f + J_q dq + J_tilt dtilt) = 0 then
+/// splits into the limbs and three equations for the tilt. Computed once, for the level plate. Errors of the tilt group
+/// change it by their own size, so each step leaves about a thousandth of the error.
 template <typename Scalar, std::size_t N>
 struct Answer {
   std::array<RodMotion<Scalar>, N> dual;
   std::array<Vector<Scalar>, N> moment;   ///< plate joint x n
-  std::array<Scalar, N> by_joint;         ///< change of the rods by the joint, mm a rad or mm
+  std::array<Scalar, N> by_joint;         ///< change of the rods by the joint, mm per rad or mm
   std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n
 };
 
@@ -386,7 +386,7 @@ Answer<Scalar, N> answer_at(const std::array<CompensatorLimb<Scalar>, kCompensat
   return answer;
 }
 
-/// Moves an arm or a carriage on by a change of its joint.
+/// Moves an arm or a carriage by a change of its joint.
 template <typename Scalar>
 ArmDirection<Scalar> moved_by(const CompensatorLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
                               Scalar change) noexcept {
@@ -396,7 +396,7 @@ ArmDirection<Scalar> moved_by(const CompensatorLimb<Scalar>& limb, const ArmDire
 }
 
 /// One step towards equilibrium.
-/// @returns by how much each arm turns (each carriage turns its rods) and the plate tilts, rad.
+/// @returns rotations of each arm (of the rods for a carriage) and of the plate, rad.
 template <typename Scalar, std::size_t N>
 std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompensatorLimbs>& limbs,
                                const CompensatorPose<Scalar>& pose, const Answer<Scalar, N>& answer,
@@ -422,14 +422,14 @@ std::array<Scalar, N + 3> step(const std::array<CompensatorLimb<Scalar>, kCompen
   return changes;
 }
 
-/// What a step may leave, rad: each of the next would be smaller by the factor between the last two.
+/// Largest remaining error, rad: each further step would be smaller by the ratio of the last two.
 template <typename Scalar>
 inline constexpr Scalar kSettled = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
 
-inline constexpr int kMostSteps = 20;  ///< three or four are the rule
+inline constexpr int kMostSteps = 20;  ///< usually three or four
 
-/// From the joints of the level plate to those of the tilted one, which inverse (kinematics/inverse.hpp) finds by
-/// Newton's iteration.
+/// From the joints of the level plate to those of the tilted one. inverse (kinematics/inverse.hpp) finds the same by
+/// Newton's method.
 template <std::size_t N, typename Scalar>
 CompensationStatus settle(const CompensatorParameters<Scalar>& parameters, const CompensatorPose<Scalar>& pose,
                           const Arms<Scalar, N>& level, CompensatorJoints<Scalar>& joints,
@@ -467,7 +467,7 @@ struct LinearLimb {
   std::array<Scalar, 8> B_d;  ///< of dp_d (CompensatorParameters::position_errors)
   std::array<Scalar, 6> B_e;  ///< of dp_e (CompensatorParameters::tilt_errors)
   Vector<Scalar> A_de, A_ee;  ///< mm and 1
-  Scalar by_joint;            ///< B_m, mm a rad or mm
+  Scalar by_joint;            ///< B_m, mm per rad or mm
   Vector<Scalar> rod;         ///< l, unit vector
 };
 
@@ -476,7 +476,7 @@ Vector<Scalar> unit(const Vector<Scalar>& v) noexcept {
   return scaled(v, Scalar(1) / std::sqrt(dot(v, v)));
 }
 
-/// @param first  whose arm, of a rail whose rod, angles are scaled by to lengths.
+/// @param first  its arm (on a rail its rod) scales angles to lengths.
 template <typename Scalar>
 LinearLimb<Scalar> linear_limb(const CompensatorLimb<Scalar>& limb, const CompensatorLimb<Scalar>& first,
                                const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
@@ -511,7 +511,7 @@ Scalar inner(const std::array<Scalar, Size>& a, const std::array<Scalar, Size>& 
   return value;
 }
 
-/// A_ee^+ a limb: epsilon = sum of its columns, each times B_e dp_e of its limb, rad [huang2016, Eq. (6)].
+/// A_ee^+ per limb: epsilon = sum of its columns, each times B_e dp_e of its limb, rad [huang2016, Eq. (6)].
 template <std::size_t N, typename Scalar>
 std::array<Vector<Scalar>, N> tilt_by_limb(const std::array<LinearLimb<Scalar>, N>& limbs) noexcept {
   std::array<Vector<Scalar>, 3> normal{};  // A_ee^T A_ee
@@ -551,7 +551,7 @@ CompensationStatus compensate(const CompensatorParameters<Scalar>& parameters, C
   return linear<N>(parameters, pose, way == CompensationWay::tilt_aware, joints, tilt);
 }
 
-/// Whether a pose may be asked for at all.
+/// Whether a pose can be commanded at all.
 template <typename Scalar>
 CompensationStatus asked(const CompensatorParameters<Scalar>& parameters,
                          const CompensatorPose<Scalar>& pose) noexcept {
@@ -564,13 +564,13 @@ CompensationStatus asked(const CompensatorParameters<Scalar>& parameters,
 
 /// Joint coordinates that bring the identified machine to a pose.
 ///
-/// Last safe behaviour: `joints` and `tilt` are written when the status is ok, and left as they are otherwise. A
-/// controller that passes the same `joints` in every cycle so keeps the last good ones; it must have set them before
-/// the first call (to where the machine stands). What is written with status ok is finite, whatever came in.
+/// `joints` and `tilt` are written if the status is ok, else unchanged. A controller that passes the same `joints` in
+/// every cycle therefore keeps the last valid ones. It must set them before the first call, to the present joints of
+/// the machine. Values written with status ok are always finite.
 ///
 /// @param pose    mm, rad, in {O}.
 /// @param joints  rad (mm on rails), as the controller should command them.
-/// @param tilt    on request: what tilt remains, rad; of first order for the linear ways.
+/// @param tilt    if given: the remaining tilt, rad; of first order for the linear methods.
 /// Real-time: yes.
 template <typename Scalar>
 [[nodiscard]] CompensationStatus compensate(const CompensatorParameters<Scalar>& parameters, CompensationWay way,
@@ -588,7 +588,7 @@ template <typename Scalar>
   return status;
 }
 
-/// Parameters and way of one machine, for controllers that change neither while they run (else: parameter_buffer.hpp).
+/// Parameters and method of one machine, for controllers that keep both at run time (else: parameter_buffer.hpp).
 template <typename Scalar>
 class Compensator {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 
-// New parameters for a control thread that never stops: double buffer with counted publications. Standard library
-// alone.
+// New parameters for a control thread that never stops: double buffer with counted publications. Needs only the
+// standard library.
 
 #include <array>
 #include <atomic>
@@ -14,21 +14,21 @@
 
 namespace paracal {
 
-/// Two slots of parameters. One thread publishes into the slot that is not in use; any number of readers copy the
-/// other. Only a reader that is overtaken by two publications while it copies can see a mixture, and the counts tell it
-/// so.
+/// Two slots of parameters. One thread publishes into the free slot; any number of readers copy the
+/// other. Only a reader that is overtaken by two publications during its copy can get a mixture, and the counts show
+/// this.
 ///
 ///   publish n:  begun = n;  slot[n mod 2] = parameters;  published = n
 ///   read:       n = published;  copy slot[n mod 2];  good unless begun has come to n + 2
 ///
-/// The slots are atomic words, stored with release and loaded with acquire: whoever has seen a word of publication n +
-/// 2 also sees begun = n + 2. Neither side ever waits.
+/// The slots are atomic words, stored with release and loaded with acquire: a reader that sees a word of publication
+/// n + 2 also sees begun = n + 2. Neither side ever waits.
 template <typename Scalar>
 class ParameterBuffer {
  public:
   using Parameters = CompensatorParameters<Scalar>;
 
-  /// @param parameters  of the robot; until something is published, readers get them without errors.
+  /// @param parameters  of the robot; until the first publication, readers get them without errors.
   explicit ParameterBuffer(const Parameters& parameters) noexcept : nominal_(without_errors(parameters)) {
     store(nominal_, 0);
   }
@@ -41,15 +41,15 @@ class ParameterBuffer {
     published_.store(number, std::memory_order_release);
   }
 
-  /// Takes all corrections back: publishes the nominal robot.
+  /// Removes all corrections: publishes the nominal robot.
   void fall_back() noexcept { publish(nominal_); }
 
   const Parameters& nominal() const noexcept { return nominal_; }
 
-  /// Copies what was published last, in one try.
-  /// @param parameters  set when the copy is whole; else it holds a mixture.
+  /// Copies the last publication, in one try.
+  /// @param parameters  valid if the copy is complete; else a mixture.
   /// @param number      of the publication that was copied.
-  /// @returns whether it is whole. Real-time: yes.
+  /// @returns whether the copy is complete. Real-time: yes.
   [[nodiscard]] bool copy(Parameters& parameters, std::uint32_t& number) const noexcept {
     number = published_.load(std::memory_order_acquire);
     load(parameters, number);
@@ -89,15 +89,15 @@ class ParameterBuffer {
   std::atomic<std::uint32_t> begun_{0}, published_{0};
 };
 
-/// The control thread's own copy: always whole. It starts with the nominal robot and keeps what it has whenever the
-/// publisher is too quick for one try; the next cycle tries again.
+/// The control thread's own copy: always complete. It starts with the nominal robot. If the publisher is too fast for
+/// one try, it keeps its copy; the next cycle tries again.
 template <typename Scalar>
 class ParameterReader {
  public:
   explicit ParameterReader(const ParameterBuffer<Scalar>& buffer) noexcept
       : buffer_(&buffer), current_(buffer.nominal()) {}
 
-  /// To be called once a cycle; copies only when something new was published. Real-time: yes, wait-free.
+  /// To be called once per cycle; copies only after a new publication. Real-time: yes, wait-free.
   const CompensatorParameters<Scalar>& latest() noexcept {
     std::uint32_t number = 0;
     if (buffer_->published() != seen_ && buffer_->copy(fresh_, number)) {

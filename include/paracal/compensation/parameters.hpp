@@ -11,17 +11,17 @@
 
 namespace paracal {
 
-/// What the compensator of a machine with these (identified) errors has to know, mm and rad, rounded to Scalar last.
-/// @throws InvalidArgument for a plate with six freedoms, whose joints inverse() has in closed form.
-/// Instantiated for double and float. Real-time: no; make them before the control thread needs them.
+/// Parameters of the compensator for a machine with these (identified) errors, mm and rad, rounded to Scalar last.
+/// @throws InvalidArgument for a plate with six degrees of freedom, whose joints inverse() has in closed form.
+/// Instantiated for double and float. Real-time: no; compute them before the control thread needs them.
 template <typename Scalar = double>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 
 extern template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
 
-/// Covariance of identified errors as the compensator takes it.
-/// @param parameters  what the rows belong to: anything with `limb` (from 0) and `source`, as of a Calibration.
+/// Covariance of identified errors for the compensator.
+/// @param parameters  of the rows: any type with `limb` (from 0) and `source`, as in a Calibration.
 /// @param covariance  of these, mm and rad.
 template <typename Parameter>
 CompensatorCovariance<double> compensator_covariance(const Robot& robot, const std::vector<Parameter>& parameters,
@@ -38,20 +38,20 @@ CompensatorCovariance<double> compensator_covariance(const Robot& robot, const s
   return scaled;
 }
 
-/// A pose of the library as the compensator takes it.
+/// A pose of the library for the compensator.
 template <typename Scalar = double>
 CompensatorPose<Scalar> compensator_pose(const Pose& pose) {
   return {static_cast<Scalar>(pose.position.x()), static_cast<Scalar>(pose.position.y()),
           static_cast<Scalar>(pose.position.z()), static_cast<Scalar>(pose.rotation)};
 }
 
-/// Compensated joints as the library takes them.
+/// Compensated joints for the library.
 Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints);
 
-/// The pose to ask of a closed controller, one that computes with the nominal robot: its nominal inverse gives these
+/// The pose to command to a closed controller, which computes with the nominal robot: its nominal inverse gives these
 /// joints. It is the nominal forward kinematics of the corrected joints.
-/// @param wanted  the pose that these joints reach: near the answer, which saves the search for one.
-/// @returns nothing where the nominal robot does not close with these joints.
+/// @param wanted  the pose that these joints reach: a good start for the solver.
+/// @returns nothing if the nominal robot does not close with these joints.
 std::optional<Pose> corrected_target(const Robot& robot, const Joints& joints, const Pose& wanted);
 
 }  // namespace paracal

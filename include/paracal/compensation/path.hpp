@@ -7,29 +7,29 @@
 
 namespace paracal {
 
-/// The exact compensator over a whole path, several poses at a time in the lanes of the processor's vector registers;
-/// the widest that the running processor has are chosen when the program starts. For planners, not for the cycle of a
+/// The exact compensator for a whole path, several poses at a time in the lanes of the processor's vector registers.
+/// The widest registers of the processor are chosen when the program starts. For planners, not for the cycle of a
 /// controller.
 ///
-/// The lines are those of compensator.hpp, so each pose gets the status of `compensate` and its joints within 1e-12 rad
-/// (rounding: fused multiply-adds, and an own arctangent in the lanes). Poses for which the lanes find no answer are
-/// given to `compensate` itself.
+/// The code is that of compensator.hpp, so each pose gets the status of `compensate` and its joints within 1e-12 rad
+/// (rounding by fused multiply-adds and a separate arctangent). Poses without a solution in the lanes are
+/// passed to `compensate`.
 ///
 /// @param poses     mm, rad, in {O}.
-/// @param joints    rad; each written where its status is ok, left as it is otherwise.
-/// @param statuses  one a pose.
-/// @param tilts     on request (else empty): what tilt remains, rad; written as joints are.
+/// @param joints    rad; each written if its status is ok, else unchanged.
+/// @param statuses  one per pose.
+/// @param tilts     if not empty: the remaining tilts, rad; written like joints.
 /// @throws std::invalid_argument  when the sizes differ.
 void compensate_path(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<CompensatorJoints<double>> joints, std::span<CompensationStatus> statuses,
                      std::span<CompensatorTilt<double>> tilts = {});
 
-/// What a controller that computes with the nominal robot must be told, in the same lanes: the nominal robot's pose
-/// with the joints that bring the identified machine to each pose, within 1e-9 mm and rad of corrected_target in the
-/// workspace, within 1e-7 mm far outside.
+/// Targets for a controller that computes with the nominal robot, in the same lanes: the nominal robot's pose
+/// with the joints that bring the identified machine to each pose. They agree with corrected_target within 1e-9 mm and
+/// rad in the workspace, within 1e-7 mm far outside.
 ///
-/// @param targets  one a pose; nothing where the lanes find none: the pose is out of reach, rods hardly hold the plate
-///                 there, or the target is farther than 50 mm away. corrected_target may still have one.
+/// @param targets  one per pose; nothing if the lanes find none: the pose is out of reach, rods hardly hold the plate
+///                 there, or the target is farther than 50 mm away. corrected_target may still find one.
 /// @throws std::invalid_argument  when the sizes differ.
 void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<std::optional<CompensatorPose<double>>> targets);

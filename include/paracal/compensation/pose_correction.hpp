@@ -10,34 +10,34 @@
 
 namespace paracal {
 
-/// U of a pose in the robot's frame (about 95 %), mm and rad: of position and rotation, of position and tilt where the
-/// plate has six freedoms.
+/// U (k = 2, 95 %) of a pose in the robot's frame, mm and rad: of position and rotation, or of position and tilt if the
+/// plate has six degrees of freedom.
 struct StatedU {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   double rotation = 0.0;
   std::optional<Eigen::Vector3d> tilt = {};
 };
 
-/// What a controller has to be told so that a machine goes where it is wanted.
+/// Joints and target to command so that a machine reaches the commanded pose.
 struct [[nodiscard]] CorrectedPose {
-  CompensationStatus status = CompensationStatus::unreachable;  ///< of the joints; without ok the rest says nothing
+  CompensationStatus status = CompensationStatus::unreachable;  ///< of the joints; the rest is valid only if ok
   Joints joints;                                                ///< to command, rad or mm
-  std::optional<Pose> target = {};          ///< for a controller that computes with the nominal robot; empty: none has
-                                            ///< these joints
-  CompensatorTilt<double> tilt = {};        ///< that no joint removes
-  std::optional<StatedU> uncertainty = {};  ///< of where the machine then stands, where a covariance is known
+  std::optional<Pose> target = {};          ///< for a controller that computes with the nominal robot; empty: no pose
+                                            ///< has these joints
+  CompensatorTilt<double> tilt = {};        ///< that no joint can remove
+  std::optional<StatedU> uncertainty = {};  ///< of the resulting pose, if a covariance is known
 };
 
-/// Corrects the poses of one machine, each by itself. Copies what it needs; threads may share it.
+/// Corrects poses of one machine. It owns copies of its inputs; threads may share it.
 using PoseCorrector = std::function<CorrectedPose(const Pose& wanted)>;
 
-/// By the compensator where the plate stays level, by the inverse kinematics of the machine with its errors where it
-/// has six freedoms.
-/// @param controller  whose nominal inverse takes the targets.
-/// @throws InvalidArgument for a linear way of a plate with six freedoms: these are of one that stays level.
+/// By the compensator if the plate stays level, by the inverse kinematics of the machine with its errors if it has six
+/// degrees of freedom.
+/// @param controller  its nominal inverse takes the targets.
+/// @throws InvalidArgument for a linear method and a plate with six degrees of freedom: they are for level plates.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
                              const Robot& controller);
-/// The same of a controller that computes with that robot.
+/// The same for a controller that computes with that robot.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known,
                              CompensationWay way = CompensationWay::exact);
 

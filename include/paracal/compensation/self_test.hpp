@@ -7,13 +7,13 @@
 
 namespace paracal {
 
-/// One line of the self-test vector that every export carries: what the target must compute on the controller.
+/// One case of the self-test in every export: what the target must compute on the controller.
 struct SelfTestCase {
   Pose pose;      ///< commanded; mm, rad
-  Joints joints;  ///< corrected by the exact way, rad
+  Joints joints;  ///< corrected by the exact method, rad
 };
 
-/// The centre of the workspace and its rims, as far as the machine reaches.
+/// The centre of the workspace and its rims, as far as the machine reaches them.
 /// @throws Unreachable when it does not reach the centre.
 std::vector<SelfTestCase> self_test(const Robot& robot, const CompensatorParameters<double>& parameters);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// How well a pose is known where the compensator sends the machine: the covariance of the identified errors, carried to
-// the pose by the linear error model. Standard library alone, real-time safe, as compensator.hpp.
+// Uncertainty of a compensated pose: the covariance of the identified errors, propagated to the pose by the linear
+// error model. Needs only the standard library, real-time safe, as compensator.hpp.
 
 #include "paracal/compensation/compensator.hpp"
 
@@ -10,13 +10,13 @@ namespace paracal {
 /// Errors of one limb: the 8 of CompensatorParameters::position_errors, then the 6 of tilt_errors.
 inline constexpr std::size_t kCompensatorErrors = 14;
 
-/// Covariance of all errors, limb after limb, in mm and rad as they stand in CompensatorParameters; zero where an error
-/// is taken as known. Made by compensator_covariance (parameters.hpp).
+/// Covariance of all errors, limb after limb, in mm and rad as in CompensatorParameters; zero for errors that are
+/// assumed to be known. Computed by compensator_covariance (parameters.hpp).
 template <typename Scalar>
 using CompensatorCovariance =
     std::array<std::array<Scalar, kCompensatorLimbs * kCompensatorErrors>, kCompensatorLimbs * kCompensatorErrors>;
 
-/// U = 2 standard deviations of the pose that the machine takes, in {O}: mm, and rad (0 for a rigid plate).
+/// U = 2 standard deviations of the machine's pose, in {O}: mm, and rad (0 for a rigid plate).
 template <typename Scalar>
 struct CompensatorUncertainty {
   Scalar x{}, y{}, z{}, phi{};
@@ -24,7 +24,7 @@ struct CompensatorUncertainty {
 
 namespace compensation_detail {
 
-/// What each limb's two groups of errors, B_d dp_d and B_e dp_e, do to the pose: dP = sum_i X_i (B_d dp_d - A_de
+/// Effect of each limb's two groups of errors, B_d dp_d and B_e dp_e, on the pose: dP = sum_i X_i (B_d dp_d - A_de
 /// epsilon) [huang2016, Eqs. (5), (6)], X_i the dual of the limb's rod motion.
 template <std::size_t N, typename Scalar>
 std::array<RodMotion<Scalar>, 2 * N> pose_by_group(const CompensatorParameters<Scalar>& parameters,
@@ -95,11 +95,11 @@ CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& param
 
 }  // namespace compensation_detail
 
-/// U of a pose. It changes slowly with the pose and a call takes longer than the compensation itself: state it where it
-/// is of use, not by habit in each cycle.
+/// U of a pose. It changes slowly with the pose, and a call takes longer than the compensation itself: call it when
+/// needed, not in each cycle.
 ///
 /// @param pose         mm, rad, in {O}.
-/// @param uncertainty  written when the status is ok, left as it is otherwise.
+/// @param uncertainty  written if the status is ok, else unchanged.
 /// Real-time: yes.
 template <typename Scalar>
 [[nodiscard]] CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& parameters,

@@ -9,11 +9,11 @@
 
 namespace paracal {
 
-/// From wanted poses to the targets that a closed controller must be told, one that computes with the nominal robot:
+/// From commanded poses to the targets for a closed controller, which computes with the nominal robot:
 ///
-///   target = forward(nominal, q),   q = exact inverse of the identified machine at the wanted pose
+///   target = forward(nominal, q),   q = exact inverse of the identified machine at the commanded pose
 ///
-/// so that the controller, whose joints are inverse(nominal, target), brings the machine to the wanted pose.
+/// The controller computes the joints inverse(nominal, target), which bring the machine to the commanded pose.
 class TargetCorrection {
  public:
   TargetCorrection(const Robot& robot, const SourceErrors& errors);
@@ -23,13 +23,13 @@ class TargetCorrection {
   const Robot& robot() const { return robot_; }
   const Compensator<double>& compensator() const { return compensator_; }
 
-  /// @returns nothing where the machine does not reach the pose or is singular there, or the nominal robot does not
-  /// close with its joints.
+  /// @returns nothing if the machine cannot reach the pose or is singular there, or if the nominal robot does not close
+  /// with its joints.
   std::optional<Pose> target(const Pose& wanted) const;
 
   /// The same for many.
   /// @param targets  as many as `wanted`.
-  /// @param threads  0: one a core. The numbers do not depend on it.
+  /// @param threads  0: one per core. The numbers do not depend on it.
   void targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets, unsigned threads) const;
 
  private:

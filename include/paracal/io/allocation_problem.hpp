@@ -6,9 +6,9 @@
 
 namespace paracal::io {
 
-/// Requirements and costs (TOML), as docs/files.md has them. `rest` is what the file does not choose.
-/// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that make no sense,
-/// or are not to be asked of the robot.
+/// Requirements and costs (TOML), as docs/files.md has them. `rest`: tolerances that the file does not choose.
+/// @throws InputFileError for syntax, missing, unknown or wrongly typed keys, and values that are implausible or do not
+/// apply to the robot.
 AllocationProblem read_allocation_problem(const TextFile& file, const Tolerances& rest, const Robot& robot);
 
 }  // namespace paracal::io

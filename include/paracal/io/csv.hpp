@@ -13,17 +13,17 @@
 
 namespace paracal::io {
 
-/// A table with a header line, whose one kind of separator (comma, semicolon or tab) is that of all lines. Lines that
-/// begin with # and lines of nothing but separators are skipped, as is what is empty behind the last column. Decimals
-/// may have a comma (DecimalSign). Bytes that are no UTF-8 stand in fields as \xE9. Every
-/// complaint names file and line.
+/// A table with a header line. All lines use the separator of the header (comma, semicolon or tab). Lines that begin
+/// with # and lines that contain only separators are skipped, and so are empty fields after the last column. Decimals
+/// may have a comma (DecimalSign). Bytes that are not UTF-8 become \xE9 in fields. Every message names file and
+/// line.
 class CsvTable {
  public:
-  /// @throws InputFileError for no header, two kinds of separators in it, a column twice, no row, or a row with more or
-  /// fewer fields than the header.
+  /// @throws InputFileError for no header, a header with two kinds of separators or a column twice; for no row, or a
+  /// row with more or fewer fields than the header.
   explicit CsvTable(const TextFile& file);
 
-  /// A table without lines yet, for one that is not held as a whole.
+  /// A table without lines yet, for a table that is not in memory as a whole.
   /// @param name  of its file, for messages.
   explicit CsvTable(std::string name, TableStyle style = {})
       : name_(std::move(name)), style_(std::move(style)), decimals_(style_.decimal_comma) {}
@@ -35,21 +35,21 @@ class CsvTable {
 
   bool has_header() const { return header_.line > 0; }
 
-  /// Takes what a line that is to come shows of how numbers are written: behind the header, before a number is read.
+  /// Finds the decimal sign from a later line: after the header, before a number is read.
   void look_ahead(int number, std::string_view line);
 
-  /// Says that this was the last line.
-  /// @throws InputFileError for no header, or no row ever.
+  /// To be called after the last line.
+  /// @throws InputFileError for no header, or no row.
   void finish() const;
 
-  /// Drops the rows so far, which go on to count.
+  /// Drops the rows so far, which still count.
   void drop_rows();
 
-  /// @throws InputFileError when a column is neither one of `known` nor to be ignored: a misspelt one would otherwise
-  /// be ignored in silence.
+  /// @throws InputFileError for a column that is not in `known` and not to be ignored: a misspelt one would otherwise
+  /// be ignored silently.
   void allow_only(const std::vector<std::string_view>& known) const;
 
-  /// What a careful reader should know of how the lines so far were read.
+  /// Notes about how the lines so far were read.
   std::vector<std::string> notes() const;
 
   std::size_t row_count() const { return rows_.size(); }
@@ -63,7 +63,7 @@ class CsvTable {
   /// @throws InputFileError when the column is missing.
   const std::string& text(std::size_t row, std::string_view column) const;
 
-  /// @throws InputFileError when the column is missing or the field is no number of the range.
+  /// @throws InputFileError when the column is missing or the field is not a number in the range.
   double number(std::size_t row, std::string_view column, const plausible::Range& range) const;
 
   /// Empty when the column is absent or the field is blank.

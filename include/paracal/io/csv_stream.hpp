@@ -8,25 +8,25 @@
 
 namespace paracal::io {
 
-/// A table as CsvTable has it, but row by row: memory does not grow with the table. Its lines, comments too, are at
-/// most 64 KiB long. Whether decimals have a comma is told from the lines that are read at once with the header, which
-/// is 256 KiB of them, and from those above the number that is read.
+/// A table like CsvTable, but row by row: memory does not grow with the table. Its lines, comments included, are at
+/// most 64 KiB long. The decimal sign is found from the first 256 KiB, which are read together with the header, and
+/// from the lines above a number.
 class CsvStream {
  public:
-  /// @param in  where nothing is read before the first call.
+  /// @param in  nothing is read from it before the first call.
   explicit CsvStream(const TextStream& in);
   CsvStream(const CsvStream&) = delete;
   CsvStream& operator=(const CsvStream&) = delete;
   ~CsvStream();
 
-  /// What its beginning says, as robot_of_table: of the lines that are read at once, which is 1 MiB of them. Before the
-  /// first row is taken.
+  /// The robot stated at the beginning, as robot_of_table: in the first 1 MiB. To be called before the first row is
+  /// taken.
   std::optional<RobotStatement> robot();
-  /// What any line says must be this, from now on.
+  /// From now on every line that states a robot must state this one.
   void expect(RobotStatement robot);
 
-  /// The table with its next row and no other, until the next call; null behind the last row.
-  /// @throws InputFileError as CsvTable, for a line that is too long, a robot that is not the one expected, or a stream
+  /// The table with its next row and no other, until the next call; null after the last row.
+  /// @throws InputFileError as CsvTable, for a line that is too long, for another robot than expected, or for a stream
   ///         that cannot be read.
   const CsvTable* next();
 

@@ -7,24 +7,24 @@
 
 namespace paracal::io {
 
-/// Whether a field is one finite number where its decimals may have a comma.
+/// Whether a field is one finite number, possibly with a decimal comma.
 bool may_be_number(std::string_view field);
 
-/// Whether the decimals of a table's numbers have a point or a comma: where no comma separates fields, or quotation
-/// marks are around them, they may have either. A comma is a decimal comma where the number cannot be meant otherwise:
-/// "1,5", "0,125", "1234,125", but not "1,125", which may be a thousand and some. The first number that shows its sign
-/// says it for the table.
+/// The decimal sign of a table: point or comma. Both are possible if no comma separates fields, or if fields are in
+/// quotation marks. A comma is a decimal comma if the number has no other meaning: "1,5", "0,125", "1234,125", but not
+/// "1,125", which may be more than a thousand. The first unambiguous number determines the sign of the table.
+///
 class DecimalSign {
  public:
-  /// @param comma  somebody says so: then nothing else is a number.
+  /// @param comma  stated by the user: then a number with a point is not a number.
   explicit DecimalSign(bool comma = false) : sign_(comma ? Sign::comma : Sign::unknown) {}
 
   bool is_known() const { return sign_ != Sign::unknown; }
 
-  /// Takes what a field shows, before any number is read.
+  /// Finds the sign from a field, before any number is read.
   void look(std::string_view field, int line);
 
-  /// Empty where the field is anything but one finite number with this sign.
+  /// Empty if the field is not one finite number with this sign.
   std::optional<double> number(std::string_view field) const;
 
   /// Why not, for the end of a message: " (...)" or nothing.
@@ -32,7 +32,7 @@ class DecimalSign {
 
  private:
   enum class Sign : std::uint8_t { unknown, point, comma } sign_;
-  int line_ = 0;  ///< that showed it; 0: somebody says so
+  int line_ = 0;  ///< that determined it; 0: stated by the user
 };
 
 }  // namespace paracal::io

@@ -10,13 +10,13 @@
 
 namespace paracal::io {
 
-/// What somebody says of tables that do not say it themselves.
+/// Properties of tables that the user states.
 struct TableStyle {
-  bool decimal_comma = false;                     ///< 1,5 is a number and 1.5 is none
+  bool decimal_comma = false;                     ///< 1,5 is a number and 1.5 is not
   std::vector<std::string> ignored_columns = {};  ///< by their headings
 };
 
-/// How the characters of a file stand in it.
+/// Encoding of the characters of a file.
 enum class Encoding : std::uint8_t { bytes, utf16_little_endian, utf16_big_endian };
 
 /// A file's text together with the name that messages use.
@@ -25,13 +25,13 @@ struct TextFile {
   std::string text;
   TableStyle style = {};
   Encoding encoding = Encoding::bytes;  ///< of the file; anything else is UTF-8 here
-  std::string sha256 = {};              ///< of the bytes, where they are not this text
+  std::string sha256 = {};              ///< of the bytes, if they differ from this text
 };
 
-/// What some programs put before the first character of a file.
+/// Written by some programs before the first character of a file.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// A file's text as it comes, for files that are not held in memory.
+/// A file's text as a stream, for files that are not loaded into memory.
 struct TextStream {
   std::string name;
   std::istream& text;
@@ -44,12 +44,12 @@ using TextSink = std::function<void(std::string_view)>;
 /// @throws InputFileError when the file cannot be opened.
 std::ifstream open_file(const std::filesystem::path& path);
 
-/// The text as UTF-8 where the file is UTF-16 with its byte-order mark, as spreadsheets write it; else its bytes.
-/// @throws InputFileError when the file cannot be read, or is larger than 128 MiB: no table that is held in memory is.
+/// The text as UTF-8 if the file is UTF-16 with a byte-order mark, as spreadsheets write it; else its bytes.
+/// @throws InputFileError when the file cannot be read or is larger than 128 MiB, the limit for files in memory.
 TextFile read_file(const std::filesystem::path& path);
 
-/// A text as it stands in such a file, with the byte-order mark of UTF-16.
-/// @param text  UTF-8, where the encoding is another one.
+/// A text encoded for such a file, with the byte-order mark of UTF-16.
+/// @param text  UTF-8, if the encoding is UTF-16.
 std::string encoded(std::string_view text, Encoding encoding);
 
 /// SHA-256 in hexadecimal.

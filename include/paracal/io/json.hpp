@@ -24,7 +24,7 @@ namespace paracal::io {
 using Json = nlohmann::ordered_json;
 
 /// A JSON file.
-/// @throws InputFileError, with the line, for one that is none or is nested deeper than 64 levels.
+/// @throws InputFileError, with the line, for invalid JSON or more than 64 levels of nesting.
 Json parse_json(const TextFile& file);
 
 /// "2016-10-05T12:00:00Z", from seconds since 1970.
@@ -40,29 +40,29 @@ Json to_json(const Calibration& calibration, std::int64_t time);
 /// Largest errors, under the contract's keys.
 Json to_json(const PoseErrorSummary& summary);
 
-/// What validate() found; keys in docs/json-keys.md.
+/// Result of validate(); keys in docs/json-keys.md.
 Json to_json(const Validation& validation);
 
 Json to_json(const Tolerances& tolerances, Actuator actuator);
-/// What half-widths are on a drawing, under the keys of files: {statement, grade, text}, as DrawingStatement has them;
-/// null: nothing. Without sources that are exact.
+/// Half-widths as statements of a drawing, under the keys of files: {statement, grade, text}, see DrawingStatement;
+/// null: none. Without sources that are exact.
 Json drawing_json(const Tolerances& tolerances, const Robot& robot);
 
 Json to_json(const TrackerModel& tracker);
 
-/// What was asked of a calibration of a robot with these actuators.
+/// The options of a calibration of a robot with these actuators.
 Json to_json(const CalibrationOptions& options, Actuator actuator);
 
-/// Everything that decides what the machines of a batch are, so that results of another batch, or of another version of
-/// the program, can be told apart. Numbers as they are inside the library (mm, rad), to the last bit.
+/// Everything that determines the machines of a batch, so that results of another batch or program version can be
+/// distinguished. Numbers as inside the library (mm, rad), to the last bit.
 Json to_json(const Batch& batch);
 
-/// Fates, what customers get before and after calibration and, where limits were stated, yield and defects per million;
+/// Counts of outcomes, errors before and after calibration and, if limits are stated, yield and defects per million;
 /// keys in docs/json-keys.md.
 /// @param confidence  of the intervals.
 Json to_json(const Batch& batch, const Tally& tally, double confidence);
 
-/// What a printer's owner is told, beside the calibration itself; keys in docs/json-keys.md.
+/// Advice to the owner of a printer, without the calibration itself; keys in docs/json-keys.md.
 Json to_json(const PrinterCalibration& found);
 
 /// {value, low, high}
@@ -75,37 +75,37 @@ Json interval_json(const Interval& interval, double factor = 1.0);
 /// Files with their hashes.
 Json to_json(const std::vector<InputFile>& files);
 
-/// Where an export comes from: robot, calibration, calibration_sha256, date, program.
+/// Origin of an export: robot, calibration, calibration_sha256, date, program.
 Json to_json(const Robot& robot, const ExportOrigin& origin);
 
-/// All that a compensator knows, mm and deg; keys in docs/json-keys.md.
+/// All parameters of a compensator, mm and deg; keys in docs/json-keys.md.
 Json to_json(const CompensatorParameters<double>& parameters);
 
-/// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm of rails.
+/// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm for rails.
 Json to_json(const SelfTestCase& wanted, Actuator actuator);
 
 /// lines, corrected, passed: [{reason, count, first_line}]
 
 /// x_mm, y_mm, z_mm, phi_deg
-/// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, of a plate with six freedoms.
+/// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, for a plate with six degrees of freedom.
 Json to_json(const Pose& pose, bool tilts = false);
 
-/// What a calibration file says of the machine.
+/// The machine of a calibration file.
 struct CalibratedMachine {
   SourceErrors errors;
-  std::vector<ParameterEstimate> parameters = {};  ///< those that were sought; limb, source and value only
-  Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty where none was stated
+  std::vector<ParameterEstimate> parameters = {};  ///< those that were estimated; limb, source and value only
+  Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty if not stated
   Eigen::MatrixXd noise_covariance = {};           ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
   double joint_std = 0.0;                                      ///< as Calibration::joint_std, rad or mm
-  std::vector<InputFile> inputs = {};                          ///< that it was made from
-  ControllerModel controller = {};                             ///< what turned its commanded poses into joints
+  std::vector<InputFile> inputs = {};                          ///< of the calibration
+  ControllerModel controller = {};                             ///< computed joints from its commanded poses
 
-  /// What predictions are made from; no parameters where no covariance was stated.
+  /// Input of predictions; no parameters if no covariance is stated.
   KnownErrors known() const;
 };
 
-/// @throws InputFileError when the file is no calibration of `robot`, or one that was not accepted.
+/// @throws InputFileError for a file that is not an accepted calibration of `robot`.
 CalibratedMachine read_calibration(const TextFile& file, const Robot& robot);
 
 /// Rows of a matrix; numbers that are not finite become null.

@@ -5,15 +5,15 @@
 
 namespace paracal::io {
 
-/// What an owner measured on a printer whose firmware keeps no readings (CSV), as one of two kinds of table:
+/// Measurements of an owner on a printer whose firmware stores no readings (CSV), in one of two kinds of table:
 ///
-///   x_mm,y_mm,z_mm, optional height_mm     where the firmware believed the nozzle when it stood height_mm (0 where not
-///                                          stated) above the bed: a probe that triggered, a sheet of paper
-///   from_x_mm,from_y_mm,to_x_mm,to_y_mm,   two places that the firmware was told to print at, and the calliper's
-///   distance_mm, optional z_mm             distance between them; z_mm: height of the print there, 0 where not stated
+///   x_mm,y_mm,z_mm, optional height_mm     position shown by the firmware when the nozzle was height_mm (0 if not
+///                                          stated) above the bed: a triggered probe, a sheet of paper
+///   from_x_mm,from_y_mm,to_x_mm,to_y_mm,   two commanded print positions, and the distance between them by
+///   distance_mm, optional z_mm             calliper; z_mm: height of the print there, 0 if not stated
 ///
-/// @param geometry  that the firmware had when it was measured: it says how the joints stood.
-/// @throws InputFileError for other tables, and for places that the printer does not reach.
+/// @param geometry  of the firmware during the measurements: it gives the joints.
+/// @throws InputFileError for other tables, and for positions that the printer cannot reach.
 DeltaReadings read_printer_table(const TextFile& file, const DeltaGeometry& geometry);
 
 }  // namespace paracal::io

@@ -14,7 +14,7 @@ namespace paracal::io {
 /// Of the validation poses of [huang2016].
 enum class Layer : std::uint8_t { top, middle, bottom };
 
-/// The published measurements of the robot of [huang2016]; data/huang2016 says where each number stands in the paper.
+/// The published measurements of the robot of [huang2016]; data/huang2016 states where each number is in the paper.
 struct PublishedHuang2016 {
   Measurements rough;    ///< the six distances to home of Table 3 'before', with the poses of section 5.2.1
   SourceErrors offsets;  ///< the encoder offsets of section 5.2.1
@@ -27,13 +27,13 @@ struct PublishedHuang2016 {
 
   std::array<double, kTiltSourceCount> table2;  ///< optimized tolerances of the tilt group, rad
 
-  /// What figures show and the text says of them.
+  /// Values from the figures and the text about them.
   struct Figures {
-    std::array<Source, 3> most_tilting{Source::rod_difference, Source::alpha2, Source::alpha03};  ///< 5, the most first
+    std::array<Source, 3> most_tilting{Source::rod_difference, Source::alpha2, Source::alpha03};  ///< 5, largest first
     double radius = 500.0,
            depth = -1013.0;                 ///< 6: where the tilt is largest in the bottom layer, and of all layers, mm
     int rough_points = 6, fine_points = 9;  ///< 7 and 8
-    /// 9: on whose rim the largest errors stand after calibration.
+    /// 9: layer with the largest errors after calibration, on its rim.
     Layer distance = Layer::bottom, volumetric = Layer::bottom, rotation = Layer::top;
     double tilt = 0.86e-3;              ///< largest, rad: 0.086/100 in sections 5.1 and 6
     Layer tilted_most = Layer::bottom;  ///< on whose rim

@@ -10,45 +10,45 @@
 
 namespace paracal::io {
 
-/// A robot, and who says that it is the one.
+/// A robot, and where it is stated.
 struct RobotStatement {
   Robot robot;
   std::string by = {};                                   ///< file or option, for messages
-  int line = 0;                                          ///< of the file; 0: no line of its own
-  std::optional<std::filesystem::path> robot_file = {};  ///< that describes it, where one does
+  int line = 0;                                          ///< of the file; 0: no line
+  std::optional<std::filesystem::path> robot_file = {};  ///< that describes it, if any
 };
 
-/// What a name of a robot stands for: a file where it has a folder or ends in .toml, else the catalogue's.
-/// @param folder  that relative files are in; empty: the current one.
-/// @throws InvalidArgument for a name that is neither, InputFileError for a file that is no robot.
+/// The robot of a name: a file if the name has a folder or ends in .toml, else a robot of the catalogue.
+/// @param folder  of relative files; empty: the current one.
+/// @throws InvalidArgument for a name that is neither, InputFileError for a file that is not a robot.
 RobotStatement named_robot(const std::string& name, const std::filesystem::path& folder = {});
 
-/// What a comment line "# robot: NAME" of a table says; nothing for any other line. Files are found from the table's
-/// folder.
-/// @throws InputFileError for a name that is none.
+/// The robot of a comment line "# robot: NAME" of a table; nothing for any other line. Files are relative to the
+/// table's folder.
+/// @throws InputFileError for an unknown name.
 std::optional<RobotStatement> robot_of_line(const std::string& file, int line, std::string_view text);
 
-/// The same into `found`, where nothing is found yet.
-/// @throws InputFileError as above, and where the line says something else than what was found.
+/// The same into `found`, if it is empty.
+/// @throws InputFileError as above, and if the line states another robot than `found`.
 void add_statement(std::optional<RobotStatement>& found, const std::string& file, int line, std::string_view text);
 
-/// What a table says, in any line.
-/// @throws InputFileError as above, and where two of its lines disagree.
+/// The robot that a table states, in any line.
+/// @throws InputFileError as above, and if two of its lines disagree.
 std::optional<RobotStatement> robot_of_table(const TextFile& file);
 
-/// The robot that a calibration (JSON) carries.
-/// @throws InputFileError for JSON without one, or a robot that makes no sense.
+/// The robot in a calibration (JSON).
+/// @throws InputFileError for JSON without a robot, or an implausible robot.
 RobotStatement robot_of_calibration(const TextFile& file);
 
-/// "geometry.rod_mm 950, got 951": the first in which name, geometry or plate of two robots differ, numbers by more
-/// than 1e-9 (relative, from 1 mm, deg or unit vector upwards): so much is lost when a robot is written and read.
-/// Workspace and tolerances are what is wanted of it, not what it is.
+/// "geometry.rod_mm 950, got 951": the first difference in name, geometry or plate of two robots. Numbers differ if by
+/// more than 1e-9 (relative, from 1 mm, deg or unit vector upwards): writing and reading a robot loses that much.
+/// Workspace and tolerances are requirements and are not compared.
 std::optional<std::string> difference(const Robot& expected, const Robot& got);
 
-/// @throws InputFileError naming the file of `got` where the two are not the same.
+/// @throws InputFileError with the file of `got` if the two differ.
 void require_same(const RobotStatement& expected, const RobotStatement& got);
 
-/// "# robot: huang2016\n" for robots of the catalogue, which tables can name; nothing for others.
+/// "# robot: huang2016\n" for robots of the catalogue; nothing for others.
 std::string robot_line(const Robot& robot);
 
 }  // namespace paracal::io

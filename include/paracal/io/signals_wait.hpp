@@ -2,8 +2,8 @@
 
 namespace paracal::io {
 
-/// While any of these lives, in whatever thread, SIGINT, SIGTERM and SIGHUP wait; then they are delivered as they would
-/// have been. What takes several calls to be whole, as an output that replaces another, is whole then.
+/// While an object of this class exists in any thread, SIGINT, SIGTERM and SIGHUP wait; then they are delivered as
+/// usual. So operations of several calls, such as replacing a file, are completed first.
 class SignalsWait {
  public:
   SignalsWait();

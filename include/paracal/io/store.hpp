@@ -12,23 +12,23 @@ namespace paracal::io {
 
 class StoredFile;
 
-/// What a new file finds in its place, where that matters.
+/// The file that a new file replaces, if that matters.
 struct Replaced {
-  std::string sha256 = {};   ///< of what was read there; where anything else stands there by now, it stays
-  std::string kept_as = {};  ///< a new name in the same folder, under which what stood there stays; empty: it goes
+  std::string sha256 = {};   ///< of the file as it was read; if it has changed since, it stays
+  std::string kept_as = {};  ///< new name of the old file in the same folder; empty: it is deleted
 };
 
-/// The one way in which files are written: files that come to be together, each whole, or none.
+/// Writes files together: either all of them completely, or none. All files are written by this class.
 ///
-/// Their text waits where no name leads to it (Spool). commit() writes a neighbour of each, `.paracal-...`, brings it
-/// onto the disk and exchanges it with what stands in its place, in one step where the file system can; elsewhere what
-/// stood there is copied first and comes back where one of the files fails. SIGINT, SIGTERM and SIGHUP wait meanwhile
-/// (SignalsWait), and no memory is asked for.
+/// Their text is first in unnamed files (Spool). commit() writes a file `.paracal-...` beside each target, flushes it
+/// to the disk and exchanges it with the target, in one step if the file system supports that. Otherwise the old file
+/// is copied first and restored if one of the files fails. SIGINT, SIGTERM and SIGHUP wait meanwhile (SignalsWait), and
+/// no memory is allocated.
 ///
-/// What is replaced hands on its owner, group, mode and extended attributes, as far as the file system has them and the
-/// process may give them; a file whose group is another one is no more readable for it. A link stays and what it points
-/// to is replaced or made; pipes and devices are written into at once. A folder that is moved meanwhile takes the files
-/// along. A file system may refuse hard links, modes and fsync.
+/// A new file takes owner, group, mode and extended attributes of the old one, if file system and process permit. A
+/// file with another group does not become more readable. A link stays, and its target is replaced or created; pipes
+/// and devices are written directly. A folder that is moved meanwhile takes the files with it. A file system may refuse
+/// hard links, modes and fsync.
 class Store {
  public:
   Store();
@@ -42,8 +42,8 @@ class Store {
   void write(const std::filesystem::path& path, std::string_view text, Replaced replaced = {}) {
     begin(path, std::move(replaced))(text);
   }
-  /// Puts all files into their places. Where one cannot be, what was there before is there again.
-  /// @throws Error that also says where an earlier file is that could not be put back.
+  /// Puts all files into their places. If one fails, the earlier files are restored.
+  /// @throws Error that also states where an earlier file is that could not be restored.
   void commit();
 
  private:
@@ -53,7 +53,7 @@ class Store {
 /// A store of one file.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// The same, unless something stands there: then that stays.
+/// The same, unless the path exists: then it stays.
 /// @returns whether the file was written.
 bool write_new_file(const std::filesystem::path& path, std::string_view text);
 

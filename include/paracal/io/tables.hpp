@@ -22,23 +22,23 @@ struct NamedJoints {
 };
 
 /// Pose table (CSV): x_mm,y_mm,z_mm,phi_deg or x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg, optional tilt_x_deg, tilt_y_deg,
-/// tilt_z_deg or tilt_x_cmd_deg, ..., pose (name) and q1_deg... or q1_mm... (believed joints). Of plates with six
-/// freedoms tilt_x_rad, ... count, too, as forward kinematics print them. Where both kinds stand, as in a measurement
-/// file, the commanded ones count. A missing phi is 0, a missing name is the row's number. Other columns of the
-/// contract's measurement and pose tables are passed over.
-/// @param joints  where joint columns stand, they must be these.
-/// @throws InputFileError for anything else, or a name that comes twice.
+/// tilt_z_deg or tilt_x_cmd_deg, ..., pose (name) and q1_deg... or q1_mm... (commanded joints). Plates with six degrees
+/// of freedom may have tilt_x_rad, ..., as printed by forward kinematics. If both kinds are present, as in a
+/// measurement file, the commanded ones count. A missing phi is 0, a missing name is the number of the row. Other
+/// columns of measurement and pose tables are ignored.
+/// @param joints  joint columns, if present, must be these.
+/// @throws InputFileError for anything else, or a repeated name.
 std::vector<Station> read_poses(const TextFile& file, const JointSpace& joints = {});
 
-/// Rows of a pose table, or of points with the poses commanded, that state the joints which a controller displays
-/// there, with the rounding of the numbers as they are written. Rows whose joints are all blank are passed over.
-/// @throws InputFileError as read_poses(); a name may come again.
+/// Rows of a pose or point table with the joints that a controller displays at the commanded poses, and the rounding of
+/// these numbers as written. Rows without joints are ignored.
+/// @throws InputFileError as read_poses(); a name may be repeated.
 std::vector<DisplayedJoints> read_displayed_joints(const TextFile& file, const JointSpace& joints);
 
 /// Joint table (CSV): q1_deg, q2_deg, ... (of rails q1_mm, ...) for every limb, optional pose.
 std::vector<NamedJoints> read_joints(const TextFile& file, const JointSpace& joints);
 
-/// The same tables row by row, which memory does not grow with: a name that comes again is seen if it stands in one of
+/// The same tables row by row, with constant memory: a repeated name is detected if it is in one of
 /// the first kNamesCompared rows.
 inline constexpr std::size_t kNamesCompared = 100'000;
 void read_poses(CsvStream& table, const JointSpace& joints, const std::function<void(const Station&)>& take);
@@ -50,11 +50,11 @@ Measurements read_distances(const std::filesystem::path& distances, const std::f
                             const JointSpace& joints = {});
 
 /// Table of lengths of one kind (CSV): pose, the kind's column (height_mm) and optional sigma_mm; names are those of
-/// the pose table, repeats are further rows. One file is one set-up, named after the file; where its rows state several
-/// (in LengthWords::at_columns: optional for a ball bar, required for a dial), one a statement.
+/// the pose table, repeats are further rows. One file is one setup, named after the file. Rows may state several setups
+/// (in LengthWords::at_columns: optional for a ball bar, required for a dial).
 Measurements read_lengths(const TextFile& lengths, const TextFile& poses, const JointSpace& joints = {});
 
-/// The kind of length whose column a header has; empty where it has none.
+/// The kind of length in a header; empty if there is none.
 std::optional<LengthKind> length_kind_in(std::string_view header);
 
 /// A pose with the name of its row.
@@ -70,11 +70,11 @@ struct NamedPlate {
   double rotation = 0.0;  ///< phi, rad
 };
 
-/// Lines of tables that the readers above accept again, with their ends: the header, and a row. The table of plates has
-/// tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm, too.
+/// Lines of tables for the readers above, with line ends: the header, and a row. The table of plates also has
+/// tilt_x_rad, tilt_y_rad, tilt_z_rad, residual_mm.
 std::string joint_table_header(const JointSpace& joints);
 std::string joint_table_row(const NamedJoints& row, Actuator actuator = Actuator::revolute);
-/// @param tilts  of plates with six freedoms.
+/// @param tilts  for plates with six degrees of freedom.
 std::string pose_table_header(bool tilts = false);
 std::string pose_table_row(const NamedPose& row, bool tilts = false);
 std::string_view plate_table_header();

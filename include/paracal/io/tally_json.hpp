@@ -5,10 +5,10 @@
 
 namespace paracal::io {
 
-/// A tally as it stands in a chunk of a batch, and goes from rank to rank.
+/// A tally as stored in a chunk of a batch and sent between ranks.
 Json tally_json(const Tally& tally);
 
-/// @throws Json::exception, std::out_of_range for what no tally says.
+/// @throws Json::exception, std::out_of_range for anything else.
 Tally tally_of(const Json& json);
 
 }  // namespace paracal::io

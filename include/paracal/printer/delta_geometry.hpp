@@ -10,8 +10,8 @@
 
 namespace paracal {
 
-/// What the firmware of a delta printer knows of its machine: perfect joints, one rod a tower. Mm and rad, in the
-/// firmware's frame: z up, 0 on the bed, tower C at its angle by definition.
+/// Parameters of a delta printer in its firmware: perfect joints, one rod per tower. Mm and rad, in the firmware's
+/// frame: z up, 0 on the bed, tower C at its angle by definition.
 ///
 ///   tower i    stands in the direction u_i = (cos a_i, sin a_i, 0)
 ///   elbow i    linear: a carriage, radius u_i + q_i e_z
@@ -24,36 +24,36 @@ struct DeltaGeometry {
   std::array<double, 3> tower_angle{};
   std::array<double, 3> rod{};
   std::array<double, 3> endstop{};   ///< height of the nozzle with this joint at its endstop, by this tower alone
-  std::array<double, 3> arm{};       ///< of rotary deltas alone
+  std::array<double, 3> arm{};       ///< of rotary deltas only
   std::array<double, 3> shoulder{};  ///< likewise: heights of the motor axes above the bed, less the effector's
 };
 
-/// How far the nozzle comes from the centre at most, mm: all parts end to end.
+/// Largest distance of the nozzle from the centre, mm: all parts end to end.
 double reach(const DeltaGeometry& geometry);
 
-/// How far each joint stands below its endstop, mm or rad: the steps that the controller counted, times their size.
+/// Distance of each joint below its endstop, mm or rad: the steps that the controller counted, times their size.
 using JointDrops = std::array<double, 3>;
 
-/// Where a tower is meant to stand that stands near: at 30 deg and every 60 deg from there, rad.
+/// The nearest design angle of a tower, rad: 30 deg and every 60 deg from there.
 double design_angle(double angle);
 
 /// Mean over the three towers.
 inline double mean_of(const std::array<double, 3>& towers) { return (towers[0] + towers[1] + towers[2]) / 3.0; }
 
-/// Joint coordinates at the endstops; NaN where a rod does not reach the centre.
+/// Joint coordinates at the endstops; NaN if a rod does not reach the centre.
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry);
 
-/// Drops by which the firmware goes to a point, elbows outward and above it. Empty where a tower does not reach.
+/// Drops with which the firmware goes to a point, elbows outward and above it. Empty if a tower does not reach it.
 std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place);
 
-/// The endstop that goes with a homed joint of one tower; NaN where its rod does not reach the centre.
+/// The endstop for a homed joint of one tower; NaN if its rod does not reach the centre.
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed);
 
-/// Where the firmware believes the nozzle. Empty when the three spheres have no point in common.
+/// Nozzle position computed by the firmware. Empty if the three spheres have no common point.
 std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const JointDrops& drops);
 
 /// The numbers of a geometry: endstops A B C, angles A and B, radius, rods A B C, height of all shoulders (their mean),
-/// arms A B C; mm and rad. A linear delta has the first nine, the rest counts for nothing. The angle of tower C stays.
+/// arms A B C; mm and rad. A linear delta has the first nine and ignores the rest. The angle of tower C stays.
 struct DeltaNumber {
   static constexpr Eigen::Index endstop = 0, angle = 3, radius = 5, rod = 6, shoulder = 9, arm = 10, count = 13;
 };
@@ -61,7 +61,7 @@ using DeltaNumbers = Eigen::Matrix<double, DeltaNumber::count, 1>;
 DeltaNumbers numbers_of(const DeltaGeometry& geometry);
 DeltaGeometry with_numbers(DeltaGeometry geometry, const DeltaNumbers& numbers);
 
-/// Directions in the numbers: what a fit may change. One column each.
+/// Directions in the numbers that a fit may change. One column each.
 using DeltaBasis = Eigen::Matrix<double, DeltaNumber::count, Eigen::Dynamic, 0, DeltaNumber::count, DeltaNumber::count>;
 
 /// d nozzle / d numbers, from
@@ -77,14 +77,14 @@ NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& 
 struct BedReading {
   double height = 0.0;  ///< of the nozzle above the bed, mm
   JointDrops drops{};
-  bool by_hand = false;  ///< typed, not probed: the firmware does not count it among those that share their weight
+  bool by_hand = false;  ///< typed, not probed: the firmware does not count it in the weight
 
   bool operator==(const BedReading&) const = default;
 };
 
 /// A calliper's distance between two places where the nozzle has printed.
 struct PrintedDistance {
-  /// Nobody reads shorter ones with a calliper, mm.
+  /// Shortest distance that can be measured, mm.
   static constexpr double kShortest = 1.0;
 
   double distance = 0.0;  ///< mm
@@ -114,16 +114,16 @@ struct DeltaFit {
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
 
-/// What that firmware fits. Linear: radius, angles, endstops; with distances also the rods. Rotary: height of the
-/// shoulders, endstops; with distances also radius and angles.
+/// Parameters that this firmware fits. Linear: radius, angles, endstops; with distances also the rods. Rotary: height
+/// of the shoulders, endstops; with distances also radius and angles.
 DeltaBasis firmware_basis(Actuator actuator, bool with_distances);
 
-/// The cost of a geometry as it is. Not evaluable where some reading's spheres have no point in common.
+/// The cost of a geometry as it is. Not evaluable if the spheres of a reading have no common point.
 DeltaFit judge_as_firmware(const DeltaGeometry& geometry, const DeltaReadings& readings);
 
-/// The optimum that the firmware's coordinate descent creeps towards, by Levenberg-Marquardt with analytic derivatives.
-/// @param start  a geometry near it, as the one that the firmware has.
-/// @throws InvalidArgument without heights: distances alone do not say where the bed is.
+/// The optimum of the firmware's coordinate descent, by Levenberg-Marquardt with analytic derivatives.
+/// @param start  a geometry near it, such as that of the firmware.
+/// @throws InvalidArgument without heights: distances alone do not determine the bed.
 DeltaFit fit_as_firmware(const DeltaGeometry& start, const DeltaReadings& readings);
 
 }  // namespace paracal

@@ -8,23 +8,23 @@
 
 namespace paracal {
 
-/// How far a printer's nozzle is from where its firmware believes it, over the workspace; root mean square and largest,
+/// Error of the nozzle position computed by the firmware, over the workspace; root mean square and largest,
 /// mm.
 struct DeltaAccuracy {
   double absolute_rms = 0.0, absolute_max = 0.0;
-  /// After the shift along the bed and the turn about z that fit best: what a print shows. No height and no distance
-  /// sees these three, so in them the absolute error is as good as the towers' places are.
+  /// Without the best-fitting shift along the bed and rotation about z: the error of a print. Heights and distances do
+  /// not determine these three; there the absolute error depends on the assumed positions of the towers.
   double shape_rms = 0.0, shape_max = 0.0;
 };
 
-/// Which lengths of rods (and arms) a controller is told.
+/// Lengths of rods (and arms) that a controller takes.
 enum class ControllerRods : std::uint8_t {
   each,   ///< one for each tower
   alike,  ///< one for all
   kept,   ///< those that it has
 };
 
-/// The parameters of a controller that come closest to a printer, and what they leave.
+/// The parameters of a controller that come closest to a printer, and the error that remains.
 struct DeltaProjection {
   LeastSquaresStatus status = LeastSquaresStatus::not_evaluable;
   DeltaGeometry geometry;
@@ -33,40 +33,40 @@ struct DeltaProjection {
   bool ok() const { return status == LeastSquaresStatus::converged; }
 };
 
-/// What of a bed that may be bowed z is counted from.
+/// Zero of z for a bed that may be bowed.
 enum class CountedFrom : std::uint8_t { plane, bed };
 
-/// How far the nozzle is from where a firmware with this geometry believes it, above the bed, mm. Empty where either
-/// machine does not close.
+/// Error of the nozzle position computed by a firmware with this geometry, above the bed, mm. Empty if one of the
+/// machines does not close.
 std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
                                          const JointDrops& drops);
 
-/// Of a firmware with this geometry, on a grid of the workspace. Places that it does not reach are passed over.
+/// Of a firmware with this geometry, on a grid of the workspace. Positions out of reach are ignored.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
 
-/// The motion along the bed that brings the machine closest to where a firmware with this geometry believes it, over
-/// the workspace: no reading sees it, so it is the firmware's own business.
+/// The motion along the bed that brings the machine closest to the positions computed by a firmware with this geometry,
+/// over the workspace. Readings do not determine it, so the firmware defines it.
 MotionOnBed unseen_motion(const KnownPrinter& known, const DeltaGeometry& geometry);
 
-/// Probability that with one geometry the nozzle is less off in shape (root mean square over the workspace) than with
-/// another. t: where the machine stands on the grid, above the bed; a, b: where either believes it; Q: takes a shift
-/// along the bed and a turn about z away,
+/// Probability that the shape error (root mean square over the workspace) is smaller with one geometry than with
+/// another. t: true positions on the grid, above the bed; a, b: positions computed with each geometry. Q removes a
+/// shift along the bed and a rotation about z:
 ///
 ///   \f[ D = |Q(t - a)|^2 - |Q(t - b)|^2 = (b - a)^T Q (2 t - a - b)
 ///       var(D) = 4 v^T cov(t) v,    v = Q(b - a) \f]
 ///
-/// linear in t, so that what is known of t is all it takes. 1/2 where both believe the same.
-/// @param above  what z is counted from.
+/// D is linear in t, so mean and covariance of t suffice. 1/2 if both geometries give the same positions.
+/// @param above  zero of z.
 double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, const DeltaGeometry& than,
                      CountedFrom above = CountedFrom::plane);
 
-/// Error of shape to be expected over the workspace, root mean square, mm: that of the machine as it was found, and
-/// what is not known of it,
+/// Expected shape error over the workspace, root mean square, mm: that of the identified machine and its uncertainty,
+///
 ///
 ///   \f[ \sqrt{(|Q(t - b)|^2 + trace(Q cov(t) Q)) / places} \f]
 double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry);
 
-/// The best fit of what a controller holds over the workspace:
+/// The best fit of the controller's parameters over the workspace:
 ///
 ///   \f[ min_{geometry,shift,turn} sum |turn nozzle(geometry, drops) + shift - p|^2 \f]
 ///
