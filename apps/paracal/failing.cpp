@@ -42,7 +42,7 @@ std::string source_text(const FailureShare& failures, const MonteCarlo& drawn) {
                        drawn.machines, linear, failures.reason);
   }
   if (!failures.exact) {
-    return fmt::format("  {}\n  exact model: not estimated: {}; use --model exact\n", linear, failures.reason);
+    return fmt::format("  {}\n  exact model not estimated ({}); use --model exact\n", linear, failures.reason);
   }
   return fmt::format("  exact model, {} simulated machines; {}\n", failures.exact->machines, linear);
 }
