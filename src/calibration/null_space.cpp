@@ -139,7 +139,7 @@ std::string undetermined_lines(const std::vector<NullDirection>& null_space) {
     text += fmt::format("  not determined by these measurements: {}\n", null_space[k].text);
   }
   if (further == 0) return text;
-  return text + fmt::format("  and {} further {} of parameters (null_space lists all)\n", further,
+  return text + fmt::format("  and {} further {} of parameters (--json lists all under null_space)\n", further,
                             further == 1 ? "combination" : "combinations");
 }
 

@@ -124,7 +124,7 @@ void require_within(const Eigen::MatrixXd& noise, const Eigen::MatrixXd& covaria
   constexpr double kRounding = 1e-6;
   if (noise.size() == 0 || noise.rows() != covariance.rows()) return;
   if ((noise.diagonal().array() <= (1.0 + kRounding) * covariance.diagonal().array()).all()) return;
-  node.refuse("expected variances in covariance_of_noise up to those in covariance, got larger ones");
+  node.refuse("expected covariance_of_noise below covariance, got larger variances; calibrate again");
 }
 
 /// Who changes one of two numbers that say the same has changed neither.

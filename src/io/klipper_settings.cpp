@@ -90,7 +90,8 @@ std::optional<std::pair<std::size_t, std::string>> line_that_spoils(const std::v
   std::size_t end = lines.size(), head = 0;
   while (end > 0 && trimmed(lines[end - 1]).empty()) --end;
   while (head < end && !begins(head)) {
-    if (lines[head].starts_with("#*# ")) return {{head, "which stands above the three lines that begin the block"}};
+    if (lines[head].starts_with("#*# "))
+      return {{head, "which is above the three lines that begin the SAVE_CONFIG block"}};
     ++head;
   }
   for (std::size_t k = head + 1; k < end; ++k) {

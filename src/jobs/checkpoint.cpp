@@ -46,9 +46,11 @@ Json agreed_with(const io::TextFile& header, const Json& description) {
   Json got = or_null(header.text), expected = description;
   if (got.is_object() && got.contains("chunks")) expected["chunks"] = got["chunks"];
   if (got == expected) return got;
-  const std::string complaint =
-      got.is_object() ? first_difference(expected, got) : "expected the description of a job, got something else";
-  throw InputFileError(header.name, 0, complaint + " (this folder belongs to another job; use another --checkpoint)");
+  const std::string complaint = got.is_object()
+                                    ? first_difference(expected, got)
+                                    : "expected job.json of a paracal command with --checkpoint, got something else";
+  throw InputFileError(header.name, 0,
+                       complaint + " (this folder belongs to another command; use another --checkpoint)");
 }
 
 std::string bytes_of_file(const std::filesystem::path& path) {

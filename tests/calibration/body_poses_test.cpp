@@ -274,8 +274,8 @@ TEST_P(BodyPoses, WhatThePlateDoesNotShowIsAssumed) {
     const SourceErrors truth = drawn(stream);
     const Calibration found = calibrate(robot, read(truth, mount, stream), told(mount));
     ASSERT_TRUE(found.accepted()) << found.brief();
-    EXPECT_THAT(found.assumed, Contains("the body of poses has its origin within about 100 mm of the plate centre (one "
-                                        "standard deviation an axis): the plate turns too little to show where"));
+    EXPECT_THAT(found.assumed, Contains("the body of poses has its origin within about 100 mm of the plate centre "
+                                        "(standard deviation per axis): the plate rotates too little to determine it"));
     EXPECT_LT(found.frames.at(0).body->translation.norm(), 1000.0);
   }
 }
@@ -383,7 +383,7 @@ TEST_P(BodyPoses, Validate) {
       EXPECT_EQ(mistaken.accepted, other == mount);
       if (other == mount) continue;
       EXPECT_EQ(mistaken.reasons.front(),
-                fmt::format("the readings are those of a body with --reflectors {}", name(mount)));
+                fmt::format("the readings match a body with --reflectors {}: use that option", name(mount)));
     }
   }
 }
@@ -409,8 +409,9 @@ TEST_P(BodyPoses, RefuseWhatMakesNoSense) {
   EXPECT_THAT([&] { (void)calibrate(robot, good, {.method = Method::paper}); },
               ThrowsMessage<InvalidArgument>(
                   "method paper: expected points of the plate centre or distances, got poses of a body"));
-  EXPECT_THAT([&] { (void)planned(robot, good.stations, {.measurand = Measurand::poses, .rotation = true}); },
-              ThrowsMessage<InvalidArgument>("plan: expected poses without rotations: they show them"));
+  EXPECT_THAT(
+      [&] { (void)planned(robot, good.stations, {.measurand = Measurand::poses, .rotation = true}); },
+      ThrowsMessage<InvalidArgument>("plan: expected poses without rotation readings, since poses include them"));
 }
 
 /// What programs of motion capture disagree on, and a body that does not turn with what it was said to, are told.

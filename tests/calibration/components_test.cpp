@@ -176,8 +176,8 @@ TEST_F(Variances, WithoutRepeatsJointsAreToldByTheStatedNoise) {
   Measurements measured = measured_machine(robot, fine_stations(robot, 9), 3, {.noise = kNoise}).measurements;
   state_sigma(measured, 0.005);
   EXPECT_THAT(calibrate(robot, measured, {.states_use = false, .diagnose = false}).notes,
-              Contains(AllOf(HasSubstr("the noise is stated as 0.005 mm, poses disagree"),
-                             HasSubstr("or more noise than is stated"))));
+              Contains(AllOf(HasSubstr("more than the noise explains (stated noise 0.005 mm)"),
+                             HasSubstr("load or larger noise"))));
 }
 
 }  // namespace

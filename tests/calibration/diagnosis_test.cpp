@@ -393,7 +393,7 @@ TEST(Diagnosis, SeesWhatHeightsAreReadIn) {
   const auto unit = diagnose(robot, metres), sign = diagnose(robot, downwards);
   ASSERT_TRUE(unit && sign);
   EXPECT_THAT(unit->causes, Contains(std::string("the readings are in metres")));
-  EXPECT_THAT(sign->causes, Contains(std::string("the heights count downwards")));
+  EXPECT_THAT(sign->causes, Contains(std::string("the heights are positive downwards")));
 }
 
 /// In the robot's own frame every exchange of axes shows.
@@ -448,7 +448,7 @@ TEST(Diagnosis, NamesTheFrameOfTheCommands) {
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(to_radians(degrees), Eigen::Vector3d::UnitZ()).toRotationMatrix();
     return [turn](const Eigen::Vector3d& p) { return Eigen::Vector3d(turn * p); };
   };
-  EXPECT_THAT(cause(turned(-60.0)), HasSubstr("turned by 60 deg about z"));
+  EXPECT_THAT(cause(turned(-60.0)), HasSubstr("rotated by 60 deg about z"));
   EXPECT_EQ(cause(turned(120.0)), "nothing");  // the same robot with its limbs renamed
   EXPECT_THAT(cause([](const auto& p) { return Eigen::Vector3d(p.y(), p.x(), p.z()); }),
               HasSubstr("the commanded x and y are swapped"));
@@ -510,7 +510,7 @@ TEST(DiagnosedCalibration, ExplainsPosesOutOfReach) {
   };
   EXPECT_THAT(refusal(1e-3, 1.0),
               testing::AllOf(HasSubstr("cannot reach (0, 0, -0.888) mm at 0 deg; the commanded poses are in metres"),
-                             HasSubstr("they fit to 0.01")));
+                             HasSubstr("corrected, the residuals are 0.01")));
   EXPECT_THAT(refusal(1e-3, 1e-3), HasSubstr("; the readings and the commanded poses are in metres"));
   EXPECT_THAT(refusal(2.0, 1.0), testing::EndsWith("deg"));  // nothing explains it: the complaint stays as it was
 }

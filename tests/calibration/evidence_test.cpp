@@ -266,7 +266,8 @@ TEST(Determined, ErrorsWithoutAPriorMayNotBeOpenBesideOthersThatHaveOne) {
   };
   const Calibration open = freed(Source::e_x, Frame::unknown);
   EXPECT_EQ(open.verdict, Verdict::not_identifiable);
-  EXPECT_THAT(open.reasons, Contains(HasSubstr("sought without a prior a tolerance, or hold one")));
+  EXPECT_THAT(open.reasons,
+              Contains(HasSubstr("give the errors of --free a tolerance, or fix a correlated one (--fix)")));
   EXPECT_EQ(open.covariance.size(), 0);
   EXPECT_FALSE(open.use);
   for (const Source source : {Source::arm_length, Source::theta_offset}) {

@@ -171,7 +171,7 @@ TEST(Dial, SaysThatNobodyStatedItsAngle) {
   CalibrationOptions options;
   options.states_use = options.diagnose = false;
   EXPECT_THAT(calibrate(robot, read, options).assumed,
-              Contains("the dial of dial was set up along the stated direction to 0.5 deg (standard deviation)"));
+              Contains("the dial of dial points along the stated direction within 0.5 deg (standard deviation)"));
   options.noise.dial_angle = 1e-3;
   EXPECT_THAT(calibrate(robot, read, options).assumed, Not(Contains(HasSubstr("the dial of"))));
 }
@@ -345,7 +345,7 @@ TEST_P(LengthsLaw, RefuseWhatMakesNoSense) {
               ThrowsMessage<InvalidArgument>("bar, reading 1: expected a length above 0 mm"));
   read.lengths = {{"dial", LengthKind::dial, {{0, 0.0}}}};
   const auto direction =
-      ThrowsMessage<InvalidArgument>("dial: expected the direction in which it reads, as three finite numbers");
+      ThrowsMessage<InvalidArgument>("dial: expected the direction that it measures, as three finite numbers");
   EXPECT_THAT([&] { check(read, robot.limb_count()); }, direction);
   read.lengths[0].at = Eigen::Vector3d::Zero();
   EXPECT_THAT([&] { check(read, robot.limb_count()); }, direction);

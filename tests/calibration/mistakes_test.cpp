@@ -160,7 +160,7 @@ TEST_F(Mistakes, OfSigns) {
     scale_turns(m, -1.0);
     scale_commanded_turns(m, -1.0);
   });
-  expect_undone(sound, "the heights count downwards", [](Measurements& m) {
+  expect_undone(sound, "the heights are positive downwards", [](Measurements& m) {
     for (LengthReading& one : m.lengths[0].readings) one.length = -one.length;
   });
   expect_undone(sound, "the commanded x has the opposite sign", [](Measurements& m) { scale_commands(m, {-1, 1, 1}); });

@@ -89,7 +89,7 @@ TEST(TiltMistakes, AFrameOfTheCommandsTurnsThemToo) {
   const Measurements meant{.stations = candidate_stations(robot, 12, 4)};
   detail::Input input{robot, meant, {}};
   const std::vector<detail::Mistake> all = detail::usual_mistakes(input);
-  const std::string text = "the frame of the commands is turned by 90 deg about z against the robot's";
+  const std::string text = "the frame of the commands is rotated by 90 deg about z relative to the robot's";
   std::ranges::find(all, text, &detail::Mistake::text)->undo(input);
   for (std::size_t k = 0; k < meant.stations.size(); ++k) {
     const Pose &was = meant.stations[k].commanded, &is = input.measurements.stations[k].commanded;

@@ -354,7 +354,7 @@ TEST_F(ByHand, LimitsAreBrokenKeptOrUndecided) {
   EXPECT_THAT(with({}).reasons, testing::ElementsAre(HasSubstr("not significant")));
   for (PointReading& one : measurements.series[0].readings) one.rotation.reset();
   EXPECT_THAT(with({.rotation = 1.0}).reasons,
-              testing::ElementsAre("a limit on rotation was set, and no rotation was read"));
+              testing::ElementsAre("expected rotations for the limit on rotation, got none"));
 }
 
 TEST_F(ByHand, PosesHaveTheUncertaintyOfTheirPrediction) {

@@ -105,7 +105,7 @@ TEST(WrongPart, IsNamedBesideItsEqual) {
     const Calibration found =
         calibrate(robot, measure(robot, errors, plan(robot), number, {.noise = kNoise}), {.states_use = false});
     for (const std::string& note : found.notes) {
-      if (note.find("would explain the readings as well: measure the parts") == std::string::npos) continue;
+      if (note.find("would explain the readings equally well: measure the parts") == std::string::npos) continue;
       ++doubtful;
       EXPECT_THAT(note, HasSubstr("of limb " + std::to_string(limb + 1) + " "));
     }

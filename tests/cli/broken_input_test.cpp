@@ -416,7 +416,7 @@ const std::vector<BrokenInput> kUnreachable{
 };
 
 const std::vector<BrokenInput> kUsage{
-    usage("no_command", "", {"subcommand"}),
+    usage("no_command", "", {"expected a command, got none"}),
     usage("tilt_beyond_half_a_turn", "tolerance allocate --robot huang2016 --max-tilt 1e300",
           {"--max-tilt", "above 0 and up to 3.14159 rad (half a turn)", "1e+300"}),
     usage("pose_beyond_the_robot", "error-model --robot huang2016 --pose 0,0,-1e8,0",

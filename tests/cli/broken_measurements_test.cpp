@@ -409,7 +409,7 @@ const std::vector<BrokenInput> kOutOfReach{
     with_file("machine_that_does_not_close", "errors.toml", replaced(kErrors, "= 0.2", "= -700"), kSimulate,
               {"no solution"}, kMathematicsSaysNo),
     command("no_pose_is_visible", kSelect + " --tracker 4000,0,-900 --facing 0,0,1 --acceptance-deg 5",
-            {"visible", "12 are wanted"}, kMathematicsSaysNo),
+            {"expected 12 visible poses", "got "}, kMathematicsSaysNo),
 };
 
 const std::vector<BrokenInput> kUsage{
@@ -499,11 +499,12 @@ const std::vector<BrokenInput> kUsage{
     usage("fix_unit", kCalibrate + " --fix e_x_mm", {"\"e_x_mm\""}),
     usage("free_unknown", kCalibrate + " --free rods", {"source error", "\"rods\""}),
     usage("fix_and_free", kCalibrate + " --fix e_x --free e_x2", {"--fix", "--free", "e_x of limb 2"}),
-    usage("fix_all_of_a_stage", kCalibrate + " --stage rough --fix theta_offset", {"--fix", "left to seek"}),
+    usage("fix_all_of_a_stage", kCalibrate + " --stage rough --fix theta_offset",
+          {"--fix", "expected at least one error to estimate"}),
     usage("fix_everything",
           kCalibrate + " --fix theta_offset,e_x,e_y,e_z,arm_length,alpha0,beta0,rod_mean,rod_difference,"
                        "width_difference,alpha03,beta03,alpha2,beta2",
-          {"--fix", "left to seek"}),
+          {"--fix", "expected at least one error to estimate"}),
     usage("validate_without_calibration", "validate --measurements points.csv", {"--calibration"}),
     usage("validate_without_measurements", "validate --calibration calibration.json", {"--measurements"}),
     usage("validate_unknown_option", kValidate + " --limit 1", {"--limit"}),

@@ -175,7 +175,7 @@ TEST_F(Manual, IsTakenByZsh) {
   const std::string script = pages->read("_paracal");
   EXPECT_THAT(script, StartsWith("#compdef paracal\n"));
   EXPECT_THAT(script, HasSubstr("'--stage[stage of the calibration; adds points until O2 changes little (default: "
-                                "rough)]:value:(rough fine)'"));
+                                "fine)]:value:(rough fine)'"));
   EXPECT_THAT(script, HasSubstr("_paracal_tolerance_allocate() {"));
 }
 

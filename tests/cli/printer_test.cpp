@@ -339,8 +339,8 @@ TEST_F(PrinterCommand, OtherFirmwaresSettingsAreRecognised) {
   refused("M665 R105.6 L215 H235\n", add + "marlin or --firmware reprapfirmware");
   refused("echo:  M92 X80.00 Y80.00 Z80.00\n", "kinematics in [printer], got none");
   refused("[include missing.cfg]\n[gcode_macro M665]\ngcode: M665 R105.6 L215 H235\n",
-          "kinematics in [printer], got none; it may be in missing.cfg, which settings.txt:1 includes and which is not "
-          "there");
+          "kinematics in [printer], got none; it may be in missing.cfg, which settings.txt:1 includes but is "
+          "missing");
   folder.write("settings.txt", marlin);
   EXPECT_EQ(folder.run("robot --printer settings.txt --firmware marlin").exit_code, kDone);
 }

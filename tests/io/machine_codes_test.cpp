@@ -111,7 +111,7 @@ TEST(RotaryMachineCodes, WhatIsWrittenIsTheSamePrinter) {
                               .shoulder = {412.0, 413.0, 412.5}};
   const std::string codes = machine_codes(printer, CodeDialect::reprapfirmware);
   // The comment says what the line cannot: A with the printer's own lowest angle.
-  const std::string highest = codes.substr(codes.find("then ") + 5, codes.find(", where") - codes.find("then ") - 5);
+  const std::string highest = codes.substr(codes.find("then ") + 5, codes.find(" (angle") - codes.find("then ") - 5);
   const std::string text = fmt::format("{}M669 K10 A-40:{}\n", codes, highest);
   const DeltaGeometry again = read_machine_codes({"config.g", text}, CodeDialect::reprapfirmware);
   for (const JointDrops& drops : {JointDrops{0.8, 0.8, 0.8}, JointDrops{0.6, 0.9, 0.8}, JointDrops{0, 0, 0}}) {

@@ -144,7 +144,7 @@ TEST(CalibrationFile, OneThatWasNotAcceptedIsRefused) {
       [&] {
         read_calibration({"c.json", text}, robot);
       },
-      testing::ThrowsMessage<InputFileError>(testing::HasSubstr("verdict is: not identifiable")));
+      testing::ThrowsMessage<InputFileError>(testing::HasSubstr("got the verdict \"not identifiable\"")));
 }
 
 TEST(CalibrationFile, HoldsEverythingToRepeatTheFit) {

@@ -120,7 +120,7 @@ TEST(LengthTable, IsKnownByItsColumn) {
   refused("pose,ball_bar_mm,centre_x_mm\nhome,1,2\n", "centre_y_mm");
   refused("pose,dial_mm\nhome,1\n", "direction_x");
   refused("pose,dial_mm,direction_x,direction_y,direction_z\nhome,1,0,0,0\n",
-          "l.csv:2: expected the direction in which it reads, got 0, 0, 0");
+          "l.csv:2: expected the direction that it measures, got 0, 0, 0");
   refused("pose,height_mm,direction_x\nhome,1,0\n", "direction_x");
   refused("pose,length_mm\nhome,1\n", "height_mm");
 }

@@ -120,8 +120,8 @@ TEST(KlipperConfig, ABlockThatTheFirmwarePassesOverIsNotInForce) {
            {all + "[gcode_macro START]\ngcode:\n  G28\n", "\"[gcode_macro START]\", which does not begin with #*#"},
            {all + "\n[fan]\n", "an empty line, which does not begin"},
            {all + "#*#[printer]\n", "\"#*#[printer]\", which does not begin"},
-           {with(all, head, "#*# SAVE_CONFIG\n"), "\"#*# SAVE_CONFIG\", which stands above the three lines"},
-           {"#*# mine\n" + all, "\"#*# mine\", which stands above the three lines"},
+           {with(all, head, "#*# SAVE_CONFIG\n"), "\"#*# SAVE_CONFIG\", which is above the three lines"},
+           {"#*# mine\n" + all, "\"#*# mine\", which is above the three lines"},
            {all + "#*#\n" + head + "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n",
             "which begins a second block"}}) {
     const std::string& text = broken;
