@@ -263,7 +263,7 @@ const std::vector<BrokenInput> kCalibrations{
     calibration("robot_a_text", "{\"accepted\": true,\n\"robot\": \"huang2016\", \"parameters\": []}",
                 {"calibration.json:2: ", "robot: expected an object", "\"huang2016\""}),
     calibration("limb_9", replaced(kCalibration, "\"limb\": 4", "\"limb\": 9"),
-                {"calibration.json:9: ", "limbs 1 to 4", "9"}),
+                {"calibration.json:9: ", "a limb from 1 to 4", "9"}),
     calibration("without_a_limb", replaced(kCalibration, "\"limb\": 4, ", ""),
                 {"calibration.json:9: ", "expected entry 2 of parameters with \"limb\""}),
     calibration("value_too_large", replaced(kCalibration, "0.2", "1e999"),

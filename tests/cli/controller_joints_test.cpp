@@ -33,6 +33,8 @@ const std::string kAssumed =
     "the controller computes joints with rod 730 mm, arm 310 mm, base radius 210 mm, plate radius 55 mm";
 const std::string kOfFile = " --robot file.toml";
 const std::string kCalibrate = "calibrate --measurements measured.csv" + kOfFile;
+const std::string kSimulate =
+    "simulate --robot machine.toml --errors errors.toml --noise-mm 0.01 --frame random --poses ";
 
 /// The 16 poses of a plan, as the machine took them for its controller, and a calibration by the wrong file.
 class WrongRod : public testing::Test {
@@ -41,14 +43,18 @@ class WrongRod : public testing::Test {
     folder.write("file.toml", robot_file("730"));
     folder.write("machine.toml", robot_file("720"));
     folder.write("errors.toml", kErrors);
-    folder.make({"poses --optimal 16 --candidates 300 --seed 3 --out plan.csv" + kOfFile});
-    std::string plan = folder.read("plan.csv");
-    folder.write("plan.csv", plan.substr(plan.find('\n') + 1));  // of both robots: without the line that names one
-    folder.make(
-        {"simulate --robot machine.toml --errors errors.toml --poses plan.csv --noise-mm 0.01 --repeats 2 "
-         "--frame random --seed 5 --out measured.csv",
-         kCalibrate + " --out calibration.json"});
+    make_without_robot("plan.csv", "poses --optimal 16 --candidates 300 --seed 3" + kOfFile);
+    make_without_robot("measured.csv", kSimulate + "plan.csv --repeats 2 --seed 5");
+    folder.make({kCalibrate + " --out calibration.json"});
     folder.write("poses.csv", "pose,x_mm,y_mm,z_mm\nhome,0,0,-695\nright,250,0,-650\nlow,-100,200,-740\n");
+  }
+
+  /// A table that does not name the robot file that made it: it is read with the other one.
+  void make_without_robot(const std::string& name, const std::string& command) const {
+    folder.make({command + " --out " + name});
+    const std::string text = folder.read(name);
+    ASSERT_TRUE(text.starts_with("# robot: "));
+    folder.write(name, text.substr(text.find('\n') + 1));
   }
 
   json json_from(const std::string& command) const { return json_of(folder.run(command + " --json")); }
@@ -105,9 +111,7 @@ const std::string kCompensate = "compensate --calibration calibration.json --pos
 const std::string kExport = "export --calibration calibration.json" + kOfFile + " --target ";
 
 TEST_F(WrongRod, IsAssumedInEveryResultThatDependsOnIt) {
-  folder.make(
-      {"simulate --robot machine.toml --errors errors.toml --poses plan.csv --noise-mm 0.01 --frame random --seed "
-       "7 --out check.csv"});
+  make_without_robot("check.csv", kSimulate + "plan.csv --seed 7");
   for (const std::string& command :
        {kCalibrate, "validate --calibration calibration.json --measurements check.csv --limit-mm 1" + kOfFile}) {
     EXPECT_THAT(text_of(command), HasSubstr("\n  assumed: " + kAssumed)) << command;
@@ -219,9 +223,7 @@ class OtherController : public WrongRod {
     folder.run("inverse --robot file.toml --poses plan.csv --out joints.csv");
     const std::string plan = folder.read("plan.csv"), joints = folder.read("joints.csv");
     folder.write("commanded.csv", beside(plan.substr(plan.find("pose,")), joints));
-    folder.make(
-        {"simulate --robot machine.toml --errors errors.toml --poses commanded.csv --noise-mm 0.01 --repeats 2 "
-         "--frame random --seed 6 --out taken.csv"});
+    folder.make({kSimulate + "commanded.csv --repeats 2 --seed 6 --out taken.csv"});
     folder.write("alone.csv", without_joints(folder.read("taken.csv")));
   }
 

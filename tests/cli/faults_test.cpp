@@ -323,7 +323,7 @@ TEST_F(Faults, BatchesDoNotMix) {
       done += result.exit_code == kDone;
       if (result.exit_code == kDone) continue;
       EXPECT_EQ(result.exit_code, kBadInputFile) << result.err;
-      EXPECT_THAT(result.err, HasSubstr("another job"));
+      EXPECT_THAT(result.err, HasSubstr("belongs to another command"));
     }
     EXPECT_EQ(done, 1);
     std::set<std::string> names;

@@ -174,7 +174,7 @@ TEST_F(Manual, IsTakenByZsh) {
   EXPECT_EQ(said_by("zsh -f -n _paracal"), "");
   const std::string script = pages->read("_paracal");
   EXPECT_THAT(script, StartsWith("#compdef paracal\n"));
-  EXPECT_THAT(script, HasSubstr("'--stage[stage of the calibration; adds points until O2 changes little (default: "
+  EXPECT_THAT(script, HasSubstr("'--stage[stage of the calibration; adds points until O2 changes little (default\\: "
                                 "fine)]:value:(rough fine)'"));
   EXPECT_THAT(script, HasSubstr("_paracal_tolerance_allocate() {"));
 }

@@ -541,7 +541,7 @@ TEST_F(Yield, RefusesTheFolderOfAnotherBuild) {
   EXPECT_EQ(result.exit_code, kBadInputFile);
   EXPECT_THAT(result.out, IsEmpty());
   EXPECT_THAT(result.err, AllOf(HasSubstr("folder/job.json"), HasSubstr("expected build \""),
-                                HasSubstr("got \"another\""), HasSubstr("another job")));
+                                HasSubstr("got \"another\""), HasSubstr("belongs to another command")));
   EXPECT_EQ(chunks().size(), 1u);
   EXPECT_EQ(folder.read(name), chunk);
 }
