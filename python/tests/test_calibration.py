@@ -133,7 +133,7 @@ class Published(TestCase):
             ({"fixed": ["rods"]}, 'expected a source error such as e_x .* got "rods"'),
             ({"fixed": "e_x"}, 'fixed: expected names in a list, got the text "e_x"'),
             ({"fixed": ["e_x"], "free": ["e_x2"]}, "fixed or free, got e_x of limb 2 as both"),
-            ({"stage": "rough", "fixed": ["theta_offset"]}, "left to seek"),
+            ({"stage": "rough", "fixed": ["theta_offset"]}, "expected at least one error to estimate"),
             ({"limit_mm": 0.0}, "limit_mm: expected"),
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, message):

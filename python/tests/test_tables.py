@@ -239,7 +239,7 @@ class Wrong(TestCase):
         ):
             pc.read_measurements(distances)
         with self.assertRaisesRegex(
-            pc.InvalidArgument, "poses: expected a table for each of 1 .* got 2"
+            pc.InvalidArgument, "poses: expected one table for each of 1 .* got 2"
         ):
             pc.read_measurements(distances, poses=[POINTS_POSES, POINTS_POSES])
 

@@ -65,7 +65,7 @@ void state_guided_scatter(const Observation& observation, const Placed& at, doub
   if (fisher_tail(of_across / of_within, across, within) >= calibration.options.tell_chance) return;
   calibration.notes.push_back(
       fmt::format("points scatter {:.3g} mm across the plane of the guides, {:.3g} mm in it. Check the flatness of the "
-                  "guides. U is valid in the plane only",
+                  "guides and the instrument. U is valid in the plane only",
                   mm * std::sqrt(of_across), mm * std::sqrt(of_within)));
 }
 

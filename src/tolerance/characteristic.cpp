@@ -84,16 +84,14 @@ int component_count(Quantity quantity) {
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
   if (characteristic.compensated && robot.on_single_rods()) {
-    return "expected a robot whose plate stays level on parallelograms, got one whose limbs have one rod each";
+    return "calibration corrects all errors of limbs with one rod: expected a robot on parallelograms";
   }
   const auto& free = robot.geometry().freedoms.free;
   if (characteristic.quantity == Quantity::tilt && !free[3] && !free[4]) {
-    return "expected a plate that can tilt, got one whose guides prevent it; choose position or distance (--quantity "
-           "or --problem)";
+    return "the guides prevent tilt: expected position or distance (--quantity or --problem)";
   }
   if (characteristic.quantity == Quantity::twist && !free[5]) {
-    return "expected a plate that can turn, got one whose guides prevent it; choose position or distance (--quantity "
-           "or --problem)";
+    return "the guides prevent rotation: expected position or distance (--quantity or --problem)";
   }
   return {};
 }

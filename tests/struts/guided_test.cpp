@@ -264,7 +264,7 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
 std::optional<double> scatter_within(const Calibration& found) {
   for (const std::string& note : found.notes) {
     double across = 0.0, within = 0.0;
-    const int read = std::sscanf(note.c_str(), "points scatter %lf mm across the plane that guides hold, %lf mm in it",
+    const int read = std::sscanf(note.c_str(), "points scatter %lf mm across the plane of the guides, %lf mm in it",
                                  &across, &within);
     if (read == 2) return within;
   }

@@ -179,7 +179,7 @@ TEST_P(TemplateLaw, AWrongLengthOfALimbIsTold) {
     const std::vector<detail::Mistake> all = detail::wrong_nominals(given, *fit);
     const auto found = std::ranges::find(all, named, &detail::Mistake::family);
     ASSERT_NE(found, all.end()) << named;
-    EXPECT_NEAR(std::stod(found->text.substr(found->text.find(" is ") + 4)), right, 1.0) << found->text;
+    EXPECT_NEAR(std::stod(found->text.substr(found->text.find(" = ") + 3)), right, 1.0) << found->text;
   }
 }
 

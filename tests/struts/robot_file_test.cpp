@@ -122,7 +122,7 @@ TEST(ArmFile, WhatMakesNoSenseIsRefusedWithTheReason) {
   const auto refused = [](std::string_view found, std::string_view replaced, std::string_view complaint) {
     expect_refused(text_with(found, replaced, "6-rss"), complaint);
   };
-  refused("kind = \"arm\"", "kind = \"rail\"", "robot.toml:7: expected limb.direction");
+  refused("kind = \"arm\"", "kind = \"rail\"", "robot.toml:8: expected limb.direction");
   refused("arm_mm = 110.0", "arm_mm = 0", "arm_mm of limb 1: expected a length above 0 mm");
   refused("rod_mm = 280.0", "rod_mm = -1", "rod_mm of limb 1");
   refused("axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "axis of limb 1: expected a direction, got (0, 0, 0)");
