@@ -251,7 +251,7 @@ class Stated(TestCase):
         generous = pc.Tolerances.stated(robot, {"rod_mean": 0.1}, others="generous")
         self.assertEqual(generous.half_widths["rod_mean"], 0.1)
         self.assertGreater(generous.half_widths["e_x"], 0.0)
-        self.assertIn("generous", generous.assumed[0])
+        self.assertIn("default tolerances", generous.assumed[0])
         self.assertFalse(any("rod_mean" in one for one in generous.assumed))
 
     def test_files_hold_the_same(self):

@@ -437,7 +437,7 @@ const std::vector<BrokenInput> kUsage{
     usage("unknown_robot", "robot --robot huang2017", {"--robot", "huang2016", "rotary_delta", "\"huang2017\""}),
     usage("unknown_paper", "reproduce newton1687", {"huang2016", "newton1687"}),
     usage("unknown_schema", "schema calibratoin", {"calibration", "calibratoin"}),
-    usage("reproduce_without_paper", "reproduce", {"paper"}),
+    usage("reproduce_without_paper", "reproduce", {"expected PAPER, got none"}),
     usage("unknown_stage", kCalibrate + " --stage perfect", {"--stage", "rough", "perfect"}),
     usage("sigma_negative", kCalibrate + " --sigma-mm -0.05", {"--sigma-mm", "-0.05"}),
     usage("sigma_zero", kCalibrate + " --sigma-mm 0", {"--sigma-mm", "0"}),

@@ -158,7 +158,7 @@ TEST_F(WrongRod, IsNotDecidedByJointsAtHome) {
   const ProgramResult refused = folder.run(kCompensate + " --controller-joints displayed.csv");
   EXPECT_EQ(refused.exit_code, kBadInputFile);
   for (const char* one : {"rod 720.00 mm", "arm ", "base radius ", "plate radius ", "origin at z ",
-                          "cannot decide: add the joints at another one, such as ("}) {
+                          "cannot decide: add the joints at another pose, such as ("}) {
     EXPECT_THAT(refused.err, HasSubstr(one));
   }
 }
@@ -262,7 +262,8 @@ TEST_F(OtherController, IsKeptAndUsed) {
   // The same as from the joints themselves, which the readings hold.
   const json by_joints = json_from(kTaken);
   EXPECT_EQ(by_joints.at("controller").at("joints"), "readings");
-  EXPECT_THAT(by_joints.at("notes"), Contains(HasSubstr("corrected targets are not: state the controller's")));
+  EXPECT_THAT(by_joints.at("notes"),
+              Contains(HasSubstr("corrected targets are not: state the dimensions of the controller")));
   EXPECT_THAT(json_from(kTaken + " --controller file.toml").at("notes"), Each(Not(HasSubstr("corrected targets"))));
   for (std::size_t k = 0; k < 24; ++k) {
     EXPECT_NEAR(calibration["parameters"][k]["value"].get<double>(), by_joints["parameters"][k]["value"].get<double>(),
@@ -305,7 +306,8 @@ TEST_F(OtherController, IsARobotOfTheSameKind) {
 
 TEST_F(WrongRod, IsAskedForByPlans) {
   EXPECT_THAT(folder.read("plan.csv"), HasSubstr("q1_deg"));
-  EXPECT_THAT(text_of("poses --robot huang2016 --stage rough"), HasSubstr("\n# ask the controller for its joints"));
+  EXPECT_THAT(text_of("poses --robot huang2016 --stage rough"),
+              HasSubstr("\n# Read the joints that the controller displays"));
 }
 
 }  // namespace

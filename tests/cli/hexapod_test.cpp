@@ -184,7 +184,7 @@ TEST_F(Hexapod, TolerancesAreDesigned) {
   EXPECT_GT(drawn[1].get<double>(), 1.9);
   const ProgramResult compensated = run("sensitivity --robot h.toml --quantity position-compensated");
   EXPECT_EQ(compensated.exit_code, kBadInputFile);
-  EXPECT_THAT(compensated.err, HasSubstr("got one whose limbs have one rod each"));
+  EXPECT_THAT(compensated.err, HasSubstr("calibration corrects all errors of limbs with one rod"));
   folder.write("left.toml", "[[requirement]]\nquantity = \"position-compensated\"\nlimit_mm = 2\n");
   const ProgramResult refused = run("tolerance analyze --robot h.toml --problem left.toml");
   EXPECT_EQ(refused.exit_code, kBadInputFile);
