@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "paracal/calibration/measurement.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
 #include "paracal/mechanism/robot.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal::benchmark {
 

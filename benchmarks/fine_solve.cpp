@@ -2,7 +2,7 @@
 
 #include "calibration/readings/points.hpp"
 #include "calibration/sought.hpp"
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 
 namespace paracal::benchmark {
 

@@ -8,9 +8,9 @@
 
 #include "numerics/dense.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/square_root.hpp"
 #include "paracal/error.hpp"
 #include "placement.hpp"
-#include "square_root.hpp"
 #include "visits.hpp"
 
 namespace paracal::detail {

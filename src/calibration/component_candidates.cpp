@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "components.hpp"
-#include "variance_score.hpp"
+#include "numerics/variance_score.hpp"
 
 namespace paracal::detail {
 namespace {

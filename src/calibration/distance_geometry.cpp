@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "numerics/dense.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal::detail {
 namespace {

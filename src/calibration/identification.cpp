@@ -14,8 +14,8 @@
 #include "distance_geometry.hpp"
 #include "evidence.hpp"
 #include "paracal/calibration/identifiability.hpp"
-#include "paracal/calibration/least_squares.hpp"
 #include "paracal/error.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "sought.hpp"
 #include "stage_fit.hpp"
 

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
-#include "paracal/calibration/information_root.hpp"
-#include "paracal/calibration/least_squares.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/numerics/information_root.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "readings/series.hpp"
 
 namespace paracal::detail {

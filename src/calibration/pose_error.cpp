@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal {
 

@@ -7,10 +7,10 @@
 #include "exchange_poses.hpp"
 #include "numerics/dense.hpp"
 #include "observation.hpp"
-#include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
+#include "paracal/numerics/information_root.hpp"
 #include "sought.hpp"
 
 namespace paracal {

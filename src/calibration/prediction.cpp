@@ -9,6 +9,7 @@
 #include "distance_geometry.hpp"
 #include "numerics/dense.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/square_root.hpp"
 #include "observation.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
@@ -16,7 +17,6 @@
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "sought.hpp"
-#include "square_root.hpp"
 #include "started.hpp"
 
 namespace paracal {

@@ -8,7 +8,7 @@
 
 #include "observation.hpp"
 #include "outliers.hpp"
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "scatter.hpp"
 
 namespace paracal::detail {

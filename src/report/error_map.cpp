@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "paracal/calibration/rigid_fit.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/drive.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 #include "paracal/units.hpp"
 #include "polar_map.hpp"
 #include "rounded.hpp"

@@ -6,7 +6,7 @@
 #include "calibration/distance_geometry.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/plan.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 

@@ -1,4 +1,4 @@
-#include "paracal/calibration/information_root.hpp"
+#include "paracal/numerics/information_root.hpp"
 
 #include <gtest/gtest.h>
 

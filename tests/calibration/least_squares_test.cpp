@@ -1,4 +1,4 @@
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include <unsupported/Eigen/AutoDiff>
 #include <vector>
 
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "support/places.hpp"
 
 namespace paracal::nist_test {

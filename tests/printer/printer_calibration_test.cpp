@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "paracal/calibration/least_squares.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/klipper.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"

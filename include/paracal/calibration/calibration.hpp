@@ -13,9 +13,9 @@
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/pose_error.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal {
 

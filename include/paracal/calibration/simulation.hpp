@@ -5,9 +5,9 @@
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/mechanism/robot.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal {
 

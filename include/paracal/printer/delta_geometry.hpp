@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "paracal/calibration/least_squares.hpp"
 #include "paracal/mechanism/source_errors.hpp"
+#include "paracal/numerics/least_squares.hpp"
 
 namespace paracal {
 

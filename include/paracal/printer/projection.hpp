@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 #include "paracal/printer/known_printer.hpp"
 
 namespace paracal {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal::detail {
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
-#include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/length_kind.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/mechanism/random.hpp"
+#include "paracal/numerics/information_root.hpp"
 
 namespace paracal::detail {
 

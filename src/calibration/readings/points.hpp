@@ -3,7 +3,7 @@
 // Private to calibration: points, and poses of a body, that an instrument read in a frame of its own.
 
 #include "body.hpp"
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 #include "series.hpp"
 
 namespace paracal::detail {

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
-#include "paracal/calibration/information_root.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/numerics/information_root.hpp"
 
 namespace paracal::detail {
 

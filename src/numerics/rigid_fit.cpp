@@ -1,4 +1,4 @@
-#include "paracal/calibration/rigid_fit.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>

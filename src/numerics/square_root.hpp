@@ -1,6 +1,6 @@
 #pragma once
 
-#include "numerics/dense.hpp"
+#include "dense.hpp"
 
 namespace paracal::detail {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "paracal/calibration/information_root.hpp"
+#include "information_root.hpp"
 
 namespace paracal {
 

@@ -1,11 +1,11 @@
-#include "paracal/calibration/least_squares.hpp"
+#include "paracal/numerics/least_squares.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
 
-#include "numerics/dense.hpp"
+#include "dense.hpp"
 
 namespace paracal {
 namespace {

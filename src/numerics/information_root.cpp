@@ -1,9 +1,9 @@
-#include "paracal/calibration/information_root.hpp"
+#include "paracal/numerics/information_root.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "numerics/dense.hpp"
+#include "dense.hpp"
 #include "paracal/interruption.hpp"
 
 namespace paracal {
