@@ -1,7 +1,7 @@
 #include "fine_solve.hpp"
 
+#include "calibration/fit/sought.hpp"
 #include "calibration/readings/points.hpp"
-#include "calibration/sought.hpp"
 #include "paracal/numerics/least_squares.hpp"
 
 namespace paracal::benchmark {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "calibration/observation.hpp"
+#include "calibration/fit/observation.hpp"
 #include "fine_fit.hpp"
 
 namespace paracal::benchmark {

@@ -79,7 +79,7 @@ TEST(Structure, ArrowsPointAsTheDesignSays) {
   EXPECT_THAT(forbidden(promised), testing::IsEmpty());
   // The test sees an arrow that is there.
   promised["calibration"].erase("kinematics");
-  EXPECT_THAT(forbidden(promised), testing::Contains(testing::HasSubstr("src/calibration/observation.cpp")));
+  EXPECT_THAT(forbidden(promised), testing::Contains(testing::HasSubstr("src/calibration/fit/observation.cpp")));
 }
 
 TEST(Structure, OneHeaderShowsTheLibraryForJson) {

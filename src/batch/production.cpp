@@ -5,7 +5,7 @@
 #include <cmath>
 #include <new>
 
-#include "calibration/as_given.hpp"
+#include "calibration/fit/as_given.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_error.hpp"

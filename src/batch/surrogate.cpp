@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "calibration/linear_estimate.hpp"
-#include "calibration/sought.hpp"
+#include "calibration/fit/linear_estimate.hpp"
+#include "calibration/fit/sought.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "calibration/as_given.hpp"
+#include "calibration/fit/as_given.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibration/as_given.hpp"
+#include "calibration/fit/as_given.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/kinematics/forward.hpp"

@@ -9,9 +9,9 @@
 #include <functional>
 #include <numbers>
 
-#include "calibration/observation.hpp"
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/sought.hpp"
 #include "calibration/readings/body.hpp"
-#include "calibration/sought.hpp"
 #include "kinematics/turns.hpp"
 #include "observation_derivatives.hpp"
 #include "paracal/calibration/identifiability.hpp"

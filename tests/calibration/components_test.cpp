@@ -1,10 +1,10 @@
 // Components of variance, each on a machine of which nothing else is off.
 
-#include "calibration/components.hpp"
+#include "calibration/verdict/components.hpp"
 
 #include <gmock/gmock.h>
 
-#include "calibration/sought.hpp"
+#include "calibration/fit/sought.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/mechanism/catalogue.hpp"

@@ -6,8 +6,8 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
-#include "calibration/evidence.hpp"
 #include "calibration/readings/points.hpp"
+#include "calibration/verdict/evidence.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/forward.hpp"

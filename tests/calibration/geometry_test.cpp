@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "calibration/distance_geometry.hpp"
+#include "calibration/fit/distance_geometry.hpp"
 #include "paracal/calibration/noise.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/numerics/rigid_fit.hpp"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "calibration/null_space.hpp"
+#include "calibration/fit/null_space.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"

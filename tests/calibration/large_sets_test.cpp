@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "calibration/sought.hpp"
-#include "calibration/stage_fit.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/fit/stage_fit.hpp"
 #include "observation_derivatives.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"

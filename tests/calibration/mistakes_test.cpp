@@ -1,13 +1,13 @@
 // Undoing a mistake leads back to the readings from which it was made.
 
-#include "calibration/mistakes.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 
-#include "calibration/dimensions.hpp"
-#include "calibration/wrong_nominal.hpp"
+#include "calibration/diagnosis/dimensions.hpp"
+#include "calibration/diagnosis/wrong_nominal.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "calibration/observation.hpp"
+#include "calibration/fit/observation.hpp"
 #include "support/differences.hpp"
 
 namespace paracal::test {

@@ -1,13 +1,13 @@
 // Readings that contradict the others: against what leaving them out does, and what is said of them.
 
-#include "calibration/outliers.hpp"
+#include "calibration/fit/outliers.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "calibration/sought.hpp"
-#include "calibration/stage_fit.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/fit/stage_fit.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"

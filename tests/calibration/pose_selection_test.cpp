@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <set>
 
-#include "calibration/observation.hpp"
-#include "calibration/pose_exchange.hpp"
-#include "calibration/sought.hpp"
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/plan/pose_exchange.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "support/robots.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "calibration/prior_promise.hpp"
-#include "calibration/sought.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/plan/prior_promise.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/mechanism/catalogue.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "calibration/observation.hpp"
-#include "calibration/sought.hpp"
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/sought.hpp"
 #include "observation_derivatives.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"

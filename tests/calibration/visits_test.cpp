@@ -1,6 +1,6 @@
 // How well a validation knows what was measured: what is stated, what repeated visits show, or neither.
 
-#include "calibration/visits.hpp"
+#include "calibration/verdict/visits.hpp"
 
 #include <gmock/gmock.h>
 

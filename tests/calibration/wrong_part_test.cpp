@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "calibration/component_candidates.hpp"
+#include "calibration/verdict/component_candidates.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"

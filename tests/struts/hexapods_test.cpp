@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "calibration/placement.hpp"
+#include "calibration/fit/placement.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
-#include "calibration/mistakes.hpp"
-#include "calibration/sought.hpp"
-#include "calibration/wrong_nominal.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
+#include "calibration/diagnosis/wrong_nominal.hpp"
+#include "calibration/fit/sought.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"

@@ -3,8 +3,8 @@
 #include <iterator>
 #include <memory>
 
-#include "calibration/null_space.hpp"
-#include "calibration/parameter_table.hpp"
+#include "calibration/fit/null_space.hpp"
+#include "calibration/verdict/parameter_table.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/plan.hpp"

@@ -4,14 +4,14 @@
 
 #include <vector>
 
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/sought.hpp"
 #include "exchange_poses.hpp"
 #include "numerics/dense.hpp"
-#include "observation.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/numerics/information_root.hpp"
-#include "sought.hpp"
 
 namespace paracal {
 namespace {

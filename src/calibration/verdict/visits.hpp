@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "calibration/fit/scatter.hpp"
 #include "paracal/calibration/validation.hpp"
-#include "scatter.hpp"
 
 namespace paracal::detail {
 

@@ -11,12 +11,12 @@
 #include <span>
 #include <vector>
 
+#include "calibration/readings/series.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/numerics/information_root.hpp"
 #include "paracal/numerics/least_squares.hpp"
-#include "readings/series.hpp"
 
 namespace paracal::detail {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calibration/plan/prior_promise.hpp"
 #include "component_candidates.hpp"
-#include "prior_promise.hpp"
 
 namespace paracal::detail {
 namespace {

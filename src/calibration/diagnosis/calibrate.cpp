@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "as_given.hpp"
+#include "calibration/fit/as_given.hpp"
 #include "paracal/calibration/diagnosis.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/error.hpp"

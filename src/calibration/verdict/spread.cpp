@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "calibration/fit/pair_covariance.hpp"
 #include "numerics/distributions.hpp"
-#include "pair_covariance.hpp"
 #include "paracal/calibration/prediction.hpp"
 
 namespace paracal::detail {

@@ -2,11 +2,11 @@
 
 // Private to calibration: from a finished fit to numbers that can be signed.
 
-#include "as_given.hpp"
+#include "calibration/fit/as_given.hpp"
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/outliers.hpp"
+#include "calibration/fit/stage_fit.hpp"
 #include "components.hpp"
-#include "observation.hpp"
-#include "outliers.hpp"
-#include "stage_fit.hpp"
 
 namespace paracal::detail {
 

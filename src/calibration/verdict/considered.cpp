@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sought.hpp"
+#include "calibration/fit/sought.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -2,7 +2,7 @@
 
 // Private to calibration: what guides do that hold a plate in a plane.
 
-#include "observation.hpp"
+#include "calibration/fit/observation.hpp"
 
 namespace paracal::detail {
 

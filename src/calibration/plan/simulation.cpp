@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "calibration/fit/started.hpp"
+#include "calibration/readings/length_model.hpp"
+#include "calibration/readings/points.hpp"
 #include "kinematics/turns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
-#include "readings/length_model.hpp"
-#include "readings/points.hpp"
-#include "started.hpp"
 
 namespace paracal {
 namespace {

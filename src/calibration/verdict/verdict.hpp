@@ -2,8 +2,8 @@
 
 // Private to calibration: what is said of a fit once its numbers are known.
 
+#include "calibration/fit/stage_fit.hpp"
 #include "components.hpp"
-#include "stage_fit.hpp"
 
 namespace paracal::detail {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/fit/null_space.hpp"
 #include "considered.hpp"
 #include "guided_scatter.hpp"
-#include "null_space.hpp"
 #include "numerics/distributions.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "spread.hpp"

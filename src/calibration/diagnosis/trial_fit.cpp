@@ -5,10 +5,10 @@
 #include <limits>
 #include <map>
 
-#include "observation.hpp"
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/scatter.hpp"
+#include "calibration/fit/sought.hpp"
 #include "paracal/error.hpp"
-#include "scatter.hpp"
-#include "sought.hpp"
 
 namespace paracal::detail {
 namespace {

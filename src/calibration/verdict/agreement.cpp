@@ -6,11 +6,11 @@
 #include <cmath>
 #include <functional>
 
+#include "calibration/fit/placement.hpp"
 #include "numerics/dense.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/square_root.hpp"
 #include "paracal/error.hpp"
-#include "placement.hpp"
 #include "visits.hpp"
 
 namespace paracal::detail {

@@ -9,15 +9,15 @@
 #include <optional>
 #include <utility>
 
-#include "as_given.hpp"
+#include "calibration/fit/as_given.hpp"
+#include "calibration/fit/distance_geometry.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/fit/stage_fit.hpp"
 #include "components.hpp"
-#include "distance_geometry.hpp"
 #include "evidence.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/error.hpp"
 #include "paracal/numerics/least_squares.hpp"
-#include "sought.hpp"
-#include "stage_fit.hpp"
 
 namespace paracal {
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "scatter.hpp"
-#include "stage_fit.hpp"
+#include "calibration/fit/scatter.hpp"
+#include "calibration/fit/stage_fit.hpp"
 
 namespace paracal::detail {
 

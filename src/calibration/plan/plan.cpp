@@ -8,10 +8,10 @@
 #include <string>
 #include <utility>
 
+#include "calibration/fit/sought.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/level.hpp"
-#include "sought.hpp"
 
 namespace paracal {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/readings/length_model.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
@@ -13,7 +14,6 @@
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/units.hpp"
-#include "readings/length_model.hpp"
 
 namespace paracal {
 namespace {

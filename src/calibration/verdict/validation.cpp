@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "agreement.hpp"
+#include "calibration/fit/located.hpp"
+#include "calibration/fit/placement.hpp"
 #include "iso9283.hpp"
 #include "limit_checks.hpp"
-#include "located.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
-#include "placement.hpp"
 
 namespace paracal {
 namespace {

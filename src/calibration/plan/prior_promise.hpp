@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "stage_fit.hpp"
+#include "calibration/fit/stage_fit.hpp"
 
 namespace paracal::detail {
 

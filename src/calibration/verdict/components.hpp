@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "stage_fit.hpp"
+#include "calibration/fit/stage_fit.hpp"
 
 namespace paracal::detail {
 

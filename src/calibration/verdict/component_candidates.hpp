@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stage_fit.hpp"
+#include "calibration/fit/stage_fit.hpp"
 
 namespace paracal::detail {
 

@@ -2,7 +2,7 @@
 
 // Private to calibration: errors that a fit holds at nominal although their tolerances allow them.
 
-#include "stage_fit.hpp"
+#include "calibration/fit/stage_fit.hpp"
 
 namespace paracal::detail {
 

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <limits>
 
-#include "null_space.hpp"
+#include "calibration/fit/null_space.hpp"
 #include "paracal/units.hpp"
 #include "parameter_table.hpp"
 
