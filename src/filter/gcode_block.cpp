@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "io/letters.hpp"
+#include "io/files/letters.hpp"
 
 namespace paracal::io {
 namespace {

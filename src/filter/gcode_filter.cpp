@@ -6,8 +6,8 @@
 #include "gcode_block.hpp"
 #include "gcode_modes.hpp"
 #include "gcode_words.hpp"
-#include "io/letters.hpp"
-#include "io/line_reader.hpp"
+#include "io/files/letters.hpp"
+#include "io/files/line_reader.hpp"
 #include "paracal/error.hpp"
 #include "target_line.hpp"
 

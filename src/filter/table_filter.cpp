@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/columns.hpp"
-#include "io/letters.hpp"
+#include "io/files/letters.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "target_line.hpp"

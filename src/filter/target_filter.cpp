@@ -2,8 +2,8 @@
 #include <optional>
 #include <utility>
 
-#include "io/columns.hpp"
-#include "io/line_reader.hpp"
+#include "io/files/line_reader.hpp"
+#include "io/tables/columns.hpp"
 #include "joint_loads.hpp"
 #include "passed_tally.hpp"
 #include "path_division.hpp"

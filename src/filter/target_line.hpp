@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/line_reader.hpp"
+#include "io/files/line_reader.hpp"
 #include "paracal/filter/target_filter.hpp"
 #include "target_path.hpp"
 

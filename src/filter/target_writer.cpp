@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gcode_block.hpp"
-#include "io/letters.hpp"
+#include "io/files/letters.hpp"
 
 namespace paracal::io {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "gcode_block.hpp"
 #include "gcode_codes.hpp"
-#include "io/columns.hpp"
-#include "io/letters.hpp"
+#include "io/files/letters.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/filter/target_filter.hpp"
 

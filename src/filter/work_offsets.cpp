@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "io/columns.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/filter/target_filter.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "io/nesting.hpp"
+#include "io/calibrations/nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/tally_json.hpp"
 

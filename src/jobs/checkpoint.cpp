@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "gzip.hpp"
-#include "io/nesting.hpp"
+#include "io/calibrations/nesting.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/store.hpp"
 

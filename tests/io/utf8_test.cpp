@@ -1,4 +1,4 @@
-#include "io/utf8.hpp"
+#include "io/files/utf8.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck.h>

@@ -1,10 +1,10 @@
 #include "paracal/io/json.hpp"
 
+#include "io/robots/limb_tables.hpp"
+#include "io/robots/robot_tables.hpp"
+#include "io/tables/names.hpp"
 #include "json_parts.hpp"
-#include "limb_tables.hpp"
-#include "names.hpp"
 #include "paracal/tolerance/drawing_statement.hpp"
-#include "robot_tables.hpp"
 
 namespace paracal::io {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/spelling.hpp"
 #include "utf8.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/tables/names.hpp"
 #include "json_parts.hpp"
-#include "names.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"

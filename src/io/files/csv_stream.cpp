@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "line_reader.hpp"
 #include "paracal/error.hpp"
 #include "utf8.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "columns.hpp"
-#include "json_node.hpp"
+#include "io/calibrations/json_node.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"

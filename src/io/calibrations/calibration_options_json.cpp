@@ -1,5 +1,5 @@
+#include "io/tables/names.hpp"
 #include "json_parts.hpp"
-#include "names.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 

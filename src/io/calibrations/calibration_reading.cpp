@@ -7,11 +7,11 @@
 #include <set>
 #include <utility>
 
+#include "io/robots/same_robot.hpp"
+#include "io/tables/names.hpp"
 #include "json_node.hpp"
-#include "names.hpp"
 #include "numerics/dense.hpp"
 #include "paracal/units.hpp"
-#include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {

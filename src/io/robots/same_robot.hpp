@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "json_node.hpp"
+#include "io/calibrations/json_node.hpp"
 #include "paracal/io/json.hpp"
 
 namespace paracal::io {

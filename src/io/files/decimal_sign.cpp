@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 
 namespace paracal::io {
 namespace {

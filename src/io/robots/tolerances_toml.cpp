@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "names.hpp"
+#include "io/tables/names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/tolerance/drawing_statement.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "names.hpp"
+#include "io/tables/names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/tolerance/workspace_samples.hpp"
 #include "paracal/units.hpp"

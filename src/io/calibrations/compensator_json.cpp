@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "names.hpp"
+#include "io/tables/names.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"

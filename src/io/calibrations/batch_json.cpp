@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "io/tables/names.hpp"
 #include "json_parts.hpp"
-#include "names.hpp"
 #include "paracal/batch/error_spread.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/io/json.hpp"

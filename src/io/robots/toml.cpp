@@ -9,8 +9,8 @@
 #include <iterator>
 #include <sstream>
 
+#include "io/tables/names.hpp"
 #include "limb_tables.hpp"
-#include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 #include "robot_tables.hpp"

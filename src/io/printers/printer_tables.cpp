@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/io/csv.hpp"
 
 namespace paracal::io {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "nesting.hpp"
+#include "io/calibrations/nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/spelling.hpp"
 

@@ -10,11 +10,11 @@
 #include <string_view>
 
 #include "columns.hpp"
+#include "io/files/utf8.hpp"
 #include "names.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/units.hpp"
-#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {

@@ -6,8 +6,8 @@
 #include <array>
 #include <optional>
 
-#include "json_parts.hpp"
-#include "names.hpp"
+#include "io/calibrations/json_parts.hpp"
+#include "io/tables/names.hpp"
 #include "robot_tables.hpp"
 
 namespace paracal::io {

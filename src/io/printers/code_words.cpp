@@ -6,8 +6,8 @@
 #include <cctype>
 #include <optional>
 
-#include "columns.hpp"
-#include "letters.hpp"
+#include "io/files/letters.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/plausible.hpp"
 

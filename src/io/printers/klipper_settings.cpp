@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <span>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {

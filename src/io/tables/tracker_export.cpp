@@ -7,11 +7,11 @@
 
 #include "columns.hpp"
 #include "export_fields.hpp"
+#include "io/files/utf8.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/decimal_sign.hpp"
 #include "paracal/io/points.hpp"
 #include "readings.hpp"
-#include "utf8.hpp"
 
 namespace paracal::io {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "io/robots/same_robot.hpp"
 #include "paracal/error.hpp"
-#include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {

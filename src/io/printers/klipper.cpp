@@ -9,7 +9,7 @@
 #include <optional>
 #include <string_view>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "klipper_settings.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"

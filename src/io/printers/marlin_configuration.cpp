@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "columns.hpp"
+#include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {

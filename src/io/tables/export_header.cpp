@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "columns.hpp"
-#include "utf8.hpp"
+#include "io/files/utf8.hpp"
 
 namespace paracal::io {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "io/robots/same_robot.hpp"
 #include "paracal/error.hpp"
-#include "same_robot.hpp"
 
 namespace paracal::io {
 namespace {
