@@ -2,12 +2,12 @@
 
 #include <boost/math/distributions/binomial.hpp>
 
+#include "paper/published.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/published.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "support/robots.hpp"
 #include "support/virtual_machines.hpp"

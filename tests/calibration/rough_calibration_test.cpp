@@ -2,10 +2,10 @@
 
 #include <boost/math/distributions/binomial.hpp>
 
+#include "paper/published.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/published.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "paper/published.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
-#include "paracal/io/published.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"

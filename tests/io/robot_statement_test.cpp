@@ -5,10 +5,10 @@
 #include <cmath>
 #include <functional>
 
+#include "paper/published.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/json.hpp"
-#include "paracal/io/published.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "support/robots.hpp"

@@ -1,4 +1,4 @@
-#include "paracal/report/reproduction.hpp"
+#include "paper/reproduction.hpp"
 
 #include <gmock/gmock.h>
 

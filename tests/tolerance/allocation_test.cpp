@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "paper/published.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/published.hpp"
 #include "support/robots.hpp"
 
 namespace paracal::allocation_test {

@@ -6,10 +6,10 @@
 #include <span>
 #include <utility>
 
-#include "paracal/io/published.hpp"
+#include "paper/published.hpp"
+#include "paper/reproduction.hpp"
 #include "paracal/report/error_map.hpp"
 #include "paracal/report/plots.hpp"
-#include "paracal/report/reproduction.hpp"
 #include "paracal/report/scene.hpp"
 #include "reporting.hpp"
 #include "session.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "paracal/report/reproduction.hpp"
+#include "reproduction.hpp"
 
 namespace paracal::report::detail {
 

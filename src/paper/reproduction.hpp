@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
-#include "paracal/io/published.hpp"
-#include "paracal/report/reproduction_rule.hpp"
+#include "published.hpp"
+#include "reproduction_rule.hpp"
 
 namespace paracal::report {
 

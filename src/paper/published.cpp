@@ -1,4 +1,4 @@
-#include "paracal/io/published.hpp"
+#include "published.hpp"
 
 #include "embedded.hpp"
 #include "paracal/error.hpp"

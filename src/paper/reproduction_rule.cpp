@@ -1,4 +1,4 @@
-#include "paracal/report/reproduction_rule.hpp"
+#include "reproduction_rule.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "paracal/report/reproduction.hpp"
+#include "reproduction.hpp"
 
 #include <fmt/format.h>
 
