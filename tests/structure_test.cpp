@@ -82,6 +82,16 @@ TEST(Structure, ArrowsPointAsTheDesignSays) {
   EXPECT_THAT(forbidden(promised), testing::Contains(testing::HasSubstr("src/calibration/fit/observation.cpp")));
 }
 
+/// A folder that nobody overlooks at once is two folders.
+TEST(Structure, NoFolderOfTheLibraryHasMoreThan40Files) {
+  std::map<std::string, int> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / "src")) {
+    if (entry.is_regular_file()) ++files[entry.path().parent_path().lexically_relative(kRoot).string()];
+  }
+  EXPECT_GT(files["src/calibration/fit"], 20);
+  for (const auto& [folder, count] : files) EXPECT_LE(count, 40) << folder;
+}
+
 TEST(Structure, OneHeaderShowsTheLibraryForJson) {
   std::vector<std::string> showing;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / "include")) {

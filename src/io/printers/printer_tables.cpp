@@ -8,9 +8,9 @@
 namespace paracal::io {
 namespace {
 
-class Reader {
+class ReadingRows {
  public:
-  Reader(const CsvTable& table, const DeltaGeometry& geometry) : table_(table), geometry_(geometry) {}
+  ReadingRows(const CsvTable& table, const DeltaGeometry& geometry) : table_(table), geometry_(geometry) {}
 
   BedReading height(std::size_t row) const {
     return {.height = or_zero(row, "height_mm"), .drops = drops(row, "x_mm", "y_mm", number(row, "z_mm"))};
@@ -52,7 +52,7 @@ class Reader {
 
 DeltaReadings read_printer_table(const TextFile& file, const DeltaGeometry& geometry) {
   const CsvTable table(file);
-  const Reader reader(table, geometry);
+  const ReadingRows reader(table, geometry);
   DeltaReadings readings;
   if (table.has("distance_mm")) {
     table.allow_only({"from_x_mm", "from_y_mm", "to_x_mm", "to_y_mm", "distance_mm", "z_mm"});
