@@ -32,10 +32,10 @@ Observability observability(const Eigen::VectorXd& singular_values, int rank, Ei
 }
 
 Identifiability identifiability(const Robot& robot, const Measurements& plan, const CalibrationOptions& options,
-                                std::vector<SoughtSource> sought) {
+                                std::vector<SoughtSource> errors) {
   check(plan, robot.limb_count());
-  if (sought.empty()) sought = default_sought(robot, plan, options);
-  detail::Observation observation(robot, plan, options, sought);
+  if (errors.empty()) errors = default_sought(robot, plan, options);
+  detail::Observation observation(robot, plan, options, errors);
   const auto start = observation.start({});
   InformationRoot root(observation.unknown_count());
   if (start) observation.add_set_up_priors(*start, root);
@@ -44,8 +44,8 @@ Identifiability identifiability(const Robot& robot, const Measurements& plan, co
   const Eigen::Index n = observation.source_count();
   // Nuisance comes first, so this block is what remains when it has been projected out.
   const Spectrum spectrum =
-      analyse(root.root().bottomRightCorner(n, n), detail::kRankTolerance, detail::paper_scales(robot, sought));
-  Identifiability result{std::move(sought),        spectrum.singular_values,    spectrum.rank, {}, {},
+      analyse(root.root().bottomRightCorner(n, n), detail::kRankTolerance, detail::paper_scales(robot, errors));
+  Identifiability result{std::move(errors),        spectrum.singular_values,    spectrum.rank, {}, {},
                          root.row_count() - known, observation.nuisance_count()};
   result.null_space = detail::in_words(robot, spectrum.null_space, result.parameters);
   result.indices = observability(spectrum.singular_values, spectrum.rank, result.rows);
