@@ -6,6 +6,7 @@
 
 #include "numerics/median.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/plausible.hpp"
 
 namespace paracal::io {
 namespace {
