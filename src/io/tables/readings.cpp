@@ -111,8 +111,8 @@ void SeriesBuilder::check_spread() const {
                                      "from it: check the number and the unit",
                                      axis, plausible::length(reach_).most, from, apart));
   };
-  std::vector<Eigen::Vector3d> points;
-  for (const PointReading& one : readings) points.push_back(one.point);
+  std::vector<Eigen::Vector3d> points(readings.size());
+  std::ranges::transform(readings, points.begin(), &PointReading::point);
   const Eigen::Vector3d middle = detail::median(points);
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Eigen::Vector3d apart = (points[k] - middle).cwiseAbs();
