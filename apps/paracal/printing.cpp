@@ -290,7 +290,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
   std::string text = fmt::format("{}\n", fmt::join(found.findings, "\n- "));
   if (found.is_advised()) text.append("\n").append(parameters);
   text += written;
-  session.print_summary(text);
+  session.print_verdict(text, is_met);
 }
 
 }  // namespace paracal::app

@@ -203,7 +203,7 @@ io::TextSink Session::result_sink() {
 
 void Session::print(std::string_view text) { result_sink()(text); }
 
-void Session::print_summary(std::string_view text) { standard_output_(highlighted(std::string(text))); }
+void Session::print_verdict(const std::string& text, bool is_met) { standard_output_(with_verdict(text, is_met)); }
 
 namespace {
 

@@ -107,8 +107,10 @@ class Session {
   /// Prints a result, or writes it whole to --out.
   void print(std::string_view text);
   void print_json(const io::Json& json);
-  /// What goes to standard output even with --out; a terminal shows verdicts and notes in colour.
-  void print_summary(std::string_view text);
+  /// What goes to standard output even with --out.
+  void print_summary(std::string_view text) { standard_output_(text); }
+  /// The same, for a result whose first line is its verdict: a terminal shows it and the notes in colour.
+  void print_verdict(const std::string& text, bool is_met);
   /// For standard error, once all outputs are in their places: nobody reads of targets that are then not there.
   void say_when_done(std::string text) { last_words_ = std::move(text); }
   /// Puts the outputs into their places and says so.

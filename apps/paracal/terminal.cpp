@@ -38,18 +38,14 @@ std::string emphasised(int stream, Emphasis emphasis, const std::string& text) {
   return shows_colours(stream) ? fmt::format(style_of(emphasis), "{}", text) : text;
 }
 
-std::string highlighted(const std::string& text) {
+std::string with_verdict(const std::string& text, bool is_met) {
   std::istringstream lines(text);
-  std::string result;
-  for (std::string line; std::getline(lines, line); result += line + "\n") {
-    const bool is_bad = line.find("not accepted") != std::string::npos || line.find("exceeded") != std::string::npos;
-    if (is_bad) {
-      line = emphasised(STDOUT_FILENO, Emphasis::bad, line);
-    } else if (line.ends_with(": accepted")) {
-      line = emphasised(STDOUT_FILENO, Emphasis::good, line);
-    } else if (line.starts_with("  note:")) {
-      line = emphasised(STDOUT_FILENO, Emphasis::warning, line);
-    }
+  std::string line, result;
+  std::getline(lines, line);
+  result = emphasised(STDOUT_FILENO, is_met ? Emphasis::good : Emphasis::bad, line) + "\n";
+  while (std::getline(lines, line)) {
+    const bool is_note = line.starts_with("  note:");
+    result += (is_note ? emphasised(STDOUT_FILENO, Emphasis::warning, line) : line) + "\n";
   }
   return result;
 }

@@ -116,6 +116,13 @@ TEST(Colours, OfACalibrationMarkItsVerdict) {
       shown("calibrate --robot huang2016 --measurements " + data + "distances.csv --poses " + data + "poses.csv",
             {"TERM=xterm"});
   EXPECT_THAT(text, HasSubstr("\x1b[1m\x1b[32mcalibration of huang2016: accepted\x1b[0m"));
+  const TemporaryFolder folder;
+  folder.make({"poses --stage rough --out plan.csv", "simulate --poses plan.csv --frame random --out points.csv",
+               "calibrate --measurements points.csv --out calibration.json"});
+  const std::string rejected = shown("validate --calibration " + (folder.path() / "calibration.json").string() +
+                                         " --measurements " + (folder.path() / "points.csv").string(),
+                                     {"TERM=xterm"});
+  EXPECT_THAT(rejected, StartsWith("\x1b[1m\x1b[31mvalidation: not accepted\x1b[0m"));
 }
 
 }  // namespace

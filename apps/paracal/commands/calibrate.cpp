@@ -140,8 +140,8 @@ void run(const CalibrateArguments& options, Session& session) {
   if (session.json()) {
     if (session.out().empty()) session.print_json(file);
   } else {
-    session.print_summary(calibration.brief() + residual_table(calibration) +
-                          (session.out().empty() ? "" : fmt::format("  written to {}\n", session.out())));
+    const std::string written = session.out().empty() ? "" : fmt::format("  written to {}\n", session.out());
+    session.print_verdict(calibration.brief() + residual_table(calibration) + written, calibration.accepted());
   }
   if (!calibration.accepted()) session.exit_code = kVerdictIsNo;
 }

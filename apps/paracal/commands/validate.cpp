@@ -87,7 +87,13 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
                               {"error_map", report::error_map(robot, known)}},
                   .inputs = with_files(measurements.files, session, {options.calibration})});
   }
-  session.json() ? session.print_json(json) : session.print(text_of(validation));
+  if (session.json()) {
+    session.print_json(json);
+  } else if (session.out().empty()) {
+    session.print_verdict(text_of(validation), validation.accepted);
+  } else {
+    session.print(text_of(validation));
+  }
   if (!validation.accepted) session.exit_code = kVerdictIsNo;
 }
 
