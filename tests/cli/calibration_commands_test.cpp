@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "json_checks.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test::calibration_commands_test {
 namespace {
@@ -1060,6 +1061,18 @@ TEST(NewCommands, AnOutputThatCannotBeWrittenIsNotDone) {
     EXPECT_EQ(result.exit_code, kWrongUsage) << command;
     EXPECT_THAT(result.err, Not(IsEmpty())) << command;
   }
+}
+
+/// One row per limb; e_x is half known from the measurements of the samples (variance 0.25 of the prior's), e_y is not
+/// (0.504).
+TEST(ParameterTables, MarkWhatTheMeasurementsDoNotDetermine) {
+  const std::filesystem::path samples = source_folder() / "samples";
+  const std::string planned = run_program({"identifiability", "--poses", samples / "plan.csv"}).out;
+  EXPECT_THAT(planned, HasSubstr("\n  limb 1             0.049     0.50     0.71*    0.51  "));
+  const std::string found = run_program({"calibrate", "--measurements", samples / "measured.csv"}).out;
+  EXPECT_THAT(found,
+              HasSubstr("\n  limb 1     0.155 +-0.097    0.5 +-1.0    0.4 +-1.4*   0.6 +-1.0    0.282 +-0.029 "));
+  for (const std::string& text : {planned, found}) EXPECT_THAT(text, HasSubstr("  * mostly from the prior"));
 }
 
 }  // namespace
