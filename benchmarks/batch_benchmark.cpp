@@ -46,7 +46,7 @@ struct Parts {
 
 Parts parts_of(const Batch& batch, std::uint64_t number) {
   RandomStream random(batch.seed, number);
-  const SourceErrors errors = draw_errors(batch.plan.tolerances, batch.robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(batch.robot, batch.plan.tolerances, random);
   Parts parts{.machine = build(batch.robot, errors),
               .joints = {},
               .readings = simulate(batch.robot, errors, batch.plan.stations, batch.plan.instrument, random)};

@@ -27,11 +27,11 @@ template <typename Scalar, typename Number>
 BasicSourceErrors<Scalar> source_errors(const Number* numbers) {
   BasicSourceErrors<Scalar> errors;
   for (std::size_t k = 0; k < kSources; ++k) {
-    const Source source = all_sources()[k % kSourceCount];
+    const Source source = sources_of(Actuator::revolute)[k % kMostSources];
     if constexpr (std::is_same_v<Scalar, double>) {
-      errors(k / kSourceCount, source) = plain(numbers[k]);
+      errors(k / kMostSources, source) = plain(numbers[k]);
     } else {
-      errors(k / kSourceCount, source) = numbers[k];
+      errors(k / kMostSources, source) = numbers[k];
     }
   }
   return errors;
@@ -144,7 +144,8 @@ void add_priors(const FineFit& fit, double* errors, ceres::Problem& problem) {
 
 std::array<double, kSources> numbers_of(const SourceErrors& errors) {
   std::array<double, kSources> numbers{};
-  for (std::size_t k = 0; k < kSources; ++k) numbers[k] = errors(k / kSourceCount, all_sources()[k % kSourceCount]);
+  for (std::size_t k = 0; k < kSources; ++k)
+    numbers[k] = errors(k / kMostSources, sources_of(Actuator::revolute)[k % kMostSources]);
   return numbers;
 }
 

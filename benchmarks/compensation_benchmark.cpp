@@ -262,7 +262,7 @@ constexpr std::array kRoughOffsets{0.189, 0.862, 0.912, 0.344};  // deg
 SourceErrors uncalibrated(const Robot& robot, int number) {
   SourceErrors errors = test::table4_machine(robot, number);
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    errors(limb, Source::theta_offset) += to_radians(kRoughOffsets[limb]);
+    errors(limb, "theta_offset") += to_radians(kRoughOffsets[limb]);
   }
   return errors;
 }
@@ -271,7 +271,7 @@ SourceErrors known_of(const SourceErrors& errors, Known known) {
   if (known == Known::all) return errors;
   SourceErrors offsets;
   for (std::size_t limb = 0; known == Known::offsets && limb < kMaxLimbs; ++limb) {
-    offsets(limb, Source::theta_offset) = errors(limb, Source::theta_offset);
+    offsets(limb, "theta_offset") = errors(limb, "theta_offset");
   }
   return offsets;
 }

@@ -30,7 +30,7 @@ class ForwardSolutions {
     }
     for (std::uint64_t m = 0; m < kMachines; ++m) {
       RandomStream random(1, m);
-      machines_.push_back(build(task.robot, draw_errors(*task.robot.tolerances(), task.robot.limb_count(), random)));
+      machines_.push_back(build(task.robot, draw_errors(task.robot, *task.robot.tolerances(), random)));
     }
   }
 

@@ -23,7 +23,7 @@ RigidMotion somewhere() {
 
 Measurements measure(const Robot& robot, std::uint64_t machine) {
   RandomStream random(kSeed, machine);
-  const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   const VirtualInstrument instrument{.noise = kNoise, .frame = somewhere()};
   Measurements measurements = simulate(robot, errors, fine_stations(robot, kCircle), instrument, random);
   for (PointReading& reading : measurements.series.front().readings) reading.sigma = kNoise;
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3d> plate_centres(const FineFit& fit, const SourceError
 Eigen::VectorXd prior_std_of(const Robot& robot) {
   Eigen::VectorXd std(kSources);
   for (Eigen::Index k = 0; k < kSources; ++k) {
-    std(k) = robot.tolerances()->std(all_sources()[static_cast<std::size_t>(k) % kSourceCount]);
+    std(k) = robot.tolerances()->std(sources_of(Actuator::revolute)[static_cast<std::size_t>(k) % kMostSources]);
   }
   return std;
 }
@@ -73,7 +73,7 @@ double squared_residuals(const FineFit& fit, const FineAnswer& answer) {
     sum += (answer.frame(centres[k]) - fit.points[k]).squaredNorm() / (fit.sigma * fit.sigma);
   }
   for (std::size_t k = 0; k < kSources; ++k) {
-    const double error = answer.errors(k / kSourceCount, all_sources()[k % kSourceCount]);
+    const double error = answer.errors(k / kMostSources, sources_of(Actuator::revolute)[k % kMostSources]);
     sum += std::pow(error / fit.prior_std(static_cast<Eigen::Index>(k)), 2);
   }
   return sum;

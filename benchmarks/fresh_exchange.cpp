@@ -15,7 +15,8 @@ constexpr double kTurn = 0.005, kShift = 1.0;  // rad, mm: priors of the frame, 
 std::vector<SoughtSource> all_errors(const Robot& robot) {
   std::vector<SoughtSource> all;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) all.push_back({limb, source, robot.tolerances()->std(source)});
+    for (const Source source : sources_of(robot.actuator()))
+      all.push_back({limb, source, robot.tolerances()->std(source)});
   }
   return all;
 }

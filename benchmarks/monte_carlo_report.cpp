@@ -129,7 +129,8 @@ void print_ours(const TiltTask& task, const Parts& parts, const Rounds& seconds)
 Eigen::VectorXd column_std(const Tolerances& tolerances, Eigen::Index columns) {
   Eigen::VectorXd std(columns);
   for (Eigen::Index k = 0; k < columns; ++k) {
-    std(k) = tolerances.std(static_cast<Source>(kPositionSourceCount + static_cast<std::size_t>(k) % kTiltSourceCount));
+    std(k) = tolerances.std(
+        sources_of(Actuator::revolute)[ErrorModel::kPosition + static_cast<std::size_t>(k) % ErrorModel::kTilt]);
   }
   return std;
 }

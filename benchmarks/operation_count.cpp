@@ -147,7 +147,7 @@ class Counter {
       keep((-A_dd_inverse * A_de * A_ee_pseudo_inverse).eval());
     });
     const double conditions = 2.0 * (2.0 * N * N) + 2.0 * (2.0 * 9.0) + 4.0;
-    const double G = N * (N * kPositionSourceCount + (N + 3.0) * kTiltSourceCount);
+    const double G = N * (N * ErrorModel::kPosition + (N + 3.0) * ErrorModel::kTilt);
     return dense + by_hand(conditions + G);
   }
 
@@ -158,7 +158,7 @@ class Counter {
     const double halves = kVector + 2.0 * kVector + 2.0 + kVector + kRotate, directions = 2.0 * kRotate + 5.0 * kVector;
     // arm_length; the sums of alpha0 and beta0; rod_difference; width_difference
     const double rest = kDot + 2.0 + 1.0 + (kDot + 1.0);
-    const double accumulate = 2.0 * kUnknowns * kSourceCount;
+    const double accumulate = 2.0 * kUnknowns * kMostSources;
     const Operations rotation = count([&] { keep(plate_rotation(Vector3<Counted>::Zero().eval())); });
     return rotation + by_hand(kRods * (turn * turns + halves + directions + rest + accumulate));
   }

@@ -26,7 +26,7 @@ struct PairFit {
   explicit PairFit(const std::vector<Station>& stations) {
     constexpr double kNoise = 0.017;  // mm
     RandomStream random(1);
-    const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+    const SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
     measurements = simulate(robot, errors, stations, {.noise = kNoise}, random);
   }
 

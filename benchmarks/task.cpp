@@ -26,7 +26,8 @@ SourceErrors draw_errors(std::size_t limb_count, Random& random) {
   std::normal_distribution<double> normal;
   SourceErrors errors;
   for (std::size_t limb = 0; limb < limb_count; ++limb) {
-    for (const Source source : all_sources()) errors(limb, source) = typical_size(source) * normal(random);
+    for (const Source source : sources_of(Actuator::revolute))
+      errors(limb, source) = typical_size(source) * normal(random);
   }
   return errors;
 }

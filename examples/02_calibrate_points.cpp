@@ -18,7 +18,7 @@ int main() {
               plan.stations.size(), kCoverageFactor * plan.uncertainty.max_distance);
 
   RandomStream random(7);
-  const SourceErrors truth = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  const SourceErrors truth = draw_errors(robot, *robot.tolerances(), random);
   VirtualInstrument tracker{.noise = 0.017, .repeats = 3};  // mm per coordinate
   tracker.frame.translation = {2500, -800, 300};            // unknown to the fit
   const Calibration calibration = calibrate(robot, simulate(robot, truth, plan.stations, tracker, random));

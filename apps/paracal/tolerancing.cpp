@@ -77,7 +77,7 @@ io::Json tilt_group_json(const PerSource& values) {
   io::Json json = io::Json::object();
   for (const Source source : all_sources()) {
     if (!tilts_plate(source)) continue;
-    const bool over_width = source == Source::rod_difference || source == Source::width_difference;
+    const bool over_width = source == "rod_difference" || source == "width_difference";
     json[fmt::format("{}{}", name(source), over_width ? "_over_c" : "")] = values(place(source));
   }
   return json;
@@ -88,20 +88,20 @@ void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& toler
   json["drawing"] = io::drawing_json(tolerances, robot);
 }
 
-io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator) {
+io::Json contributors_json(const std::vector<Contributor>& contributors) {
   io::Json json = io::Json::array();
-  for (const auto& [source, share] : contributors) json.push_back({{"name", name(source, actuator)}, {"share", share}});
+  for (const auto& [source, share] : contributors) json.push_back({{"name", name(source)}, {"share", share}});
   return json;
 }
 
-std::string pareto(const std::vector<Contributor>& contributors, Actuator actuator) {
+std::string pareto(const std::vector<Contributor>& contributors) {
   constexpr double kLongest = 40.0;
   constexpr double kNegligible = 5e-4;
   std::string text;
   for (const Contributor& one : contributors) {
     if (one.share < kNegligible) continue;
     const auto length = static_cast<std::size_t>(std::lround(kLongest * one.share / contributors.front().share));
-    fmt::format_to(std::back_inserter(text), "  {:<17}{:>6.1f} %  {}\n", name(one.source, actuator), 100.0 * one.share,
+    fmt::format_to(std::back_inserter(text), "  {:<17}{:>6.1f} %  {}\n", name(one.source), 100.0 * one.share,
                    std::string(length, '#'));
   }
   return text;
@@ -122,7 +122,7 @@ SensitivityFindings find_sensitivity(const Robot& robot, Characteristic what, co
   SensitivityFindings found{.what = what, .global = global_sensitivity(robot, what, options)};
   found.tolerances = tolerances;
   found.worst = worst_spread(robot, what, tolerances, Spread::statistical);
-  found.contributors = contributors(LinearModel(robot).rows(found.worst.pose, what), tolerances, robot.actuator());
+  found.contributors = contributors(robot, LinearModel(robot).rows(found.worst.pose, what), tolerances);
   return found;
 }
 
@@ -134,7 +134,7 @@ io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource&
   if (quantity == Quantity::tilt && !robot.on_single_rods()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
   for (const Source source : sources_of(robot.actuator())) {
-    json[std::string(name(source, robot.actuator()))] = shown(quantity, values(place(source))).value;
+    json[std::string(name(source))] = shown(quantity, values(place(source))).value;
   }
   return json;
 }
@@ -152,7 +152,7 @@ io::Json sensitivity_json(const Robot& robot, const SensitivityFindings& found) 
   if (found.local) json["local"] = of(*found.local);
   json["worst"] = io::to_json(found.worst.pose, robot.commands_tilt());
   json["worst"]["three_sigma_" + json_key(found.what)] = shown(quantity, found.worst.value).value;
-  json["contributors"] = contributors_json(found.contributors, robot.actuator());
+  json["contributors"] = contributors_json(found.contributors);
   add_half_widths(json, robot, found.tolerances);
   json["assumed"] = found.tolerances.assumed;
   return json;

@@ -47,9 +47,9 @@ io::Json tilt_group_json(const PerSource& values);
 /// Adds `half_widths`, as a table of tolerances has them, and `drawing`, what they are there.
 void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances);
 
-io::Json contributors_json(const std::vector<Contributor>& contributors, Actuator actuator);
+io::Json contributors_json(const std::vector<Contributor>& contributors);
 /// A line a source: its share, and a bar as long.
-std::string pareto(const std::vector<Contributor>& contributors, Actuator actuator);
+std::string pareto(const std::vector<Contributor>& contributors);
 
 /// What `sensitivity` finds.
 struct SensitivityFindings {

@@ -43,8 +43,8 @@ template <typename Parameter>
 py::list parameters_of(const Robot& robot, const std::vector<Parameter>& parameters) {
   py::list list;
   for (const Parameter& one : parameters) {
-    list.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.limb + 1,
-                               array_unit(unit(one.source, robot.actuator()))));
+    list.append(
+        py::make_tuple(std::string(name(one.source)), one.limb + 1, array_unit(unit(one.source, robot.actuator()))));
   }
   return list;
 }

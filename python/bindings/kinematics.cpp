@@ -130,7 +130,7 @@ class Derivatives {
     by_error = motions(rows_, Eigen::all);
     for (Eigen::Index k = 0; k < columns; ++k) {
       const auto& [limb, source, prior] = sources_[static_cast<std::size_t>(k)];
-      if (source != Source::theta_offset) continue;
+      if (!is_joint_zero(source)) continue;
       by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(k);
     }
     return found.status;

@@ -105,7 +105,7 @@ py::list parameters_of(const Robot& robot, const Promise& promise) {
     });
     if (!wanted) continue;
     const auto at = static_cast<Eigen::Index>(k);
-    parameters.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.limb + 1,
+    parameters.append(py::make_tuple(std::string(name(one.source)), one.limb + 1,
                                      array_unit(unit(one.source, robot.actuator())), one.prior_std.value_or(0.0),
                                      std::sqrt(promise.after.covariance(at, at))));
   }

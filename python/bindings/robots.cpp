@@ -60,8 +60,7 @@ py::tuple freedoms_of(const Robot& robot) {
 py::list sources_of(const Robot& robot) {
   py::list sources;
   for (const Source source : paracal::sources_of(robot.actuator())) {
-    sources.append(py::make_tuple(std::string(name(source, robot.actuator())),
-                                  tilts_plate(source, robot.actuator()) ? "tilt" : "position",
+    sources.append(py::make_tuple(std::string(name(source)), tilts_plate(source) ? "tilt" : "position",
                                   array_unit(unit(source, robot.actuator()))));
   }
   return sources;
@@ -77,7 +76,7 @@ Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64
     for (std::size_t machine = 0; machine < count; ++machine) {
       let_interrupt();
       RandomStream random(seed, first + machine);
-      const SourceErrors errors = draw_errors(tolerances, robot.limb_count(), random);
+      const SourceErrors errors = draw_errors(robot, tolerances, random);
       for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
         for (const Source source : sources) *numbers++ = errors(limb, source);
       }

@@ -134,6 +134,10 @@ class StateWriter {
       write(value.second);
     } else if constexpr (requires { std::tuple_size<Value>::value; }) {  // an array
       for (const auto& one : value) write(one);
+    } else if constexpr (std::same_as<Value, Source>) {
+      write(value.index());
+    } else if constexpr (requires { value.values[Source("e_x").index()]; }) {  // BySource
+      write(value.values);
     } else if constexpr (std::same_as<Value, SourceErrors>) {
       for_each_source([&](std::size_t limb, Source source) { write(value(limb, source)); });
     } else if constexpr (std::same_as<Value, Robot>) {
@@ -149,7 +153,7 @@ class StateWriter {
   template <typename Take>
   static void for_each_source(Take&& take) {
     for (std::size_t limb = 0; limb < kMaxLimbs; ++limb) {
-      for (std::size_t source = 0; source < kSourceCount; ++source) take(limb, static_cast<Source>(source));
+      for (const Source source : all_sources()) take(limb, source);
     }
   }
 };
@@ -199,6 +203,10 @@ class StateReader {
       Value value;
       for (auto& one : value) one = read<typename Value::value_type>();
       return value;
+    } else if constexpr (std::same_as<Value, Source>) {
+      return all_sources()[std::min(read<std::size_t>(), kSourceNames - 1)];
+    } else if constexpr (requires(Value value) { value.values[Source("e_x").index()]; }) {  // BySource
+      return {read<decltype(Value::values)>()};
     } else if constexpr (std::same_as<Value, SourceErrors>) {
       Value value;
       StateWriter::for_each_source([&](std::size_t limb, Source source) { value(limb, source) = read<double>(); });

@@ -21,10 +21,10 @@ py::tuple pair_of(const Interval& interval, double factor = 1.0) {
   return py::make_tuple(factor * interval.low, factor * interval.high);
 }
 
-py::list shares_of(const Robot& robot, const std::vector<Contributor>& contributors) {
+py::list shares_of(const std::vector<Contributor>& contributors) {
   py::list list;
   for (const Contributor& one : contributors) {
-    list.append(py::make_tuple(std::string(name(one.source, robot.actuator())), one.share));
+    list.append(py::make_tuple(std::string(name(one.source)), one.share));
   }
   return list;
 }
@@ -36,7 +36,7 @@ Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_
   if (others == "generous") {
     tolerances = generous_tolerances(robot.geometry());
   } else if (others == "exact") {
-    tolerances.origin.fill(Origin::exact);
+    tolerances.origin.values.fill(Origin::exact);
   } else {
     throw InvalidArgument("others: expected \"exact\" or \"generous\", got \"" + others + "\"");
   }
@@ -118,7 +118,7 @@ py::dict requirement_of(const Robot& robot, const RequirementAnalysis& one, cons
                   "rss_pose"_a = array_of(one.three_sigma.pose, robot), "monte_carlo_3sigma"_a = 3.0 * worst.sigma,
                   "monte_carlo_3sigma_interval"_a = pair_of(worst.interval, 3.0),
                   "monte_carlo_pose"_a = array_of(worst.pose, robot), "cpk"_a = drawn.cpk(), "passed"_a = drawn.passed,
-                  "largest_on_a_machine"_a = largest, "contributors"_a = shares_of(robot, one.contributors));
+                  "largest_on_a_machine"_a = largest, "contributors"_a = shares_of(one.contributors));
 }
 
 MonteCarloOptions sampling_of(const Keywords& given) {
@@ -228,14 +228,14 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
     const Released released;
     global = global_sensitivity(robot, what, {.all_rotations = all_rotations, .relative_error = relative_error});
     worst = worst_spread(robot, what, tolerances, Spread::statistical);
-    shares = contributors(LinearModel(robot).rows(worst.pose, what), tolerances, robot.actuator());
+    shares = contributors(robot, LinearModel(robot).rows(worst.pose, what), tolerances);
   }
   const PerSource units = paper_units(robot);
   const auto vector = [&](const PerSource& values) { return vector_of_sources(values, robot); };
   return py::dict("mean"_a = vector(global.mean), "error"_a = vector(global.error),
                   "largest"_a = vector(global.largest), "paper_units"_a = vector(units), "poses"_a = global.poses,
                   "unit"_a = array_unit(unit(what.quantity)), "worst_3sigma"_a = worst.value,
-                  "worst_pose"_a = array_of(worst.pose, robot), "contributors"_a = shares_of(robot, shares));
+                  "worst_pose"_a = array_of(worst.pose, robot), "contributors"_a = shares_of(shares));
 }
 
 }  // namespace

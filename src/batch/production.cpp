@@ -186,7 +186,7 @@ ProductionPlan settled(const Robot& robot, ProductionPlan plan) {
 
 MachineOutcome produce(const Robot& robot, const ProductionPlan& plan, std::uint64_t seed, std::uint64_t machine) {
   RandomStream random(seed, machine);
-  const SourceErrors errors = draw_errors(plan.tolerances, robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, plan.tolerances, random);
   const Delivery delivery = measure_and_calibrate(robot, plan, errors, random);
   if (delivery.fate == Fate::does_not_close) return {};
   Validator validate(robot, plan.validation, errors);

@@ -22,7 +22,7 @@ constexpr Eigen::Index kBlock = 64;  // machines: their poses stay in the cache
 std::vector<SoughtSource> varying_errors(const Robot& robot, const Tolerances& tolerances) {
   std::vector<SoughtSource> errors;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(robot.actuator())) {
       if (tolerances.std(source) > 0.0) errors.push_back({limb, source});
     }
   }
@@ -92,7 +92,7 @@ bool Surrogate::follows(const ProductionPlan& plan) {
 
 Surrogate::Surrogate(const Robot& robot, const ProductionPlan& plan)
     : tolerances_(plan.tolerances),
-      sources_(kSourceCount * robot.limb_count()),
+      reserved_(kReservedNumbers * robot.limb_count()),
       errors_(varying_errors(robot, plan.tolerances)),
       stays_level_(!robot.on_single_rods()) {
   if (!follows(plan)) throw InvalidArgument("surrogate: expected a fine calibration of all errors with method best");
@@ -154,13 +154,16 @@ void Surrogate::ask_validation(const Robot& robot, const std::vector<Station>& v
   motion_fit_ = motions_.completeOrthogonalDecomposition().pseudoInverse();
 }
 
-Surrogate::Block Surrogate::drawn_errors(const Block& normals) const {
+Surrogate::Block Surrogate::drawn_errors(const Block& normals, std::uint64_t seed, std::uint64_t first) const {
   Block errors(static_cast<Eigen::Index>(errors_.size()), normals.cols());
   for (Eigen::Index m = 0; m < normals.cols(); ++m) {
     for (std::size_t k = 0; k < errors_.size(); ++k) {
       const auto [limb, source, prior] = errors_[k];
-      const auto number = static_cast<Eigen::Index>(kSourceCount * limb + index(source));
-      errors(static_cast<Eigen::Index>(k), m) = source_error(tolerances_, source, normals(number, m));
+      const std::uint64_t number = number_of(limb, source);
+      const double normal = number < reserved_
+                                ? normals(static_cast<Eigen::Index>(number), m)
+                                : RandomStream(seed, first + static_cast<std::uint64_t>(m)).normal_at(number);
+      errors(static_cast<Eigen::Index>(k), m) = source_error(tolerances_, source, normal);
     }
   }
   return errors;
@@ -168,7 +171,7 @@ Surrogate::Block Surrogate::drawn_errors(const Block& normals) const {
 
 /// The normal numbers of machines, a column each: those of their errors, then those of their readings.
 Surrogate::Block Surrogate::drawn_normals(std::uint64_t seed, std::uint64_t first, Eigen::Index count) const {
-  const Eigen::Index numbers = static_cast<Eigen::Index>(sources_) + left_by_normal_.cols();
+  const Eigen::Index numbers = static_cast<Eigen::Index>(reserved_) + left_by_normal_.cols();
   Block normals(numbers + numbers % 2, count);
   for (Eigen::Index m = 0; m < count; ++m) {
     for (Eigen::Index k = 0; k < numbers; k += 2) {
@@ -222,8 +225,8 @@ std::vector<Surrogate::Values> Surrogate::machines(std::uint64_t seed, std::uint
   for (std::uint64_t begin = 0; begin < count; begin += kBlock) {
     const Block normals =
         drawn_normals(seed, first + begin, std::min(static_cast<Eigen::Index>(count - begin), kBlock));
-    const auto noise = normals.middleRows(static_cast<Eigen::Index>(sources_), left_by_normal_.cols());
-    const Block errors = drawn_errors(normals);
+    const auto noise = normals.middleRows(static_cast<Eigen::Index>(reserved_), left_by_normal_.cols());
+    const Block errors = drawn_errors(normals, seed, first + begin);
     const Block left = left_by_error_ * errors + left_by_normal_ * noise;
     Values* const here = &all[begin];
     look(errors, here, &Values::before);

@@ -40,12 +40,12 @@ class Surrogate {
   void ask_readings(const Robot& robot, const ProductionPlan& plan);
   void ask_validation(const Robot& robot, const std::vector<Station>& validation);
   Block drawn_normals(std::uint64_t seed, std::uint64_t first, Eigen::Index count) const;
-  Block drawn_errors(const Block& normals) const;
+  Block drawn_errors(const Block& normals, std::uint64_t seed, std::uint64_t first) const;
   void look(const Block& off, Values* machines, Accuracy Values::*when) const;
   void look_at_tilt(const Block& off, Values* machines, Accuracy Values::*when) const;
 
   Tolerances tolerances_;
-  std::size_t sources_ = 0;           ///< 14 a limb: as many numbers of a stream are errors, the rest noise
+  std::uint64_t reserved_ = 0;        ///< so many numbers of a stream draw errors; noise follows
   std::vector<SoughtSource> errors_;  ///< that vary
   Eigen::MatrixXd left_by_error_, left_by_normal_;
   /// Rows of every pose by the errors: x of all poses, y of all, z of all; how far the plate is turned likewise.

@@ -46,13 +46,11 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
     parameters.identified[i] = compensator_limb<Scalar>(identified, identified.limbs[i]);
     parameters.nominal[i] = compensator_limb<Scalar>(robot.nominal(), robot.nominal().limbs[i]);
-    for (const Source source : all_sources()) {
-      const auto error = static_cast<Scalar>(paper_scale(robot, source) * errors(i, source));
-      if (tilts_plate(source)) {
-        parameters.tilt_errors[i][index(source) - kPositionSourceCount] = error;
-      } else {
-        parameters.position_errors[i][index(source)] = error;
-      }
+    const std::span<const Source> own = sources_of(robot.actuator());
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const auto error = static_cast<Scalar>(robot.parameter(i, own[k]).lever * errors(i, own[k]));
+      constexpr std::size_t kPosition = ErrorModel::kPosition;
+      (k < kPosition ? parameters.position_errors[i][k] : parameters.tilt_errors[i][k - kPosition]) = error;
     }
   }
   return parameters;

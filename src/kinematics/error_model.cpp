@@ -45,8 +45,9 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
     const double arms = joint_ratio(limb) / joint_ratio(machine.limbs[0]);  // columns count by the first limb's
     model.B_d.row(i) << arms * l.dot(v1), l.transpose(), l.dot(u1), turned(limb.radial), turned(v0), 1.0;
     if (limb.actuator == Actuator::linear) {
-      model.B_d(i, static_cast<Eigen::Index>(index(Source::gain))) = l.dot(v1) * model.joints(i) / kGainLength;
-      model.B_d(i, static_cast<Eigen::Index>(index(Source::beta0))) = turned(w0);
+      const auto column = [&](Source source) { return static_cast<Eigen::Index>(place_in(limb.actuator, source)); };
+      model.B_d(i, column("gain")) = l.dot(v1) * model.joints(i) / kGainLength;
+      model.B_d(i, column("beta0")) = turned(w0);
     }
     // The short side at the plate turns about the radial direction, then about its own frame's.
     const auto u3 = limb.plate_frame.col(0), w3 = limb.plate_frame.col(2);
@@ -107,20 +108,6 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   return model;
 }
 
-double paper_scale(const Robot& robot, Source source) {
-  if (robot.on_single_rods() && unit(source, robot.actuator()) != Unit::rad) return 1.0;
-  switch (source) {
-    case Source::theta_offset:
-      return joint_ratio(robot.nominal().limbs[0]);
-    case Source::alpha0:
-    case Source::beta0:
-      return angle_lever(robot.nominal());
-    case Source::rod_difference:
-    case Source::width_difference:
-      return 1.0 / robot.geometry().parallelogram_width;
-    default:
-      return 1.0;
-  }
-}
+double paper_scale(const Robot& robot, Source source) { return robot.parameter(0, source).lever; }
 
 }  // namespace paracal

@@ -7,12 +7,14 @@
 namespace paracal {
 namespace {
 
+/// A column a source error of one limb.
+using LimbColumns = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, static_cast<int>(kMostSources)>;
+
 /// df_ij / dp for the sources of limb i; `sign` is +1 for rod 1 and -1 for rod 2. A point that a source error turns
 /// about an axis moves by axis x lever; the rod shortens by n.(motion at the elbow) and lengthens by n.(motion at the
 /// plate).
-Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow,
-                                                      const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n,
-                                                      double sign) {
+LimbColumns rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow, const Eigen::Matrix3d& rotation,
+                           const Eigen::Vector3d& n, double sign) {
   const Eigen::Vector3d elbow_half = sign * elbow.half;
   const Eigen::Vector3d elbow_lever = elbow.lever + elbow_half;
   const Eigen::Vector3d plate_half = rotation * (0.5 * sign * limb.plate_width * limb.plate_frame.col(2));
@@ -26,67 +28,67 @@ Eigen::Matrix<double, 1, kSourceCount> rod_derivative(const Limb& limb, double j
   };
   const auto plate_turn = [&](const Eigen::Vector3d& axis) { return n.dot(axis.cross(plate_half)); };
 
-  Eigen::Matrix<double, 1, kSourceCount> derivative;
-  const auto at = [&](Source source) -> double& { return derivative(static_cast<Eigen::Index>(index(source))); };
+  LimbColumns derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
+  const auto at = [&](Source source) -> double& {
+    return derivative(static_cast<Eigen::Index>(place_in(limb.actuator, source)));
+  };
   const bool on_rail = limb.actuator == Actuator::linear;
-  at(Source::e_x) = -n.x();
-  at(Source::e_y) = -n.y();
-  at(Source::e_z) = -n.z();
+  at("e_x") = -n.x();
+  at("e_y") = -n.y();
+  at("e_z") = -n.z();
   if (on_rail) {
-    at(Source::theta_offset) = -n.dot(elbow.arm_normal);
-    at(Source::gain) = at(Source::theta_offset) * joint / kGainLength;
+    at("theta_offset") = -n.dot(elbow.arm_normal);
+    at("gain") = at("theta_offset") * joint / kGainLength;
   } else {
-    at(Source::theta_offset) = elbow_turn(actuator_axis, elbow_lever);
-    at(Source::arm_length) = -n.dot(elbow.arm);
+    at("theta_offset") = elbow_turn(actuator_axis, elbow_lever);
+    at("arm_length") = -n.dot(elbow.arm);
   }
   // alpha0 and beta0 turn both short sides: alpha3 = alpha0 - alpha03; but a rail leans by beta0 alone.
-  at(Source::alpha0) = elbow_turn(limb.radial, elbow_lever) + plate_turn(plate_radial);
-  at(Source::beta0) =
+  at("alpha0") = elbow_turn(limb.radial, elbow_lever) + plate_turn(plate_radial);
+  at("beta0") =
       on_rail ? elbow_turn(actuator_axis, elbow_lever) : elbow_turn(vertical, elbow_lever) + plate_turn(plate_vertical);
-  at(Source::rod_mean) = -1.0;
-  at(Source::rod_difference) = -0.5 * sign;
-  at(Source::width_difference) = -n.dot(elbow_half) / limb.elbow_width;
-  at(Source::alpha03) = -plate_turn(plate_radial);
-  at(Source::beta03) = -plate_turn(plate_vertical);
-  at(Source::alpha2) = elbow_turn(elbow.arm, elbow_half);
-  at(Source::beta2) = elbow_turn(elbow_normal, elbow_half);
+  at("rod_mean") = -1.0;
+  at("rod_difference") = -0.5 * sign;
+  at("width_difference") = -n.dot(elbow_half) / limb.elbow_width;
+  at("alpha03") = -plate_turn(plate_radial);
+  at("beta03") = -plate_turn(plate_vertical);
+  at("alpha2") = elbow_turn(elbow.arm, elbow_half);
+  at("beta2") = elbow_turn(elbow_normal, elbow_half);
   return derivative;
 }
 
 /// The same of a limb with one rod: f = |r + R a - C| - l. All its errors but those of the joint at the plate move its
 /// upper end C by m and shorten f by n.m, or make the rod longer.
-Eigen::Matrix<double, 1, kSourceCount> single_rod_derivative(const Limb& limb, double joint,
-                                                             const Eigen::Matrix3d& rotation,
-                                                             const Eigen::Vector3d& n) {
+LimbColumns single_rod_derivative(const Limb& limb, double joint, const Eigen::Matrix3d& rotation,
+                                  const Eigen::Vector3d& n) {
   const Elbow<double> elbow = elbow_of(limb, joint);
-  Eigen::Matrix<double, 1, kSourceCount> derivative = Eigen::Matrix<double, 1, kSourceCount>::Zero();
-  const auto column = [](Source source) { return static_cast<Eigen::Index>(index(source)); };
+  LimbColumns derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
+  const auto column = [&](Source source) { return static_cast<Eigen::Index>(place_in(limb.actuator, source)); };
   const auto at = [&](Source source) -> double& { return derivative(column(source)); };
   const auto turn = [&](const Eigen::Vector3d& axis) { return -n.dot(axis.cross(elbow.lever)); };
-  derivative.segment<3>(column(Source::plate_x)) = n.transpose() * rotation;
+  derivative.segment<3>(column("plate_x")) = n.transpose() * rotation;
   if (limb.actuator == Actuator::carriage) {
-    at(Source::theta_offset) = -n.dot(elbow.arm_normal);
-    at(Source::normal) = -n.dot(limb.radial);
-    at(Source::across) = -n.dot(limb.sideways);
-    at(Source::gain) = -n.dot(elbow.arm_normal) * joint / kGainLength;
+    at("zero") = -n.dot(elbow.arm_normal);
+    at("normal") = -n.dot(limb.radial);
+    at("across") = -n.dot(limb.sideways);
+    at("gain") = -n.dot(elbow.arm_normal) * joint / kGainLength;
   } else {
-    at(Source::theta_offset) = limb.is_strut() ? -1.0 : turn(limb.frame.col(2));
-    derivative.segment<3>(column(Source::e_x)) = -n;
+    at("zero") = limb.is_strut() ? -1.0 : turn(limb.frame.col(2));
+    derivative.segment<3>(column("base_x")) = -n;
   }
   if (limb.is_strut()) {
-    at(Source::gain) = -joint / kGainLength;
+    at("gain") = -joint / kGainLength;
     return derivative;
   }
-  if (limb.actuator == Actuator::crank) at(Source::arm_length) = -n.dot(elbow.arm);
-  at(Source::alpha0) = turn(limb.radial);
-  at(Source::beta0) = turn(limb.frame.col(limb.actuator == Actuator::crank ? 1 : 2));
-  at(Source::rod_length) = -1.0;
+  if (limb.actuator == Actuator::crank) at("arm_length") = -n.dot(elbow.arm);
+  at("alpha0") = turn(limb.radial);
+  at("beta0") = turn(limb.frame.col(limb.actuator == Actuator::crank ? 1 : 2));
+  at("rod_length") = -1.0;
   return derivative;
 }
 
 template <int N>
 ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
-  constexpr int kPerLimb = static_cast<int>(kSourceCount);
   ExactJacobian jacobian;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
   const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
@@ -96,9 +98,10 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
       -normal.solve(linear.jacobian.transpose());
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
   const int limbs = detail::limbs_of<N>(machine);
-  jacobian.plate.setZero(detail::kUnknowns<N>, limbs * kPerLimb);
+  jacobian.plate.setZero(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   for (int i = 0; i < limbs; ++i) {
-    auto of_limb = jacobian.plate.template middleCols<kPerLimb>(i * kPerLimb);
+    auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
+                                             machine.first_parameter[i + 1] - machine.first_parameter[i]);
     if constexpr (detail::kOnSingleRods<N>) {
       of_limb =
           residual_to_plate.col(i) * single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[i]);

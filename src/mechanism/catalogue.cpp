@@ -27,7 +27,7 @@ constexpr std::array<Entry, 3> kEntries{
 Tolerances table2(const Geometry& geometry) {
   Tolerances tolerances = generous_tolerances(geometry);
   for (const Source source : all_sources()) {
-    if (tilts_plate(source)) tolerances.origin[index(source)] = Origin::stated;
+    if (tilts_plate(source)) tolerances.origin[source] = Origin::stated;
   }
   list_assumed(tolerances, geometry.actuator);
   return tolerances;

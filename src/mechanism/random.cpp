@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "numerics/distributions.hpp"
+#include "paracal/mechanism/robot.hpp"
 
 namespace paracal {
 namespace {
@@ -76,8 +77,16 @@ double RandomStream::normal() {
   return pair[0];
 }
 
+std::uint64_t number_of(std::size_t limb, Source source) {
+  if (const auto reserved = source.reserved()) return kReservedNumbers * limb + *reserved;
+  constexpr std::uint64_t kFar = std::uint64_t{1} << 40, kPrime = 1099511628211ULL;
+  std::uint64_t hash = 14695981039346656037ULL + limb;  // FNV-1a
+  for (const char letter : source.name()) hash = (hash ^ static_cast<unsigned char>(letter)) * kPrime;
+  return kFar + hash % kFar;
+}
+
 double source_error(const Tolerances& tolerances, Source source, double standard_normal) {
-  const std::vector<double>& measured = tolerances.measured[index(source)];
+  const std::vector<double>& measured = tolerances.measured[source];
   if (!measured.empty()) return one_of(measured, normal_probability(standard_normal));
   switch (tolerances.distribution) {
     case Distribution::normal:
@@ -90,10 +99,18 @@ double source_error(const Tolerances& tolerances, Source source, double standard
   return 0.0;
 }
 
-SourceErrors draw_errors(const Tolerances& tolerances, std::size_t limb_count, RandomStream& random) {
+double RandomStream::normal_at(std::uint64_t number) const {
+  if (given_) return number < given_->size() ? (*given_)[number] : 0.0;
+  return normal_pair(seed_, stream_, number / 2)[number % 2];
+}
+
+SourceErrors draw_errors(const Robot& robot, const Tolerances& tolerances, RandomStream& random) {
+  std::vector<double> reserved(kReservedNumbers * robot.limb_count());
+  std::ranges::generate(reserved, [&] { return random.normal(); });
   SourceErrors errors;
-  for (std::size_t limb = 0; limb < limb_count; ++limb) {
-    for (const Source source : all_sources()) errors(limb, source) = source_error(tolerances, source, random.normal());
+  for (const Parameter& one : robot.parameters()) {
+    const double normal = one.number < reserved.size() ? reserved[one.number] : random.normal_at(one.number);
+    errors(one.limb, one.source) = source_error(tolerances, one.source, normal);
   }
   return errors;
 }

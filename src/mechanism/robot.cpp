@@ -173,7 +173,7 @@ void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
     const double half_width = tolerances[source], limit = largest_error(geometry, source);
     if (half_width >= 0.0 && half_width < limit) continue;
     throw InvalidArgument(fmt::format("tolerances.{}: expected a half-width of at least 0 and below {:.4g}, got {}",
-                                      name(source, geometry.actuator), limit, half_width));
+                                      name(source), limit, half_width));
   }
 }
 
@@ -185,10 +185,9 @@ std::optional<std::string> absurd_length(const Geometry& geometry, const SourceE
     double nominal, error;
   };
   for (const Length& one :
-       {Length{"the arm", geometry.arm, on_rail ? 0.0 : errors(limb, Source::arm_length)},
-        Length{"the rods", geometry.rod,
-               errors(limb, Source::rod_mean) - 0.5 * std::abs(errors(limb, Source::rod_difference))},
-        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, Source::width_difference)}}) {
+       {Length{"the arm", geometry.arm, on_rail ? 0.0 : errors(limb, "arm_length")},
+        Length{"the rods", geometry.rod, errors(limb, "rod_mean") - 0.5 * std::abs(errors(limb, "rod_difference"))},
+        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, "width_difference")}}) {
     if (one.nominal == 0.0 || one.nominal + one.error > 0.0) continue;  // a rail may do without an arm
     return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
                        one.nominal + one.error);
@@ -199,15 +198,14 @@ std::optional<std::string> absurd_length(const Geometry& geometry, const SourceE
 void check_intended(const RobotDescription& robot) {
   const Actuator actuator = robot.geometry.actuator;
   for (std::size_t limb = 0; limb < robot.geometry.limb_azimuth.size(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(actuator)) {
       if (!std::isfinite(robot.intended(limb, source))) {
-        throw InvalidArgument(
-            fmt::format("limb: expected a number for {} of limb {}", name(source, actuator), limb + 1));
+        throw InvalidArgument(fmt::format("limb: expected a number for {} of limb {}", name(source), limb + 1));
       }
-      if (!tilts_plate(source, actuator) || robot.intended(limb, source) == 0.0) continue;
+      if (!tilts_plate(source) || robot.intended(limb, source) == 0.0) continue;
       throw InvalidArgument(
           fmt::format("limb: expected no {} of limb {} (it would tilt the plate by design); state it in [[error]]",
-                      name(source, actuator), limb + 1));
+                      name(source), limb + 1));
     }
     if (auto complaint = absurd_length(robot.geometry, robot.intended, limb)) {
       throw InvalidArgument(fmt::format("limb: {}", *complaint));
@@ -256,16 +254,42 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
     const Unit inside = unit(source, robot.actuator());
     const double limit = largest_error(robot.geometry(), source);
     if (std::abs(value) < limit) continue;
-    return fmt::format("expected {} of limb {} within {:g} {}, got {:g}", name(source, robot.actuator()), limb + 1,
+    return fmt::format("expected {} of limb {} within {:g} {}, got {:g}", name(source), limb + 1,
                        to_file_unit(inside, limit), file_unit(inside), to_file_unit(inside, value));
   }
   return std::nullopt;
 }
 
+/// mm that an angle of the drive counts for: L, or the rod of a limb on a rail, whose arm may be short or none.
+double angle_lever(const Limb& limb) { return runs_on_rail(limb.actuator) ? limb.mean_rod() : limb.arm; }
+
+/// See Parameter: all limbs count by the first.
+double lever_of(const Geometry& geometry, const Machine& nominal, Source source) {
+  const Limb& limb = nominal.limbs[0];
+  if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / geometry.parallelogram_width;
+  if (tilts_plate(source) || unit(source, limb.actuator) != Unit::rad) return 1.0;
+  return source == joint_zero(limb.actuator) ? joint_ratio(limb) : angle_lever(limb);
+}
+
+std::vector<Parameter> parameters_of(const RobotDescription& robot, const Machine& nominal) {
+  const Tolerances tolerances = robot.tolerances.value_or(generous_tolerances(robot.geometry));
+  std::vector<Parameter> all;
+  for (std::size_t limb = 0; limb < nominal.limb_count; ++limb) {
+    const Actuator kind = nominal.limbs[limb].actuator;
+    for (const Source source : sources_of(kind)) {
+      all.push_back({source, limb, unit(source, kind), lever_of(robot.geometry, nominal, source), tolerances[source],
+                     number_of(limb, source)});
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 Robot::Robot(RobotDescription description)
-    : description_(std::move(description)), nominal_(checked_nominal(description_)) {}
+    : description_(std::move(description)),
+      nominal_(checked_nominal(description_)),
+      parameters_(parameters_of(description_, nominal_)) {}
 
 JointSpace Robot::joint_space() const {
   JointSpace joints(limb_count(), actuator());

@@ -268,7 +268,7 @@ void check_hold(const Machine& machine, const Geometry& geometry, const Workspac
 }
 
 std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_t limb) {
-  const double growth = kGainLength + errors(limb, Source::gain);
+  const double growth = kGainLength + errors(limb, "gain");
   if (growth > 0.0) return std::nullopt;
   return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", limb + 1,
                      growth);
@@ -277,8 +277,8 @@ std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_
 std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
   const SingleRod& nominal = geometry.single_rods[limb];
   const bool is_strut = geometry.actuator == Actuator::strut, swings = geometry.actuator == Actuator::crank;
-  const double length = nominal.length + errors(limb, is_strut ? Source::theta_offset : Source::rod_length);
-  const double arm = swings ? nominal.arm + errors(limb, Source::arm_length) : 1.0;
+  const double length = nominal.length + errors(limb, is_strut ? Source("zero") : Source("rod_length"));
+  const double arm = swings ? nominal.arm + errors(limb, "arm_length") : 1.0;
   if (!(length > 0.0)) {
     return fmt::format("expected limb {} longer than 0 mm{}, got {:g} mm", limb + 1, is_strut ? " at zero" : "",
                        length);

@@ -30,7 +30,7 @@ std::vector<PublishedHuang2016::Table3Row> table3(std::string_view state) {
   return rows;
 }
 
-std::array<double, kTiltSourceCount> table2() {
+std::array<double, ErrorModel::kTilt> table2() {
   const CsvTable table(embedded("table2.csv"));
   return {1e-3 * table.number(0, "rod_difference_over_c", plausible::kFinite),
           1e-3 * table.number(0, "width_difference_over_c", plausible::kFinite),
@@ -46,8 +46,7 @@ SourceErrors table4() {
   const double arm = catalogue::huang2016().geometry().arm;
   SourceErrors errors;
   for (std::size_t limb = 0; limb < table.row_count(); ++limb) {
-    for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
-      const auto source = static_cast<Source>(k);
+    for (const Source source : sources_of(Actuator::revolute).first(ErrorModel::kPosition)) {
       const bool angle = unit(source, Actuator::revolute) == Unit::rad;
       const std::string column = (angle ? "L_" : "") + std::string(name(source));
       errors(limb, source) =

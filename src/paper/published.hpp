@@ -7,6 +7,7 @@
 
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/pose_error.hpp"
+#include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal::io {
@@ -25,11 +26,11 @@ struct PublishedHuang2016 {
   };
   std::vector<Table3Row> before, after;  ///< Table 3, relative to home
 
-  std::array<double, kTiltSourceCount> table2;  ///< optimized tolerances of the tilt group, rad
+  std::array<double, ErrorModel::kTilt> table2;  ///< optimized tolerances of the tilt group, rad
 
   /// Values from the figures and the text about them.
   struct Figures {
-    std::array<Source, 3> most_tilting{Source::rod_difference, Source::alpha2, Source::alpha03};  ///< 5, largest first
+    std::array<Source, 3> most_tilting{"rod_difference", "alpha2", "alpha03"};  ///< 5, largest first
     double radius = 500.0,
            depth = -1013.0;                 ///< 6: where the tilt is largest in the bottom layer, and of all layers, mm
     int rough_points = 6, fine_points = 9;  ///< 7 and 8

@@ -128,9 +128,10 @@ void add_table2(const Robot& robot, const io::PublishedHuang2016& published, Bou
                 const std::string& title, Rows& rows) {
   Table table(rows, title, "the paper does not state the points at which it takes the maxima of Eq. (12)");
   const Tolerances tolerances = allocate(robot, EqualInfluence{.bound = bound}).tolerances;
-  for (const Source source : all_sources()) {
-    if (!tilts_plate(source)) continue;
-    const double paper = 1e3 * published.table2[index(source) - kPositionSourceCount];
+  const std::span<const Source> tilt_group = sources_of(robot.actuator()).last(ErrorModel::kTilt);
+  for (std::size_t k = 0; k < tilt_group.size(); ++k) {
+    const Source source = tilt_group[k];
+    const double paper = 1e3 * published.table2[k];
     const double ours = 1e3 * tolerances[source] / paper_units(robot)(place(source));
     table.add(fmt::format("{}.{}", key, name(source)), fmt::format("tolerance of {}", name(source)), "1e-3 rad", paper,
               ours, judge(paper, ours, rounding(kOfTolerance)));

@@ -32,8 +32,8 @@ class Table4 {
 
   void add_rows() {
     for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
-      for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
-        if (paper_(limb, static_cast<Source>(k)) != 0.0) add(limb, static_cast<Source>(k));
+      for (const Source source : sources_of(robot_.actuator()).first(ErrorModel::kPosition)) {
+        if (paper_(limb, source) != 0.0) add(limb, source);
       }
     }
     add_difference();
@@ -43,17 +43,17 @@ class Table4 {
   void add(std::size_t limb, Source source) {
     const bool angle = unit(source, robot_.actuator()) == Unit::rad;
     const double scale = angle ? robot_.geometry().arm : 1.0, paper = scale * paper_(limb, source);
-    const std::vector<double> found = scaled(twins_.identified[limb][index(source)], scale);
-    const bool unseen = source == Source::e_y && limb < 2;
+    const std::vector<double> found = scaled(twins_.identified[limb][source], scale);
+    const bool unseen = source == "e_y" && limb < 2;
     table_.add(fmt::format("table4.{}.limb{}", name(source), limb + 1),
                fmt::format("{}{} of limb {}", angle ? "L " : "", name(source), limb + 1), "mm", paper, median(found),
                unseen ? unidentifiable(found) : judged(paper, found));
   }
 
   void add_difference() {
-    std::vector<double> found = twins_.identified[0][index(Source::e_y)];
-    for (std::size_t n = 0; n < found.size(); ++n) found[n] -= twins_.identified[1][index(Source::e_y)][n];
-    const double paper = paper_(0, Source::e_y) - paper_(1, Source::e_y);
+    std::vector<double> found = twins_.identified[0]["e_y"];
+    for (std::size_t n = 0; n < found.size(); ++n) found[n] -= twins_.identified[1]["e_y"][n];
+    const double paper = paper_(0, "e_y") - paper_(1, "e_y");
     table_.add("table4.e_y.limb1-limb2", "e_y of limb 1 minus limb 2", "mm", paper, median(found),
                judged(paper, found, 2));
   }

@@ -21,7 +21,7 @@ constexpr double kNoise = 0.05 / 3.0;                     // mm
 constexpr double kRotationNoise = to_radians(0.3) / 3.0;  // rad
 
 SourceErrors with_drawn_tilt(const Robot& robot, const SourceErrors& position, RandomStream& random) {
-  SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
       if (!tilts_plate(source)) errors(limb, source) = position(limb, source);
@@ -137,9 +137,7 @@ Twins calibrate_twins(const Robot& robot, const SourceErrors& table4, int count,
   const auto make = [&](int number) { return calibrated_twin(robot, table4, measured, validation, number); };
   for (const Twin& twin : on_threads(count, threads, make)) {
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
-        twins.identified[limb][k].push_back(twin.found(limb, static_cast<Source>(k)));
-      }
+      for (const Source source : all_sources()) twins.identified[limb][source].push_back(twin.found(limb, source));
     }
     add(robot, twin.before, validation.stations, twins.before);
     add(robot, twin.after, validation.stations, twins.after);

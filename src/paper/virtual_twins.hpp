@@ -32,7 +32,7 @@ struct Twins {
   int count = 0;
   Largest before = {}, after = {};  ///< the fine calibration
   /// As Table 4, mm and rad.
-  std::array<std::array<std::vector<double>, kPositionSourceCount>, kMaxLimbs> identified = {};
+  std::array<BySource<std::vector<double>>, kMaxLimbs> identified = {};
 };
 
 /// @param threads  0: all; every number of them gives the same twins.

@@ -52,17 +52,17 @@ SourceErrors differences(const DeltaGeometry& geometry, const Geometry& design, 
   for (std::size_t i = 0; i < 3; ++i) {
     const double angle = geometry.tower_angle[i], intended = design.limb_azimuth[i];
     const double radius = design.base_radius - design.plate_radius;
-    errors(i, Source::e_x) = geometry.radius * std::cos(angle) - radius * std::cos(intended);
-    errors(i, Source::e_y) = geometry.radius * std::sin(angle) - radius * std::sin(intended);
-    errors(i, Source::rod_mean) = geometry.rod[i] - design.rod;
-    errors(i, Source::theta_offset) = joints[i] - homed[static_cast<Eigen::Index>(i)];
+    errors(i, "e_x") = geometry.radius * std::cos(angle) - radius * std::cos(intended);
+    errors(i, "e_y") = geometry.radius * std::sin(angle) - radius * std::sin(intended);
+    errors(i, "rod_mean") = geometry.rod[i] - design.rod;
+    errors(i, "theta_offset") = joints[i] - homed[static_cast<Eigen::Index>(i)];
     if (geometry.actuator == Actuator::linear) {
-      errors(i, Source::theta_offset) -= origin;
+      errors(i, "theta_offset") -= origin;
       continue;
     }
-    errors(i, Source::beta0) = angle - intended;  // the arm swings in the tower's plane
-    errors(i, Source::e_z) = geometry.shoulder[i] - origin;
-    errors(i, Source::arm_length) = geometry.arm[i] - design.arm;
+    errors(i, "beta0") = angle - intended;  // the arm swings in the tower's plane
+    errors(i, "e_z") = geometry.shoulder[i] - origin;
+    errors(i, "arm_length") = geometry.arm[i] - design.arm;
   }
   return errors;
 }
@@ -99,19 +99,18 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   const bool linear = geometry.actuator == Actuator::linear;
   const double width = geometry.parallelogram_width;
   Tolerances tolerances;
-  tolerances[Source::theta_offset] = linear ? 10.0 : to_radians(5.0);
-  tolerances[Source::e_x] = tolerances[Source::e_y] = linear ? 1.5 : 0.3;
-  tolerances[Source::e_z] = 0.3;
-  tolerances[Source::alpha0] = tolerances[Source::beta0] = to_radians(linear ? 0.08 : 0.3);
-  tolerances[Source::arm_length] = linear ? 0.0 : 0.1;  // of a rail the gain: firmware knows none
-  tolerances[Source::rod_mean] = linear ? 0.5 : 0.1;
+  tolerances["theta_offset"] = linear ? 10.0 : to_radians(5.0);
+  tolerances["e_x"] = tolerances["e_y"] = linear ? 1.5 : 0.3;
+  tolerances["e_z"] = 0.3;
+  tolerances["alpha0"] = tolerances["beta0"] = to_radians(linear ? 0.08 : 0.3);
+  tolerances["arm_length"] = linear ? 0.0 : 0.1;  // of a rail the gain: firmware knows none
+  tolerances["rod_mean"] = linear ? 0.5 : 0.1;
   const double assembly = linear ? 8e-3 : 4e-3;  // rad
-  tolerances[Source::rod_difference] = 0.5 * assembly * width;
-  tolerances[Source::width_difference] = assembly * width;
-  tolerances[Source::alpha03] = tolerances[Source::beta03] = tolerances[Source::alpha2] = tolerances[Source::beta2] =
-      assembly;
-  tolerances.origin.fill(Origin::generous);
-  if (linear) tolerances.origin[index(Source::gain)] = Origin::exact;
+  tolerances["rod_difference"] = 0.5 * assembly * width;
+  tolerances["width_difference"] = assembly * width;
+  tolerances["alpha03"] = tolerances["beta03"] = tolerances["alpha2"] = tolerances["beta2"] = assembly;
+  tolerances.origin.values.fill(Origin::generous);
+  if (linear) tolerances.origin["gain"] = Origin::exact;
   list_assumed(tolerances, geometry.actuator);
   return tolerances;
 }
@@ -123,10 +122,10 @@ std::vector<CommonError> printer_common_errors(const Robot& robot, bool has_dist
   CommonError rods{.text = "length of the rods", .direction = {}, .std = lengths};
   CommonError arms{.text = "length of the arms", .direction = {}, .std = lengths};
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    radius.direction(i, Source::e_x) = robot.nominal().limbs[i].radial.x();
-    radius.direction(i, Source::e_y) = robot.nominal().limbs[i].radial.y();
-    rods.direction(i, Source::rod_mean) = 1.0;
-    arms.direction(i, Source::arm_length) = 1.0;
+    radius.direction(i, "e_x") = robot.nominal().limbs[i].radial.x();
+    radius.direction(i, "e_y") = robot.nominal().limbs[i].radial.y();
+    rods.direction(i, "rod_mean") = 1.0;
+    arms.direction(i, "arm_length") = 1.0;
   }
   return robot.actuator() == Actuator::linear ? std::vector{radius, rods} : std::vector{radius, rods, arms};
 }

@@ -192,6 +192,13 @@ Tolerances with_tilt_group(Tolerances rest, const PerSource& half_widths) {
   return rest;
 }
 
+/// 3 over the tolerance, the mean over the tilt group.
+double mean_cost(const PerSource& tolerances) {
+  double sum = 0.0;
+  for (const Source source : all_sources()) sum += tilts_plate(source) ? 3.0 / tolerances(place(source)) : 0.0;
+  return sum / ErrorModel::kTilt;
+}
+
 /// Means good to half a percent: the search for the worst pose is no better, and a slider can be dragged.
 constexpr GlobalSensitivityOptions kQuick{.relative_error = 5e-3, .max_level = 2};
 
@@ -251,7 +258,7 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
   allocation.tolerances = with_tilt_group(problem.rest, tightest * ratio * units);
   list_assumed(allocation.tolerances, robot.actuator());
-  allocation.cost = (3.0 / (tightest * ratio.tail<ErrorModel::kTilt>())).mean();
+  allocation.cost = mean_cost(tightest * ratio);
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
   check_least(problem, tightest, allocation);

@@ -8,22 +8,17 @@
 namespace paracal {
 namespace {
 
-Eigen::VectorXd flat(const SourceErrors& errors, std::size_t limbs) {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(limbs * kSourceCount));
-  for (std::size_t limb = 0; limb < limbs; ++limb) {
-    for (const Source source : all_sources()) {
-      values(static_cast<Eigen::Index>(limb * kSourceCount + index(source))) = errors(limb, source);
-    }
-  }
+/// In the order of the robot's parameters.
+Eigen::VectorXd flat(const Robot& robot, const SourceErrors& errors) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(robot.parameters().size()));
+  std::ranges::transform(robot.parameters(), values.begin(),
+                         [&](const Parameter& one) { return errors(one.limb, one.source); });
   return values;
 }
 
-SourceErrors scaled(const SourceErrors& errors, std::size_t limbs, double factor) {
-  SourceErrors result;
-  for (std::size_t limb = 0; limb < limbs; ++limb) {
-    for (const Source source : all_sources()) result(limb, source) = factor * errors(limb, source);
-  }
-  return result;
+SourceErrors scaled(const Robot& robot, SourceErrors errors, double factor) {
+  for (const Parameter& one : robot.parameters()) errors(one.limb, one.source) *= factor;
+  return errors;
 }
 
 }  // namespace
@@ -38,7 +33,7 @@ std::vector<RequirementAnalysis> analyze(const Robot& robot, const Tolerances& t
                             .worst_case = worst_spread(robot, what, tolerances, Spread::worst_case),
                             .three_sigma = worst_spread(robot, what, tolerances, Spread::statistical),
                             .contributors = {}};
-    one.contributors = contributors(model.rows(one.three_sigma.pose, what), tolerances, robot.actuator());
+    one.contributors = contributors(robot, model.rows(one.three_sigma.pose, what), tolerances);
     list.push_back(std::move(one));
   }
   return list;
@@ -54,7 +49,7 @@ std::vector<Pose> judged_poses(const Robot& robot, const Tolerances& tolerances,
   for (const Pose& pose : surface_poses(robot)) {
     const bool counts = std::ranges::any_of(analyses, [&](const RequirementAnalysis& one) {
       const SourceRows rows = model.rows(pose, one.requirement.characteristic);
-      return spread_at(rows, tolerances, Spread::statistical) >= kCounts * one.three_sigma.value;
+      return spread_at(robot, rows, tolerances, Spread::statistical) >= kCounts * one.three_sigma.value;
     });
     if (counts) poses.push_back(pose);
   }
@@ -65,20 +60,19 @@ std::vector<LinearityPoint> linearity(const Robot& robot, const Tolerances& tole
                                       const std::vector<Pose>& poses, const std::vector<double>& factors, int machines,
                                       std::uint64_t seed) {
   const Response response(robot, {characteristic}, poses);
-  const std::size_t limbs = robot.limb_count();
   std::vector<LinearityPoint> points;
   for (const double factor : factors) {
     LinearityPoint point{.factor = factor};
     double off = 0.0, all = 0.0;
     for (int m = 0; m < machines; ++m) {
       RandomStream random(seed, static_cast<std::uint64_t>(m));
-      const SourceErrors errors = scaled(draw_errors(tolerances, limbs, random), limbs, factor);
+      const SourceErrors errors = scaled(robot, draw_errors(robot, tolerances, random), factor);
       Eigen::VectorXd exact(response.rows());
       if (!response.exact(errors, exact)) {
         ++point.not_closed;
         continue;
       }
-      const Eigen::VectorXd linear = response.linear() * flat(errors, limbs);
+      const Eigen::VectorXd linear = response.linear() * flat(robot, errors);
       off += (exact - linear).squaredNorm();
       all += linear.squaredNorm();
     }

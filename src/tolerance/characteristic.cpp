@@ -27,12 +27,12 @@ std::string_view quantity_name(Quantity quantity) {
   return "";
 }
 
-constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
+constexpr Eigen::Index kSources = ErrorModel::kPosition + ErrorModel::kTilt;
 constexpr Eigen::Index kPosition = ErrorModel::kPosition, kTilt = ErrorModel::kTilt;
 
 /// Derivative of (dr, ds) or of (eps_x, eps_y, eps_z), a column a source error in mm or rad.
 template <typename Columns, typename Position, typename Tilt>
-Columns all_columns(const Position* position, const Tilt& tilt, const std::array<double, kSourceCount>& scale) {
+Columns all_columns(const Position* position, const Tilt& tilt, std::span<const Parameter> parameters) {
   const Eigen::Index limbs = tilt.cols() / kTilt;
   Columns columns = Columns::Zero(tilt.rows(), limbs * kSources);
   for (Eigen::Index limb = 0; limb < limbs; ++limb) {
@@ -43,7 +43,7 @@ Columns all_columns(const Position* position, const Tilt& tilt, const std::array
       } else if (position != nullptr) {
         column = position->col(limb * kPosition + k);
       }
-      column *= scale[static_cast<std::size_t>(k)];
+      column *= parameters[static_cast<std::size_t>(k)].lever;
     }
   }
   return columns;
@@ -96,9 +96,7 @@ std::string_view why_not_asked(const Robot& robot, Characteristic characteristic
   return {};
 }
 
-LinearModel::LinearModel(const Robot& robot) : robot_(robot), home_(at(home_of(robot))) {
-  for (const Source source : all_sources()) scale_[index(source)] = paper_scale(robot, source);
-}
+LinearModel::LinearModel(const Robot& robot) : robot_(robot), home_(at(home_of(robot))) {}
 
 LinearModel::AtPose LinearModel::at(const Pose& pose) const {
   const auto refuse = [&](std::string_view what) {
@@ -123,13 +121,13 @@ LinearModel::AtPose LinearModel::at(const Pose& pose) const {
 LinearModel::Columns LinearModel::motion(const AtPose& at, bool compensated) const {
   if (const auto* on_struts = std::get_if<OnStruts>(&at)) return on_struts->topRows<3>();
   const auto& model = std::get<ErrorModel>(at);
-  return all_columns<Columns>(compensated ? nullptr : &model.G_dd, model.G_de, scale_);
+  return all_columns<Columns>(compensated ? nullptr : &model.G_dd, model.G_de, robot_.parameters());
 }
 
 LinearModel::Columns LinearModel::turn(const AtPose& at) const {
   if (const auto* on_struts = std::get_if<OnStruts>(&at)) return on_struts->bottomRows<3>();
   const auto& model = std::get<ErrorModel>(at);
-  return all_columns<Columns, decltype(model.G_dd)>(nullptr, model.G_ee, scale_);
+  return all_columns<Columns, decltype(model.G_dd)>(nullptr, model.G_ee, robot_.parameters());
 }
 
 SourceRows LinearModel::turns(const Pose& pose) const { return turn(at(pose)); }

@@ -120,10 +120,11 @@ Cut cut_at(const Robot& robot, const AllocationProblem& problem, std::size_t req
   const auto count = static_cast<Eigen::Index>(problem.variables.size());
   Cut cut{.requirement = requirement, .criterion = wanted.criterion, .weight = Eigen::VectorXd::Zero(count)};
   const PerSource weights =
-      statistical ? PerSource(squared_sensitivities(rows) * 9.0 / (wanted.limit * wanted.limit))
-                  : PerSource(worst_case_weights(rows, worst_case(rows, with(problem, at)).direction) / wanted.limit);
+      statistical ? PerSource(squared_sensitivities(robot, rows) * 9.0 / (wanted.limit * wanted.limit))
+                  : PerSource(worst_case_weights(robot, rows, worst_case(robot, rows, with(problem, at)).direction) /
+                              wanted.limit);
   const Tolerances fixed = with(problem, Eigen::VectorXd::Zero(count));
-  for (const Source source : all_sources()) {
+  for (const Source source : sources_of(robot.actuator())) {
     cut.room -= weights(place(source)) * (statistical ? std::pow(fixed.std(source), 2) : fixed.largest(source));
   }
   for (Eigen::Index v = 0; v < count; ++v) {

@@ -4,23 +4,23 @@
 
 namespace paracal::detail {
 
-Drawing::Drawing(const Eigen::MatrixXd& response, const Tolerances& tolerances) : tolerances_(&tolerances) {
+Drawing::Drawing(const Robot& robot, const Eigen::MatrixXd& response, const Tolerances& tolerances)
+    : tolerances_(&tolerances) {
   for (Eigen::Index column = 0; column < response.cols(); ++column) {
-    const auto source = static_cast<Source>(column % static_cast<Eigen::Index>(kSourceCount));
-    const bool varies = tolerances[source] > 0.0 || !tolerances.measured[index(source)].empty();
+    const auto& [source, limb, unit, lever, tolerance, normal] = robot.parameters()[static_cast<std::size_t>(column)];
+    const bool varies = tolerances[source] > 0.0 || !tolerances.measured[source].empty();
     if (!varies || response.col(column).isZero(0.0)) continue;
-    const auto number = static_cast<std::uint64_t>(column) / 2;
+    const std::uint64_t number = normal / 2;
     if (pairs_.empty() || pairs_.back().number != number) pairs_.push_back({.number = number});
-    pairs_.back().row[static_cast<std::size_t>(column % 2)] = static_cast<Eigen::Index>(columns_.size());
+    pairs_.back().row[normal % 2] = static_cast<Eigen::Index>(columns_.size());
     sources_.push_back(source);
     columns_.push_back(column);
   }
   matrix_ = response(Eigen::all, columns_);
   half_widths_.resize(matrix_.cols());
   std::ranges::transform(sources_, half_widths_.begin(), [&](Source source) { return tolerances[source]; });
-  all_normal_ = tolerances.distribution == Distribution::normal && std::ranges::all_of(sources_, [&](Source source) {
-                  return tolerances.measured[index(source)].empty();
-                });
+  all_normal_ = tolerances.distribution == Distribution::normal &&
+                std::ranges::all_of(sources_, [&](Source source) { return tolerances.measured[source].empty(); });
 }
 
 void Drawing::draw(std::uint64_t seed, std::uint64_t first, Eigen::Ref<Eigen::MatrixXd> errors) const {

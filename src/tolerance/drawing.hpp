@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "paracal/mechanism/random.hpp"
+#include "paracal/mechanism/robot.hpp"
 
 namespace paracal::detail {
 
@@ -11,8 +12,8 @@ namespace paracal::detail {
 /// left out. Equal to draw_errors() number by number.
 class Drawing {
  public:
-  /// @param response  a column a source error, 14 a limb.
-  Drawing(const Eigen::MatrixXd& response, const Tolerances& tolerances);
+  /// @param response  a column a parameter of the robot.
+  Drawing(const Robot& robot, const Eigen::MatrixXd& response, const Tolerances& tolerances);
 
   /// The columns of the response that vary.
   const Eigen::MatrixXd& matrix() const { return matrix_; }

@@ -23,164 +23,87 @@ DrawnFeature turn_of(std::string_view name, std::vector<DrawnFeature::Datum> dat
 
 DrawnFeature nothing(std::string_view why) { return {.name = why}; }
 
-/// What limbs on arms and on rails share.
-DrawnFeature of_parallelogram(Source source) {
-  switch (source) {
-    case Source::rod_mean:
-      return size_of("joint distance of each rod");
-    case Source::rod_difference:
-      return size_of("joint distance of both rods", true);
-    case Source::width_difference:
-      return size_of("joint distance on both bars", true);
-    case Source::alpha03:
-      return turn_of("bar at the plate", {{parallelism, "the bar at the elbow, seen radially"}});
-    default:
-      return turn_of("bar at the plate", {{perpendicularity, "the limb's radial direction"},
-                                          {parallelism, "the bar at the elbow, seen from above"},
-                                          {angularity, "the plate's datum"}});
-  }
-}
-
-DrawnFeature lead_of_a_drive() { return nothing("the lead error follows from the drive's accuracy class, in mm/m"); }
-
-/// An arm that a motor swings, with a parallelogram.
-DrawnFeature of_arm(Source source) {
-  switch (source) {
-    case Source::theta_offset:
-      return nothing("an encoder's zero is set on the machine");
-    case Source::e_x:
-      return place_of("base joint");
-    case Source::arm_length:
-      return size_of("bore distance of the arm");
-    case Source::alpha0:
-      return turn_of("motor axis", {{parallelism, "the base plane"}});
-    case Source::beta0:
-      return turn_of("motor axis",
-                     {{perpendicularity, "the limb's radial direction"}, {angularity, "the base's datum"}});
-    case Source::alpha2:
-      return turn_of("bar at the elbow", {{parallelism, "the motor axis, seen along the arm"}});
-    case Source::beta2:
-      return turn_of("bar at the elbow",
-                     {{perpendicularity, "the arm"}, {parallelism, "the motor axis, seen square to the arm"}});
-    default:
-      return of_parallelogram(source);
-  }
-}
-
-/// How a rail leans sideways, or in and out.
-DrawnFeature upright_rail(Source source) {
-  if (source == Source::alpha0) {
-    return turn_of("rail", {{perpendicularity, "the base plane, seen radially"},
-                            {parallelism, "the robot's axis, seen radially"},
-                            {angularity, "the base plane, seen radially"}});
-  }
-  return turn_of("rail", {{perpendicularity, "the base plane, seen from the side"},
-                          {parallelism, "the robot's axis, seen from the side"},
-                          {angularity, "the base plane, seen from the side"}});
-}
-
-/// A rail with a parallelogram.
-DrawnFeature of_rail(Source source) {
-  switch (source) {
-    case Source::theta_offset:
-      return nothing("an endstop is set on the machine");
-    case Source::e_x:
-      return place_of("foot of the rail");
-    case Source::gain:
-      return lead_of_a_drive();
-    case Source::alpha0:
-    case Source::beta0:
-      return upright_rail(source);
-    case Source::alpha2:
-      return turn_of("bar on the carriage", {{perpendicularity, "the rail"}, {parallelism, "the base plane"}});
-    case Source::beta2:
-      return turn_of("bar on the carriage",
-                     {{perpendicularity, "the limb's radial direction"}, {angularity, "the base's datum"}});
-    default:
-      return of_parallelogram(source);
-  }
-}
-
-/// What all limbs with one rod share.
-DrawnFeature of_single_rod(Source source) {
-  switch (source) {
-    case Source::gain:
-      return lead_of_a_drive();
-    case Source::rod_length:
-      return size_of("joint distance of the rod");
-    case Source::plate_x:
-      return place_of("joint at the plate");
-    default:
-      return nothing("a drive's zero is set on the machine");
-  }
-}
-
-DrawnFeature of_strut(Source source) {
-  if (source == Source::theta_offset) return size_of("joint distance of the strut at joint coordinate 0");
-  return source == Source::e_x ? place_of("joint at the base") : of_single_rod(source);
-}
-
 /// Its axis may lie at any angle, so that any orientation may be meant.
 std::vector<DrawnFeature::Datum> of_any_angle() {
   constexpr std::string_view kBase = "the base's datum";
   return {{angularity, kBase}, {parallelism, kBase}, {perpendicularity, kBase}};
 }
 
-DrawnFeature of_crank(Source source) {
-  switch (source) {
-    case Source::e_x:
-      return place_of("centre of the arm's circle");
-    case Source::arm_length:
-      return size_of("bore distance of the arm");
-    case Source::alpha0:
-    case Source::beta0:
-      return turn_of("motor axis", of_any_angle());
-    default:
-      return of_single_rod(source);
-  }
+struct FeatureOfLimbs {
+  std::vector<Actuator> limbs;
+  Source source;
+  DrawnFeature feature;
+};
+
+/// What a drawing has of each source error; a point is listed by its first coordinate.
+const std::vector<FeatureOfLimbs>& features() {
+  using enum Actuator;
+  constexpr std::string_view kPlane = "the base plane", kPlate = "bar at the plate", kCarriage = "bar on the carriage",
+                             kElbow = "bar at the elbow", kMotor = "motor axis",
+                             kRadial = "the limb's radial direction", kDatum = "the base's datum";
+  static const std::vector<FeatureOfLimbs> kFeatures{
+      {{revolute}, "theta_offset", nothing("an encoder's zero is set on the machine")},
+      {{linear}, "theta_offset", nothing("an endstop is set on the machine")},
+      {{strut}, "zero", size_of("joint distance of the strut at joint coordinate 0")},
+      {{crank, carriage}, "zero", nothing("a drive's zero is set on the machine")},
+      {{revolute}, "e_x", place_of("base joint")},
+      {{linear}, "e_x", place_of("foot of the rail")},
+      {{strut}, "base_x", place_of("joint at the base")},
+      {{crank}, "base_x", place_of("centre of the arm's circle")},
+      {{carriage}, "normal", place_of("rail")},
+      {{carriage}, "across", place_of("rail")},
+      {{revolute, crank}, "arm_length", size_of("bore distance of the arm")},
+      {{linear, strut, carriage}, "gain", nothing("the lead error follows from the drive's accuracy class, in mm/m")},
+      {{revolute}, "alpha0", turn_of(kMotor, {{parallelism, kPlane}})},
+      {{revolute}, "beta0", turn_of(kMotor, {{perpendicularity, kRadial}, {angularity, kDatum}})},
+      {{linear},
+       "alpha0",
+       turn_of("rail", {{perpendicularity, "the base plane, seen radially"},
+                        {parallelism, "the robot's axis, seen radially"},
+                        {angularity, "the base plane, seen radially"}})},
+      {{linear},
+       "beta0",
+       turn_of("rail", {{perpendicularity, "the base plane, seen from the side"},
+                        {parallelism, "the robot's axis, seen from the side"},
+                        {angularity, "the base plane, seen from the side"}})},
+      {{crank}, "alpha0", turn_of(kMotor, of_any_angle())},
+      {{crank}, "beta0", turn_of(kMotor, of_any_angle())},
+      {{carriage}, "alpha0", turn_of("rail", of_any_angle())},
+      {{carriage}, "beta0", turn_of("rail", of_any_angle())},
+      {{revolute, linear}, "rod_mean", size_of("joint distance of each rod")},
+      {{revolute, linear}, "rod_difference", size_of("joint distance of both rods", true)},
+      {{revolute, linear}, "width_difference", size_of("joint distance on both bars", true)},
+      {{revolute, linear}, "alpha03", turn_of(kPlate, {{parallelism, "the bar at the elbow, seen radially"}})},
+      {{revolute, linear},
+       "beta03",
+       turn_of(kPlate, {{perpendicularity, kRadial},
+                        {parallelism, "the bar at the elbow, seen from above"},
+                        {angularity, "the plate's datum"}})},
+      {{revolute}, "alpha2", turn_of(kElbow, {{parallelism, "the motor axis, seen along the arm"}})},
+      {{revolute},
+       "beta2",
+       turn_of(kElbow, {{perpendicularity, "the arm"}, {parallelism, "the motor axis, seen square to the arm"}})},
+      {{linear}, "alpha2", turn_of(kCarriage, {{perpendicularity, "the rail"}, {parallelism, kPlane}})},
+      {{linear}, "beta2", turn_of(kCarriage, {{perpendicularity, kRadial}, {angularity, kDatum}})},
+      {{strut, crank, carriage}, "rod_length", size_of("joint distance of the rod")},
+      {{strut, crank, carriage}, "plate_x", place_of("joint at the plate")},
+  };
+  return kFeatures;
 }
 
-DrawnFeature of_carriage(Source source) {
-  switch (source) {
-    case Source::normal:
-    case Source::across:
-      return place_of("rail");
-    case Source::alpha0:
-    case Source::beta0:
-      return turn_of("rail", of_any_angle());
-    default:
-      return of_single_rod(source);
-  }
+DrawnFeature feature_of(Source source, Actuator limb) {
+  const auto found = std::ranges::find_if(features(), [&](const FeatureOfLimbs& one) {
+    return one.source == source && std::ranges::find(one.limbs, limb) != one.limbs.end();
+  });
+  return found == features().end() ? nothing("no drawing shows it") : found->feature;
 }
 
-DrawnFeature feature_of(Source source, Actuator actuator) {
-  switch (actuator) {
-    case Actuator::linear:
-      return of_rail(source);
-    case Actuator::strut:
-      return of_strut(source);
-    case Actuator::crank:
-      return of_crank(source);
-    case Actuator::carriage:
-      return of_carriage(source);
-    default:
-      return of_arm(source);
-  }
-}
-
-/// The first of a point's coordinates; else the source itself.
-Source leading(Source source, Actuator actuator) {
-  return static_cast<Source>(index(source) - coordinate(source, actuator).value_or(0));
-}
-
-double single_rod_size(Source source, const SingleRod& limb) {
-  return source == Source::arm_length ? limb.arm : limb.length;
-}
+double single_rod_size(Source source, const SingleRod& limb) { return source == "arm_length" ? limb.arm : limb.length; }
 
 double level_size(Source source, const Geometry& geometry, const SourceErrors& intended, std::size_t limb) {
-  if (source == Source::width_difference) return geometry.parallelogram_width;
-  if (source == Source::arm_length) return geometry.arm + intended(limb, source);
-  return geometry.rod + intended(limb, Source::rod_mean);
+  if (source == "width_difference") return geometry.parallelogram_width;
+  if (source == "arm_length") return geometry.arm + intended(limb, source);
+  return geometry.rod + intended(limb, "rod_mean");
 }
 
 std::vector<double> sizes_of(Source source, const Geometry& geometry, const SourceErrors& intended) {
@@ -196,10 +119,6 @@ std::vector<double> sizes_of(Source source, const Geometry& geometry, const Sour
   return sizes;
 }
 
-bool is_of_parallelogram(Source source, Actuator actuator) {
-  return tilts_plate(source, actuator);  // the bars, whose joints are its width apart
-}
-
 }  // namespace
 
 std::string_view name(Orientation orientation) {
@@ -208,9 +127,10 @@ std::string_view name(Orientation orientation) {
 }
 
 DrawnFeature drawn_feature(Source source, const Geometry& geometry, const SourceErrors& intended) {
-  DrawnFeature feature = feature_of(leading(source, geometry.actuator), geometry.actuator);
+  DrawnFeature feature = feature_of(sharing(source, geometry.actuator).front(), geometry.actuator);
   if (feature.kind == Kind::size) feature.sizes = sizes_of(source, geometry, intended);
-  feature.length = is_of_parallelogram(source, geometry.actuator) ? geometry.parallelogram_width : kUnknownLength;
+  // The bars' joints are the parallelogram's width apart.
+  feature.length = tilts_plate(source) ? geometry.parallelogram_width : kUnknownLength;
   return feature;
 }
 

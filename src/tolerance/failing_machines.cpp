@@ -15,9 +15,9 @@ constexpr std::uint64_t kStreams = std::uint64_t{5} << 60;  // beyond those of a
 /// The design variable of each varying error, or -1.
 std::vector<Eigen::Index> variables_of(const AllocationProblem& problem, const VaryingErrors& errors) {
   std::vector<Eigen::Index> variables;
-  for (const Eigen::Index column : errors.columns) {
+  for (const Parameter& error : errors.parameters) {
     const auto has = [&](const DesignVariable& one) {
-      return std::ranges::find(one.sources, Limits::source_of(column)) != one.sources.end();
+      return std::ranges::find(one.sources, error.source) != one.sources.end();
     };
     const auto found = std::ranges::find_if(problem.variables, has);
     variables.push_back(found == problem.variables.end() ? -1 : found - problem.variables.begin());

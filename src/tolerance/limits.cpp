@@ -16,10 +16,11 @@ Limits::Limits(const Robot& robot, const Tolerances& tolerances, const std::vect
       tolerances_(tolerances),
       requirements_(requirements),
       response_(robot, characteristics_of(requirements), poses),
-      drawing_(response_.linear(), tolerances) {
+      drawing_(robot, response_.linear(), tolerances) {
   for (const Eigen::Index column : drawing_.columns()) {
-    errors_.columns.push_back(column);
-    errors_.laws.emplace_back(tolerances, source_of(column));
+    const Parameter& one = robot.parameters()[static_cast<std::size_t>(column)];
+    errors_.parameters.push_back(one);
+    errors_.laws.emplace_back(tolerances, one.source);
   }
 }
 
@@ -77,10 +78,10 @@ std::vector<Limits::Place> Limits::places_near_limits(const Eigen::VectorXd& err
 
 SourceErrors Limits::all_errors(const Eigen::VectorXd& varying, std::uint64_t seed, std::uint64_t stream) const {
   RandomStream random(seed, stream);
-  SourceErrors all = draw_errors(tolerances_, robot_.limb_count(), random);
+  SourceErrors all = draw_errors(robot_, tolerances_, random);
   for (Eigen::Index k = 0; k < varying.size(); ++k) {
-    const Eigen::Index column = errors_.columns[static_cast<std::size_t>(k)];
-    all(static_cast<std::size_t>(column) / kSourceCount, source_of(column)) = varying(k);
+    const Parameter& one = errors_.parameters[static_cast<std::size_t>(k)];
+    all(one.limb, one.source) = varying(k);
   }
   return all;
 }

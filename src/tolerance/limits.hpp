@@ -20,9 +20,6 @@ class Limits {
          const std::vector<Pose>& poses);
 
   const VaryingErrors& errors() const { return errors_; }
-  static Source source_of(Eigen::Index column) {
-    return static_cast<Source>(column % static_cast<Eigen::Index>(kSourceCount));
-  }
 
   /// All ways in which a limit may break: of each requirement at each pose, along the principal axes of its components'
   /// covariance and half way between them.

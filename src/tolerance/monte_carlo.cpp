@@ -65,12 +65,12 @@ class Sampler {
  public:
   Sampler(const Robot& robot, const Tolerances& tolerances, const std::vector<Requirement>& requirements,
           const std::vector<Pose>& poses, const MonteCarloOptions& options)
-      : limbs_(robot.limb_count()),
+      : robot_(robot),
         tolerances_(tolerances),
         requirements_(requirements),
         options_(options),
         response_(robot, characteristics_of(requirements), poses),
-        drawing_(response_.linear(), tolerances),
+        drawing_(robot, response_.linear(), tolerances),
         sums_(empty_sums()),
         counts_(requirements.size()),
         arena_(options.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(options.threads)) {}
@@ -158,7 +158,7 @@ class Sampler {
         let_interrupt();
         RandomStream random(options_.seed, first + m);
         auto column = components.col(static_cast<Eigen::Index>(m));
-        closed[m] = response_.exact(draw_errors(tolerances_, limbs_, random), column) ? 1 : 0;
+        closed[m] = response_.exact(draw_errors(robot_, tolerances_, random), column) ? 1 : 0;
         if (closed[m] == 0) column.setZero();
       });
     }
@@ -260,7 +260,7 @@ class Sampler {
 
   static double half_width(const SigmaAtPose& at) { return 0.5 * (at.interval.high - at.interval.low); }
 
-  std::size_t limbs_;
+  const Robot& robot_;
   const Tolerances& tolerances_;
   const std::vector<Requirement>& requirements_;
   const MonteCarloOptions& options_;

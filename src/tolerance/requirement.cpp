@@ -10,23 +10,15 @@ namespace paracal {
 namespace {
 
 using Generators =
-    Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, static_cast<int>(kSourceCount) * kMaxLimbs>;
-
-PerSource largest_errors(const Tolerances& tolerances) {
-  PerSource largest;
-  for (const Source source : all_sources()) {
-    largest(place(source)) = tolerances.largest(source);
-  }
-  return largest;
-}
+    Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, static_cast<int>(kMostSources) * kMaxLimbs>;
 
 /// Columns g_k T_k that are not zero, filled up to three components with zeros.
-Generators generators_of(const SourceRows& rows, const Tolerances& tolerances) {
-  const PerSource largest = largest_errors(tolerances);
+Generators generators_of(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances) {
   Generators generators(3, rows.cols());
   Eigen::Index count = 0;
   for (Eigen::Index column = 0; column < rows.cols(); ++column) {
-    const Eigen::VectorXd generator = rows.col(column) * largest(column % static_cast<Eigen::Index>(kSourceCount));
+    const Source source = robot.parameters()[static_cast<std::size_t>(column)].source;
+    const Eigen::VectorXd generator = rows.col(column) * tolerances.largest(source);
     if (generator.squaredNorm() == 0.0) continue;
     generators.col(count).setZero();
     generators.col(count++).head(rows.rows()) = generator;
@@ -89,8 +81,8 @@ std::string_view name(Spread criterion) {
   return kNames[static_cast<std::size_t>(criterion)];
 }
 
-WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances) {
-  const Generators generators = generators_of(rows, tolerances);
+WorstCase worst_case(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances) {
+  const Generators generators = generators_of(robot, rows, tolerances);
   Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& start : starts_of(generators, rows.rows())) {
     const Eigen::Vector3d end = climb(generators, start);
@@ -100,25 +92,26 @@ WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances) {
   return {value, value > 0.0 ? Eigen::Vector3d(farthest / value) : Eigen::Vector3d::UnitX()};
 }
 
-PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& direction) {
+PerSource worst_case_weights(const Robot& robot, const SourceRows& rows, const Eigen::Vector3d& direction) {
   const Eigen::RowVectorXd along = (direction.head(rows.rows()).transpose() * rows).cwiseAbs();
   PerSource weights = PerSource::Zero();
   for (Eigen::Index column = 0; column < rows.cols(); ++column) {
-    weights(column % static_cast<Eigen::Index>(kSourceCount)) += along(column);
+    weights(place(robot.parameters()[static_cast<std::size_t>(column)].source)) += along(column);
   }
   return weights;
 }
 
-double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion) {
-  if (criterion == Spread::worst_case) return worst_case(rows, tolerances).value;
-  return 3.0 * sigma_of(squared_sensitivities(rows), variances(tolerances));
+double spread_at(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances, Spread criterion) {
+  if (criterion == Spread::worst_case) return worst_case(robot, rows, tolerances).value;
+  return 3.0 * sigma_of(squared_sensitivities(robot, rows), variances(tolerances));
 }
 
 ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,
                          Spread criterion) {
   const LinearModel model(robot);
-  return detail::largest_in_workspace(
-      robot, [&](const Pose& pose) { return spread_at(model.rows(pose, characteristic), tolerances, criterion); });
+  return detail::largest_in_workspace(robot, [&](const Pose& pose) {
+    return spread_at(robot, model.rows(pose, characteristic), tolerances, criterion);
+  });
 }
 
 }  // namespace paracal

@@ -15,7 +15,7 @@ Response::Response(const Robot& robot, std::vector<Characteristic> characteristi
     first_row_.push_back(rows);
     rows += component_count(characteristic.quantity) * count;
   }
-  linear_.resize(rows, static_cast<Eigen::Index>(kSourceCount * robot.limb_count()));
+  linear_.resize(rows, static_cast<Eigen::Index>(robot.parameters().size()));
   const LinearModel model(robot);
   for (std::size_t c = 0; c < characteristics_.size(); ++c) {
     for (Eigen::Index p = 0; p < count; ++p) {

@@ -7,17 +7,16 @@
 
 namespace paracal {
 
-PerSource squared_sensitivities(const SourceRows& rows) {
+PerSource squared_sensitivities(const Robot& robot, const SourceRows& rows) {
   PerSource sum = PerSource::Zero();
-  const auto sources = static_cast<Eigen::Index>(kSourceCount);
-  for (Eigen::Index limb = 0; limb < rows.cols() / sources; ++limb) {
-    sum += rows.middleCols(limb * sources, sources).colwise().squaredNorm().transpose().array();
+  for (Eigen::Index k = 0; k < rows.cols(); ++k) {
+    sum(place(robot.parameters()[static_cast<std::size_t>(k)].source)) += rows.col(k).squaredNorm();
   }
   return sum;
 }
 
 PerSource half_widths(const Tolerances& tolerances) {
-  return Eigen::Map<const PerSource>(tolerances.half_width.data());
+  return Eigen::Map<const PerSource>(tolerances.half_width.values.data());
 }
 
 PerSource variances(const Tolerances& tolerances) {
@@ -37,7 +36,7 @@ GlobalSensitivity mean_sensitivity(const Robot& robot, Characteristic characteri
       .mean = PerSource::Zero(), .error = PerSource::Zero(), .largest = PerSource::Zero(), .poses = points.size()};
   for (const WeightedPose& point : points) {
     let_interrupt();
-    const PerSource local = squared_sensitivities(model.rows(point.pose, characteristic)).sqrt();
+    const PerSource local = squared_sensitivities(robot, model.rows(point.pose, characteristic)).sqrt();
     global.mean += point.weight * local;
     global.largest = global.largest.max(local);
   }
@@ -59,18 +58,18 @@ GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characte
 
 PerSource paper_units(const Robot& robot) {
   PerSource factor = PerSource::Ones();
-  for (const Source source : all_sources()) {
-    if (tilts_plate(source, robot.actuator())) factor(place(source)) = 1.0 / paper_scale(robot, source);
+  for (const Source source : sources_of(robot.actuator())) {
+    if (tilts_plate(source)) factor(place(source)) = 1.0 / paper_scale(robot, source);
   }
   return factor;
 }
 
-std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances, Actuator actuator) {
-  const PerSource parts = squared_sensitivities(rows) * variances(tolerances);
+std::vector<Contributor> contributors(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances) {
+  const PerSource parts = squared_sensitivities(robot, rows) * variances(tolerances);
   const double whole = parts.sum();
   std::vector<Contributor> list;
   if (!(whole > 0.0)) return list;
-  for (const Source source : sources_of(actuator)) list.push_back({source, parts(place(source)) / whole});
+  for (const Source source : sources_of(robot.actuator())) list.push_back({source, parts(place(source)) / whole});
   std::ranges::stable_sort(list, std::ranges::greater(), &Contributor::share);
   return list;
 }
@@ -81,7 +80,7 @@ std::vector<ValueAtPose> sigma_map(const Robot& robot, Characteristic characteri
   const PerSource variance = variances(tolerances);
   std::vector<ValueAtPose> map;
   for (const Pose& pose : polar_grid(robot, grid, all_rotations)) {
-    map.push_back({pose, sigma_of(squared_sensitivities(model.rows(pose, characteristic)), variance)});
+    map.push_back({pose, sigma_of(squared_sensitivities(robot, model.rows(pose, characteristic)), variance)});
   }
   return map;
 }

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::uint64_t kOther = std::uint64_t{1} << 63;  // streams of the machines B
 
-std::vector<Source> varying(const Tolerances& tolerances) {
+std::vector<Source> varying(const Robot& robot, const Tolerances& tolerances) {
   std::vector<Source> sources;
-  for (const Source source : all_sources()) {
+  for (const Source source : sources_of(robot.actuator())) {
     if (tolerances.std(source) > 0.0) sources.push_back(source);
   }
   return sources;
@@ -27,11 +27,11 @@ class PickAndFreeze {
  public:
   PickAndFreeze(const Robot& robot, const Tolerances& tolerances, Characteristic characteristic, const Pose& pose,
                 const SobolOptions& options)
-      : limbs_(robot.limb_count()),
+      : robot_(robot),
         tolerances_(tolerances),
         options_(options),
         response_(robot, {characteristic}, {pose}),
-        sources_(varying(tolerances)),
+        sources_(varying(robot, tolerances)),
         values_(options.samples, static_cast<Eigen::Index>(sources_.size()) + 2) {}
 
   const std::vector<Source>& sources() const { return sources_; }
@@ -45,7 +45,7 @@ class PickAndFreeze {
  private:
   SourceErrors drawn(std::uint64_t stream) const {
     RandomStream random(options_.seed, stream);
-    return draw_errors(tolerances_, limbs_, random);
+    return draw_errors(robot_, tolerances_, random);
   }
 
   void evaluate(int m) {
@@ -55,7 +55,8 @@ class PickAndFreeze {
     values_(m, 1) = length(other);
     for (std::size_t k = 0; k < sources_.size(); ++k) {
       SourceErrors mixed = one;
-      for (std::size_t limb = 0; limb < limbs_; ++limb) mixed(limb, sources_[k]) = other(limb, sources_[k]);
+      for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb)
+        mixed(limb, sources_[k]) = other(limb, sources_[k]);
       values_(m, static_cast<Eigen::Index>(k) + 2) = length(mixed);
     }
   }
@@ -66,16 +67,14 @@ class PickAndFreeze {
       if (!response_.exact(errors, components)) throw Unreachable("a simulated machine cannot reach the pose");
       return components.norm();
     }
-    for (std::size_t limb = 0; limb < limbs_; ++limb) {
-      for (const Source source : sources_) {
-        const auto column = static_cast<Eigen::Index>(limb * kSourceCount + index(source));
-        components += response_.linear().col(column) * errors(limb, source);
-      }
+    for (std::size_t k = 0; k < robot_.parameters().size(); ++k) {
+      const Parameter& one = robot_.parameters()[k];
+      components += response_.linear().col(static_cast<Eigen::Index>(k)) * errors(one.limb, one.source);
     }
     return components.norm();
   }
 
-  std::size_t limbs_;
+  const Robot& robot_;
   const Tolerances& tolerances_;
   const SobolOptions& options_;
   Response response_;

@@ -57,7 +57,7 @@ SourceLaw::SourceLaw(const Tolerances& tolerances, Source source)
       source_(source),
       half_width_(tolerances[source]),
       std_(tolerances.std(source)),
-      measured_(tolerances.measured[index(source)]) {
+      measured_(tolerances.measured[source]) {
   if (!measured_.empty()) {
     least_ = std::ranges::min(measured_);
     most_ = std::ranges::max(measured_);

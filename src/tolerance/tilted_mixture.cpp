@@ -157,12 +157,12 @@ void TiltedMixture::draw(std::uint64_t seed, std::uint64_t first, Eigen::Ref<Eig
   for (Eigen::Index m = 0; m < errors.cols(); ++m) {
     const std::uint64_t stream = first + static_cast<std::uint64_t>(m);
     const std::size_t law = is_plain() ? 0 : law_of(normal_probability(normal_pair(seed, stream, kChoice)[0]));
-    Eigen::Index drawn = -1;
+    std::optional<std::uint64_t> drawn;
     std::array<double, 2> pair{};
     for (Eigen::Index k = 0; k < errors.rows(); ++k) {
-      const Eigen::Index column = errors_->columns[static_cast<std::size_t>(k)];
-      if (column / 2 != drawn) pair = normal_pair(seed, stream, static_cast<std::uint64_t>(drawn = column / 2));
-      const double normal = pair[static_cast<std::size_t>(column % 2)];
+      const std::uint64_t number = errors_->parameters[static_cast<std::size_t>(k)].number;
+      if (number / 2 != drawn) pair = normal_pair(seed, stream, *(drawn = number / 2));
+      const double normal = pair[number % 2];
       errors(k, m) = errors_->laws[static_cast<std::size_t>(k)].draw(tilts_(static_cast<Eigen::Index>(law), k), normal);
     }
   }

@@ -6,16 +6,17 @@
 #include <optional>
 #include <vector>
 
+#include "paracal/mechanism/parameter.hpp"
 #include "source_law.hpp"
 
 namespace paracal::detail {
 
-/// The errors that vary, by their columns (14 a limb), and their laws.
+/// The errors that vary, and their laws.
 struct VaryingErrors {
-  std::vector<Eigen::Index> columns;
+  std::vector<Parameter> parameters;
   std::vector<SourceLaw> laws;
 
-  Eigen::Index size() const { return static_cast<Eigen::Index>(columns.size()); }
+  Eigen::Index size() const { return static_cast<Eigen::Index>(parameters.size()); }
 };
 
 /// A way in which a limit may be broken: a . e > 1.

@@ -93,7 +93,7 @@ TEST_P(Making, IsWhatItSays) {
   for (std::uint64_t machine = 0; machine < 3; ++machine) {
     const MachineOutcome outcome = make(plan, machine);
     RandomStream random(kSeed, machine);
-    const SourceErrors errors = draw_errors(plan.tolerances, robot.limb_count(), random);
+    const SourceErrors errors = draw_errors(robot, plan.tolerances, random);
     const Measurements readings = simulate(robot, errors, plan.stations, plan.instrument, random);
     const Calibration calibration = calibrate(robot, readings, plan.calibration);
     ASSERT_TRUE(calibration.accepted());

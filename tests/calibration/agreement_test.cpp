@@ -107,7 +107,7 @@ TEST_P(AgreementLaw, AChangedMachineIsTold) {
   calibrate_machine(3);
   const Measurements same = points(3, {.noise = kNoise, .repeats = 3});
   EXPECT_FALSE(validate(robot, known, same).agreement->contradicts());
-  measured.errors(0, Source::theta_offset) += robot.actuator() == Actuator::linear ? 0.3 : 1e-3;
+  measured.errors(0, "theta_offset") += robot.actuator() == Actuator::linear ? 0.3 : 1e-3;
   const Validation validation = validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}));
   ASSERT_TRUE(validation.agreement);
   EXPECT_TRUE(validation.agreement->contradicts());

@@ -70,9 +70,7 @@ class BodyPoses : public test::EveryRobot {
     return simulate(robot, errors, plan(fine_stations(robot, n), mount), instrument, stream);
   }
 
-  SourceErrors drawn(RandomStream& stream) const {
-    return draw_errors(tolerances_of(robot), robot.limb_count(), stream);
-  }
+  SourceErrors drawn(RandomStream& stream) const { return draw_errors(robot, tolerances_of(robot), stream); }
 
   /// The mounts that differ: a plate without a slide turns nothing.
   std::vector<ReflectorMount> mounts() const {
@@ -419,7 +417,7 @@ TEST(BodyMistakes, AreTold) {
   const Robot robot = catalogue::huang2016();
   const auto told_of = [&](const std::function<void(PointReading&)>& mistake, ReflectorMount said) {
     RandomStream stream(11);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
     const VirtualInstrument instrument = random_instrument(ReflectorMount::end_effector, stream);
     const PlannedReadings what{.measurand = Measurand::poses, .mount = ReflectorMount::end_effector};
     Measurements measured = simulate(robot, truth, planned(robot, fine_stations(robot, 8), what), instrument, stream);

@@ -56,8 +56,8 @@ TEST(Causes, TwoWrongNumbersOfTheFileAreNamedTogether) {
   for (const int number : {1, 2, 3}) {
     SourceErrors errors = measured_machine(robot, stations_of(robot), number, {}).errors;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      errors(limb, Source::rod_mean) += 20.0;
-      errors(limb, Source::arm_length) -= 10.0;
+      errors(limb, "rod_mean") += 20.0;
+      errors(limb, "arm_length") -= 10.0;
     }
     const Measurements read = measure(robot, errors, stations_of(robot), number, {.noise = kNoise, .repeats = 2});
     const auto diagnosis = diagnose(robot, read);
@@ -113,8 +113,8 @@ TEST(Causes, PartsThatAreFarOffNeedNoMistake) {
   const Robot robot = robot_named("line-printer");
   for (const int number : {1, 2}) {
     SourceErrors errors = measured_machine(robot, stations_of(robot), number, {}).errors;
-    errors(1, Source::e_x) += 8.0;
-    errors(1, Source::e_y) -= 8.0;
+    errors(1, "e_x") += 8.0;
+    errors(1, "e_y") -= 8.0;
     const Measurements read = measure(robot, errors, stations_of(robot), number, {.noise = kNoise, .repeats = 2});
     const Calibration calibration = calibrate(robot, read);
     EXPECT_TRUE(calibration.accepted()) << calibration.reasons.front();

@@ -162,12 +162,12 @@ TEST_F(Variances, ScatterOfVisitsAndOfPosesIsTheNoise) {
 }
 
 TEST_F(Variances, AWrongPartIsNamed) {
-  EXPECT_THAT(with_wrong(Source::arm_length, 30.0, false).notes,
+  EXPECT_THAT(with_wrong("arm_length", 30.0, false).notes,
               Contains(AllOf(HasSubstr("arm_length of limb 2 is"), HasSubstr("check the part and the tolerance"))));
 }
 
 TEST_F(Variances, AKindOfPartIsNamed) {
-  EXPECT_THAT(with_wrong(Source::arm_length, 8.0, true).notes, Contains(HasSubstr("arm_length is, on all limbs,")));
+  EXPECT_THAT(with_wrong("arm_length", 8.0, true).notes, Contains(HasSubstr("arm_length is, on all limbs,")));
 }
 
 /// Without repeats the noise is what was stated, and there may be more of it, as there is here.

@@ -40,7 +40,7 @@ class ConsideredLaw : public test::EveryRobot {
     Eigen::VectorXd off(limbs);
     for (Eigen::Index limb = 0; limb < limbs; ++limb) {
       const auto place = static_cast<std::size_t>(limb);
-      off(limb) = calibration.errors()(place, Source::theta_offset) - truth(place, Source::theta_offset);
+      off(limb) = calibration.errors()(place, "theta_offset") - truth(place, "theta_offset");
     }
     return off;
   }
@@ -77,7 +77,7 @@ TEST_P(ConsideredLaw, CovarianceIsThatOfEveryErrorByItself) {
 TEST_P(ConsideredLaw, TheScaleOfTheInstrumentCounts) {
   CalibrationOptions options{.stage = Stage::rough, .scale_std = 1e-4, .states_use = false, .diagnose = false};
   for (const Source source : all_sources()) {
-    if (source != Source::theta_offset) options.fixed.push_back({source, {}});
+    if (source != "theta_offset") options.fixed.push_back({source, {}});
   }
   const auto found = [&](double scale) {
     Measurements read = test::measure(robot, {}, rough_stations(robot, 6), 1, {});
@@ -88,7 +88,7 @@ TEST_P(ConsideredLaw, TheScaleOfTheInstrumentCounts) {
   const double by_scale = found(1.0 + 1e-4).parameters[0].value - calibration.parameters[0].value;
   const double ours = calibration.covariance(0, 0) - calibration.noise_covariance(0, 0);
   if (robot.actuator() == Actuator::linear) {  // offsets of all rails alike are the robot's height, which nothing tells
-    const double prior = (*robot.tolerances())[Source::theta_offset] / 3.0;
+    const double prior = (*robot.tolerances())["theta_offset"] / 3.0;
     EXPECT_GE(ours, by_scale * by_scale + prior * prior / static_cast<double>(robot.limb_count()));
   } else {
     EXPECT_NEAR(ours, by_scale * by_scale, 0.02 * ours);

@@ -280,7 +280,8 @@ World with_wrong_part(const Robot& robot, int number) {
   test::Random random(static_cast<std::uint64_t>(number));
   SourceErrors errors = errors_of(robot, number);
   const auto limb = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(robot.limb_count())));
-  const auto source = static_cast<Source>(random.uniform(0.0, static_cast<double>(kSourceCount)));
+  const auto source =
+      sources_of(robot.actuator())[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(kMostSources)))];
   errors(limb, source) = std::copysign(10.0 * (*robot.tolerances())[source], random.uniform(-1.0, 1.0));
   return measured(robot, errors, number);
 }
@@ -400,7 +401,7 @@ TEST(Diagnosis, SeesWhatHeightsAreReadIn) {
 TEST(Diagnosis, TellsAxesApartInTheRobotsFrame) {
   const Robot robot = catalogue::rotary_delta();
   RandomStream random(3);
-  const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   World world{robot, simulate(robot, errors, plan(robot), {.noise = kNoise}, random)};
   const CalibrationOptions options{.frame = Frame::robot};
   EXPECT_FALSE(diagnose(robot, world.measurements, options));

@@ -180,7 +180,7 @@ TEST(Dial, SaysThatNobodyStatedItsAngle) {
 TEST(BallBar, FindsItsOwnLengthUnderAPrior) {
   const Robot robot = catalogue::rotary_delta();
   RandomStream stream(9);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   const PlannedReadings what{.measurand = Measurand::lengths, .length = LengthKind::ball_bar};
   const double table = robot.workspace().top_z - 2.0 * robot.workspace().height;
   const Measurements read = simulate(robot, truth, planned(robot, fine_stations(robot, 20), what),
@@ -207,7 +207,7 @@ TEST(BallBar, FindsItsOwnLengthUnderAPrior) {
 TEST(Dial, AKnownDirectionStays) {
   const Robot robot = catalogue::rotary_delta();
   RandomStream stream(10);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   const PlannedReadings what{
       .measurand = Measurand::lengths, .length = LengthKind::dial, .at = Eigen::Vector3d(0, 0, 1)};
   const Measurements read = simulate(robot, truth, planned(robot, fine_stations(robot, 20), what),
@@ -237,7 +237,7 @@ TEST_P(LengthsLaw, CalibrateAndValidateWithinU) {
     int parameters = 0, kept = 0, readings = 0, left = 0, used = 0, contradicted = 0;
     for (int number = 0; number < machines; ++number) {
       RandomStream stream(number, static_cast<std::uint64_t>(kind.kind));
-      const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+      const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
       CalibrationOptions options;
       options.noise = known_noise();
       options.noise_is_known = true;
@@ -307,7 +307,7 @@ TEST_P(LengthsLaw, CandidatesKeepWithinARange) {
 TEST_P(LengthsLaw, AGrossReadingIsLeftOut) {
   for (const LengthWords& kind : length_kinds()) {
     RandomStream stream(5, static_cast<std::uint64_t>(kind.kind));
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
     Measurements measured = read(truth, fine_stations(robot, 20), kind, stream);
     measured.lengths[0].readings[9].length += 1.0;
     CalibrationOptions options;
@@ -325,7 +325,7 @@ TEST_P(LengthsLaw, AGrossReadingIsLeftOut) {
 TEST(Dial, CountingTheOtherWayIsTold) {
   const Robot robot = catalogue::rotary_delta();
   RandomStream stream(6);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   const PlannedReadings what{
       .measurand = Measurand::lengths, .length = LengthKind::dial, .at = Eigen::Vector3d(0, 0, 1)};
   Measurements read = simulate(robot, truth, planned(robot, fine_stations(robot, 14), what), {.noise = kNoise}, stream);

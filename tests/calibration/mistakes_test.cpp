@@ -312,11 +312,11 @@ TEST_F(WrongNominal, APinionIsToldByRotations) {
 /// slope 3/4, so it wants 4 more and gains 3.
 TEST(CommonPart, OfOneErrorByHand) {
   detail::TrialFit fit;
-  fit.sought = {{0, Source::rod_mean, 2.0}};
+  fit.sought = {{0, "rod_mean", 2.0}};
   fit.errors = Eigen::VectorXd::Constant(1, 3.0);
   fit.covariance = Eigen::MatrixXd::Constant(1, 1, 1.0);
   SourceErrors direction;
-  direction(0, Source::rod_mean) = 1.0;
+  direction(0, "rod_mean") = 1.0;
   EXPECT_NEAR(detail::common_part(fit, {direction}).amounts(0), 4.0, 1e-12);
   EXPECT_NEAR(detail::common_part(fit, {direction}).gain, 3.0, 1e-12);
   fit.covariance(0, 0) = 4.0;  // the readings say nothing
@@ -327,12 +327,12 @@ TEST(CommonPart, OfOneErrorByHand) {
 /// Two errors that readings tell apart want what each wants by itself; the same direction twice is nothing.
 TEST(CommonPart, OfTwoErrorsByHand) {
   detail::TrialFit fit;
-  fit.sought = {{0, Source::rod_mean, 2.0}, {1, Source::rod_mean, 1.0}};
+  fit.sought = {{0, "rod_mean", 2.0}, {1, "rod_mean", 1.0}};
   fit.errors = Eigen::Vector2d(3.0, -1.0);
   fit.covariance = Eigen::Vector2d(1.0, 0.5).asDiagonal();
   SourceErrors one, other;
-  one(0, Source::rod_mean) = 1.0;
-  other(1, Source::rod_mean) = 1.0;
+  one(0, "rod_mean") = 1.0;
+  other(1, "rod_mean") = 1.0;
   const detail::CommonPart part = detail::common_part(fit, {one, other});
   EXPECT_NEAR(part.amounts(0), 4.0, 1e-12);
   EXPECT_NEAR(part.amounts(1), -2.0, 1e-12);

@@ -190,7 +190,7 @@ TEST(PapersMethod, ReadsNoRotations) {
     return calibrate(robot, read, {.method = Method::paper, .stage = Stage::rough, .states_use = false}).errors();
   };
   for (std::size_t limb = 0; limb < 4; ++limb) {
-    EXPECT_EQ(offsets(0.0)(limb, Source::theta_offset), offsets(0.1)(limb, Source::theta_offset));
+    EXPECT_EQ(offsets(0.0)(limb, "theta_offset"), offsets(0.1)(limb, "theta_offset"));
   }
 }
 

@@ -16,6 +16,7 @@ namespace {
 
 class SpreadLaw : public test::EveryRobot {
  protected:
+  Source fifth = sources_of(robot.actuator())[4];  // length of the arm, or gain of the rail
   /// x, y, z, phi of the exact machine.
   Eigen::Vector4d pose(const SourceErrors& errors, const Joints& joints) const {
     const Machine machine = build(robot, errors);
@@ -25,8 +26,8 @@ class SpreadLaw : public test::EveryRobot {
   Eigen::Vector4d by_arm(const Joints& joints) const {
     constexpr double kStep = 1e-3;
     SourceErrors more, less;
-    more(0, Source::arm_length) = kStep;
-    less(0, Source::arm_length) = -kStep;
+    more(0, fifth) = kStep;
+    less(0, fifth) = -kStep;
     return (pose(more, joints) - pose(less, joints)) / (2.0 * kStep);
   }
   Eigen::Matrix4Xd by_joints(const Joints& joints) const {
@@ -45,7 +46,7 @@ class SpreadLaw : public test::EveryRobot {
   /// Home and one pose: all that rigid motions leave of two points is their distance, half of it to each.
   std::vector<Station> stations{fine_stations(robot, 4)[0], fine_stations(robot, 4)[3]};
   Eigen::Vector3d direction = (stations[1].commanded.position - stations[0].commanded.position).normalized();
-  KnownErrors arm{{}, {{0, Source::arm_length}}, Eigen::MatrixXd::Constant(1, 1, 0.04)};
+  KnownErrors arm{{}, {{0, fifth}}, Eigen::MatrixXd::Constant(1, 1, 0.04)};
   PoseSpread spread{robot, {}, arm.parameters, stations};
   /// Four limbs neglect curvature (exact_jacobian.hpp); rotations of some thousandths of a rad a mm.
   double exactly = 2e-3;
@@ -150,7 +151,7 @@ PARACAL_ON_UNUSUAL_ROBOTS(SpreadLaw);
 /// Ten degrees of freedom: k = 2.284 of the noise's part alone [gum, Table G.2, 95.45 %].
 TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {
   const Eigen::MatrixXd all = Eigen::Vector2d(4.0, 9.0).asDiagonal(), noise = Eigen::Vector2d(1.0, 0.0).asDiagonal();
-  KnownErrors known{{}, {{0, Source::theta_offset}, {1, Source::arm_length}}, all, noise};
+  KnownErrors known{{}, {{0, "theta_offset"}, {1, "arm_length"}}, all, noise};
   known.noise_dof = 10.0;
   known.joint_std = 0.3;
   const double widened = 3.0 + std::pow(2.284 / 2.0, 2);

@@ -22,7 +22,7 @@ class Promise : public testing::Test {
   /// One rod is that much too long; noise that is stated or not.
   detail::StageFit fit(double too_long, bool stated) {
     MeasuredMachine machine = measured_machine(robot, stations, 5, {});
-    machine.errors(1, Source::rod_mean) += too_long;
+    machine.errors(1, "rod_mean") += too_long;
     measured = measure(robot, machine.errors, stations, 5, {.noise = kNoise});
     if (stated) state_sigma(measured, kNoise);
     detail::StageFit stage(robot, measured, options, detail::all_with_priors(robot, options), {});
@@ -34,7 +34,7 @@ class Promise : public testing::Test {
     std::vector<std::size_t> places;
     for (std::size_t k = 0; k < stage.observation().sought().size(); ++k) {
       const SoughtSource& one = stage.observation().sought()[k];
-      if (one.source == Source::rod_mean && (all || one.limb == 1)) places.push_back(k);
+      if (one.source == "rod_mean" && (all || one.limb == 1)) places.push_back(k);
     }
     return places;
   }
@@ -96,7 +96,7 @@ TEST_F(Promise, IsNothingWhereNothingIsWrong) {
 /// Rods of one lot: what all limbs share correlates their priors, and is widened with them.
 TEST_F(Promise, IsKeptOfErrorsThatAllLimbsShare) {
   CommonError lot{.text = "lot of rods", .direction = {}, .std = 2.0};
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) lot.direction(limb, Source::rod_mean) = 1.0;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) lot.direction(limb, "rod_mean") = 1.0;
   options.common = {lot};
   detail::StageFit stage = fit(5.0, true);
   for (const std::vector<std::size_t>& places : {rods(stage, true), of_all(stage)}) {

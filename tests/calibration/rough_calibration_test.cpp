@@ -48,7 +48,7 @@ SourceErrors random_offsets(const Robot& robot, double largest, Random& random) 
   SourceErrors errors;
   const double unit_size = to_radians(1.0) * (joint_unit(robot.actuator()) == Unit::mm ? robot.geometry().rod : 1.0);
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    errors(limb, Source::theta_offset) = unit_size * random.uniform(-largest, largest);
+    errors(limb, "theta_offset") = unit_size * random.uniform(-largest, largest);
   }
   return errors;
 }
@@ -60,9 +60,9 @@ TEST(RoughCalibration, RecoversThePublishedOffsetsFromThePublishedDistances) {
   // An independent program found these from the same six numbers.
   const std::array<double, 4> independent{0.206, 0.839, 0.879, 0.348};
   for (std::size_t limb = 0; limb < 4; ++limb) {
-    const double offset = to_degrees(calibration.errors()(limb, Source::theta_offset));
+    const double offset = to_degrees(calibration.errors()(limb, "theta_offset"));
     EXPECT_NEAR(offset, independent[limb], 6e-4);
-    EXPECT_NEAR(offset, to_degrees(published.offsets(limb, Source::theta_offset)), 0.04);
+    EXPECT_NEAR(offset, to_degrees(published.offsets(limb, "theta_offset")), 0.04);
   }
   EXPECT_EQ(calibration.degrees_of_freedom, 2);
   EXPECT_NEAR(calibration.before.max_abs_distance, 2.332, 1e-9);
@@ -81,8 +81,8 @@ class RoughCalibrationLaw : public test::EveryRobot {
   /// Offset of a limb as far as distances tell.
   double seen(const SourceErrors& errors, std::size_t limb) const {
     double mean = 0.0;
-    for (std::size_t i = 0; i < robot.limb_count(); ++i) mean += errors(i, Source::theta_offset);
-    return errors(limb, Source::theta_offset) - (unseen() > 0 ? mean / static_cast<double>(robot.limb_count()) : 0.0);
+    for (std::size_t i = 0; i < robot.limb_count(); ++i) mean += errors(i, "theta_offset");
+    return errors(limb, "theta_offset") - (unseen() > 0 ? mean / static_cast<double>(robot.limb_count()) : 0.0);
   }
 };
 
@@ -118,7 +118,7 @@ TEST_P(RoughCalibrationLaw, IntervalsCoverTheTruth) {
   int covered = 0, intervals = 0;
   CalibrationOptions options{.scale_std = 0.0};  // offsets alone are off, and nothing else may be
   for (const Source source : all_sources()) {
-    if (source != Source::theta_offset) options.fixed.push_back({source, {}});
+    if (source != "theta_offset") options.fixed.push_back({source, {}});
   }
   for (int machine = 0; machine < count; ++machine) {
     const SourceErrors truth = random_offsets(robot, 1.0, random);

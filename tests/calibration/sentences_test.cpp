@@ -34,7 +34,7 @@ class Sentences : public testing::Test {
   /// Home to so many points of a machine of which offsets alone are off.
   Measurements distances(int count) const {
     SourceErrors offsets;
-    offsets(1, Source::theta_offset) = to_radians(0.3);
+    offsets(1, "theta_offset") = to_radians(0.3);
     const Measurements read = measure(robot, offsets, rough_stations(robot, count, 0.3), 1, {.noise = kNoise});
     Measurements measured{.stations = read.stations};
     for (const DistanceReading& one : all_distances(read.series[0])) {
@@ -73,8 +73,7 @@ TEST_F(Sentences, WhatLengthsAreReadFromIsAssumed) {
 }
 
 TEST_F(Sentences, WhatIsKnownExactlyIsListed) {
-  const Calibration fixed =
-      calibrate(robot, points(0.0), {.states_use = false, .fixed = {{Source::e_x, 1}, {Source::alpha0, {}}}});
+  const Calibration fixed = calibrate(robot, points(0.0), {.states_use = false, .fixed = {{"e_x", 1}, {"alpha0", {}}}});
   EXPECT_THAT(fixed.assumed, Contains("known exactly: e_x of limb 2, alpha0 of all limbs"));
   const Calibration open = calibrate(robot, points(0.0), {.states_use = false});
   EXPECT_THAT(open.assumed, Not(Contains(HasSubstr("known exactly"))));
@@ -172,10 +171,10 @@ TEST_F(Sentences, TheFineStageIsPromisedWhereItWouldKnowMore) {
   // Nothing but offsets is off, and the readings repeat far better than the noise that is expected of them.
   CalibrationOptions options{.stage = Stage::rough, .scale_std = 0.0};
   for (const Source source : all_sources()) {
-    if (source != Source::theta_offset) options.fixed.push_back({source, {}});
+    if (source != "theta_offset") options.fixed.push_back({source, {}});
   }
   SourceErrors offsets;
-  offsets(1, Source::theta_offset) = to_radians(0.3);
+  offsets(1, "theta_offset") = to_radians(0.3);
   const Calibration alone =
       calibrate(robot, measure(robot, offsets, fine_stations(robot, 9), 1, {.noise = 1e-4}), options);
   EXPECT_TRUE(alone.use);
@@ -189,8 +188,8 @@ TEST_F(Sentences, AMachineThatDoesNotReachItsWorkspaceHasNoUse) {
   const Robot small(description);
   SourceErrors errors;
   Tolerances tolerances = *robot.tolerances();
-  tolerances[Source::rod_mean] = 1000.0;
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) errors(limb, Source::rod_mean) = -408.0;
+  tolerances["rod_mean"] = 1000.0;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) errors(limb, "rod_mean") = -408.0;
   const Measurements measured = measure(small, errors, fine_stations(small, 9), 1, {.noise = kNoise});
   const Calibration calibration = calibrate(robot, measured, {.tolerances = tolerances, .diagnose = false});
   EXPECT_FALSE(calibration.use) << calibration.brief();

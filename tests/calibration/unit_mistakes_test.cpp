@@ -36,7 +36,7 @@ Measurements two_trackers(const Robot& robot, int number) {
 Measurements heights_and_distances(const Robot& robot, int number) {
   const std::vector<Station> stations = candidate_stations(robot, 20, 3);
   RandomStream random(static_cast<std::uint64_t>(number), 7);
-  const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   Measurements read = simulate(robot, errors, planned(robot, stations, {.measurand = Measurand::home_distances}),
                                {.noise = kNoise}, random);
   read.lengths =

@@ -122,7 +122,7 @@ TEST_P(ValidationLaw, TheLargestErrorIsWhereItIsSaidToBe) {
   for (int number = 1; number <= count; ++number) {
     const std::vector<Station> stations = candidate_stations(robot, 15, static_cast<std::uint64_t>(number));
     RandomStream random(static_cast<std::uint64_t>(number), 7);
-    const SourceErrors off = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+    const SourceErrors off = draw_errors(robot, tolerances_of(robot), random);
     SourceErrors errors = machine.errors;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       for (const Source source : sources_of(robot.actuator())) errors(limb, source) += 0.01 * off(limb, source);
@@ -361,7 +361,7 @@ TEST_F(ByHand, PosesHaveTheUncertaintyOfTheirPrediction) {
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {300, 0, 0}, {0, 300, 0}, {0, 0, 100}}) {
     add(place, {{0, 0, 0}});
   }
-  const KnownErrors known{{}, {{0, Source::arm_length}}, Eigen::MatrixXd::Constant(1, 1, 0.01)};
+  const KnownErrors known{{}, {{0, "arm_length"}}, Eigen::MatrixXd::Constant(1, 1, 0.01)};
   const Validation validation = validate(robot, known, measurements, {.frame = Frame::robot});
   for (std::size_t k = 0; k < validation.poses.size(); ++k) {
     ASSERT_TRUE(validation.poses[k].covariance);

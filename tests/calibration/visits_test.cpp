@@ -190,7 +190,7 @@ class VisitsLaw : public test::EveryRobot {};
 TEST_P(VisitsLaw, ShowSmallErrorsOfABody) {
   constexpr double kNoise = 3e-4, kTurn = 2e-6;
   RandomStream random(5);
-  SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  SourceErrors errors = draw_errors(robot, tolerances_of(robot), random);
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : sources_of(robot.actuator())) errors(limb, source) *= 0.05;
   }
@@ -227,7 +227,7 @@ TEST_P(VisitsLaw, OfABodyAreMissed) {
 TEST_P(VisitsLaw, AnOrientationHasThreeCoordinates) {
   constexpr double kTurn = 1e-5;
   RandomStream random(6);
-  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, tolerances_of(robot), random);
   std::vector<Station> four = fine_stations(robot, 3);
   four.resize(4);
   Measurements read = test::measure(robot, errors, four, 6, {.noise = 1e-3, .reads_orientation = true});

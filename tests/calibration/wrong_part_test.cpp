@@ -31,8 +31,8 @@ struct Fault {
   std::function<void(const Robot&, std::size_t limb, SourceErrors&)> strike;
 };
 
-Fault off(Source source, double by, Actuator actuator) {
-  return {std::string(name(source, actuator)),
+Fault off(Source source, double by) {
+  return {std::string(name(source)),
           [=](const Robot&, std::size_t limb, SourceErrors& errors) { errors(limb, source) += by; }};
 }
 
@@ -40,13 +40,12 @@ Fault off(Source source, double by, Actuator actuator) {
 std::vector<Fault> faults_of(const Robot& robot) {
   const Actuator actuator = robot.actuator();
   if (actuator == Actuator::strut) {
-    return {off(Source::theta_offset, -15.0, actuator), off(Source::theta_offset, 40.0, actuator),
-            off(Source::plate_x, -15.0, actuator)};
+    return {off("zero", -15.0), off("zero", 40.0), off("plate_x", -15.0)};
   }
-  const Source rod = robot.on_single_rods() ? Source::rod_length : Source::rod_mean;
-  std::vector<Fault> faults{off(rod, -15.0, actuator), off(rod, actuator == Actuator::carriage ? 15.0 : 40.0, actuator),
-                            off(Source::beta0, to_radians(-3.0), actuator)};
-  if (swings_arm(actuator)) faults.push_back(off(Source::arm_length, 40.0, actuator));
+  const Source rod = robot.on_single_rods() ? Source("rod_length") : Source("rod_mean");
+  std::vector<Fault> faults{off(rod, -15.0), off(rod, actuator == Actuator::carriage ? 15.0 : 40.0),
+                            off("beta0", to_radians(-3.0))};
+  if (swings_arm(actuator)) faults.push_back(off("arm_length", 40.0));
   if (!robot.on_single_rods()) {
     faults.push_back({"e_", [](const Robot& of, std::size_t limb, SourceErrors& errors) {
                         shift_limb(of, limb, -40.0 * of.nominal().limbs[limb].radial, errors);

@@ -101,8 +101,8 @@ TEST_P(GuidedWalk, ErrorModelIsWhereAnErrorTakesThePlate) {
     const Eigen::Vector3d turn = (taken(kSmall).tilt - taken(-kSmall).tilt) / (2.0 * kSmall);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto row = static_cast<Eigen::Index>(axis);
-      EXPECT_NEAR(model.at("G_position")[axis][k].get<double>(), motion(row), 1e-6) << name(source, robot.actuator());
-      EXPECT_NEAR(model.at("G_turn")[axis][k].get<double>(), turn(row), 1e-8) << name(source, robot.actuator());
+      EXPECT_NEAR(model.at("G_position")[axis][k].get<double>(), motion(row), 1e-6) << name(source);
+      EXPECT_NEAR(model.at("G_turn")[axis][k].get<double>(), turn(row), 1e-8) << name(source);
     }
   }
 }

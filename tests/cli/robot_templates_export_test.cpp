@@ -47,7 +47,7 @@ void calibrate_template(const TemporaryFolder& folder, const Robot& robot) {
   json calibration{{"format", "paracal calibration 1"}, {"accepted", true}};
   std::size_t limb = 0;
   for (const Source source : sources_of(robot.actuator())) {
-    calibration["parameters"].push_back({{"name", name(source, robot.actuator())},
+    calibration["parameters"].push_back({{"name", name(source)},
                                          {"limb", limb++ % robot.limb_count() + 1},
                                          {"value", limb % 2 == 0 ? 0.3 : -0.4},
                                          {"unit", file_unit(unit(source, robot.actuator()))}});

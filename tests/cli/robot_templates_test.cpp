@@ -61,7 +61,7 @@ TEST_P(TemplateWalk, TheCalibrationIsSoundAndSpeaksOfItsOwnErrors) {
   for (std::size_t limb = 0; limb < 6; ++limb) {
     for (const Source source : sources_of(robot.actuator())) {
       const json& one = found.at("parameters").at(k++);
-      EXPECT_EQ(one.at("name"), name(source, robot.actuator()));
+      EXPECT_EQ(one.at("name"), name(source));
       EXPECT_EQ(one.at("unit"), file_unit(unit(source, robot.actuator())));
     }
   }
@@ -91,7 +91,7 @@ TEST_P(TemplateWalk, ErrorModelIsWhereAnErrorTakesThePlate) {
     const json& column = model.at("parameters").at("position").at(k);
     const std::size_t limb = k / own;
     const Source source = sources_of(robot.actuator())[k % own];
-    EXPECT_EQ(column.at("name"), name(source, robot.actuator()));
+    EXPECT_EQ(column.at("name"), name(source));
     EXPECT_EQ(column.at("limb"), limb + 1);
     constexpr double kSmall = 1e-4;
     const auto taken = [&](double size) {
@@ -115,7 +115,7 @@ TEST_P(TemplateWalk, TolerancesAreStudied) {
   const json found = json_from("sensitivity --robot r.toml --quantity position");
   std::size_t shown = 0;
   for (const Source source : sources_of(robot.actuator())) {
-    EXPECT_GT(found.at("largest").at(std::string(name(source, robot.actuator()))).get<double>(), 0.0);
+    EXPECT_GT(found.at("largest").at(std::string(name(source))).get<double>(), 0.0);
     ++shown;
   }
   EXPECT_EQ(found.at("contributors").size(), shown);

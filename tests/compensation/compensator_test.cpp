@@ -394,7 +394,7 @@ TEST_P(CompensatorLaw, DoubtfulTargetsAreNotTakenFromLanes) {
   EXPECT_EQ(held_back > 0, robot.actuator() == Actuator::revolute);
 
   SourceErrors far = errors_of(0);
-  far(0, Source::theta_offset) += robot.actuator() == Actuator::linear ? 120.0 : 0.25;
+  far(0, "theta_offset") += robot.actuator() == Actuator::linear ? 120.0 : 0.25;
   const Pose home{robot.workspace().centre(), 0.0};
   std::vector<std::optional<CompensatorPose<double>>> one(1);
   nominal_targets(compensator_parameters(robot, far), std::vector{compensator_pose(home)}, one);

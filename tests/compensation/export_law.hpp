@@ -41,7 +41,7 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
     if (std::get<1>(GetParam()) == "level") errors = without_tilt_group(errors);
     if (std::get<1>(GetParam()) != "single") return;
     errors = SourceErrors();
-    errors(1, Source::rod_difference) = 0.3;
+    errors(1, "rod_difference") = 0.3;
   }
 
   CompensatorParameters<double> parameters() const { return compensator_parameters(robot, errors); }

@@ -30,8 +30,8 @@ class ParameterBufferTest : public testing::Test {
  protected:
   static Parameters some_machine() {
     SourceErrors errors;
-    errors(1, Source::e_x) = 0.5;
-    errors(2, Source::alpha2) = 1e-4;
+    errors(1, "e_x") = 0.5;
+    errors(2, "alpha2") = 1e-4;
     return compensator_parameters(catalogue::huang2016(), errors);
   }
 

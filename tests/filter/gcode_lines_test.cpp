@@ -276,7 +276,7 @@ std::vector<Pose> told_in(const Filtered& result) {
 TEST(GcodeRotation, BendsWhatItTurnsWith) {
   const Robot robot = catalogue::find("huang2016");
   SourceErrors errors = test::table4_machine(robot, 1);
-  for (std::size_t limb = 0; limb < 4; ++limb) errors(limb, Source::theta_offset) = limb % 2 == 0 ? 0.02 : -0.015;
+  for (std::size_t limb = 0; limb < 4; ++limb) errors(limb, "theta_offset") = limb % 2 == 0 ? 0.02 : -0.015;
   const TargetCorrection correction(robot, errors);
   const Machine machine = build(robot, errors);
   for (const auto& [radius, sweep] : {std::pair{5.0, 3.0}, {100.0, 0.02}, {0.0, 0.0}}) {

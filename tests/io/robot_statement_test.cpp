@@ -156,9 +156,9 @@ TEST(RobotLine, NamesTheCataloguesAlone) {
 TEST(SameRobot, LimbsMakeAnotherRobot) {
   RobotDescription description = test::robot_named("unlike_limbs").description();
   const Robot one(description);
-  description.intended(1, Source::rod_mean) += 1e-13;
+  description.intended(1, "rod_mean") += 1e-13;
   EXPECT_FALSE(difference(one, Robot(description)));
-  description.intended(1, Source::rod_mean) += 1e-3;
+  description.intended(1, "rod_mean") += 1e-3;
   EXPECT_THAT(difference(one, Robot(description)).value_or(""), testing::HasSubstr("limb"));
   description.intended = {};
   EXPECT_TRUE(difference(one, Robot(description)));

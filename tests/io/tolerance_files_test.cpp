@@ -26,7 +26,7 @@ const std::string kAll =
 
 TEST(ToleranceFile, ACompleteTableNeedsNoOthers) {
   const Tolerances tolerances = read(kAll + "beta2_deg = 0.5\n");
-  EXPECT_EQ(tolerances[Source::beta2], to_radians(0.5));
+  EXPECT_EQ(tolerances["beta2"], to_radians(0.5));
   EXPECT_THAT(tolerances.assumed, IsEmpty());
 }
 
@@ -42,8 +42,8 @@ TEST(ToleranceFile, MissingKeysAreRefusedWithBothWaysOut) {
 
 TEST(ToleranceFile, OthersAreExactWhereItSaysSo) {
   const Tolerances tolerances = read("e_mm = 0.1\nothers = \"exact\"\n");
-  EXPECT_EQ(tolerances[Source::e_z], 0.1);
-  EXPECT_EQ(tolerances[Source::theta_offset], 0.0);
+  EXPECT_EQ(tolerances["e_z"], 0.1);
+  EXPECT_EQ(tolerances["theta_offset"], 0.0);
   ASSERT_EQ(tolerances.assumed.size(), 1u);
   EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("zero"), HasSubstr("theta_offset, arm_length"), HasSubstr("beta2"),
                                            Not(HasSubstr(" e,"))));
@@ -51,8 +51,8 @@ TEST(ToleranceFile, OthersAreExactWhereItSaysSo) {
 
 TEST(ToleranceFile, OthersAreGenerousWhereItSaysSo) {
   const Tolerances tolerances = read("e_mm = 0.1\nothers = \"generous\"\n");
-  EXPECT_EQ(tolerances[Source::e_z], 0.1);
-  EXPECT_EQ(tolerances[Source::theta_offset], generous_tolerances(kGeometry)[Source::theta_offset]);
+  EXPECT_EQ(tolerances["e_z"], 0.1);
+  EXPECT_EQ(tolerances["theta_offset"], generous_tolerances(kGeometry)["theta_offset"]);
   ASSERT_EQ(tolerances.assumed.size(), 1u);
   EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("default tolerances"), HasSubstr("theta_offset 1.5 deg"),
                                            HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr(" e "))));
@@ -67,7 +67,7 @@ TEST(ToleranceFile, OthersAreOneOfTwo) {
 TEST(ToleranceFile, MeasuredPartsAreListed) {
   const Tolerances tolerances = read(kAll + "[measured]\nbeta2_deg = [0.1, 0.2]\n");
   EXPECT_THAT(tolerances.assumed, IsEmpty());
-  EXPECT_EQ(tolerances.measured[index(Source::beta2)].size(), 2u);
+  EXPECT_EQ(tolerances.measured["beta2"].size(), 2u);
 }
 
 /// A rail's drive has a gain; where its carriage's joints are is said by e.
@@ -78,7 +78,7 @@ TEST(ToleranceFile, RailsListGainsInsteadOfArms) {
               testing::ThrowsMessage<InputFileError>(AllOf(HasSubstr("gain_mm_per_m"), HasSubstr("others"))));
   const std::string with_gains = text.replace(text.find("arm_length_mm"), 13, "gain_mm_per_m");
   EXPECT_THAT(read(with_gains, catalogue::linear_delta()).assumed, IsEmpty());
-  EXPECT_EQ(read(with_gains, catalogue::linear_delta())[Source::gain], 1.0);
+  EXPECT_EQ(read(with_gains, catalogue::linear_delta())["gain"], 1.0);
   EXPECT_THAT([&] { read(with_gains + "arm_length_mm = 1\n", catalogue::linear_delta()); },
               testing::ThrowsMessage<InputFileError>(HasSubstr("arm_length_mm")));
 }
@@ -107,14 +107,14 @@ TEST(ToleranceFile, AValueMayBeWhatADrawingSays) {
       "arm_length_mm = \"IT8\"\nrod_mean_mm = \"950 ± 0.04\"\nrod_difference_mm = \"IT5\"\ne_mm = \"position dia "
       "0.05\"\n"
       "alpha2_deg = \"parallelism 0.02/100\"\nbeta2_deg = 0.5\nothers = \"exact\"\n");
-  EXPECT_DOUBLE_EQ(tolerances[Source::arm_length], 0.0445);
-  EXPECT_EQ(tolerances[Source::rod_mean], 0.04);
-  EXPECT_DOUBLE_EQ(tolerances[Source::rod_difference], 0.04);
-  EXPECT_EQ(tolerances[Source::e_x], 0.025);
-  EXPECT_EQ(tolerances[Source::e_z], 0.025);
-  EXPECT_EQ(tolerances[Source::alpha2], std::asin(0.0002));
-  EXPECT_EQ(tolerances[Source::beta2], to_radians(0.5));
-  EXPECT_EQ(tolerances.origin[index(Source::arm_length)], Origin::stated);
+  EXPECT_DOUBLE_EQ(tolerances["arm_length"], 0.0445);
+  EXPECT_EQ(tolerances["rod_mean"], 0.04);
+  EXPECT_DOUBLE_EQ(tolerances["rod_difference"], 0.04);
+  EXPECT_EQ(tolerances["e_x"], 0.025);
+  EXPECT_EQ(tolerances["e_z"], 0.025);
+  EXPECT_EQ(tolerances["alpha2"], std::asin(0.0002));
+  EXPECT_EQ(tolerances["beta2"], to_radians(0.5));
+  EXPECT_EQ(tolerances.origin["arm_length"], Origin::stated);
   EXPECT_EQ(tolerances.assumed.size(), 1u);  // the exact ones
 }
 
@@ -139,10 +139,10 @@ TEST(ToleranceFile, SizesAreThoseOfTheRobotOfItsFile) {
   std::string text = robot_toml(catalogue::rotary_delta());
   text = text.substr(0, text.find("[tolerances]"));
   const std::string states = "[tolerances]\nrod_mean_mm = \"IT7\"\nothers = \"exact\"\n";
-  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states}).tolerances())[Source::rod_mean], 0.045);
+  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states}).tolerances())["rod_mean"], 0.045);
   const std::string limbs = "[[limb]]\n[[limb]]\nrod_mean_mm = 60\n[[limb]]\n";  // 1010 mm
-  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states + limbs}).tolerances())[Source::rod_mean], 0.0525);
-  EXPECT_DOUBLE_EQ(read(states, read_robot({"r.toml", text + limbs}))[Source::rod_mean], 0.0525);
+  EXPECT_DOUBLE_EQ((*read_robot({"r.toml", text + states + limbs}).tolerances())["rod_mean"], 0.0525);
+  EXPECT_DOUBLE_EQ(read(states, read_robot({"r.toml", text + limbs}))["rod_mean"], 0.0525);
 }
 
 TEST(ToleranceFile, CommentsOfADrawingChangeNothing) {
@@ -181,11 +181,11 @@ TEST(Tolerances, ARobotWithoutAnyGetsGenerousOnesAndSaysSo) {
 
 TEST(Tolerances, WhatADesignerChoosesIsStated) {
   Tolerances tolerances = generous_tolerances(kGeometry);
-  tolerances.measured[index(Source::rod_mean)] = {0.1};
-  tolerances.state(Source::rod_mean, 0.2);
+  tolerances.measured["rod_mean"] = {0.1};
+  tolerances.state("rod_mean", 0.2);
   list_assumed(tolerances, Actuator::revolute);
-  EXPECT_EQ(tolerances.largest(Source::rod_mean), 0.2);
-  EXPECT_NEAR(tolerances.std(Source::rod_mean), 0.2 / 3.0, 1e-15);
+  EXPECT_EQ(tolerances.largest("rod_mean"), 0.2);
+  EXPECT_NEAR(tolerances.std("rod_mean"), 0.2 / 3.0, 1e-15);
   EXPECT_THAT(tolerances.assumed, ElementsAre(Not(HasSubstr("rod_mean"))));
 }
 

@@ -17,18 +17,20 @@ namespace {
 using test::Random;
 using Dual = Eigen::AutoDiffScalar<Eigen::VectorXd>;
 
-std::string source_column(Eigen::Index column) {
-  const auto k = static_cast<std::size_t>(column);
-  return std::string(name(static_cast<Source>(k % kSourceCount))) + " of limb " + std::to_string(k / kSourceCount + 1);
-}
-
 std::string plate_column(Eigen::Index column) { return "unknown " + std::to_string(column); }
 
 class DerivativeLaw : public test::EveryRobot {
  protected:
   int unknowns() const { return robot.on_single_rods() ? 6 : static_cast<int>(robot.limb_count()) + 3; }
   int rods() const { return static_cast<int>(robot.limb_count()) * (robot.on_single_rods() ? 1 : 2); }
-  int sources() const { return static_cast<int>(robot.limb_count() * kSourceCount); }
+  int sources() const { return static_cast<int>(robot.parameters().size()); }
+  int column(std::size_t limb, Source source) const {
+    return static_cast<int>(robot.nominal().parameter(limb, source));
+  }
+  std::string named(Eigen::Index column) const {
+    const Parameter& one = robot.parameters()[static_cast<std::size_t>(column)];
+    return std::string(name(one.source)) + " of limb " + std::to_string(one.limb + 1);
+  }
 };
 
 /// The kernels once more with numbers that carry their derivatives: d residual / d plate.
@@ -53,7 +55,8 @@ TEST_P(DerivativeLaw, ClosureJacobianAgainstAutomaticDerivatives) {
     BasicSourceErrors<Dual> dual_errors;
     std::array<Dual, kMaxLimbs> dual_joints;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) dual_errors(limb, source) = constant(errors(limb, source));
+      for (const Source source : sources_of(robot.actuator()))
+        dual_errors(limb, source) = constant(errors(limb, source));
       dual_joints[limb] = constant(joints(static_cast<Eigen::Index>(limb)));
     }
     const auto dual = rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
@@ -84,9 +87,8 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
     BasicSourceErrors<Dual> dual_errors;
     std::array<Dual, kMaxLimbs> dual_joints;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) {
-        dual_errors(limb, source) =
-            Dual(errors(limb, source), sources(), static_cast<int>(ExactJacobian::column(limb, source)));
+      for (const Source source : sources_of(robot.actuator())) {
+        dual_errors(limb, source) = Dual(errors(limb, source), sources(), column(limb, source));
       }
       dual_joints[limb] = constant(joints(static_cast<Eigen::Index>(limb)));
     }
@@ -105,7 +107,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
       Eigen::MatrixXd by_source = Eigen::MatrixXd::Zero(linear.jacobian.rows(), sources());  // guides have none
       for (int row = 0; row < rods(); ++row) by_source.row(row) = dual(row).derivatives();
       const Eigen::MatrixXd reference = -linear.jacobian.completeOrthogonalDecomposition().solve(by_source);
-      EXPECT_TRUE(test::jacobians_agree(ours.plate, reference, 1e-10, source_column));
+      EXPECT_TRUE(test::jacobians_agree(ours.plate, reference, 1e-10, [&](Eigen::Index k) { return named(k); }));
     });
   }
 }
@@ -118,15 +120,15 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
     const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
     Eigen::VectorXd at(sources()), step(sources());
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) {
-        at(ExactJacobian::column(limb, source)) = errors(limb, source);
-        step(ExactJacobian::column(limb, source)) = unit(source, robot.actuator()) == Unit::rad ? 1e-4 : 1e-2;
+      for (const Source source : sources_of(robot.actuator())) {
+        at(column(limb, source)) = errors(limb, source);
+        step(column(limb, source)) = unit(source, robot.actuator()) == Unit::rad ? 1e-4 : 1e-2;
       }
     }
     const auto plate_of = [&](const Eigen::VectorXd& values) -> Eigen::VectorXd {
       SourceErrors moved;
       for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-        for (const Source source : all_sources()) moved(limb, source) = values(ExactJacobian::column(limb, source));
+        for (const Source source : sources_of(robot.actuator())) moved(limb, source) = values(column(limb, source));
       }
       const ForwardResult pose = forward(build(robot, moved), joints);
       EXPECT_TRUE(pose.ok());
@@ -141,7 +143,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
     ASSERT_TRUE(ours.ok);
     const double tolerance = robot.limb_count() == 4 ? 1e-3 : 1e-6;  // the neglected curvature for 4 limbs
     const Eigen::MatrixXd differences = test::central_differences(plate_of, at, step);
-    EXPECT_TRUE(test::jacobians_agree(ours.plate, differences, tolerance, source_column));
+    EXPECT_TRUE(test::jacobians_agree(ours.plate, differences, tolerance, [&](Eigen::Index k) { return named(k); }));
   }
 }
 

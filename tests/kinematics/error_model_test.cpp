@@ -24,7 +24,7 @@ class ErrorModelLaw : public test::EveryRobot {
     PaperVectors vectors{Eigen::VectorXd(limbs * ErrorModel::kPosition), Eigen::VectorXd(limbs * ErrorModel::kTilt)};
     Eigen::Index position = 0, tilt = 0;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) {
+      for (const Source source : sources_of(robot.actuator())) {
         const double scaled = errors(limb, source) * paper_scale(robot, source);
         (tilts_plate(source) ? vectors.tilt(tilt++) : vectors.position(position++)) = scaled;
       }
@@ -74,9 +74,10 @@ TEST_P(ErrorModelLaw, EqualsTheExactJacobianAtZeroError) {
     const auto n = static_cast<Eigen::Index>(robot.limb_count());
     Eigen::Index position = 0, tilt = 0;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) {
+      for (const Source source : sources_of(robot.actuator())) {
         const Eigen::VectorXd column =
-            exact.plate.col(ExactJacobian::column(limb, source)) / paper_scale(robot, source);
+            exact.plate.col(static_cast<Eigen::Index>(robot.nominal().parameter(limb, source))) /
+            paper_scale(robot, source);
         Eigen::VectorXd paper = Eigen::VectorXd::Zero(n + 3);
         if (tilts_plate(source)) {
           paper << model.G_de.col(tilt), model.G_ee.col(tilt);
@@ -97,8 +98,7 @@ TEST_P(ErrorModelLaw, SaysWhenThePoseIsOutOfReach) {
 TEST_P(ErrorModelLaw, CommonShiftOfAllBaseJointsShiftsThePlate) {
   const ErrorModel model = error_model(robot, {robot.workspace().centre(), 0.0});
   Eigen::VectorXd p = Eigen::VectorXd::Zero(model.G_dd.cols());
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb)
-    p(limb * ErrorModel::kPosition + index(Source::e_y)) = 1.0;
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) p(limb * ErrorModel::kPosition + index("e_y")) = 1.0;
   const Eigen::VectorXd delta = model.G_dd * p;
   EXPECT_LT((delta.head<3>() - Eigen::Vector3d::UnitY()).norm(), 1e-12);
   EXPECT_LT(delta.tail(delta.size() - 3).norm(), 1e-12);

@@ -34,14 +34,14 @@ TEST_P(ReachLaw, BringsAMachineWithAllErrorsExactlyToThePose) {
 TEST_P(InverseLaw, IsClosedFormUnlessSomethingTiltsThePlate) {
   Random random;
   SourceErrors errors;
-  errors(0, Source::beta0) = 1e-3;
-  errors(1, Source::e_y) = 0.5;
+  errors(0, "beta0") = 1e-3;
+  errors(1, "e_y") = 0.5;
   const Pose pose = random.pose(robot);
   const Machine level = build(robot, errors);
   const InverseResult closed_form = inverse(level, pose);
   EXPECT_EQ(closed_form.iterations, 0);
   EXPECT_LT((forward(level, closed_form.joints).plate.position - pose.position).norm(), 1e-9);
-  errors(2, Source::alpha2) = 1e-4;
+  errors(2, "alpha2") = 1e-4;
   EXPECT_GT(inverse(build(robot, errors), pose).iterations, 0);
 }
 

@@ -39,18 +39,18 @@ TEST(Machine, ErrorsEnterAsInEquation1) {
     const auto e = [&](Source source) { return errors(i, source); };
     const double g = robot.geometry().limb_azimuth[i], quarter = std::numbers::pi / 2;
     const Limb& limb = machine.limbs[i];
-    const Matrix3d base = turn(z, g) * turn(x, quarter + e(Source::alpha0)) * turn(y, e(Source::beta0));
-    const Matrix3d elbow = turn(x, e(Source::alpha2)) * turn(y, e(Source::beta2));
-    const Matrix3d plate = turn(z, g) * turn(x, quarter + e(Source::alpha0) - e(Source::alpha03)) *
-                           turn(y, e(Source::beta0) - e(Source::beta03));
+    const Matrix3d base = turn(z, g) * turn(x, quarter + e("alpha0")) * turn(y, e("beta0"));
+    const Matrix3d elbow = turn(x, e("alpha2")) * turn(y, e("beta2"));
+    const Matrix3d plate =
+        turn(z, g) * turn(x, quarter + e("alpha0") - e("alpha03")) * turn(y, e("beta0") - e("beta03"));
     EXPECT_TRUE(limb.frame.isApprox(base, 1e-14));
     EXPECT_TRUE(limb.elbow_frame.isApprox(elbow, 1e-14));
     EXPECT_TRUE(limb.plate_frame.isApprox(plate, 1e-14));
-    EXPECT_NEAR(limb.rod[0] - limb.rod[1], e(Source::rod_difference), 1e-12);
-    EXPECT_NEAR(limb.mean_rod(), 950.0 + e(Source::rod_mean), 1e-12);
-    EXPECT_NEAR(limb.elbow_width - limb.plate_width, e(Source::width_difference), 1e-12);
-    EXPECT_EQ(limb.joint_offset, e(Source::theta_offset));
-    EXPECT_EQ(limb.arm, 375.0 + e(Source::arm_length));
+    EXPECT_NEAR(limb.rod[0] - limb.rod[1], e("rod_difference"), 1e-12);
+    EXPECT_NEAR(limb.mean_rod(), 950.0 + e("rod_mean"), 1e-12);
+    EXPECT_NEAR(limb.elbow_width - limb.plate_width, e("width_difference"), 1e-12);
+    EXPECT_EQ(limb.joint_offset, e("theta_offset"));
+    EXPECT_EQ(limb.arm, 375.0 + e("arm_length"));
   }
 }
 
@@ -66,22 +66,22 @@ TEST(Machine, RailsLeanByTheirAngles) {
     const Limb& limb = machine.limbs[i];
     const Limb& nominal = robot.nominal().limbs[i];
     const Vector3d u0 = nominal.frame.col(0), v0 = nominal.frame.col(1), w0 = nominal.frame.col(2);
-    EXPECT_TRUE(limb.frame.isApprox(
-        turn(u0, e(Source::alpha0)) * nominal.frame * turn(Vector3d::UnitZ(), e(Source::beta0)), 1e-14));
-    EXPECT_TRUE(limb.plate_frame.col(2).isApprox(
-        turn(u0, e(Source::alpha0) - e(Source::alpha03)) * turn(v0, -e(Source::beta03)) * w0, 1e-14));
-    EXPECT_EQ(limb.joint_offset, e(Source::theta_offset));
+    EXPECT_TRUE(
+        limb.frame.isApprox(turn(u0, e("alpha0")) * nominal.frame * turn(Vector3d::UnitZ(), e("beta0")), 1e-14));
+    EXPECT_TRUE(
+        limb.plate_frame.col(2).isApprox(turn(u0, e("alpha0") - e("alpha03")) * turn(v0, -e("beta03")) * w0, 1e-14));
+    EXPECT_EQ(limb.joint_offset, e("theta_offset"));
     EXPECT_EQ(limb.arm, 20.0);
-    EXPECT_EQ(limb.gain, 1.0 + e(Source::gain) / 1000.0);
+    EXPECT_EQ(limb.gain, 1.0 + e("gain") / 1000.0);
   }
 }
 
 TEST(Machine, KnowsWhetherSomethingTiltsThePlate) {
   const Robot robot = catalogue::huang2016();
   SourceErrors errors;
-  errors(2, Source::alpha0) = 1e-3;
+  errors(2, "alpha0") = 1e-3;
   EXPECT_FALSE(build(robot, errors).tilts_plate);
-  errors(2, Source::beta03) = 1e-9;
+  errors(2, "beta03") = 1e-9;
   EXPECT_TRUE(build(robot, errors).tilts_plate);
 }
 

@@ -7,6 +7,8 @@
 
 #include "support/robots.hpp"
 
+#include "paracal/mechanism/catalogue.hpp"
+
 namespace paracal::random_test {
 namespace {
 
@@ -45,53 +47,55 @@ TEST(RandomStream, NormalHasItsMoments) {
 TEST(DrawErrors, SpreadAsTheTolerancesSay) {
   for (const Distribution distribution :
        {Distribution::normal, Distribution::uniform, Distribution::truncated_normal}) {
+    const Robot robot = catalogue::rotary_delta();
     Tolerances tolerances;
-    tolerances[Source::e_x] = 3.0;
+    tolerances["e_x"] = 3.0;
     tolerances.distribution = distribution;
     RandomStream random(3);
     constexpr int kMachines = 20000;
     double squares = 0.0, largest = 0.0;
     for (int k = 0; k < kMachines; ++k) {
-      const double e = draw_errors(tolerances, 3, random)(1, Source::e_x);
+      const double e = draw_errors(robot, tolerances, random)(1, "e_x");
       squares += e * e / kMachines;
       largest = std::max(largest, std::abs(e));
     }
-    EXPECT_NEAR(std::sqrt(squares) / tolerances.std(Source::e_x), 1.0, 0.02);
+    EXPECT_NEAR(std::sqrt(squares) / tolerances.std("e_x"), 1.0, 0.02);
     EXPECT_EQ(largest <= 3.0, distribution != Distribution::normal);
   }
 }
 
 TEST(DrawErrors, MeasuredPartsReplaceTheDistribution) {
+  const Robot robot = catalogue::rotary_delta();
   Tolerances tolerances;
-  tolerances[Source::rod_mean] = 1.0;
-  tolerances.measured[index(Source::rod_mean)] = {0.2, 0.3, 0.7};
-  EXPECT_NEAR(tolerances.mean(Source::rod_mean), 0.4, 1e-15);
-  EXPECT_NEAR(tolerances.std(Source::rod_mean), std::sqrt((0.04 + 0.01 + 0.09) / 3.0), 1e-15);
-  EXPECT_EQ(tolerances.largest(Source::rod_mean), 1.0);
+  tolerances["rod_mean"] = 1.0;
+  tolerances.measured["rod_mean"] = {0.2, 0.3, 0.7};
+  EXPECT_NEAR(tolerances.mean("rod_mean"), 0.4, 1e-15);
+  EXPECT_NEAR(tolerances.std("rod_mean"), std::sqrt((0.04 + 0.01 + 0.09) / 3.0), 1e-15);
+  EXPECT_EQ(tolerances.largest("rod_mean"), 1.0);
   RandomStream random(5);
   constexpr int kMachines = 30000;
   double sum = 0.0;
-  for (int k = 0; k < kMachines; ++k) sum += draw_errors(tolerances, 3, random)(0, Source::rod_mean);
-  EXPECT_NEAR(sum / kMachines, 0.4, 4.0 * tolerances.std(Source::rod_mean) / std::sqrt(kMachines));
+  for (int k = 0; k < kMachines; ++k) sum += draw_errors(robot, tolerances, random)(0, "rod_mean");
+  EXPECT_NEAR(sum / kMachines, 0.4, 4.0 * tolerances.std("rod_mean") / std::sqrt(kMachines));
 }
 
 /// What lets a batch draw only the sources that it needs.
 TEST(DrawErrors, EveryErrorIsANumberOfItsStream) {
   Tolerances tolerances;
-  tolerances.half_width.fill(3.0);
+  tolerances.half_width.values.fill(3.0);
+  const Robot robot = catalogue::huang2016();
   RandomStream random(11, 42);
-  const SourceErrors errors = draw_errors(tolerances, 4, random);
-  for (std::size_t limb = 0; limb < 4; ++limb) {
-    for (const Source source : all_sources()) {
-      const std::size_t number = kSourceCount * limb + index(source);
-      EXPECT_DOUBLE_EQ(errors(limb, source), normal_pair(11, 42, number / 2)[number % 2]);
-    }
+  const SourceErrors errors = draw_errors(robot, tolerances, random);
+  for (std::size_t k = 0; k < robot.parameters().size(); ++k) {
+    const Parameter& one = robot.parameters()[k];
+    EXPECT_DOUBLE_EQ(errors(one.limb, one.source), normal_pair(11, 42, k / 2)[k % 2]);
+    EXPECT_DOUBLE_EQ(errors(one.limb, one.source), RandomStream(11, 42).normal_at(one.number));
   }
 }
 
 TEST(DrawErrors, ExactSourcesStayZero) {
   RandomStream random(3);
-  EXPECT_EQ(draw_errors({}, 4, random)(2, Source::beta2), 0.0);
+  EXPECT_EQ(draw_errors(catalogue::huang2016(), {}, random)(2, "beta2"), 0.0);
 }
 
 }  // namespace

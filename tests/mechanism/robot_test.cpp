@@ -64,7 +64,7 @@ const Nonsense kNonsense[] = {
      "[smallest, largest]"},
     {"WorkspaceTooDeep", [](auto& r) { r.workspace.top_z = -1200; }, "workspace: limb", "geometry.rod_mm is 950"},
     {"WorkspaceTooWide", [](auto& r) { r.workspace.radius = 900; }, "workspace: limb", "cannot reach"},
-    {"NegativeTolerance", [](auto& r) { (*r.tolerances)[Source::alpha2] = -1; }, "tolerances.alpha2", "at least 0"},
+    {"NegativeTolerance", [](auto& r) { (*r.tolerances)["alpha2"] = -1; }, "tolerances.alpha2", "at least 0"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Geometry, RefusedRobot, ::testing::ValuesIn(kNonsense),
@@ -90,14 +90,14 @@ TEST(Robot, DrivesGoForward) {
   for (const char* name : {"linear_delta", "hexapod", "6-pss"}) {
     const Robot robot = test::robot_named(name);
     RobotDescription description = robot.description();
-    description.intended(1, Source::gain) = -999.0;
+    description.intended(1, "gain") = -999.0;
     EXPECT_NO_THROW(build(description, SourceErrors{})) << name;
     SourceErrors errors;
-    errors(1, Source::gain) = -999.0;
+    errors(1, "gain") = -999.0;
     EXPECT_EQ(implausible(robot, errors), std::nullopt) << name;
-    errors(1, Source::gain) = -1000.0;
+    errors(1, "gain") = -1000.0;
     EXPECT_THAT(*implausible(robot, errors), testing::HasSubstr("gain of limb 2 within 1000 mm/m")) << name;
-    description.intended(1, Source::gain) = -1000.0;
+    description.intended(1, "gain") = -1000.0;
     EXPECT_THAT([&] { Robot{description}; }, testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr(
                                                  "drive of limb 2 to move in the direction of its joint")))
         << name;

@@ -211,7 +211,7 @@ TEST(PrinterController, CorrectsProgramsForAnUnchangedFirmware) {
 /// Firmware knows no gain of a belt, and none is sought: every result says so.
 TEST(PrinterTolerances, OfCarriagesTakeTheirDrivesForExact) {
   const Tolerances carriages = printer_tolerances(catalogue::linear_delta().geometry());
-  EXPECT_EQ(carriages[Source::gain], 0.0);
+  EXPECT_EQ(carriages["gain"], 0.0);
   EXPECT_THAT(carriages.assumed,
               testing::Contains(testing::EndsWith("set to zero because the table does not list them: gain")));
   EXPECT_EQ(printer_tolerances(catalogue::rotary_delta().geometry()).assumed.size(), 1u);

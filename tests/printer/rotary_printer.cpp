@@ -114,8 +114,8 @@ RotaryPrinter rotary_printer(unsigned seed) {
       .saved = saved, .actual = actual, .machine = printer_machine(actual), .errors = {}, .readings = {}, .config = {}};
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {
-    for (const Source source : all_sources()) {
-      if (source != Source::theta_offset) printer.errors(i, source) += random.normal(tolerances[source] / 3.0);
+    for (const Source source : sources_of(printer.machine.robot.actuator())) {
+      if (source != "theta_offset") printer.errors(i, source) += random.normal(tolerances[source] / 3.0);
     }
   }
   const Machine machine = build(printer.machine.robot, printer.errors);

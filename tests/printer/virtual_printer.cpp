@@ -131,9 +131,9 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
   printer.radius = radius;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
   for (std::size_t i = 0; i < 3; ++i) {
-    for (const Source source : all_sources()) {
-      if (source == Source::theta_offset || source == Source::rod_mean) continue;
-      const bool leans = source == Source::alpha0 || source == Source::beta0;
+    for (const Source source : sources_of(printer.machine.robot.actuator())) {
+      if (source == "theta_offset" || source == "rod_mean") continue;
+      const bool leans = source == "alpha0" || source == "beta0";
       printer.errors(i, source) += random.normal((leans ? world.leaning : 1.0) * tolerances[source] / 3.0);
     }
   }

@@ -91,7 +91,7 @@ TEST(ReportScene, ATiltedPlateIsDrawnSo) {
 TEST_P(ReportFigures, TheMapIsWhatThePosesSayOneByOne) {
   test::Random random(5);
   const SourceErrors errors = random.realistic_errors(robot);
-  KnownErrors known{errors, {{0, Source::theta_offset}, {1, Source::e_x}}, Eigen::MatrixXd::Zero(2, 2)};
+  KnownErrors known{errors, {{0, "theta_offset"}, {1, "e_x"}}, Eigen::MatrixXd::Zero(2, 2)};
   known.covariance << 1e-6, 2e-5, 2e-5, 1e-2;
   const Json map = error_map(robot, known);
   const std::size_t layer = 1 + map.at("radii_mm").size() * map.at("azimuths_deg").size();

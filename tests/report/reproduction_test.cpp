@@ -192,7 +192,7 @@ io::PublishedHuang2016 wrong_paper() {
     return PoseError{factor * error.distance, factor * error.volumetric, factor * error.rotation};
   };
   io::PublishedHuang2016 wrong = io::published_huang2016();
-  for (std::size_t limb = 0; limb < 4; ++limb) wrong.offsets(limb, Source::theta_offset) += to_radians(0.3);
+  for (std::size_t limb = 0; limb < 4; ++limb) wrong.offsets(limb, "theta_offset") += to_radians(0.3);
   for (double& one : wrong.table2) one *= 1.4;
   for (auto& [point, error] : wrong.before) error = {error.distance + 0.8, error.volumetric + 3.0, -error.rotation};
   for (auto& [point, error] : wrong.after) {
@@ -200,7 +200,7 @@ io::PublishedHuang2016 wrong_paper() {
   }
   wrong.table5_before = times(4.0, wrong.table5_before);
   wrong.table5_after = times(0.02, wrong.table5_after);
-  wrong.figures = {.most_tilting = {Source::alpha03, Source::rod_difference, Source::alpha2},
+  wrong.figures = {.most_tilting = {"alpha03", "rod_difference", "alpha2"},
                    .radius = 100.0,
                    .depth = -888.0,
                    .rough_points = 8,

@@ -43,7 +43,7 @@ class GuidedLaw : public test::EveryRobot {
   };
   Drawn drawn(const Measurements& points, int number, std::uint64_t seed) const {
     RandomStream stream(static_cast<std::uint64_t>(number), seed);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
     VirtualInstrument instrument{.noise = 0.01};
     instrument.frame = random_body(stream);
     return {truth, instrument.frame, simulate(robot, truth, points, instrument, stream)};
@@ -148,7 +148,7 @@ TEST_P(GuidedLaw, IntervalsHoldTheTruth) {
 
 TEST_P(GuidedLaw, CorrectedPosesAreReachedAndHaveAnUncertainty) {
   RandomStream stream(5, 6);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   const Calibration found = calibrate(robot, simulate(robot, truth, plan(30), {.noise = 0.01}, stream));
   const KnownErrors known = known_errors(found);
   const PoseCorrector corrector = pose_corrector(robot, known);

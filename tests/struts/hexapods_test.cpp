@@ -50,10 +50,10 @@ Published published() {
   SourceErrors errors;
   for (std::size_t leg = 0; leg < 6; ++leg) {
     const Eigen::Vector3d base = real[leg].base - nominal[leg].base, plate = real[leg].plate - nominal[leg].plate;
-    errors(leg, Source::theta_offset) = real[leg].length - nominal[leg].length;
+    errors(leg, "zero") = real[leg].length - nominal[leg].length;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      errors(leg, static_cast<Source>(index(Source::e_x) + axis)) = base(static_cast<Eigen::Index>(axis));
-      errors(leg, static_cast<Source>(index(Source::plate_x) + axis)) = plate(static_cast<Eigen::Index>(axis));
+      errors(leg, sharing("base_x", Actuator::strut)[axis]) = base(static_cast<Eigen::Index>(axis));
+      errors(leg, sharing("plate_x", Actuator::strut)[axis]) = plate(static_cast<Eigen::Index>(axis));
     }
   }
   RobotDescription robot;
@@ -68,7 +68,7 @@ Published published() {
 
 CalibrationOptions without_gains() {
   CalibrationOptions options;
-  options.fixed = {{.source = Source::gain}};
+  options.fixed = {{.source = Source("gain")}};
   options.scale_std = 0.0;
   options.diagnose = options.states_use = false;
   return options;

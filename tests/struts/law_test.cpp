@@ -252,7 +252,7 @@ TEST_P(TemplateLaw, IntervalsHoldTheTruth) {
   int errors = 0, held = 0, accepted = 0, used = 0, kept_turn = 0;
   for (int number = 0; number < machines; ++number) {
     RandomStream stream(static_cast<std::uint64_t>(number), 5);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
     VirtualInstrument instrument{.noise = 0.05, .rotation_noise = to_radians(0.02), .body = random_body(stream)};
     instrument.frame = random_body(stream);
     CalibrationOptions options;
@@ -287,7 +287,7 @@ TEST_P(TemplateLaw, SpreadOfRotationsIsTheTurnSinceHome) {
     const PoseSpread spread(robot, {}, {{2, source}}, workspace_stations(robot));
     const double turn = largest_turn_from_home(one, {});
     EXPECT_NEAR(spread.uncertainty(Eigen::MatrixXd::Constant(1, 1, kError * kError)).max_rotation, turn, 1e-3 * turn)
-        << name(source, robot.actuator());
+        << name(source);
   }
 }
 
@@ -303,7 +303,7 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
   for (int number = 0; number < 2 * machines; ++number) {
     const bool uneven = number < machines;
     RandomStream stream(static_cast<std::uint64_t>(number), 6);
-    const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+    const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
     Measurements driven = poses;
     for (Station& station : driven.stations) {
       station.believed = believed_joints(robot, station);
@@ -346,7 +346,7 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
         for (double& joint : joints) joint += kUneven / ratio * stream.normal();
         return joints;
       };
-      const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+      const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
       Measurements driven = plan;
       for (Station& one : driven.stations) one.believed = uneven(believed_joints(robot, one));
       Measurements read = simulate(robot, truth, driven, {.noise = 0.03, .rotation_noise = to_radians(0.01)}, stream);
@@ -382,7 +382,7 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
 /// with the same joints, and U is twice the standard deviation of the predicted pose, angle by angle.
 TEST_P(TemplateLaw, CorrectedPosesAreReached) {
   RandomStream stream(5, 6);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   const Calibration found = calibrate(robot, simulate(robot, truth, plan(30), {.noise = 0.02}, stream));
   const KnownErrors known = known_errors(found);
   const PoseCorrector corrector = pose_corrector(robot, known);
@@ -484,7 +484,7 @@ TEST_P(TemplateLaw, UseIsThatOfTheTiltedPlate) {
 
 TEST_P(TemplateLaw, ACalibratedMachineIsValidated) {
   RandomStream stream(3, 4);
-  const SourceErrors truth = draw_errors(tolerances_of(robot), robot.limb_count(), stream);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
   VirtualInstrument instrument{.noise = 0.02, .rotation_noise = to_radians(0.01)};
   instrument.frame = random_body(stream);
   instrument.body = random_body(stream);
@@ -503,7 +503,7 @@ TEST_P(TemplateLaw, ACalibratedMachineIsValidated) {
   EXPECT_LT(sound.after.max_volumetric_aligned, 0.2);
   EXPECT_GT(sound.before.max_volumetric_aligned, 2.0 * sound.after.max_volumetric_aligned);
   SourceErrors knocked = truth;
-  knocked(2, Source::plate_y) += 2.0;
+  knocked(2, "plate_y") += 2.0;
   EXPECT_FALSE(
       validate(robot, known_errors(found), simulate(robot, knocked, other, instrument, stream), stated).accepted);
 }

@@ -17,12 +17,12 @@ RobotDescription unlike_limbs() {
   robot.workspace = {.radius = 400.0, .height = 250.0, .top_z = -800.0};
   for (std::size_t limb = 0; limb < 3; ++limb) {
     const double k = static_cast<double>(limb) - 1.0;
-    robot.intended(limb, Source::arm_length) = 20.0 * k;
-    robot.intended(limb, Source::rod_mean) = -35.0 * k + 5.0;
-    robot.intended(limb, Source::e_x) = 4.0 * k;
-    robot.intended(limb, Source::e_z) = 30.0 * k;
-    robot.intended(limb, Source::theta_offset) = to_radians(10.0 * k);
-    robot.intended(limb, Source::alpha0) = to_radians(6.0 * k);
+    robot.intended(limb, "arm_length") = 20.0 * k;
+    robot.intended(limb, "rod_mean") = -35.0 * k + 5.0;
+    robot.intended(limb, "e_x") = 4.0 * k;
+    robot.intended(limb, "e_z") = 30.0 * k;
+    robot.intended(limb, "theta_offset") = to_radians(10.0 * k);
+    robot.intended(limb, "alpha0") = to_radians(6.0 * k);
   }
   robot.controller_origin = {3.0, -2.0, -1100.0};
   robot.joint_limits = {to_radians(200.0), to_radians(4000.0)};
@@ -36,7 +36,7 @@ RobotDescription inclined_rails() {
   robot.geometry.rod = 380.0;
   robot.workspace = {.radius = 100.0, .height = 150.0, .top_z = -300.0};
   for (std::size_t limb = 0; limb < 3; ++limb) {
-    robot.intended(limb, Source::beta0) = -to_radians(20.0 + 5.0 * static_cast<double>(limb));
+    robot.intended(limb, "beta0") = -to_radians(20.0 + 5.0 * static_cast<double>(limb));
   }
   return robot;
 }
@@ -112,7 +112,7 @@ SourceErrors Random::realistic_errors(const Robot& robot) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : sources_of(robot.actuator())) {
       const double position_group = 0.7 / paper_scale(robot, source);
-      const double size = tilts_plate(source, robot.actuator()) ? (*robot.tolerances())[source] : position_group;
+      const double size = tilts_plate(source) ? (*robot.tolerances())[source] : position_group;
       errors(limb, source) = uniform(-size, size);
     }
   }

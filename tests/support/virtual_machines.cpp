@@ -46,14 +46,14 @@ Measurements measure(const Robot& robot, const SourceErrors& errors, const std::
 MeasuredMachine measured_machine(const Robot& robot, const std::vector<Station>& stations, int number,
                                  VirtualInstrument instrument) {
   RandomStream machine(kMachines, static_cast<std::uint64_t>(number));
-  const SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), machine);
+  const SourceErrors errors = draw_errors(robot, *robot.tolerances(), machine);
   return {errors, measure(robot, errors, stations, number, std::move(instrument))};
 }
 
 Measurements body_poses(const Robot& robot, const std::vector<Station>& stations, int number) {
   constexpr double kLength = 0.02, kTurn = 0.01 * std::numbers::pi / 180.0;
   RandomStream random(kMachines, static_cast<std::uint64_t>(number));
-  const SourceErrors errors = draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  const SourceErrors errors = draw_errors(robot, tolerances_of(robot), random);
   VirtualInstrument instrument{.noise = kLength, .rotation_noise = kTurn, .body = random_body(random)};
   instrument.frame = random_body(random);
   Measurements read =
@@ -71,7 +71,7 @@ void state_sigma(Measurements& measurements, double sigma) {
 SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
   if (robot.actuator() != Actuator::linear) return errors;
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    const double up = std::exchange(errors(i, Source::e_z), 0.0);
+    const double up = std::exchange(errors(i, "e_z"), 0.0);
     shift_limb(robot, i, Eigen::Vector3d(0.0, 0.0, up), errors);
   }
   return errors;
@@ -79,16 +79,16 @@ SourceErrors as_felt(const Robot& robot, SourceErrors errors) {
 
 SourceErrors table4_machine(const Robot& robot, int number) {
   // L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean, mm
-  constexpr std::array<std::array<double, kPositionSourceCount>, 4> kTable4{
+  constexpr std::array<std::array<double, ErrorModel::kPosition>, 4> kTable4{
       {{-0.347, -0.375, -0.128, -0.707, 0.148, 0.370, -0.218, -0.577},
        {0.662, 0, 0.292, 0, 0.144, 0.436, 0.049, 0.171},
        {0.169, -0.290, -0.258, 0, -0.039, -0.372, -0.136, -0.094},
        {-0.187, 0, 0, 0, 0.177, -0.433, -0.415, 0.511}}};
   RandomStream machine(kMachines, static_cast<std::uint64_t>(number));
-  SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), machine);
+  SourceErrors errors = draw_errors(robot, *robot.tolerances(), machine);
   for (std::size_t limb = 0; limb < kTable4.size(); ++limb) {
-    for (std::size_t k = 0; k < kPositionSourceCount; ++k) {
-      const auto source = static_cast<Source>(k);
+    for (std::size_t k = 0; k < ErrorModel::kPosition; ++k) {
+      const Source source = sources_of(robot.actuator())[k];
       errors(limb, source) = kTable4[limb][k] / paper_scale(robot, source);
     }
   }

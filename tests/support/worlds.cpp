@@ -26,21 +26,20 @@ RigidMotion world_frame() {
 }
 
 SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random) {
-  SourceErrors errors = draw_errors(*robot.tolerances(), robot.limb_count(), random);
+  SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   // [huang2016, Table 4] has lengths below 0.7 mm and angles below 0.45 / 375 rad.
   constexpr double kTable4Share = 0.3;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : all_sources()) {
       double& error = errors(limb, source);
-      error *= tilts_plate(source, robot.actuator()) ? world.tilt_tolerances : world.position_tolerances;
-      if (world.table4_sized && source != Source::theta_offset) error *= kTable4Share;
+      error *= tilts_plate(source) ? world.tilt_tolerances : world.position_tolerances;
+      if (world.table4_sized && !is_joint_zero(source)) error *= kTable4Share;
     }
   }
   if (world.wrong_part) {
     const auto limb = static_cast<std::size_t>(random.uniform() * static_cast<double>(robot.limb_count()));
     const std::span<const Source> kinds = sources_of(robot.actuator());
-    const auto moving =
-        std::ranges::count(kinds, false, [&](Source one) { return tilts_plate(one, robot.actuator()); });
+    const auto moving = std::ranges::count(kinds, false, [&](Source one) { return tilts_plate(one); });
     const Source source = kinds[static_cast<std::size_t>(random.uniform() * static_cast<double>(moving))];
     errors(limb, source) = (random.uniform() < 0.5 ? -10.0 : 10.0) * (*robot.tolerances())[source];
   }
@@ -57,9 +56,9 @@ class Truth {
     SourceErrors warm = errors_;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       if (swings_arm(robot.actuator())) {
-        warm(limb, Source::arm_length) += world.warm_drives * robot.nominal().limbs[limb].arm;
+        warm(limb, "arm_length") += world.warm_drives * robot.nominal().limbs[limb].arm;
       } else {
-        warm(limb, Source::gain) += world.warm_drives * kGainLength;
+        warm(limb, "gain") += world.warm_drives * kGainLength;
       }
     }
     warm_ = build(robot, warm);
@@ -232,7 +231,7 @@ Calibration oracle(const Bench& bench, const World& world, const Measurements& r
   options.admit_drop = 1e300;
   options.tolerances = *bench.robot.tolerances();
   for (const Source source : all_sources()) {
-    const bool tilts = tilts_plate(source, bench.robot.actuator());
+    const bool tilts = tilts_plate(source);
     (*options.tolerances)[source] *= tilts ? world.tilt_tolerances : world.position_tolerances;
   }
   return calibrate(bench.robot, readings, options);

@@ -13,15 +13,15 @@ namespace paracal::allocation_test {
 namespace {
 
 /// [huang2016, Table 2], 1e-3 rad.
-constexpr std::array<double, kTiltSourceCount> kTable2{0.22, 0.90, 0.26, 0.52, 0.25, 0.84};
+constexpr std::array<double, ErrorModel::kTilt> kTable2{0.22, 0.90, 0.26, 0.52, 0.25, 0.84};
 
 TEST(EqualInfluence, ReproducesTable2) {
   const Robot robot = catalogue::huang2016();
   const Allocation allocation = allocate(robot, EqualInfluence{});
   ASSERT_TRUE(allocation.ok());
   const PerSource paper = half_widths(allocation.tolerances) / paper_units(robot);
-  for (std::size_t k = 0; k < kTiltSourceCount; ++k) {
-    const double ours = 1e3 * paper(static_cast<Eigen::Index>(kPositionSourceCount + k));
+  for (std::size_t k = 0; k < ErrorModel::kTilt; ++k) {
+    const double ours = 1e3 * paper(static_cast<Eigen::Index>(ErrorModel::kPosition + k));
     EXPECT_NEAR(ours / kTable2[k], 1.0, 0.06) << k;
   }
 }
@@ -31,7 +31,7 @@ TEST(EqualInfluence, TrueMaximumGainsTenPercent) {
   const Robot robot = catalogue::huang2016();
   const Allocation sum = allocate(robot, EqualInfluence{});
   const Allocation maximum = allocate(robot, EqualInfluence{.bound = Bound::true_maximum});
-  const double gain = maximum.tolerances[Source::rod_difference] / sum.tolerances[Source::rod_difference];
+  const double gain = maximum.tolerances["rod_difference"] / sum.tolerances["rod_difference"];
   EXPECT_NEAR(gain, 1.10, 0.015);
   EXPECT_NEAR(maximum.requirements.front().worst.value, 1e-3, 1e-6);
   EXPECT_LT(sum.requirements.front().worst.value, 0.95e-3);
@@ -78,16 +78,14 @@ AllocationProblem six_freedoms_problem(const Robot& robot) {
       .requirements = {
           {{Quantity::tilt}, 5e-3}, {{Quantity::position}, 10.0, Spread::worst_case}, {{Quantity::distance}, 2.5}}};
   for (const Source source : sources_of(robot.actuator())) {
-    if (!is_leading(source, robot.actuator())) continue;
+    if (!is_leading(source)) continue;
     const double size = unit(source, robot.actuator()) == Unit::rad ? 0.01 : 1.0;
     const std::array laws{curve(CostLaw::reciprocal, 0.1 * size, 1), curve(CostLaw::exponential, 8.0, 0.4 * size),
                           curve(CostLaw::power, 0.05 * std::pow(size, 0.7), 0.7),
                           curve(CostLaw::reciprocal_square, 0.02 * size * size, 1)};
-    DesignVariable variable{{source}, laws.at(problem.variables.size() % laws.size()), 0.01 * size, 3.0 * size};
-    for (std::size_t k = 1; coordinate(source, robot.actuator()) && k < 3; ++k) {
-      variable.sources.push_back(static_cast<Source>(index(source) + k));
-    }
-    problem.variables.push_back(std::move(variable));
+    const std::span<const Source> alike = sharing(source, robot.actuator());
+    problem.variables.push_back(
+        {{alike.begin(), alike.end()}, laws.at(problem.variables.size() % laws.size()), 0.01 * size, 3.0 * size});
   }
   return problem;
 }
@@ -96,13 +94,13 @@ AllocationProblem six_freedoms_problem(const Robot& robot) {
 AllocationProblem mixed_problem(const Robot& robot) {
   if (!why_not_asked(robot, {Quantity::position, true}).empty()) return six_freedoms_problem(robot);
   AllocationProblem problem{
-      .variables = {{{Source::rod_difference}, curve(CostLaw::reciprocal, 0.02, 1), 0.002, 0.5},
-                    {{Source::width_difference}, curve(CostLaw::reciprocal_square, 1e-3, 1), 0.002, 0.5},
-                    {{Source::alpha03}, curve(CostLaw::exponential, 8.0, 3e-4), 2e-5, 5e-3},
-                    {{Source::beta03}, curve(CostLaw::power, 0.02, 0.7), 2e-5, 5e-3},
-                    {{Source::alpha2}, curve(CostLaw::reciprocal, 1e-4, 1), 2e-5, 5e-3},
-                    {{Source::beta2}, curve(CostLaw::reciprocal, 1e-4, 1), 2e-5, 5e-3},
-                    {{Source::e_x, Source::e_y, Source::e_z}, curve(CostLaw::reciprocal, 0.1, 1), 0.01, 3.0}},
+      .variables = {{{"rod_difference"}, curve(CostLaw::reciprocal, 0.02, 1), 0.002, 0.5},
+                    {{"width_difference"}, curve(CostLaw::reciprocal_square, 1e-3, 1), 0.002, 0.5},
+                    {{"alpha03"}, curve(CostLaw::exponential, 8.0, 3e-4), 2e-5, 5e-3},
+                    {{"beta03"}, curve(CostLaw::power, 0.02, 0.7), 2e-5, 5e-3},
+                    {{"alpha2"}, curve(CostLaw::reciprocal, 1e-4, 1), 2e-5, 5e-3},
+                    {{"beta2"}, curve(CostLaw::reciprocal, 1e-4, 1), 2e-5, 5e-3},
+                    {{"e_x", "e_y", "e_z"}, curve(CostLaw::reciprocal, 0.1, 1), 0.01, 3.0}},
       .rest = *robot.tolerances(),
       .requirements = {{{Quantity::tilt}, 1e-3},
                        {{Quantity::position, true}, 0.4, Spread::worst_case},
@@ -133,17 +131,17 @@ TEST(Allocation, AGradeIsWhatItsToleranceIs) {
   const Robot robot = catalogue::rotary_delta();
   for (int k = 0; k < 20; ++k) {
     const double tolerance = 1e-4 * (1.0 + 0.137 * k), price = 1.0 + 0.1 * k;
-    AllocationProblem problem{.variables = {{{Source::alpha2}, curve(CostLaw::reciprocal, 1e-3, 1), 3e-5, 2e-3}},
+    AllocationProblem problem{.variables = {{{"alpha2"}, curve(CostLaw::reciprocal, 1e-3, 1), 3e-5, 2e-3}},
                               .rest = *robot.tolerances(),
                               .requirements = {{{Quantity::tilt}, 1.2e-3}}};
-    problem.rest[Source::alpha03] = tolerance;
+    problem.rest["alpha03"] = tolerance;
     const Allocation fixed = allocate(robot, problem);
-    problem.variables.push_back({{Source::alpha03}, {.law = CostLaw::grades, .grades = {{"one", tolerance, price}}}});
+    problem.variables.push_back({{"alpha03"}, {.law = CostLaw::grades, .grades = {{"one", tolerance, price}}}});
     const Allocation graded = allocate(robot, problem);
     ASSERT_EQ(graded.status, fixed.status) << tolerance << ": " << graded.reason;
     ASSERT_TRUE(fixed.ok());
     EXPECT_NEAR(graded.cost, fixed.cost + 3.0 * price, 1e-6 * fixed.cost) << tolerance;
-    EXPECT_EQ(graded.tolerances[Source::alpha03], tolerance);
+    EXPECT_EQ(graded.tolerances["alpha03"], tolerance);
   }
 }
 
@@ -207,10 +205,10 @@ TEST_P(TiltGroupLaw, GradesAreTheBestCombination) {
       .grades = {{"sawn", 0.10, 1.0}, {"milled", 0.04, 3.0}, {"ground", 0.015, 8.0}, {"lapped", 0.006, 20.0}}};
   CostCurve angles = processes;
   for (Grade& grade : angles.grades) grade.tolerance *= 0.012;
-  AllocationProblem problem{.variables = {{{Source::rod_difference}, processes},
-                                          {{Source::width_difference}, processes},
-                                          {{Source::alpha03}, angles},
-                                          {{Source::alpha2}, angles}},
+  AllocationProblem problem{.variables = {{{"rod_difference"}, processes},
+                                          {{"width_difference"}, processes},
+                                          {{"alpha03"}, angles},
+                                          {{"alpha2"}, angles}},
                             .rest = *robot.tolerances(),
                             .requirements = {{{Quantity::tilt}, 1e-3}}};
   const Allocation best = allocate(robot, problem);
@@ -229,7 +227,7 @@ TEST_P(TiltGroupLaw, GradesAreTheBestCombination) {
   }
   EXPECT_NEAR(best.cost, cheapest, 1e-9);
   // Among continuous neighbours the grades stay the best known choice, and everything holds.
-  problem.variables.push_back({{Source::beta2}, {.law = CostLaw::reciprocal, .B = 1e-3}, 2e-5, 5e-3});
+  problem.variables.push_back({{"beta2"}, {.law = CostLaw::reciprocal, .B = 1e-3}, 2e-5, 5e-3});
   const Allocation mixed = allocate(robot, problem);
   ASSERT_EQ(mixed.status, AllocationStatus::optimal) << mixed.reason;
   EXPECT_TRUE(holds(robot, problem, mixed.tolerances, 2e-6));
@@ -250,7 +248,7 @@ TEST_P(TiltGroupLaw, AfterCompensationOnlyTheTiltGroupIsTight) {
   problem.requirements = {{{Quantity::tilt}, 1e-3}, {{Quantity::position, true}, 0.4}};
   const Allocation after = allocate(robot, problem);
   ASSERT_TRUE(after.ok());
-  EXPECT_NEAR(after.tolerances[Source::e_x], problem.variables.back().upper, 1e-9);
+  EXPECT_NEAR(after.tolerances["e_x"], problem.variables.back().upper, 1e-9);
   problem.requirements[1].characteristic.compensated = false;
   for (double& half_width : problem.rest.half_width)
     half_width *= 0.05;  // a small position error is asked of all parts

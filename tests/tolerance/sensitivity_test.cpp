@@ -17,8 +17,6 @@
 namespace paracal::sensitivity_test {
 namespace {
 
-constexpr Eigen::Index kSources = static_cast<Eigen::Index>(kSourceCount);
-
 std::vector<Characteristic> all_characteristics(const Robot& robot) {
   std::vector<Characteristic> list;
   for (const Quantity quantity : kQuantities) {
@@ -40,9 +38,8 @@ TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
   const std::vector<Characteristic> characteristics = all_characteristics(robot);
   const Response response(robot, characteristics, {random.pose(robot), random.pose(robot)});
   for (Eigen::Index column = 0; column < response.linear().cols(); ++column) {
-    const auto limb = static_cast<std::size_t>(column / kSources);
-    const auto source = static_cast<Source>(column % kSources);
-    const double step = unit(source, robot.actuator()) == Unit::mm ? 1e-3 : 1e-5;
+    const auto& [source, limb, unit, lever, tolerance, number] = robot.parameters()[static_cast<std::size_t>(column)];
+    const double step = unit == Unit::mm ? 1e-3 : 1e-5;
     SourceErrors plus, minus;
     plus(limb, source) = step;
     minus(limb, source) = -step;
@@ -51,7 +48,7 @@ TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
     const Eigen::VectorXd difference = (ahead - behind) / (2.0 * step);
     const double scale = std::max(response.linear().col(column).cwiseAbs().maxCoeff(), 1e-3);
     EXPECT_LT((difference - response.linear().col(column)).cwiseAbs().maxCoeff(), 2e-4 * scale)
-        << name(source, robot.actuator()) << " of limb " << limb + 1;
+        << name(source) << " of limb " << limb + 1;
   }
 }
 
@@ -60,7 +57,7 @@ TEST_P(SensitivityLaw, ContributorsAddUpToAll) {
   const LinearModel model(robot);
   for (const Characteristic what : all_characteristics(robot)) {
     const std::vector<Contributor> list =
-        contributors(model.rows(random.pose(robot), what), *robot.tolerances(), robot.actuator());
+        contributors(robot, model.rows(random.pose(robot), what), *robot.tolerances());
     double sum = 0.0;
     for (const Contributor& one : list) {
       sum += one.share;
@@ -78,9 +75,10 @@ TEST_P(SensitivityLaw, NoPoseIsWorseThanTheWorst) {
   for (const Characteristic what : all_characteristics(robot)) {
     for (const Spread criterion : {Spread::statistical, Spread::worst_case}) {
       const ValueAtPose worst = worst_spread(robot, what, tolerances, criterion);
-      EXPECT_NEAR(spread_at(model.rows(worst.pose, what), tolerances, criterion), worst.value, 1e-12 * worst.value);
+      EXPECT_NEAR(spread_at(robot, model.rows(worst.pose, what), tolerances, criterion), worst.value,
+                  1e-12 * worst.value);
       for (int k = 0; k < 200; ++k) {
-        const double value = spread_at(model.rows(random.pose(robot), what), tolerances, criterion);
+        const double value = spread_at(robot, model.rows(random.pose(robot), what), tolerances, criterion);
         ASSERT_LE(value, worst.value * (1.0 + 1e-6)) << name(what) << ", " << name(criterion);
       }
     }
@@ -93,7 +91,7 @@ TEST(Sensitivity, TheWorstIsTheHighestTop) {
   const Tolerances tolerances = tolerances_of(robot);
   const Characteristic distance{Quantity::distance};
   const Pose far{{-396.68, 304.38, -1013.0}, -std::numbers::pi};
-  const double there = spread_at(LinearModel(robot).rows(far, distance), tolerances, Spread::statistical);
+  const double there = spread_at(robot, LinearModel(robot).rows(far, distance), tolerances, Spread::statistical);
   EXPECT_GT(there, 9.1);
   EXPECT_GE(worst_spread(robot, distance, tolerances, Spread::statistical).value, there * (1.0 - 1e-6));
 }
@@ -126,7 +124,8 @@ TEST_P(SensitivityLaw, TheWorstIsAPeak) {
       near.position.z() = std::clamp(near.position.z(), workspace.top_z - workspace.height, workspace.top_z);
       near.tilt += 0.1 * random.within(workspace.max_tilt);
       near.tilt = near.tilt.cwiseMin(workspace.max_tilt).cwiseMax(-workspace.max_tilt);
-      ASSERT_LE(spread_at(model.rows(near, what), *robot.tolerances(), Spread::statistical), worst.value * (1.0 + 1e-4))
+      ASSERT_LE(spread_at(robot, model.rows(near, what), *robot.tolerances(), Spread::statistical),
+                worst.value * (1.0 + 1e-4))
           << name(what);
     }
   }
@@ -159,7 +158,8 @@ TEST(GlobalSensitivity, StatesItsError) {
   const GlobalSensitivity stated =
       global_sensitivity(robot, {Quantity::tilt}, {.relative_error = 1e-2, .max_level = 2});
   const GlobalSensitivity fine = mean_sensitivity(robot, {Quantity::tilt}, cylinder_rule(robot, 3, false));
-  for (Eigen::Index k = static_cast<Eigen::Index>(kPositionSourceCount); k < kSources; ++k) {
+  for (const Source source : sources_of(robot.actuator()).last(ErrorModel::kTilt)) {
+    const Eigen::Index k = place(source);
     EXPECT_LE(std::abs(stated.mean(k) - fine.mean(k)), std::max(stated.error(k), 1e-9 * fine.mean(k)));
   }
 }
@@ -169,13 +169,13 @@ TEST(GlobalSensitivity, IsThePapers) {
   const Robot robot = catalogue::huang2016();
   const PerSource mean = (global_sensitivity(robot, {Quantity::tilt}).mean * paper_units(robot)).eval();
   const auto of = [&](Source source) { return mean(place(source)); };
-  EXPECT_NEAR(of(Source::rod_difference), 1.258, 1e-3);
-  EXPECT_NEAR(of(Source::width_difference), 0.323, 1e-3);
-  EXPECT_NEAR(of(Source::alpha03), 1.094, 1e-3);
-  EXPECT_NEAR(of(Source::beta03), 0.516, 1e-3);
-  EXPECT_NEAR(of(Source::alpha2), 1.155, 1e-3);
-  EXPECT_NEAR(of(Source::beta2), 0.313, 2e-3);
-  for (std::size_t k = 0; k < kPositionSourceCount; ++k) EXPECT_EQ(mean(static_cast<Eigen::Index>(k)), 0.0);
+  EXPECT_NEAR(of("rod_difference"), 1.258, 1e-3);
+  EXPECT_NEAR(of("width_difference"), 0.323, 1e-3);
+  EXPECT_NEAR(of("alpha03"), 1.094, 1e-3);
+  EXPECT_NEAR(of("beta03"), 0.516, 1e-3);
+  EXPECT_NEAR(of("alpha2"), 1.155, 1e-3);
+  EXPECT_NEAR(of("beta2"), 0.313, 2e-3);
+  for (const Source source : sources_of(robot.actuator()).first(ErrorModel::kPosition)) EXPECT_EQ(of(source), 0.0);
 }
 
 TEST(GlobalSensitivity, RotationNeedsASlide) {
@@ -183,10 +183,10 @@ TEST(GlobalSensitivity, RotationNeedsASlide) {
 }
 
 /// Largest length over every corner of the tolerance box, one by one.
-double brute_force(const SourceRows& rows, const Tolerances& tolerances) {
+double brute_force(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances) {
   std::vector<Eigen::VectorXd> generators;
   for (Eigen::Index column = 0; column < rows.cols(); ++column) {
-    const double half_width = tolerances[static_cast<Source>(column % kSources)];
+    const double half_width = tolerances[robot.parameters()[static_cast<std::size_t>(column)].source];
     if (half_width > 0.0) generators.emplace_back(half_width * rows.col(column));
   }
   double largest = 0.0;
@@ -204,12 +204,12 @@ TEST_P(SensitivityLaw, WorstCaseIsTheWorstCorner) {
   for (const Characteristic what : all_characteristics(robot)) {
     for (int draw = 0; draw < 3; ++draw) {
       Tolerances tolerances;  // few enough for all corners
-      for (const Source source : {Source::rod_difference, Source::alpha2, Source::beta03})
+      for (const Source source : {Source("rod_difference"), Source("alpha2"), Source("beta03")})
         tolerances[source] = random.uniform(0.0, 1.0);
       const SourceRows rows = model.rows(random.pose(robot), what);
-      const WorstCase worst = worst_case(rows, tolerances);
-      EXPECT_NEAR(worst.value, brute_force(rows, tolerances), 1e-9 * worst.value) << name(what);
-      EXPECT_NEAR((worst_case_weights(rows, worst.direction) * half_widths(tolerances)).sum(), worst.value,
+      const WorstCase worst = worst_case(robot, rows, tolerances);
+      EXPECT_NEAR(worst.value, brute_force(robot, rows, tolerances), 1e-9 * worst.value) << name(what);
+      EXPECT_NEAR((worst_case_weights(robot, rows, worst.direction) * half_widths(tolerances)).sum(), worst.value,
                   1e-9 * worst.value);
     }
   }

@@ -20,7 +20,8 @@ class YieldAllocation : public test::EveryRobot {
   /// A few errors to choose, all at a cost of one over their half-widths.
   AllocationProblem problem(double max_failures) const {
     AllocationProblem problem{.rest = tolerances_of(robot), .max_failures = max_failures};
-    for (const Source source : {Source::rod_difference, Source::alpha2, Source::beta03, Source::width_difference}) {
+    for (const Source source :
+         {Source("rod_difference"), Source("alpha2"), Source("beta03"), Source("width_difference")}) {
       const double usual = problem.rest[source];
       problem.variables.push_back({{source}, {.B = usual}, usual / 30.0, 30.0 * usual});
     }
@@ -100,7 +101,7 @@ TEST_P(YieldAllocation, OtherLimitsHoldBesides) {
 TEST(YieldAllocationOf, TightestPartsThatFailIsInfeasible) {
   const Robot robot = catalogue::huang2016();
   AllocationProblem problem{.rest = *robot.tolerances(), .max_failures = 1e-6};
-  problem.variables = {{{Source::alpha2}, {}, 1e-4, 1e-3}};
+  problem.variables = {{{"alpha2"}, {}, 1e-4, 1e-3}};
   problem.requirements = {{{Quantity::tilt}, 8e-4, Spread::yield}};
   problem.poses = {{robot.workspace().centre(), 0.0}};
   const Allocation found = allocate(robot, problem);
@@ -111,7 +112,7 @@ TEST(YieldAllocationOf, TightestPartsThatFailIsInfeasible) {
 TEST(YieldAllocationOf, WhatMakesNoSenseIsRefused) {
   const Robot robot = catalogue::huang2016();
   AllocationProblem sound{.rest = *robot.tolerances(), .max_failures = 1e-4};
-  sound.variables = {{{Source::alpha2}, {}, 1e-4, 1e-3}};
+  sound.variables = {{{"alpha2"}, {}, 1e-4, 1e-3}};
   sound.requirements = {{{Quantity::tilt}, 1e-3, Spread::yield}};
   sound.poses = {{robot.workspace().centre(), 0.0}};
   const auto refused = [&](const auto& spoil) {

@@ -12,28 +12,19 @@ namespace {
 
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
 std::string column_name(const Robot& robot, Source source) {
-  std::string plain(name(source, robot.actuator()));
+  std::string plain(name(source));
   if (robot.on_single_rods()) return plain;
-  const bool on_rail = robot.actuator() == Actuator::linear;
-  switch (source) {
-    case Source::theta_offset:
-      return on_rail ? plain : "L*" + plain;
-    case Source::alpha0:
-    case Source::beta0:
-      return (on_rail ? "l*" : "L*") + plain;
-    case Source::rod_difference:
-    case Source::width_difference:
-      return plain + "/c";
-    default:
-      return plain;
-  }
+  const Parameter& one = robot.parameter(0, source);
+  if (tilts_plate(source)) return one.unit == Unit::mm ? plain + "/c" : plain;
+  if (one.unit != Unit::rad) return plain;
+  return (robot.actuator() == Actuator::linear ? "l*" : "L*") + plain;
 }
 
 template <typename Task>
 void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Source source : sources_of(robot.actuator())) {
-      if (tilts_plate(source, robot.actuator()) == tilt_group) task(limb + 1, source);
+      if (tilts_plate(source) == tilt_group) task(limb + 1, source);
     }
   }
 }
@@ -47,10 +38,8 @@ io::Json parameters_json(const Robot& robot) {
   for (const bool tilt_group : {false, true}) {
     io::Json columns = io::Json::array();
     for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
-      columns.push_back({{"limb", limb},
-                         {"name", name(source, robot.actuator())},
-                         {"column", column_name(robot, source)},
-                         {"unit", unit_of(source)}});
+      columns.push_back(
+          {{"limb", limb}, {"name", name(source)}, {"column", column_name(robot, source)}, {"unit", unit_of(source)}});
     });
     groups[tilt_group ? "tilt" : "position"] = columns;
   }
@@ -79,16 +68,10 @@ std::string report(const Robot& robot, const ErrorModel& model) {
                      model.G_ee);
 }
 
-/// The columns of a robot's own sources out of those of all places, per unit of files.
-Eigen::MatrixXd of_own_sources(const Robot& robot, const SourceRows& rows) {
-  const std::span<const Source> own = sources_of(robot.actuator());
-  Eigen::MatrixXd columns(rows.rows(), static_cast<Eigen::Index>(own.size() * robot.limb_count()));
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (std::size_t k = 0; k < own.size(); ++k) {
-      const auto to = static_cast<Eigen::Index>(limb * own.size() + k);
-      const auto from = static_cast<Eigen::Index>(limb * kSourceCount + index(own[k]));
-      columns.col(to) = from_file_unit(unit(own[k], robot.actuator()), 1.0) * rows.col(from);
-    }
+/// Per unit of files.
+Eigen::MatrixXd by_file_unit(const Robot& robot, Eigen::MatrixXd columns) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    columns.col(k) *= from_file_unit(robot.parameters()[static_cast<std::size_t>(k)].unit, 1.0);
   }
   return columns;
 }
@@ -102,8 +85,8 @@ io::Json head(const Robot& robot, const Pose& pose) {
 /// All errors move and turn a plate with six degrees of freedom; one matrix describes both.
 void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& session) {
   const LinearModel model(robot);
-  const Eigen::MatrixXd motion = of_own_sources(robot, model.rows(pose, {Quantity::position}));
-  const Eigen::MatrixXd turn = of_own_sources(robot, model.turns(pose));
+  const Eigen::MatrixXd motion = by_file_unit(robot, model.rows(pose, {Quantity::position}));
+  const Eigen::MatrixXd turn = by_file_unit(robot, model.turns(pose));
   if (session.json()) {
     io::Json json = head(robot, pose);
     json["G_position"] = io::rows_json(motion);

@@ -81,7 +81,7 @@ std::string deviations(const Robot& robot, const std::vector<Promise>& list) {
   const auto add = [&](const std::string& row, const SoughtSource& of, double std, const char* mark) {
     const Unit inside = paracal::unit(of.source, robot.actuator());
     const double shown = to_file_unit(inside, std);
-    cells.push_back({row, fmt::format("{} {} ", name(of.source, robot.actuator()), file_unit(inside)),
+    cells.push_back({row, fmt::format("{} {} ", name(of.source), file_unit(inside)),
                      fmt::format("{:.{}f}{}", shown, detail::decimals_of(shown), mark)});
   };
   for (const Promise& one : list) add("before", one.parameter, one.parameter.prior_std.value_or(0.0), " ");
@@ -118,7 +118,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
   for (const Promise& one : list) {
     const double before = one.parameter.prior_std.value_or(0.0);
     const Unit unit = paracal::unit(one.parameter.source, robot.actuator());
-    json["parameters"].push_back({{"name", name(one.parameter.source, robot.actuator())},
+    json["parameters"].push_back({{"name", name(one.parameter.source)},
                                   {"limb", one.parameter.limb + 1},
                                   {"unit", file_unit(unit)},
                                   {"prior_std", to_file_unit(unit, before)},

@@ -158,7 +158,7 @@ class Search {
 std::optional<std::uint64_t> best_start(const Search& search, const PosesArguments& options, Session& session,
                                         const Robot& robot) {
   if (options.starts == 1) return 0;
-  ShownJob job(options.job, session, description_of(session, robot, tolerances_of(robot).half_width));
+  ShownJob job(options.job, session, description_of(session, robot, tolerances_of(robot).half_width.values));
   const auto criteria = compute_each(job, "start", 0, static_cast<std::uint64_t>(options.starts),
                                      [&](std::uint64_t start) -> std::optional<std::string> {
                                        if (flag_of_interruption()) return std::nullopt;

@@ -71,15 +71,15 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
     if (found.global.largest(k) == 0.0) continue;
     const auto [factor, unit, over_width] = scale_of(robot, found.what.quantity, source);
     fmt::format_to(out, "  {:<21}{:>10.4f} +- {:<8.1g}{:>10.4f}",
-                   fmt::format("{}{}", name(source, robot.actuator()), over_width ? " / c" : ""),
-                   factor * found.global.mean(k), factor * found.global.error(k), factor * found.global.largest(k));
+                   fmt::format("{}{}", name(source), over_width ? " / c" : ""), factor * found.global.mean(k),
+                   factor * found.global.error(k), factor * found.global.largest(k));
     if (found.local) fmt::format_to(out, "{:>10.4f}", factor * (*found.local)(k));
     fmt::format_to(out, "  {}\n", unit);
   }
   const Shown worst = shown(found.what.quantity, found.worst.value);
   fmt::format_to(out, "largest 3 sigma with these tolerances: {:.4g} {} at {}\n", worst.value, worst.unit,
                  pose_text(robot, found.worst.pose));
-  fmt::format_to(out, "contributions to its variance:\n{}", pareto(found.contributors, robot.actuator()));
+  fmt::format_to(out, "contributions to its variance:\n{}", pareto(found.contributors));
   return text + assumed_lines(found.tolerances.assumed) + "\n" + io::tolerances_toml(found.tolerances, robot);
 }
 
@@ -100,7 +100,7 @@ void run(const SensitivityArguments& options, Session& session) {
   const Tolerances tolerances = tolerances_of(robot, options.tolerances);
   SensitivityFindings found = find_sensitivity(
       robot, what, tolerances, {.all_rotations = options.all_rotations, .relative_error = options.error});
-  if (pose) found.local = squared_sensitivities(LinearModel(robot).rows(*pose, what)).sqrt();
+  if (pose) found.local = squared_sensitivities(robot, LinearModel(robot).rows(*pose, what)).sqrt();
   if (!options.map.empty()) {
     session.outputs.store.write(
         options.map,

@@ -42,7 +42,7 @@ RigidMotion random_frame(RandomStream& random) {
 }
 
 SourceErrors errors_of(const SimulateArguments& options, const Robot& robot, RandomStream& random) {
-  if (options.errors.empty()) return draw_errors(tolerances_of(robot), robot.limb_count(), random);
+  if (options.errors.empty()) return draw_errors(robot, tolerances_of(robot), random);
   return read_errors(robot, options.errors);
 }
 

@@ -83,7 +83,7 @@ void find_failures(const ToleranceAnalyzeArguments& options, const Robot& robot,
 
 /// What the files of the command say.
 io::Json files_json(const ToleranceAnalyzeArguments& options, const Tolerances& tolerances) {
-  io::Json json{{"half_widths", tolerances.half_width}, {"measured", tolerances.measured}};
+  io::Json json{{"half_widths", tolerances.half_width.values}, {"measured", tolerances.measured.values}};
   if (!options.problem.empty()) json["problem"] = io::sha256(io::read_file(options.problem));
   return json;
 }
@@ -125,11 +125,11 @@ Findings find(const ToleranceAnalyzeArguments& options, const Robot& robot, Sess
   return found;
 }
 
-std::string sobol_text(const std::vector<SobolIndex>& indices, Actuator actuator) {
+std::string sobol_text(const std::vector<SobolIndex>& indices) {
   std::string text = "Sobol indices at the worst pose (exact model): first order, total\n";
   for (const SobolIndex& one : indices) {
     fmt::format_to(std::back_inserter(text), "  {:<17}{:>7.3f} [{:.3f}, {:.3f}]{:>9.3f} [{:.3f}, {:.3f}]\n",
-                   name(one.source, actuator), one.first, one.first_interval.low, one.first_interval.high, one.total,
+                   name(one.source), one.first, one.first_interval.low, one.first_interval.high, one.total,
                    one.total_interval.low, one.total_interval.high);
   }
   return text;
@@ -160,14 +160,14 @@ std::string text_of(const ToleranceAnalyzeArguments& options, const Robot& robot
     for (const double share : kPercentiles) {
       fmt::format_to(out, "  {:g} % {:.4g}", 100.0 * share, factor * drawn.largest.quantile(share));
     }
-    text += "\n  contributions to the variance at the worst pose\n" + pareto(one.contributors, robot.actuator());
+    text += "\n  contributions to the variance at the worst pose\n" + pareto(one.contributors);
   }
   fmt::format_to(out, "\nMonte Carlo: {} simulated machines, {} model; {:g} % intervals{}\n", batch.machines,
                  options.model, 100.0 * confidence,
                  batch.converged ? fmt::format("; every sigma to {:g} %", 100.0 * options.monte_carlo.sigma_error)
                                  : std::string("; too few for --sigma-error: raise --max-machines"));
   if (batch.not_closed > 0) fmt::format_to(out, "{} machines cannot reach every pose\n", batch.not_closed);
-  if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol, robot.actuator());
+  if (!found.sobol.empty()) text += "\n" + sobol_text(found.sobol);
   if (!found.linearity.empty())
     text += "\ndifference of the linear model from the exact model, by factor on all tolerances\n";
   for (const LinearityPoint& point : found.linearity) {
@@ -194,7 +194,7 @@ io::Json requirement_json(const Robot& robot, const RequirementAnalysis& one, co
                 {"monte_carlo_pose", pose_json(worst.pose)},
                 {"cpk", drawn.cpk()},
                 {"passed", drawn.passed},
-                {"contributors", contributors_json(one.contributors, robot.actuator())}};
+                {"contributors", contributors_json(one.contributors)}};
   for (const double share : kPercentiles) {
     json["largest_on_a_machine"][fmt::format("p{:g}", 100.0 * share)] = factor * drawn.largest.quantile(share);
   }
@@ -221,7 +221,7 @@ io::Json json_of(const ToleranceAnalyzeArguments& options, const Robot& robot, c
   json["dpmo"] = io::to_json(defects_per_million(found.yield(confidence)));
   json["failure"] = io::to_json(found.failures);
   for (const SobolIndex& one : found.sobol) {
-    json["sobol"].push_back({{"name", name(one.source, robot.actuator())},
+    json["sobol"].push_back({{"name", name(one.source)},
                              {"first", one.first},
                              {"first_interval", io::interval_json(one.first_interval)},
                              {"total", one.total},

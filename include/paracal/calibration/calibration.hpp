@@ -66,7 +66,7 @@ std::string_view name(ReflectorMount mount);
 
 /// A source error of one limb, or of all limbs.
 struct SourceSelector {
-  Source source = Source::theta_offset;
+  Source source = "theta_offset";
   std::optional<std::size_t> limb = {};  ///< from 0; empty: all
 
   bool matches(std::size_t of_limb, Source of_source) const {
@@ -133,7 +133,7 @@ struct CalibrationOptions {
 /// One geometric error that a fit estimates. Without a prior the readings alone decide.
 struct SoughtSource {
   std::size_t limb = 0;  ///< from 0
-  Source source = Source::theta_offset;
+  Source source = "theta_offset";
   std::optional<double> prior_std = {};  ///< mm or rad
 };
 
@@ -155,7 +155,7 @@ double coverage_factor(double dof);
 /// One identified source error.
 struct ParameterEstimate {
   std::size_t limb = 0;  ///< from 0
-  Source source = Source::theta_offset;
+  Source source = "theta_offset";
   double value = 0.0;                    ///< actual - nominal, mm or rad
   std::optional<double> std = {};        ///< standard deviation, mm or rad; empty where the readings cannot tell
   std::optional<double> prior_std = {};  ///< before the readings, from the tolerances; empty: no prior

@@ -34,8 +34,7 @@ struct [[nodiscard]] ErrorModel {
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs, PerLimb * kMaxLimbs>;
   template <int PerLimb>
   using PerTiltAndSource = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, PerLimb * kMaxLimbs>;
-  static constexpr int kPosition = static_cast<int>(kPositionSourceCount);
-  static constexpr int kTilt = static_cast<int>(kTiltSourceCount);
+  static constexpr int kPosition = 8, kTilt = 6;  ///< source errors of each group
   static constexpr double kSmallestCondition = 1e-9;
 
   ErrorModelStatus status = ErrorModelStatus::unreachable;

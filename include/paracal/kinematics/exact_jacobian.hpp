@@ -11,15 +11,11 @@ namespace paracal {
 /// contains the columns of G (error_model) divided by paper_scale, in the order of the errors.
 struct [[nodiscard]] ExactJacobian {
   static constexpr int kStates = kMaxLimbs + 3;
-  static constexpr int kColumns = static_cast<int>(kSourceCount) * kMaxLimbs;
+  static constexpr int kColumns = static_cast<int>(kMostSources) * kMaxLimbs;
   /// Rows: position (mm), slide (mm; absent without one), tilt_x, tilt_y, tilt_z (rad).
-  /// Columns: limb by limb, the sources in their order, per mm or per rad.
+  /// Columns: as Robot::parameters(), per mm or per rad; Machine::parameter() finds one.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kStates, kColumns> plate;
   bool ok = false;  ///< false at a singular closure; `plate` is then empty
-
-  static Eigen::Index column(std::size_t limb, Source source) {
-    return static_cast<Eigen::Index>(limb * kSourceCount + index(source));
-  }
 };
 
 /// From stationarity of the least-squares closure, J^T f = 0, with J = df/dplate and J_p = df/dp:

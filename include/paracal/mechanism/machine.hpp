@@ -16,12 +16,13 @@ template <typename Scalar>
 struct BasicMachine {
   std::size_t limb_count = 0;
   std::array<BasicLimb<Scalar>, kMaxLimbs> limbs;
-  Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();  ///< shat in the plate frame; zero for a rigid plate
-  double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
-  bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
-  double side = -1.0;                                    ///< of the base where the plate is: +1 above, -1 below
-  PlateFreedoms freedoms = {};                           ///< of a plate on limbs with one rod
-  double guided_z = 0.0;                                 ///< where guides hold z, mm
+  Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();        ///< shat in the plate frame; zero for a rigid plate
+  double pinion_radius = 0.0;                                  ///< r_g, mm; zero for a rigid plate
+  bool tilts_plate = false;                                    ///< some source error of the tilt group is not zero
+  double side = -1.0;                                          ///< of the base where the plate is: +1 above, -1 below
+  PlateFreedoms freedoms = {};                                 ///< of a plate on limbs with one rod
+  double guided_z = 0.0;                                       ///< where guides hold z, mm
+  std::array<std::uint16_t, kMaxLimbs + 1> first_parameter{};  ///< of each limb, and how many there are
 
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
@@ -34,6 +35,11 @@ struct BasicMachine {
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
   double rotation_of(double slide) const { return has_slide() ? slide / pinion_radius : 0.0; }
+  std::size_t parameter_count() const { return first_parameter[limb_count]; }
+  /// Place of a source error in Robot::parameters().
+  std::size_t parameter(std::size_t limb, Source source) const {
+    return first_parameter[limb] + place_in(limbs[limb].actuator, source);
+  }
 };
 using Machine = BasicMachine<double>;
 

@@ -11,6 +11,8 @@
 
 namespace paracal {
 
+class Robot;
+
 /// Two independent standard normal numbers (Box and Muller): numbers 2 k and 2 k + 1 of a stream, computed directly.
 std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t k);
 
@@ -27,6 +29,8 @@ class RandomStream {
   double uniform();
   /// Standard normal (Box and Muller).
   double normal();
+  /// Number `number` of a new stream, computed directly.
+  double normal_at(std::uint64_t number) const;
   /// Number of normal numbers used.
   std::uint64_t normals() const { return normals_; }
 
@@ -43,9 +47,8 @@ class RandomStream {
 /// mm or rad.
 double source_error(const Tolerances& tolerances, Source source, double standard_normal);
 
-/// A machine of a batch: independent errors, distributed as in the tolerances. Uses 14 normal numbers per
-/// limb, in the order of the errors, for all tolerances: with a new stream, error k of limb i (from 0) is number
-/// 14 i + k of the stream.
-SourceErrors draw_errors(const Tolerances& tolerances, std::size_t limb_count, RandomStream& random);
+/// A machine of a batch: independent errors, distributed as in the tolerances. Uses 14 normal numbers per limb of the
+/// stream, whatever kind of limb it is; each error is drawn by its own number, Parameter::number.
+SourceErrors draw_errors(const Robot& robot, const Tolerances& tolerances, RandomStream& random);
 
 }  // namespace paracal

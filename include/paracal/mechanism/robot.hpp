@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/parameter.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/mechanism/tolerances.hpp"
 #include "paracal/mechanism/workspace.hpp"
@@ -115,9 +117,16 @@ class Robot {
   /// The machine without geometric errors, as the controller assumes it.
   const Machine& nominal() const { return nominal_; }
 
+  /// Every source error of every limb, limb by limb in the order of sources_of().
+  std::span<const Parameter> parameters() const { return parameters_; }
+  const Parameter& parameter(std::size_t limb, Source source) const {
+    return parameters_[nominal_.parameter(limb, source)];
+  }
+
  private:
   RobotDescription description_;
   Machine nominal_;
+  std::vector<Parameter> parameters_;
 };
 
 /// Upper limit of any error: half a turn, or the size of the robot (base radius + arm + rod), rad or

@@ -7,55 +7,145 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal {
 
-/// The 14 reduced source errors of one limb with an arm or a carriage, in the order of the paper's columns [huang2016,
-/// Eq. (4)]. Each is actual minus nominal, in mm or rad; docs/conventions.md has the figure of a limb that names them.
-/// The enumerators are spelled as in every file and JSON key. A limb with one rod has a list of its own (sources_of),
-/// in places of this one.
-enum class Source : std::uint8_t {
-  // Position group: they move the plate but do not tilt it; compensation removes their effect.
-  theta_offset,  ///< joint zero: the actuator is at q + theta_offset for the commanded q; a length on a
-                 ///< rail
-  e_x,           ///< base joint relative to plate joint, Delta b - Delta a, in the base frame
-  e_y,
-  e_z,
-  arm_length,  ///< length of the arm (proximal link); a rail has the gain of its drive instead
-  alpha0,      ///< rotation of the limb's frame about its radial direction: actuator axis and short side at the
-               ///< plate
-  beta0,       ///< the same about the vertical direction; rail: inclination about the limb's tangent
-  rod_mean,    ///< mean length of the two rods of the parallelogram
-  // Tilt group: they make the parallelogram imperfect and tilt the plate; only tight tolerances reduce their effect.
-  rod_difference,    ///< length of rod 1 minus rod 2
-  width_difference,  ///< width of the parallelogram at the elbow minus width at the plate
-  alpha03,           ///< alpha0 minus its counterpart at the plate: twist between the two short sides
-  beta03,            ///< beta0 minus its counterpart at the plate
-  alpha2,            ///< the short side at the elbow turned about the arm
-  beta2,             ///< the short side at the elbow turned about the normal of the arm
+/// What an error does to the plate.
+enum class ErrorGroup : std::uint8_t {
+  position,  ///< moves the plate without tilting it; compensation removes the effect
+  tilt,      ///< makes a parallelogram imperfect and tilts the plate; only tight tolerances reduce the effect
+};
 
-  gain = arm_length,  ///< of a linear drive: mm of excess travel per metre
+namespace detail {
 
-  // Of a limb with one rod. All their errors move the plate, and all can be compensated.
-  normal = e_x,              ///< of a rail: offset along its upward normal
-  across = e_y,              ///< of a rail: sideways offset
-  rod_length = rod_mean,     ///< length of the one rod
-  plate_x = rod_difference,  ///< plate joint, in the plate frame
-  plate_y = width_difference,
-  plate_z = alpha03,
+/// A name of geometric errors, in whatever limbs have one.
+struct NamedError {
+  std::string_view name;
+  /// Empty of a joint zero, which has the unit of its joint coordinate.
+  std::optional<Unit> unit;
+  ErrorGroup group = ErrorGroup::position;
+  /// Which of a limb's 14 reserved random numbers draws it; empty: number_of() makes one from the name.
+  std::optional<std::uint64_t> reserved;
+};
+
+/// Every name, in the order of the paper's columns [huang2016, Eq. (4)]. docs/conventions.md has figures.
+inline constexpr std::array kNamedErrors{
+    // Limbs with two rods.
+    NamedError{
+        "theta_offset", {}, ErrorGroup::position, 0},  // joint zero: the drive is at q + theta_offset for q commanded
+    NamedError{"e_x", Unit::mm, ErrorGroup::position, 1},  // joint at the base relative to that at the plate, in {O}
+    NamedError{"e_y", Unit::mm, ErrorGroup::position, 2},
+    NamedError{"e_z", Unit::mm, ErrorGroup::position, 3},
+    NamedError{"arm_length", Unit::mm, ErrorGroup::position, 4},
+    NamedError{"alpha0", Unit::rad, ErrorGroup::position, 5},  // frame of the limb about its radial direction
+    NamedError{"beta0", Unit::rad, ErrorGroup::position,
+               6},  // about the vertical direction; of a rail about the tangent
+    NamedError{"rod_mean", Unit::mm, ErrorGroup::position, 7},
+    NamedError{"rod_difference", Unit::mm, ErrorGroup::tilt, 8},    // rod 1 minus rod 2
+    NamedError{"width_difference", Unit::mm, ErrorGroup::tilt, 9},  // short side at the elbow minus that at the plate
+    NamedError{"alpha03", Unit::rad, ErrorGroup::tilt, 10},         // alpha0 minus its counterpart at the plate
+    NamedError{"beta03", Unit::rad, ErrorGroup::tilt, 11},          // beta0 minus its counterpart at the plate
+    NamedError{"alpha2", Unit::rad, ErrorGroup::tilt, 12},          // short side at the elbow about the arm
+    NamedError{"beta2", Unit::rad, ErrorGroup::tilt, 13},           // about the normal of the arm
+    NamedError{"gain", Unit::mm_per_m, ErrorGroup::position, 4},    // of a linear drive: excess travel
+    // Limbs with one rod: all their errors move the plate, and all can be compensated.
+    NamedError{"zero", {}, ErrorGroup::position, 0},
+    NamedError{"base_x", Unit::mm, ErrorGroup::position, 1},
+    NamedError{"base_y", Unit::mm, ErrorGroup::position, 2},
+    NamedError{"base_z", Unit::mm, ErrorGroup::position, 3},
+    NamedError{"normal", Unit::mm, ErrorGroup::position, 1},  // of a rail: offset along its upward normal
+    NamedError{"across", Unit::mm, ErrorGroup::position, 2},  // of a rail: sideways
+    NamedError{"rod_length", Unit::mm, ErrorGroup::position, 7},
+    NamedError{"plate_x", Unit::mm, ErrorGroup::position, 8},  // joint at the plate, in the plate frame
+    NamedError{"plate_y", Unit::mm, ErrorGroup::position, 9},
+    NamedError{"plate_z", Unit::mm, ErrorGroup::position, 10},
+};
+
+constexpr auto every_source();
+
+}  // namespace detail
+
+/// A source error by its name: actual minus nominal, in mm, rad or mm/m. A name that does not exist does not compile.
+class Source {
+ public:
+  consteval Source(const char* name) : Source(place_of(name)) {}
+
+  constexpr std::string_view name() const { return entry().name; }
+  constexpr ErrorGroup group() const { return entry().group; }
+  /// Empty of a joint zero, which has the unit of its joint coordinate.
+  constexpr std::optional<Unit> unit() const { return entry().unit; }
+  constexpr std::optional<std::uint64_t> reserved() const { return entry().reserved; }
+  /// Place among all names.
+  constexpr std::size_t index() const { return place_; }
+  auto operator<=>(const Source&) const = default;
+
+ private:
+  friend constexpr auto detail::every_source();
+  explicit constexpr Source(std::size_t place) : place_(static_cast<std::uint8_t>(place)) {}
+  constexpr const detail::NamedError& entry() const { return detail::kNamedErrors[place_]; }
+  static constexpr std::size_t place_of(std::string_view name) {
+    for (std::size_t k = 0; k < detail::kNamedErrors.size(); ++k) {
+      if (detail::kNamedErrors[k].name == name) return k;
+    }
+    throw "no source error has this name";
+  }
+
+  std::uint8_t place_;
+};
+
+inline constexpr std::size_t kSourceNames = detail::kNamedErrors.size();
+
+namespace detail {
+constexpr auto every_source() {
+  return []<std::size_t... k>(std::index_sequence<k...>) { return std::array<Source, kSourceNames>{Source(k)...}; }
+  (std::make_index_sequence<kSourceNames>());
+}
+inline constexpr std::array<Source, kSourceNames> kEverySource = every_source();
+
+/// The lists of each kind of limb, in column order; the joint zero comes first.
+inline constexpr std::array<Source, 14> kRevoluteSources{
+    "theta_offset",     "e_x",     "e_y",    "e_z",    "arm_length", "alpha0", "beta0", "rod_mean", "rod_difference",
+    "width_difference", "alpha03", "beta03", "alpha2", "beta2"};
+inline constexpr std::array<Source, 14> kLinearSources{
+    "theta_offset",     "e_x",     "e_y",    "e_z",    "gain", "alpha0", "beta0", "rod_mean", "rod_difference",
+    "width_difference", "alpha03", "beta03", "alpha2", "beta2"};
+inline constexpr std::array<Source, 8> kStrutSources{"zero", "base_x",  "base_y",  "base_z",
+                                                     "gain", "plate_x", "plate_y", "plate_z"};
+inline constexpr std::array<Source, 11> kCrankSources{"zero",       "base_x",  "base_y", "base_z",
+                                                      "arm_length", "alpha0",  "beta0",  "rod_length",
+                                                      "plate_x",    "plate_y", "plate_z"};
+inline constexpr std::array<Source, 10> kCarriageSources{"zero",  "normal",     "across",  "gain",    "alpha0",
+                                                         "beta0", "rod_length", "plate_x", "plate_y", "plate_z"};
+}  // namespace detail
+
+/// Every name, whichever limbs have it.
+constexpr std::span<const Source> all_sources() { return detail::kEverySource; }
+
+constexpr std::size_t index(Source source) { return source.index(); }
+constexpr std::string_view name(Source source) { return source.name(); }
+constexpr bool tilts_plate(Source source) { return source.group() == ErrorGroup::tilt; }
+
+/// A value for each name.
+template <typename Value>
+struct BySource {
+  std::array<Value, kSourceNames> values{};
+
+  constexpr Value& operator[](Source source) { return values[source.index()]; }
+  constexpr const Value& operator[](Source source) const { return values[source.index()]; }
+  constexpr auto begin() { return values.begin(); }
+  constexpr auto begin() const { return values.begin(); }
+  constexpr auto end() { return values.end(); }
+  constexpr auto end() const { return values.end(); }
 };
 
 /// Travel that `gain` refers to, mm.
 inline constexpr double kGainLength = 1000.0;
 
-inline constexpr std::size_t kSourceCount = 14;
-inline constexpr std::size_t kPositionSourceCount = 8;
-inline constexpr std::size_t kTiltSourceCount = kSourceCount - kPositionSourceCount;
-
-/// The actuator of a limb. All limbs of a robot have the same kind.
+/// The drive of a limb, and whether one rod or two hang on it.
 enum class Actuator : std::uint8_t {
   revolute,  ///< a motor rotates an arm; joint coordinate: angle, rad
   linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
@@ -63,6 +153,7 @@ enum class Actuator : std::uint8_t {
   crank,     ///< a motor rotates an arm with one rod; joint coordinate: angle, rad
   carriage,  ///< a carriage with one rod runs along a rail; joint coordinate: travel, mm
 };
+inline constexpr std::size_t kLimbKinds = 5;
 
 /// A plate on limbs with one rod each, as many as its degrees of freedom: compensation corrects all their errors.
 constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
@@ -78,45 +169,36 @@ constexpr bool runs_on_rail(Actuator actuator) {
 /// Unit of a joint coordinate.
 constexpr Unit joint_unit(Actuator actuator) { return swings_arm(actuator) ? Unit::rad : Unit::mm; }
 
-constexpr std::size_t index(Source source) { return static_cast<std::size_t>(source); }
-
-namespace detail {
-inline constexpr std::array<Source, kSourceCount> kAllSources = [] {
-  std::array<Source, kSourceCount> sources{};
-  for (std::size_t k = 0; k < kSourceCount; ++k) sources[k] = static_cast<Source>(k);
-  return sources;
-}();
-
-inline constexpr std::array kStrutSources{Source::theta_offset, Source::e_x,     Source::e_y,     Source::e_z,
-                                          Source::gain,         Source::plate_x, Source::plate_y, Source::plate_z};
-inline constexpr std::array kCrankSources{Source::theta_offset, Source::e_x,     Source::e_y,    Source::e_z,
-                                          Source::arm_length,   Source::alpha0,  Source::beta0,  Source::rod_length,
-                                          Source::plate_x,      Source::plate_y, Source::plate_z};
-inline constexpr std::array kCarriageSources{Source::theta_offset, Source::normal, Source::across,     Source::gain,
-                                             Source::alpha0,       Source::beta0,  Source::rod_length, Source::plate_x,
-                                             Source::plate_y,      Source::plate_z};
-}  // namespace detail
-
-/// Every place of a source, in column order.
-constexpr const std::array<Source, kSourceCount>& all_sources() { return detail::kAllSources; }
-
-/// Those that a kind of limb has, in column order.
+/// The source errors of a kind of limb, in column order. The first is its joint zero.
 constexpr std::span<const Source> sources_of(Actuator actuator) {
-  switch (actuator) {
-    case Actuator::strut:
-      return detail::kStrutSources;
-    case Actuator::crank:
-      return detail::kCrankSources;
-    case Actuator::carriage:
-      return detail::kCarriageSources;
-    default:
-      return detail::kAllSources;
-  }
+  constexpr std::array<std::span<const Source>, kLimbKinds> kLists{detail::kRevoluteSources, detail::kLinearSources,
+                                                                   detail::kStrutSources, detail::kCrankSources,
+                                                                   detail::kCarriageSources};
+  return kLists[static_cast<std::size_t>(actuator)];
 }
 
-/// True for the group that tilts a level plate.
-constexpr bool tilts_plate(Source source, Actuator actuator = Actuator::revolute) {
-  return !on_single_rods(actuator) && index(source) >= kPositionSourceCount;
+/// The most that a limb has.
+inline constexpr std::size_t kMostSources = 14;
+
+constexpr Source joint_zero(Actuator actuator) { return sources_of(actuator).front(); }
+constexpr bool is_joint_zero(Source source) { return !source.unit(); }
+
+namespace detail {
+/// Place of each source in the list of each kind of limb; kMostSources where that kind does not have it.
+inline constexpr std::array<BySource<std::uint8_t>, kLimbKinds> kPlaces = [] {
+  std::array<BySource<std::uint8_t>, kLimbKinds> places{};
+  for (std::size_t kind = 0; kind < kLimbKinds; ++kind) {
+    places[kind].values.fill(kMostSources);
+    const std::span<const Source> own = sources_of(static_cast<Actuator>(kind));
+    for (std::size_t k = 0; k < own.size(); ++k) places[kind][own[k]] = static_cast<std::uint8_t>(k);
+  }
+  return places;
+}();
+}  // namespace detail
+
+/// Place of a source in the list of a kind of limb, from 0; kMostSources where that kind does not have it.
+constexpr std::size_t place_in(Actuator actuator, Source source) {
+  return detail::kPlaces[static_cast<std::size_t>(actuator)][source];
 }
 
 /// mm; for a robot that is not stated: no robot is larger.
@@ -132,43 +214,48 @@ struct JointSpace {
   double reach = kLargestReach;         ///< mm; see Robot::reach()
 };
 
-/// Unit of the error inside the library: theta_offset has that of the joint coordinate. Files and JSON carry deg
+/// Unit of the error inside the library: that of the joint coordinate of a joint zero. Files and JSON carry deg
 /// instead of rad.
-Unit unit(Source source, Actuator actuator);
+constexpr Unit unit(Source source, Actuator actuator) { return source.unit().value_or(joint_unit(actuator)); }
 
 /// Whether an error has an effect of its own. On a rail e_z has the same effect as theta_offset; a calibration fixes
 /// it at zero. On a revolute limb all errors have.
 constexpr bool is_felt(Source source, Actuator actuator) {
-  if (on_single_rods(actuator)) return std::ranges::find(sources_of(actuator), source) != sources_of(actuator).end();
-  return actuator == Actuator::revolute || source != Source::e_z;
+  return place_in(actuator, source) < kMostSources && (actuator != Actuator::linear || source != "e_z");
 }
-
-/// The name used in every file and JSON key, e.g. "theta_offset"; of a rail "gain" in the place of "arm_length"; of a
-/// limb with one rod "zero", "base_x", "gain", "plate_x", ...
-std::string_view name(Source source, Actuator actuator = Actuator::revolute);
 
 /// The source with that name; empty when that kind of limb has none.
 std::optional<Source> source_named(std::string_view name, Actuator actuator);
 
+/// Which coordinate of a point it is, from 0; empty where it is none.
+constexpr std::optional<std::size_t> coordinate(Source source) {
+  const std::string_view whole = source.name();
+  if (whole[whole.size() - 2] != '_') return std::nullopt;
+  return static_cast<std::size_t>(whole.back() - 'x');
+}
+
 /// The coordinates of a point share a tolerance and a key of files: "e" of e_x, e_y and e_z. Else the name itself.
-std::string_view shared_name(Source source, Actuator actuator);
+constexpr std::string_view shared_name(Source source) {
+  const std::string_view whole = source.name();
+  return coordinate(source) ? whole.substr(0, whole.size() - 2) : whole;
+}
 
-/// Which of the three it is, from 0; empty where the source is no coordinate of a point.
-std::optional<std::size_t> coordinate(Source source, Actuator actuator);
+/// The first of its shared name.
+constexpr bool is_leading(Source source) { return coordinate(source).value_or(0) == 0; }
 
-/// The first source of its shared name.
-inline bool is_leading(Source source, Actuator actuator) { return coordinate(source, actuator).value_or(0) == 0; }
+/// The sources of a kind of limb that share the name of this one: itself, or the three coordinates of a point.
+std::span<const Source> sharing(Source leading, Actuator actuator);
 
 /// Source errors of all limbs: actual minus nominal, zero until set. Scalar is double, or an automatic-derivative type.
 template <typename Scalar>
 class BasicSourceErrors {
  public:
   /// @param limb  0 ... limb_count - 1 (files and messages count from 1).
-  Scalar& operator()(std::size_t limb, Source source) { return values_[limb][index(source)]; }
-  const Scalar& operator()(std::size_t limb, Source source) const { return values_[limb][index(source)]; }
+  Scalar& operator()(std::size_t limb, Source source) { return values_[limb][source]; }
+  const Scalar& operator()(std::size_t limb, Source source) const { return values_[limb][source]; }
 
  private:
-  std::array<std::array<Scalar, kSourceCount>, kMaxLimbs> values_{};
+  std::array<BySource<Scalar>, kMaxLimbs> values_{};
 };
 
 using SourceErrors = BasicSourceErrors<double>;

@@ -25,16 +25,16 @@ enum class Origin : std::uint8_t {
 /// Measured errors of built parts replace half-width and distribution in all statistics. A worst case uses the
 /// half-width, or the largest measured value if no half-width is stated.
 struct Tolerances {
-  std::array<double, kSourceCount> half_width{};
+  BySource<double> half_width{};
   Distribution distribution = Distribution::normal;
-  std::array<std::vector<double>, kSourceCount> measured{};  ///< errors measured on parts, mm or rad; may be empty
-  std::array<Origin, kSourceCount> origin{};
+  BySource<std::vector<double>> measured{};  ///< errors measured on parts, mm or rad; may be empty
+  BySource<Origin> origin{};
   /// Assumptions in words, with their values, from list_assumed(). Every result that depends on the tolerances states
   /// them.
   std::vector<std::string> assumed{};
 
-  double& operator[](Source source) { return half_width[index(source)]; }
-  double operator[](Source source) const { return half_width[index(source)]; }
+  double& operator[](Source source) { return half_width[source]; }
+  double operator[](Source source) const { return half_width[source]; }
   /// Sets this half-width and removes measured values, for design.
   void state(Source source, double value);
   /// Mean of a geometric error: zero unless measured.

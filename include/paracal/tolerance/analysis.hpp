@@ -43,7 +43,7 @@ std::vector<LinearityPoint> linearity(const Robot& robot, const Tolerances& tole
 ///
 /// where A_k is A with the errors k of B. Intervals by Fisher's transformation of the correlation coefficient.
 struct SobolIndex {
-  Source source = Source::theta_offset;
+  Source source = "theta_offset";
   double first = 0.0, total = 0.0;
   Interval first_interval, total_interval;
 };

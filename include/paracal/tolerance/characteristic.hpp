@@ -44,9 +44,9 @@ std::optional<Characteristic> characteristic_named(std::string_view wanted);
 Unit unit(Quantity quantity);
 int component_count(Quantity quantity);
 
-/// Components of a characteristic, one row each, against the errors, 14 per limb; mm and rad.
+/// Components of a characteristic, one row each, against the parameters of the robot; mm and rad.
 using SourceRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3,
-                                 static_cast<int>(kSourceCount) * kMaxLimbs>;
+                                 static_cast<int>(kMostSources) * kMaxLimbs>;
 
 /// Why a robot has no such characteristic; empty if it has. Rotation needs a slide; `compensated` needs a level
 /// plate.
@@ -68,10 +68,10 @@ class LinearModel {
  private:
   /// Plate on struts: (dr, eps), one column per geometric error.
   using OnStruts =
-      Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(kSourceCount) * kMaxLimbs>;
+      Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(kMostSources) * kMaxLimbs>;
   using AtPose = std::variant<ErrorModel, OnStruts>;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs,
-                                static_cast<int>(kSourceCount) * kMaxLimbs>;
+                                static_cast<int>(kMostSources) * kMaxLimbs>;
 
   AtPose at(const Pose& pose) const;
   Columns motion(const AtPose& at, bool compensated) const;
@@ -79,7 +79,6 @@ class LinearModel {
 
   Robot robot_;  ///< a copy: the caller may give a temporary
   AtPose home_;
-  std::array<double, kSourceCount> scale_{};
 };
 
 /// A commanded pose and the actual pose of a machine.

@@ -35,13 +35,13 @@ struct WorstCase {
   double value = 0.0;         ///< mm or rad
   Eigen::Vector3d direction;  ///< n, in the components of the characteristic; zeros beyond them
 };
-WorstCase worst_case(const SourceRows& rows, const Tolerances& tolerances);
+WorstCase worst_case(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances);
 
 /// Weights of the tolerances in that direction: value = sum_k weight_k T_k, w_k = sum over limbs |n . g_ik|.
-PerSource worst_case_weights(const SourceRows& rows, const Eigen::Vector3d& direction);
+PerSource worst_case_weights(const Robot& robot, const SourceRows& rows, const Eigen::Vector3d& direction);
 
 /// The worst case at a pose, or 3 sigma.
-double spread_at(const SourceRows& rows, const Tolerances& tolerances, Spread criterion);
+double spread_at(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances, Spread criterion);
 
 /// The pose of the workspace where this is largest.
 ValueAtPose worst_spread(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,

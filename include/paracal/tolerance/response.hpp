@@ -42,7 +42,7 @@ class Response {
   Eigen::Index rows() const { return linear_.rows(); }
   Eigen::Index first_row(std::size_t characteristic) const { return first_row_[characteristic]; }
 
-  /// Derivative with respect to the geometric errors, 14 per limb.
+  /// Derivative with respect to the parameters of the robot.
   const Eigen::MatrixXd& linear() const { return linear_; }
 
   /// The components of a machine, by the exact model: its controller uses the nominal robot, or (compensated) the

@@ -10,10 +10,10 @@
 
 namespace paracal {
 
-/// One number per geometric error, equal for all limbs.
-using PerSource = Eigen::Array<double, static_cast<int>(kSourceCount), 1>;
+/// One number per geometric error, equal for all limbs; zero where no limb has it.
+using PerSource = Eigen::Array<double, static_cast<int>(kSourceNames), 1>;
 
-/// Index of a geometric error.
+/// Its place.
 constexpr Eigen::Index place(Source source) { return static_cast<Eigen::Index>(index(source)); }
 
 /// T of every geometric error, mm or rad.
@@ -24,7 +24,7 @@ PerSource half_widths(const Tolerances& tolerances);
 ///   \f[ mu_k^2 = sum_ij g_ijk^2,    sigma^2 = sum_k mu_k^2 sigma^2(dp_k) \f]
 ///
 /// over limbs i and components j; unit: (unit of the characteristic / unit of the error)^2.
-PerSource squared_sensitivities(const SourceRows& rows);
+PerSource squared_sensitivities(const Robot& robot, const SourceRows& rows);
 
 /// Variances of the geometric errors within their tolerances.
 PerSource variances(const Tolerances& tolerances);
@@ -65,12 +65,12 @@ struct ValueAtPose {
 
 /// Contribution of a geometric error (all limbs together) to the variance, as a fraction.
 struct Contributor {
-  Source source = Source::theta_offset;
+  Source source = "theta_offset";
   double share = 0.0;
 };
 
-/// Of the errors of a kind of limb, largest first; the sum is 1. Empty if the variance is zero.
-std::vector<Contributor> contributors(const SourceRows& rows, const Tolerances& tolerances, Actuator actuator);
+/// Of the errors of a robot, largest first; the sum is 1. Empty if the variance is zero.
+std::vector<Contributor> contributors(const Robot& robot, const SourceRows& rows, const Tolerances& tolerances);
 
 /// A map over the workspace: sigma of a characteristic at points of a polar grid  [huang2016, Fig. 6].
 std::vector<ValueAtPose> sigma_map(const Robot& robot, Characteristic characteristic, const Tolerances& tolerances,

@@ -30,7 +30,7 @@ SourceErrors each(const Robot& robot, Source source) {
 
 /// A longer arm of a carriage takes its elbow inward.
 SourceErrors longer_arm(const Robot& robot) {
-  if (robot.actuator() != Actuator::linear) return each(robot, Source::arm_length);
+  if (robot.actuator() != Actuator::linear) return each(robot, "arm_length");
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
     shift_limb(robot, limb, -robot.nominal().limbs[limb].frame.col(0), errors);
   });
@@ -38,7 +38,7 @@ SourceErrors longer_arm(const Robot& robot) {
 
 Eigen::Vector3d intended_shift(const Robot& robot, std::size_t limb) {
   const SourceErrors& intended = robot.intended();
-  return {intended(limb, Source::e_x), intended(limb, Source::e_y), intended(limb, Source::e_z)};
+  return {intended(limb, "e_x"), intended(limb, "e_y"), intended(limb, "e_z")};
 }
 
 SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
@@ -61,8 +61,8 @@ std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
   std::vector<Dimension> all;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     all.push_back(length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &SingleRod::length,
-                                 is_strut ? Source::theta_offset : Source::rod_length, limb));
-    if (swings) all.push_back(length_of_limb(robot, "arm_mm", &SingleRod::arm, Source::arm_length, limb));
+                                 is_strut ? Source("zero") : Source("rod_length"), limb));
+    if (swings) all.push_back(length_of_limb(robot, "arm_mm", &SingleRod::arm, "arm_length", limb));
   }
   return all;
 }
@@ -71,13 +71,12 @@ std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
 
 std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
   if (robot.on_single_rods()) return {};
-  return {
-      {"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, Source::rod_mean)},
-      {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, longer_arm(robot)},
-      {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
-       radial(robot, 1.0)},
-      {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
-       radial(robot, -1.0)}};
+  return {{"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, "rod_mean")},
+          {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, longer_arm(robot)},
+          {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
+           radial(robot, 1.0)},
+          {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
+           radial(robot, -1.0)}};
 }
 
 std::vector<Dimension> dimensions(const Robot& robot) {
@@ -101,7 +100,8 @@ SourceErrors larger_robot(const Robot& robot) {
   SourceErrors larger;
   for (const Dimension& one : dimensions_of_all_limbs(robot)) {
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-      for (const Source source : all_sources()) larger(limb, source) += now(robot, one) * one.direction(limb, source);
+      for (const Source source : sources_of(robot.actuator()))
+        larger(limb, source) += now(robot, one) * one.direction(limb, source);
     }
   }
   return larger;

@@ -36,7 +36,7 @@ SourceErrors moved_along(const Robot& robot, const Eigen::Vector3d& direction, F
 }
 
 /// "e_x of limb 2 against rod_mean of limb 3": the largest parameters of a direction, three at most.
-std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters, Actuator actuator) {
+std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtSource>& parameters) {
   constexpr double kSmallest = 0.05;
   constexpr std::size_t kMost = 3;
   std::vector<std::size_t> main(parameters.size());
@@ -51,8 +51,8 @@ std::string describe(const Eigen::VectorXd& direction, const std::vector<SoughtS
   std::string with, against;
   for (const std::size_t k : main) {
     std::string& side = part(k) * part(main.front()) > 0.0 ? with : against;
-    side += fmt::format("{}{} of limb {}", side.empty() ? "" : " and ", name(parameters[k].source, actuator),
-                        parameters[k].limb + 1);
+    side +=
+        fmt::format("{}{} of limb {}", side.empty() ? "" : " and ", name(parameters[k].source), parameters[k].limb + 1);
   }
   return (is_whole ? "" : "mainly ") + with + (against.empty() ? "" : " against " + against);
 }
@@ -153,7 +153,7 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     const Eigen::VectorXd direction = scaled.cwiseQuotient(scale).normalized();
     if (!motion.empty()) return directions.push_back({std::move(motion), direction, true});
     const std::string mixture = as_mixture(robot, direction, parameters);
-    const std::string sum = describe(direction, parameters, robot.actuator());
+    const std::string sum = describe(direction, parameters);
     directions.push_back({mixture.empty() ? sum : mixture + ": " + sum, direction, !mixture.empty()});
   };
   const Eigen::MatrixXd all = orthonormal(scale.asDiagonal() * null_space, null_space.cols());
@@ -173,9 +173,8 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
   }
   for (const Eigen::Index k : alone) {
     const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
-    directions.push_back(
-        {fmt::format("{} of limb {} (it changes none of these readings)", name(source, robot.actuator()), limb + 1),
-         Eigen::VectorXd::Unit(all.rows(), k), false});
+    directions.push_back({fmt::format("{} of limb {} (it changes none of these readings)", name(source), limb + 1),
+                          Eigen::VectorXd::Unit(all.rows(), k), false});
   }
   const Eigen::MatrixXd rest =
       orthonormal(all - explained * (explained.transpose() * all), all.cols() - explained.cols());

@@ -19,7 +19,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
       prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))),
       moving_(sought_),
       at_station_(measurements.stations.size()) {
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) moving_.push_back({limb, Source::theta_offset});
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) moving_.push_back({limb, joint_zero(robot.actuator())});
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) {
     joints_.push_back(believed_joints(robot, station));

@@ -80,7 +80,7 @@ Eigen::MatrixXd KnownErrors::pose_covariance() const {
   Eigen::MatrixXd all = expanded_covariance();
   for (std::size_t k = 0; all.size() > 0 && k < parameters.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    if (parameters[k].source == Source::theta_offset) all(at, at) += std::pow(expanded_joint_std(), 2);
+    if (is_joint_zero(parameters[k].source)) all(at, at) += std::pow(expanded_joint_std(), 2);
   }
   return all;
 }
@@ -114,7 +114,7 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
   PlateMotions motions(7, exact.ok ? static_cast<Eigen::Index>(parameters.size()) : 0);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
     const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
-    const auto sensitivity = exact.plate.col(ExactJacobian::column(limb, source));
+    const auto sensitivity = exact.plate.col(static_cast<Eigen::Index>(machine.parameter(limb, source)));
     motions.col(k).head<3>() = sensitivity.head<3>();
     motions(3, k) = machine.has_slide() ? machine.rotation_of(sensitivity(3)) : 0.0;
     motions.col(k).tail<3>() = sensitivity.tail<3>();
@@ -163,7 +163,8 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   position_joint_.resize(3 * poses, limbs);
   rotation_joint_.resize(turns * poses, limbs);
   std::vector<SoughtSource> with_joints = parameters;  // a joint that stands elsewhere is one whose zero lies elsewhere
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) with_joints.push_back({limb, Source::theta_offset});
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb)
+    with_joints.push_back({limb, joint_zero(robot.actuator())});
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);

@@ -18,7 +18,7 @@ template <typename Wanted>
 std::vector<SoughtSource> select(const Robot& robot, const CalibrationOptions& options, Wanted&& wanted) {
   std::vector<SoughtSource> sought;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(robot.actuator())) {
       if (is_felt(source, robot.actuator()) && wanted(source) && !listed(options.fixed, limb, source))
         sought.push_back({limb, source});
     }
@@ -29,21 +29,19 @@ std::vector<SoughtSource> select(const Robot& robot, const CalibrationOptions& o
 }  // namespace
 
 std::vector<SoughtSource> encoder_offsets(const Robot& robot, const CalibrationOptions& options) {
-  return select(robot, options, [](Source source) { return source == Source::theta_offset; });
+  return select(robot, options, [](Source source) { return is_joint_zero(source); });
 }
 
 std::vector<SoughtSource> position_group(const Robot& robot, const CalibrationOptions& options) {
-  return select(robot, options, [&](Source source) { return !tilts_plate(source, robot.actuator()); });
+  return select(robot, options, [](Source source) { return !tilts_plate(source); });
 }
 
 std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOptions& options) {
-  constexpr std::array<std::pair<std::size_t, Source>, 6> kEquation15{
-      {{1, Source::e_x}, {1, Source::e_z}, {2, Source::e_z}, {3, Source::e_x}, {3, Source::e_y}, {3, Source::e_z}}};
+  static const std::vector<SourceSelector> kEquation15{{"e_x", 1}, {"e_z", 1}, {"e_z", 2},
+                                                       {"e_x", 3}, {"e_y", 3}, {"e_z", 3}};
   std::vector<SoughtSource> sought = position_group(robot, options);
   if (robot.limb_count() != 4) return sought;
-  std::erase_if(sought, [&](const SoughtSource& one) {
-    return std::ranges::find(kEquation15, std::pair(one.limb, one.source)) != kEquation15.end();
-  });
+  std::erase_if(sought, [&](const SoughtSource& one) { return listed(kEquation15, one.limb, one.source); });
   return sought;
 }
 

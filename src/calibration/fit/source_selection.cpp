@@ -36,7 +36,7 @@ std::vector<SourceSelector> source_selectors(const std::vector<std::string>& nam
     if (!one || limb < 1 || limb > limbs.count) {
       throw InvalidArgument(
           fmt::format("expected a source error such as {0} (all limbs) or {0}2 (limb 2 of {1}), got \"{2}\"",
-                      paracal::name(Source::e_x, limbs.actuator), limbs.count, name));
+                      sources_of(limbs.actuator)[1].name(), limbs.count, name));
     }
     selectors.push_back({*one, limb - 1});
   }
@@ -49,10 +49,10 @@ void check_selection(const CalibrationOptions& options, const JointSpace& limbs)
     for (const Source source : sources_of(limbs.actuator)) {
       const bool fixed = listed(options.fixed, limb, source);
       if (fixed && listed(options.free, limb, source)) {
-        throw InvalidArgument(fmt::format("expected an error to be fixed or free, got {} of limb {} as both",
-                                          name(source, limbs.actuator), limb + 1));
+        throw InvalidArgument(
+            fmt::format("expected an error to be fixed or free, got {} of limb {} as both", name(source), limb + 1));
       }
-      seeks |= !fixed && (options.stage != Stage::rough || source == Source::theta_offset);
+      seeks |= !fixed && (options.stage != Stage::rough || source == joint_zero(limbs.actuator));
     }
   }
   if (!seeks) throw InvalidArgument("expected at least one error to estimate, got every error of the stage fixed");

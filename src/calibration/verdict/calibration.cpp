@@ -64,8 +64,7 @@ namespace {
 /// The tilt group only where something of it was identified.
 bool is_shown(const Calibration& calibration, Source source) {
   return std::ranges::any_of(calibration.parameters, [&](const ParameterEstimate& one) {
-    return one.source == source && !one.held &&
-           (one.identified() || !tilts_plate(source, calibration.robot.actuator()));
+    return one.source == source && !one.held && (one.identified() || !tilts_plate(source));
   });
 }
 
@@ -88,8 +87,8 @@ std::string parameter_lines(const Calibration& calibration) {
     if (!is_shown(calibration, one.source)) continue;
     const Actuator actuator = calibration.robot.actuator();
     const Unit inside = unit(one.source, actuator);
-    cells.push_back({detail::limb_row(one.limb), fmt::format("{} {} ", name(one.source, actuator), file_unit(inside)),
-                     cell_of(one, inside)});
+    cells.push_back(
+        {detail::limb_row(one.limb), fmt::format("{} {} ", name(one.source), file_unit(inside)), cell_of(one, inside)});
     if (one.held || !one.std) continue;
     smallest = std::min(smallest, one.coverage());
     largest = std::max(largest, one.coverage());

@@ -15,10 +15,10 @@ namespace paracal::detail {
 namespace {
 
 /// "alpha0 of all limbs, e_x of limb 2".
-std::string listed(const std::vector<SourceSelector>& selectors, Actuator actuator) {
+std::string listed(const std::vector<SourceSelector>& selectors) {
   std::string text;
   for (const SourceSelector& one : selectors) {
-    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", name(one.source, actuator),
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", name(one.source),
                         one.limb ? fmt::format("limb {}", *one.limb + 1) : "all limbs");
   }
   return text;
@@ -53,8 +53,7 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   const auto assume = [&](std::string_view text) { calibration.assumed.emplace_back(text); };
   std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
-  if (!options.fixed.empty())
-    assume(fmt::format("known exactly: {}", listed(options.fixed, calibration.robot.actuator())));
+  if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
   if (options.scale_std > 0.0) {
     assume(fmt::format(
         "the scale of the readings is correct within {:.3g} ppm (standard deviation; set yours with --scale-ppm)",

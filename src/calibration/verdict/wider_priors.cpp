@@ -43,15 +43,15 @@ class PriorCandidates {
     const double price = 2.0 * std::log(3.0);
     add_several(ComponentFamily::group, "all errors are", price, places([](const SoughtSource&) { return true; }));
     add_several(ComponentFamily::group, "the errors of the position group are", price,
-                places([this](const SoughtSource& one) { return !tilts_plate(one.source, actuator_); }));
+                places([this](const SoughtSource& one) { return !tilts_plate(one.source); }));
     add_several(ComponentFamily::group, "the errors of the tilt group are", price,
-                places([this](const SoughtSource& one) { return tilts_plate(one.source, actuator_); }));
+                places([this](const SoughtSource& one) { return tilts_plate(one.source); }));
   }
 
   void add_kinds() {
-    const double price = 2.0 * std::log(static_cast<double>(kSourceCount));
+    const double price = 2.0 * std::log(static_cast<double>(kMostSources));
     for (const Source source : sources_of(actuator_)) {
-      add_several(ComponentFamily::kind, fmt::format("{} is, on all limbs,", name(source, actuator_)), price,
+      add_several(ComponentFamily::kind, fmt::format("{} is, on all limbs,", name(source)), price,
                   places([source](const SoughtSource& one) { return one.source == source; }));
     }
   }
@@ -62,8 +62,8 @@ class PriorCandidates {
     const bool has_plate_joints = on_single_rods(actuator_);
     const double price = 2.0 * std::log(static_cast<double>(has_plate_joints ? 2 * limbs : limbs));
     for (std::size_t limb = 0; limb < limbs; ++limb) {
-      add_joint_centre(limb, {Source::e_x, Source::e_y, Source::e_z}, price);
-      if (has_plate_joints) add_joint_centre(limb, {Source::plate_x, Source::plate_y, Source::plate_z}, price);
+      add_joint_centre(limb, {"e_x", "e_y", "e_z", "base_x", "base_y", "base_z", "normal", "across"}, price);
+      if (has_plate_joints) add_joint_centre(limb, {"plate_x", "plate_y", "plate_z"}, price);
     }
   }
 
@@ -91,7 +91,7 @@ class PriorCandidates {
     }
   }
 
-  std::string_view name_of(std::size_t place) const { return name(sought()[place].source, actuator_); }
+  std::string_view name_of(std::size_t place) const { return name(sought()[place].source); }
 
   void add_several(ComponentFamily family, const std::string& whose, double price, Places list,
                    std::string subject = {}) {

@@ -17,17 +17,16 @@ namespace paracal::io {
 namespace {
 
 /// To the last bit; to_json(Tolerances) is for reading and rounds.
-Json exact(const Tolerances& tolerances) {
-  Json json{{"half_width", json_array(tolerances.half_width)},
-            {"distribution", distribution_name(tolerances.distribution)}};
-  for (const Source source : all_sources()) {
-    const std::vector<double>& measured = tolerances.measured[index(source)];
+Json exact(const std::optional<Tolerances>& tolerances, const Robot& robot) {
+  if (!tolerances) return nullptr;
+  Json json{{"half_width", Json::array()}, {"distribution", distribution_name(tolerances->distribution)}};
+  for (const Source source : sources_of(robot.actuator())) {
+    const std::vector<double>& measured = tolerances->measured[source];
+    json["half_width"].push_back((*tolerances)[source]);
     if (!measured.empty()) json["measured"][std::string(name(source))] = json_array(measured);
   }
   return json;
 }
-
-Json exact(const std::optional<Tolerances>& tolerances) { return tolerances ? exact(*tolerances) : Json(nullptr); }
 
 /// Too many numbers to read: how many, and a hash that tells them apart.
 Json digest(const std::vector<Station>& stations) {
@@ -147,14 +146,14 @@ Json to_json(const Batch& batch) {
           {"robot", to_json(robot)},
           {"limb_azimuth_rad", json_array(robot.geometry().limb_azimuth)},
           {"rotation_rad", {robot.workspace().min_rotation, robot.workspace().max_rotation}},
-          {"robot_tolerances", exact(robot.tolerances())},
-          {"tolerances", exact(plan.tolerances)},
+          {"robot_tolerances", exact(robot.tolerances(), robot)},
+          {"tolerances", exact(plan.tolerances, robot)},
           {"stations", digest(plan.stations)},
           {"validation", digest(plan.validation)},
           {"instrument", instrument_json(plan.instrument)},
           {"calibration", to_json(plan.calibration, robot.actuator())},
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
-          {"priors", exact(plan.calibration.tolerances)},
+          {"priors", exact(plan.calibration.tolerances, robot)},
           {"limits", limits_json(plan.limits)},
           {"first_order", surrogate != nullptr}};
 }

@@ -18,7 +18,7 @@ Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::
   const auto in_file_unit = [&](const std::optional<double>& value) {
     return value ? Json(to_file_unit(unit_inside, *value)) : Json(nullptr);
   };
-  return {{"name", name(parameter.source, actuator)},
+  return {{"name", name(parameter.source)},
           {"limb", parameter.limb + 1},
           {"value", to_file_unit(unit_inside, parameter.value)},
           {"unit", file_unit(unit_inside)},
@@ -66,7 +66,7 @@ Json covariance_json(const Calibration& calibration, const Eigen::MatrixXd& cova
 Json correlations_json(const Calibration& calibration) {
   const auto named = [&](std::size_t k) {
     const ParameterEstimate& parameter = calibration.parameters[k];
-    return fmt::format("{}{}", name(parameter.source, calibration.robot.actuator()), parameter.limb + 1);
+    return fmt::format("{}{}", name(parameter.source), parameter.limb + 1);
   };
   Json json = Json::array();
   for (const Calibration::Correlation& pair : calibration.correlations()) {

@@ -12,10 +12,10 @@ Json common_json(const std::vector<CommonError>& errors) {
   return json;
 }
 
-Json selectors_json(const std::vector<SourceSelector>& selectors, Actuator actuator) {
+Json selectors_json(const std::vector<SourceSelector>& selectors) {
   Json json = Json::array();
   for (const SourceSelector& one : selectors) {
-    json.push_back(std::string(name(one.source, actuator)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
+    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
   }
   return json;
 }
@@ -49,8 +49,8 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"plane_curvature_sigma_per_mm", optional(options.plane_curvature)},
             {"common", common_json(options.common)},
             {"noise_is_known", options.noise_is_known},
-            {"fixed", selectors_json(options.fixed, actuator)},
-            {"free", selectors_json(options.free, actuator)},
+            {"fixed", selectors_json(options.fixed)},
+            {"free", selectors_json(options.free)},
             {"exclude_outliers", options.exclude_outliers},
             {"scale_sigma_ppm", 1e6 * options.scale_std},
             {"limit_distance_mm", optional(options.limits.distance)},

@@ -50,7 +50,7 @@ ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
   const JsonNode value = parameter.at("value"), unit = parameter.at("unit");
   const std::string_view expected_unit = file_unit(*source, actuator);
   if (unit.json() != expected_unit || !value.json().is_number()) {
-    value.refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source, actuator),
+    value.refuse(fmt::format("expected a number in {} for {}, got {} {}", expected_unit, name(*source),
                              value.json().dump(), unit.json().dump()));
   }
   const Unit inside = paracal::unit(*source, actuator);
@@ -66,8 +66,8 @@ void read_parameters(const JsonNode& entries, const Robot& robot, CalibratedMach
   for (const JsonNode& entry : entries.entries()) {
     const auto [estimate, is_sought] = read_parameter(entry, robot);
     if (!seen.insert({estimate.limb, estimate.source}).second) {
-      entry.refuse(fmt::format("expected every error once, got {} of limb {} again",
-                               name(estimate.source, robot.actuator()), estimate.limb + 1));
+      entry.refuse(
+          fmt::format("expected every error once, got {} of limb {} again", name(estimate.source), estimate.limb + 1));
     }
     machine.errors(estimate.limb, estimate.source) = estimate.value;
     if (is_sought) machine.parameters.push_back(estimate);
@@ -138,7 +138,7 @@ void require_stated_stds(const CalibratedMachine& machine, Actuator actuator, co
     if (!one.std || std::abs(*one.std - expected) <= kRounding * expected) continue;
     const Unit unit = paracal::unit(one.source, actuator);
     node.refuse(fmt::format("expected the std of {2} of limb {3} as in the covariance ({0:.4g} {1}), got {4:.4g}",
-                            to_file_unit(unit, expected), file_unit(unit), name(one.source, actuator), one.limb + 1,
+                            to_file_unit(unit, expected), file_unit(unit), name(one.source), one.limb + 1,
                             to_file_unit(unit, *one.std)));
   }
 }

@@ -25,7 +25,7 @@ Json to_json(const Tolerances& tolerances, Actuator actuator) {
   if (!generous.empty()) json["generous"] = generous;
   json["distribution"] = distribution_name(tolerances.distribution);
   for (const Source source : leading_sources(actuator)) {
-    for (const double value : tolerances.measured[index(source)]) {
+    for (const double value : tolerances.measured[source]) {
       json["measured"][file_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
   }

@@ -133,11 +133,8 @@ std::vector<DesignVariable> variables_of(Section section, const Robot& robot) {
   for (const Source source : leading_sources(actuator)) {
     std::optional<Section> cost = section.optional_table(file_key(source, actuator));
     if (!cost) continue;
-    std::vector<Source> sources;
-    for (const Source other : sources_of(actuator)) {
-      if (shared_name(other, actuator) == shared_name(source, actuator)) sources.push_back(other);
-    }
-    variables.push_back(variable_of(std::move(*cost), std::move(sources), robot));
+    const std::span<const Source> sources = sharing(source, actuator);
+    variables.push_back(variable_of(std::move(*cost), {sources.begin(), sources.end()}, robot));
   }
   section.refuse_others();
   return variables;

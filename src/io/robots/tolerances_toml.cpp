@@ -84,7 +84,7 @@ class ToleranceTable {
                         fmt::format("expected {} within {:.4g}, got {:g}", measured->key_path(key(source)),
                                     limit(source), value));
         }
-        tolerances_.measured[index(source)].push_back(from_file_unit(unit(source, actuator_), value));
+        tolerances_.measured[source].push_back(from_file_unit(unit(source, actuator_), value));
       }
     }
     measured->refuse_others();
@@ -98,7 +98,7 @@ class ToleranceTable {
       bool known = false;
       for (const Source source : sources_of(actuator_)) {
         if (key(source) != name) continue;
-        tolerances_.origin[index(source)] = Origin::generous;
+        tolerances_.origin[source] = Origin::generous;
         known = true;
       }
       if (!known) {
@@ -110,8 +110,8 @@ class ToleranceTable {
 
   /// A rail's arm_length need not be listed: e says the same.
   bool is_open(Source source) {
-    const bool listed = section_.find(key(source)) != nullptr || !tolerances_.measured[index(source)].empty();
-    return !listed && (coordinate(source, actuator_) || is_felt(source, actuator_));
+    const bool listed = section_.find(key(source)) != nullptr || !tolerances_.measured[source].empty();
+    return !listed && (coordinate(source) || is_felt(source, actuator_));
   }
 
   /// Empty where the table does not say.
@@ -130,9 +130,9 @@ class ToleranceTable {
     std::string missing;
     for (const Source source : sources_of(actuator_)) {
       if (!is_open(source)) continue;
-      tolerances_.origin[index(source)] = others == kGenerous ? Origin::generous : Origin::exact;
+      tolerances_.origin[source] = others == kGenerous ? Origin::generous : Origin::exact;
       if (others == kGenerous) tolerances_[source] = generous[source];
-      if (!is_leading(source, actuator_)) continue;  // the key of the first
+      if (!is_leading(source)) continue;  // the key of the first
       missing.append(missing.empty() ? "" : ", ").append(key(source));
     }
     if (!others.empty() || missing.empty()) return;
@@ -178,7 +178,7 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator, con
   std::string measured;
   for (const Source source : listed_tolerances(tolerances, actuator)) {
     std::vector<double> values;
-    for (const double value : tolerances.measured[index(source)]) {
+    for (const double value : tolerances.measured[source]) {
       values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
     }
     if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, actuator), array(values));

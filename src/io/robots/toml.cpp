@@ -88,12 +88,12 @@ SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointS
     Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
     for (const Source source : leading_sources(joints.actuator)) {
       const std::string key = file_key(source, joints.actuator);
-      if (!coordinate(source, joints.actuator)) {
+      if (!coordinate(source)) {
         const Unit inside = unit(source, joints.actuator);
         errors(i, source) = from_file_unit(inside, limb.number_or(key, 0.0, error_range(inside, joints.reach)));
       } else if (limb.find(key)) {
         const std::vector<double> point = limb.numbers(key, plausible::error(joints.reach), 3);
-        for (std::size_t k = 0; k < 3; ++k) errors(i, static_cast<Source>(index(source) + k)) = point[k];
+        for (std::size_t k = 0; k < 3; ++k) errors(i, sharing(source, joints.actuator)[k]) = point[k];
       }
     }
     limb.refuse_others();
@@ -226,10 +226,8 @@ std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb
   std::vector<LimbValues> all;
   const auto value = [&](Source source) { return to_file_unit(unit(source, actuator), errors(limb, source)); };
   for (const Source source : leading_sources(actuator)) {
-    std::vector<double> values{value(source)};
-    for (std::size_t k = 1; coordinate(source, actuator) && k < 3; ++k) {
-      values.push_back(value(static_cast<Source>(index(source) + k)));
-    }
+    std::vector<double> values;
+    std::ranges::transform(sharing(source, actuator), std::back_inserter(values), value);
     all.push_back({file_key(source, actuator), std::move(values)});
   }
   return all;

@@ -26,8 +26,7 @@ double file_factor(Source source, Actuator actuator) { return to_file_unit(unit(
 
 std::string file_key(Source source, Actuator actuator) {
   const Unit inside = unit(source, actuator);
-  return fmt::format("{}_{}", shared_name(source, actuator),
-                     inside == Unit::mm_per_m ? "mm_per_m" : paracal::file_unit(inside));
+  return fmt::format("{}_{}", shared_name(source), inside == Unit::mm_per_m ? "mm_per_m" : paracal::file_unit(inside));
 }
 
 std::string joint_speed_key(Actuator actuator) {
@@ -47,21 +46,21 @@ std::array<std::pair<std::string, double>, 2> joint_limits_in_file(const JointLi
 std::vector<Source> leading_sources(Actuator actuator) {
   std::vector<Source> sources;
   for (const Source source : sources_of(actuator)) {
-    if (is_leading(source, actuator)) sources.push_back(source);
+    if (is_leading(source)) sources.push_back(source);
   }
   return sources;
 }
 
 std::vector<Source> listed_tolerances(const Tolerances& tolerances, Actuator actuator) {
   std::vector<Source> sources = leading_sources(actuator);
-  std::erase_if(sources, [&](Source source) { return tolerances.origin[index(source)] == Origin::exact; });
+  std::erase_if(sources, [&](Source source) { return tolerances.origin[source] == Origin::exact; });
   return sources;
 }
 
 std::vector<std::string> generous_keys(const Tolerances& tolerances, Actuator actuator) {
   std::vector<std::string> keys;
   for (const Source source : leading_sources(actuator)) {
-    if (tolerances.origin[index(source)] == Origin::generous) keys.push_back(file_key(source, actuator));
+    if (tolerances.origin[source] == Origin::generous) keys.push_back(file_key(source, actuator));
   }
   return keys;
 }
