@@ -37,8 +37,7 @@ std::vector<Pose> path_in(const Workspace& workspace) {
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < kPoses; ++k) {
     const double turn = 2.0 * std::numbers::pi * static_cast<double>(k) / kPoses;
-    const double z = workspace.centre().z() + 0.4 * workspace.height * std::sin(2.0 * turn);
-    poses.push_back({Workspace::on_circle(0.9 * workspace.radius, turn, z), 0.0,
+    poses.push_back({workspace.at(0.9, turn, 0.5 - 0.4 * std::sin(2.0 * turn)), 0.0,
                      0.9 * workspace.max_tilt * Eigen::Vector3d(std::sin(turn), std::cos(turn), std::sin(3.0 * turn))});
   }
   return poses;

@@ -34,11 +34,11 @@ SourceErrors draw_errors(std::size_t limb_count, Random& random) {
 
 Pose draw_pose(const Workspace& workspace, Random& random) {
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  const double radius = workspace.radius * std::sqrt(share(random));
+  const double outward = std::sqrt(share(random));
   const double azimuth = 2.0 * std::numbers::pi * share(random);
-  const double z = workspace.top_z - workspace.height * share(random);
+  const double depth = share(random);
   const double rotation = std::lerp(workspace.min_rotation, workspace.max_rotation, share(random));
-  return {Workspace::on_circle(radius, azimuth, z), rotation};
+  return {workspace.at(outward, azimuth, depth), rotation};
 }
 
 }  // namespace

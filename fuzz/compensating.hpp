@@ -27,9 +27,8 @@ inline Numbers numbers_of(const std::uint8_t* data) {
 inline double share(float number) { return std::isfinite(number) ? std::abs(std::remainder(number, 2.0F)) : 0.5; }
 
 inline Pose within(const Workspace& workspace, const Numbers& at) {
-  const double z = workspace.top_z - share(at.z) * workspace.height;
   const double phi = workspace.min_rotation + share(at.phi) * (workspace.max_rotation - workspace.min_rotation);
-  return {Workspace::on_circle(share(at.x) * workspace.radius, 2.0 * std::numbers::pi * share(at.y), z), phi};
+  return {workspace.at(share(at.x), 2.0 * std::numbers::pi * share(at.y), share(at.z)), phi};
 }
 
 /// A robot of the catalogue with errors drawn from its tolerances.

@@ -31,15 +31,10 @@ py::dict geometry_of(const Robot& robot) {
   return found;
 }
 
-py::dict workspace_of(const Robot& robot) {
+py::dict angles_of(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
-  py::dict found("radius_mm"_a = workspace.radius, "height_mm"_a = workspace.height, "top_z_mm"_a = workspace.top_z);
-  if (robot.commands_tilt()) {
-    found["tilt_rad"] = workspace.max_tilt;
-  } else {
-    found["rotation_rad"] = py::make_tuple(workspace.min_rotation, workspace.max_rotation);
-  }
-  return found;
+  if (robot.commands_tilt()) return py::dict("tilt_rad"_a = workspace.max_tilt);
+  return py::dict("rotation_rad"_a = py::make_tuple(workspace.min_rotation, workspace.max_rotation));
 }
 
 /// What a controller commands, by its names.
@@ -105,7 +100,7 @@ void add_robots(py::module_& module) {
       .def_property_readonly("freedoms", &freedoms_of)
       .def_property_readonly("rotates", [](const Robot& robot) { return robot.slide().has_value(); })
       .def_property_readonly("geometry", &geometry_of)
-      .def_property_readonly("workspace", &workspace_of)
+      .def_property_readonly("workspace_angles", &angles_of)
       .def_property_readonly("sources", &sources_of)
       .def_property_readonly("intended", [](const Robot& robot) { return array_of(robot.intended(), robot); })
       .def("json", [](const Robot& robot) { return text_of(io::to_json(robot).dump()); })

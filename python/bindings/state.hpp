@@ -45,7 +45,9 @@ PARACAL_FIELDS(SingleRod, base, plate, length, arm, axis, at_zero, behind)
 PARACAL_FIELDS(Geometry, base_radius, plate_radius, arm, rod, parallelogram_width, limb_azimuth, actuator, single_rods,
                freedoms)
 PARACAL_FIELDS(Slide, axis, sign, pinion_radius)
-PARACAL_FIELDS(Workspace, radius, height, top_z, min_rotation, max_rotation, max_tilt, tilts_about)
+PARACAL_FIELDS(Workspace::Box, x, y, z)
+PARACAL_FIELDS(Workspace::Level, z, radius)
+PARACAL_FIELDS(Workspace, radius, height, top_z, min_rotation, max_rotation, max_tilt, tilts_about, axis, box, levels)
 PARACAL_FIELDS(JointLimits, speed, acceleration)
 PARACAL_FIELDS(Tolerances, half_width, distribution, measured, origin, assumed)
 PARACAL_FIELDS(RobotDescription, name, geometry, slide, workspace, tolerances, intended, controller_origin,

@@ -102,10 +102,12 @@ class Robot:
 
     @property
     def workspace(self) -> dict[str, Any]:
-        """The cylindrical workspace; the keys state the units. z extends downwards from top_z_mm.
-        rotation_rad: smallest and largest phi. tilt_rad: largest absolute value of each
-        commanded tilt."""
-        return self._native.workspace
+        """The workspace with the keys of its shape in robot files, which state the units: a
+        cylinder from top_z_mm downwards, a box, or heights and radii. rotation_rad: smallest and
+        largest phi. tilt_rad: largest absolute value of each commanded tilt."""
+        stated = json.loads(self._native.json())["workspace"]
+        shape = {key: value for key, value in stated.items() if key.endswith("_mm")}
+        return {**shape, **self._native.workspace_angles}
 
     @property
     def sources(self) -> tuple[str, ...]:

@@ -57,9 +57,7 @@ std::optional<CompensatorJoints<double>> joints_at(const CompensatorParameters<d
 void on_the_ends(const Robot& robot, const CompensatorParameters<double>& parameters, const auto& take) {
   constexpr int kCircles = 16, kPointsPerCircle = 72;
   for (int circle = 0; circle <= kCircles; ++circle) {
-    Workspace inner = robot.workspace();
-    inner.radius *= static_cast<double>(circle) / kCircles;
-    for (const Pose& pose : inner.rim(kPointsPerCircle)) {
+    for (const Pose& pose : robot.workspace().rim(kPointsPerCircle, static_cast<double>(circle) / kCircles)) {
       if (const auto joints = joints_at(parameters, pose)) take(pose, *joints);
     }
   }
@@ -122,9 +120,12 @@ std::string axis(char letter, const Travel& travel, double sample_speed) {
 
 std::string axes(const Robot& robot, double share) {
   const Workspace& whole = robot.workspace();
-  const Travel level{-whole.radius, whole.radius}, height{whole.top_z - whole.height, whole.top_z};
+  const Eigen::AlignedBox3d bounds = whole.bounds();
   const double linear = share * kLinearSpeed;
-  std::string text = axis('X', level, linear) + axis('Y', level, linear) + axis('Z', height, linear);
+  std::string text;
+  for (int k = 0; k < 3; ++k) {
+    text += axis(static_cast<char>('X' + k), {bounds.min()[k], bounds.max()[k]}, linear);
+  }
   if (!robot.slide()) return text;
   return text + axis('C', {to_degrees(whole.min_rotation), to_degrees(whole.max_rotation)}, share * kTurningSpeed);
 }
@@ -162,11 +163,15 @@ std::string motor_loops(const Robot& robot) {
 /// Places in the workspace, mm, and a turn to both sides where the plate has one.
 void add_places(const Robot& robot, Values& values) {
   const Workspace& workspace = robot.workspace();
-  const double centre = workspace.centre().z();
-  values.emplace_back("FLOOR", number(workspace.top_z - workspace.height));
-  values.emplace_back("CENTRE", number(centre));
-  values.emplace_back("ABOVE", number(centre + 0.25 * workspace.height));
-  values.emplace_back("QUARTER", number(0.25 * workspace.radius));
+  const Eigen::Vector3d centre = workspace.centre();
+  const double quarter = 0.25 * std::min(workspace.half_width(0), workspace.half_width(1));
+  values.emplace_back("FLOOR", number(workspace.bounds().min().z()));
+  values.emplace_back("CENTRE_X", number(centre.x()));
+  values.emplace_back("CENTRE_Y", number(centre.y()));
+  values.emplace_back("CENTRE_Z", number(centre.z()));
+  values.emplace_back("ABOVE", number(centre.z() + 0.25 * workspace.height));
+  values.emplace_back("QUARTER", number(quarter));
+  values.emplace_back("AT_QUARTER", number(centre.x() + quarter));
   const std::string turn = fmt::format("G1 C{}\nG1 C{}\nG0 C0\n", number(0.5 * to_degrees(workspace.max_rotation)),
                                        number(0.5 * to_degrees(workspace.min_rotation)));
   values.emplace_back("TURN", robot.slide() ? turn : "");

@@ -175,8 +175,7 @@ std::vector<SelfTestCase> single_rod_self_test(const Robot& robot, const Machine
   const std::size_t count = std::max(kFewest, tilts.size());
   for (std::size_t k = 0; k < count; ++k) {
     const double azimuth = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(count);
-    const double z = workspace.top_z - (k % 2 == 0 ? 0.0 : workspace.height);
-    poses.push_back({Workspace::on_circle(workspace.radius, azimuth, z), 0.0, tilts[k % tilts.size()]});
+    poses.push_back({workspace.at(1.0, azimuth, k % 2 == 0 ? 0.0 : 1.0), 0.0, tilts[k % tilts.size()]});
   }
   std::vector<SelfTestCase> cases;
   for (const Pose& pose : poses) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -38,10 +39,7 @@ double bend(const AxisValues& start, const AxisValues& at, const AxisValues& end
 /// Places of the workspace, its axis and its rims, in the frame of paths.
 std::vector<AxisValues> samples(const Robot& robot, const Eigen::Vector3d& origin) {
   std::vector<Pose> poses = robot.workspace().rim(8);
-  for (Pose pose : robot.workspace().rim(8)) {
-    pose.position.head<2>() *= 0.5;
-    poses.push_back(pose);
-  }
+  std::ranges::copy(robot.workspace().rim(8, 0.5), std::back_inserter(poses));
   poses.push_back({robot.workspace().centre(), 0.0});
   std::vector<AxisValues> places;
   places.reserve(poses.size());

@@ -58,9 +58,10 @@ void check_proportions(const RobotDescription& robot) {
   };
   for (const auto& [name, length] : all) check(name, length);
   const Workspace& workspace = robot.workspace;
-  check("workspace.radius_mm", workspace.radius);
-  if (!workspace.is_flat()) check("workspace.height_mm", workspace.height);
-  if (workspace.top_z != 0.0) check("workspace.top_z_mm", std::abs(workspace.top_z));
+  const auto [radius, height, top] = workspace.keys();
+  check(fmt::format("workspace.{}", radius), workspace.radius);
+  if (!workspace.is_flat()) check(fmt::format("workspace.{}", height), workspace.height);
+  if (workspace.top_z != 0.0) check(fmt::format("workspace.{}", top), std::abs(workspace.top_z));
 }
 
 void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
@@ -110,15 +111,15 @@ void check_slide(Slide& slide, std::size_t limbs) {
 }
 
 void check_workspace(const Workspace& workspace, bool has_slide, const Geometry& geometry) {
-  require_positive_mm("workspace.radius_mm", workspace.radius);
+  workspace.check_shape();
   if (on_single_rods(geometry.actuator)) return detail::check_side(workspace, geometry.freedoms);
-  require_positive_mm("workspace.height_mm", workspace.height);
+  require_positive_mm(fmt::format("workspace.{}", workspace.keys().height), workspace.height);
   if (workspace.max_tilt != 0.0) {
     throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
   }
   if (!(workspace.top_z < 0.0) || !std::isfinite(workspace.top_z)) {
-    throw InvalidArgument(
-        fmt::format("workspace.top_z_mm: expected a depth below the base (< 0 mm), got {} mm", workspace.top_z));
+    throw InvalidArgument(fmt::format("workspace.{}: expected a depth below the base (< 0 mm), got {} mm",
+                                      workspace.keys().top, workspace.top_z));
   }
   const double low = to_degrees(workspace.min_rotation), high = to_degrees(workspace.max_rotation);
   if (!(low <= high) || !std::isfinite(low) || !std::isfinite(high)) {
@@ -300,8 +301,7 @@ JointSpace Robot::joint_space() const {
 
 double Robot::reach() const {
   const double parts = geometry().base_radius + geometry().arm + geometry().rod + geometry().plate_radius;
-  const double depth = std::max(std::abs(workspace().top_z), std::abs(workspace().top_z - workspace().height));
-  return std::max(parts, std::hypot(workspace().radius, depth));
+  return std::max(parts, workspace().farthest());
 }
 
 double largest_error(const Geometry& geometry, Source source) {

@@ -92,13 +92,13 @@ void require_one_side(const Machine& machine, const Pose& centre, const Pose& po
 std::vector<Pose> poses_to_hold(const Workspace& workspace) {
   std::vector<Pose> poses;
   for (int layer = 0; layer < workspace.layers(3); ++layer) {
-    const double z = workspace.layer_z(layer, workspace.layers(3));
+    const double depth = Workspace::layer_depth(layer, workspace.layers(3));
     for (const Eigen::Vector3d& tilt : workspace.tilts()) {
-      poses.push_back({Eigen::Vector3d(0.0, 0.0, z), 0.0, tilt});
+      poses.push_back({workspace.at(0.0, 0.0, depth), 0.0, tilt});
       for (int k = 0; k < 2 * kHalfTurnSteps; ++k) {
         const double azimuth = std::numbers::pi * k / kHalfTurnSteps;
         for (const double share : {0.5, 1.0}) {
-          poses.push_back({Workspace::on_circle(share * workspace.radius, azimuth, z), 0.0, tilt});
+          poses.push_back({workspace.at(share, azimuth, depth), 0.0, tilt});
         }
       }
     }
@@ -227,17 +227,18 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   const double bottom = workspace.top_z - workspace.height;
   if (freedoms.holds_z() ? workspace.height != 0.0 : !(workspace.height > 0.0)) {
     throw InvalidArgument(
-        fmt::format("workspace.height_mm: expected {}, got {:g} mm",
+        fmt::format("workspace.{}: expected {}, got {:g} mm", workspace.keys().height,
                     freedoms.holds_z() ? "nothing or 0 for a plate that stays in its plane" : "a length above 0 mm",
                     workspace.height));
   }
   if (!std::isfinite(workspace.top_z) || !std::isfinite(bottom)) {
-    throw InvalidArgument(fmt::format("workspace.top_z_mm: expected a number, got {} mm", workspace.top_z));
+    throw InvalidArgument(
+        fmt::format("workspace.{}: expected a number, got {} mm", workspace.keys().top, workspace.top_z));
   }
   if (!freedoms.holds_z() && !(workspace.top_z < 0.0 || bottom > 0.0)) {
     throw InvalidArgument(
-        fmt::format("workspace.top_z_mm: expected a workspace above or below the base, got z from {} to {} mm", bottom,
-                    workspace.top_z));
+        fmt::format("workspace.{}: expected a workspace above or below the base, got z from {} to {} mm",
+                    workspace.keys().top, bottom, workspace.top_z));
   }
   if (!(workspace.max_tilt >= 0.0) || !(workspace.max_tilt < 0.5 * std::numbers::pi)) {
     throw InvalidArgument(fmt::format("workspace.tilt_deg: expected at least 0 and less than 90 deg, got {:g}",

@@ -11,7 +11,7 @@ namespace paracal::report::detail {
 /// The points of every map: three layers, six circles of 24 points around the axis.
 inline constexpr PolarGrid kMapGrid{.radii = 6, .azimuths = 24, .layers = 3};
 
-/// {radii_mm, azimuths_deg, layers_mm} of that grid.
+/// {radii_mm, azimuths_deg, layers_mm} of that grid, in the cylinder around the workspace.
 io::Json map_axes(const Workspace& workspace);
 
 /// {x_mm, y_mm, z_mm}

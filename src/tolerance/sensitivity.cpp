@@ -45,10 +45,9 @@ GlobalSensitivity mean_sensitivity(const Robot& robot, Characteristic characteri
 
 GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characteristic,
                                      const GlobalSensitivityOptions& options) {
-  GlobalSensitivity coarse = mean_sensitivity(robot, characteristic, cylinder_rule(robot, 0, options.all_rotations));
+  GlobalSensitivity coarse = mean_sensitivity(robot, characteristic, volume_rule(robot, 0, options.all_rotations));
   for (int level = 1;; ++level) {
-    GlobalSensitivity fine =
-        mean_sensitivity(robot, characteristic, cylinder_rule(robot, level, options.all_rotations));
+    GlobalSensitivity fine = mean_sensitivity(robot, characteristic, volume_rule(robot, level, options.all_rotations));
     fine.error = (fine.mean - coarse.mean).abs();
     fine.largest = fine.largest.max(coarse.largest);
     if ((fine.error <= options.relative_error * fine.mean).all() || level >= options.max_level) return fine;

@@ -39,9 +39,37 @@ std::vector<Node> tilt_rule(const Workspace& workspace, int axis, int n) {
   return largest == 0.0 ? std::vector<Node>{{0.0, 1.0}} : gauss_rule(n, -largest, largest);
 }
 
-std::vector<Node> height_rule(const Workspace& workspace, int n) {
-  if (workspace.is_flat()) return {{workspace.top_z, 1.0}};
-  return gauss_rule(n, workspace.top_z - workspace.height, workspace.top_z);
+/// Gauss between the edges of [0, 1] or of a turn: an integrand is smooth there. Weights are lengths.
+std::vector<Node> between_edges(const std::vector<double>& edges, int n) {
+  std::vector<Node> nodes;
+  for (std::size_t k = 1; k < edges.size(); ++k) {
+    const double length = edges[k] - edges[k - 1];
+    for (const Node& node : gauss_rule(n, edges[k - 1], edges[k])) nodes.push_back({node.place, length * node.weight});
+  }
+  return nodes;
+}
+
+/// Depths with the share of the volume at each.
+std::vector<Node> depth_rule(const Workspace& workspace, int n) {
+  if (workspace.is_flat()) return {{0.0, 1.0}};
+  std::vector<Node> nodes = between_edges(workspace.edge_depths(), n);
+  double volume = 0.0;
+  for (Node& node : nodes) volume += node.weight *= workspace.layer_area(node.place);
+  for (Node& node : nodes) node.weight /= volume;
+  return nodes;
+}
+
+/// Evenly spaced, which is best for a wall without edges; else Gauss on each side.
+std::vector<Node> azimuth_rule(const Workspace& workspace, int n) {
+  std::vector<double> edges = workspace.edge_azimuths();
+  std::vector<Node> nodes;
+  for (int k = 0; edges.empty() && k < n; ++k) nodes.push_back({2.0 * std::numbers::pi * k / n, 1.0 / n});
+  if (edges.empty()) return nodes;
+  const int of_a_side = n / static_cast<int>(edges.size());
+  edges.push_back(edges.front() + 2.0 * std::numbers::pi);
+  nodes = between_edges(edges, of_a_side);
+  for (Node& node : nodes) node.weight *= 0.5 / std::numbers::pi;
+  return nodes;
 }
 
 /// Poses at the origin, each with its share.
@@ -85,15 +113,16 @@ Pose moved(Pose pose, const Eigen::Vector3d& place) {
 
 std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across, int layers) {
   const Workspace& workspace = robot.workspace();
-  const auto coordinate = [&](int k) { return workspace.radius * (2.0 * k / (across - 1) - 1.0); };
-  const double reach = workspace.radius * (1.0 + 1e-12);
+  const Eigen::Vector3d centre = workspace.centre(), half = 0.5 * workspace.bounds().sizes();
+  const auto coordinate = [&](int axis, int k) { return centre[axis] + half[axis] * (2.0 * k / (across - 1) - 1.0); };
+  const double rounding = 1e-12 * workspace.radius;
   std::vector<WeightedPose> points;
   layers = workspace.layers(layers);
   for (int k = 0; k < layers; ++k) {
     for (int i = 0; i < across; ++i) {
       for (int j = 0; j < across; ++j) {
-        const double x = coordinate(i), y = coordinate(j);
-        if (std::hypot(x, y) <= reach) points.push_back({{{x, y, workspace.layer_z(k, layers)}, 0.0}, 0.0});
+        const Eigen::Vector3d place(coordinate(0, i), coordinate(1, j), workspace.layer_z(k, layers));
+        if (workspace.contains(place, rounding)) points.push_back({{place, 0.0}, 0.0});
       }
     }
   }
@@ -101,23 +130,23 @@ std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across, int lay
   return points;
 }
 
-std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_rotations) {
+std::vector<WeightedPose> volume_rule(const Robot& robot, int level, bool all_rotations) {
   const Workspace& workspace = robot.workspace();
-  const int n = 1 << level, azimuths = 12 * n;
-  const std::vector<Node> radii = gauss_rule(4 * n, 0.0, workspace.radius);
-  const std::vector<Node> heights = height_rule(workspace, 2 * n);
+  const int n = 1 << level;
+  const std::vector<Node> shares = gauss_rule(4 * n, 0.0, 1.0);
+  const std::vector<Node> azimuths = azimuth_rule(workspace, 12 * n);
+  const std::vector<Node> depths = depth_rule(workspace, 2 * n);
   const std::vector<WeightedPose> turned = orientation_rule(workspace, 2 * n, all_rotations);
   std::vector<WeightedPose> points;
-  points.reserve(radii.size() * heights.size() * turned.size() * static_cast<std::size_t>(azimuths));
-  for (const Node& height : heights) {
-    for (const Node& radius : radii) {
+  points.reserve(shares.size() * depths.size() * turned.size() * azimuths.size());
+  for (const Node& depth : depths) {
+    for (const Node& share : shares) {
       let_interrupt();
-      const double ring = 2.0 * radius.weight * radius.place / workspace.radius / azimuths;
-      for (int k = 0; k < azimuths; ++k) {
-        const double azimuth = 2.0 * std::numbers::pi * k / azimuths;
-        const Eigen::Vector3d position = Workspace::on_circle(radius.place, azimuth, height.place);
+      const double ring = 2.0 * share.weight * share.place * depth.weight;
+      for (const Node& azimuth : azimuths) {
+        const Eigen::Vector3d place = workspace.at(share.place, azimuth.place, depth.place);
         for (const WeightedPose& one : turned) {
-          points.push_back({moved(one.pose, position), ring * height.weight * one.weight});
+          points.push_back({moved(one.pose, place), ring * azimuth.weight * one.weight});
         }
       }
     }
@@ -130,13 +159,14 @@ std::vector<Pose> polar_grid(const Robot& robot, const PolarGrid& grid, bool all
   std::vector<Pose> poses;
   const int layers = workspace.layers(grid.layers);
   for (int k = 0; k < layers; ++k) {
-    const double z = workspace.layer_z(k, layers);
+    const double depth = Workspace::layer_depth(k, layers);
     for (const Pose& turned : extreme_orientations(workspace, all_rotations)) {
-      poses.push_back(moved(turned, {0.0, 0.0, z}));
+      poses.push_back(moved(turned, workspace.at(0.0, 0.0, depth)));
       for (int i = 1; i <= grid.radii; ++i) {
         for (int j = 0; j < grid.azimuths; ++j) {
           const double azimuth = 2.0 * std::numbers::pi * j / grid.azimuths;
-          poses.push_back(moved(turned, Workspace::on_circle(workspace.radius * i / grid.radii, azimuth, z)));
+          const double share = static_cast<double>(i) / grid.radii;
+          poses.push_back(moved(turned, workspace.at(share, azimuth, depth)));
         }
       }
     }

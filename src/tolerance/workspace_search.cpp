@@ -16,8 +16,8 @@ constexpr int kMostRefinements = 10;
 constexpr double kGain = 1e-6;  // relative, below which the best is not begun anew
 constexpr double kStep = 1e-4;  // relative, where the refinement ends: the maximum is flat there or on the surface
 
-/// Radius, azimuth, height and rotation, each over its range but the azimuth, which may turn freely; then, where the
-/// plate tilts, its three angles over max_tilt.
+/// Share of the way out, azimuth, depth and rotation, each over its range but the azimuth, which may turn freely; then,
+/// where the plate tilts, its three angles over max_tilt.
 struct Cylindrical {
   const Workspace& workspace;
 
@@ -25,9 +25,7 @@ struct Cylindrical {
   bool tilts() const { return workspace.max_tilt > 0.0; }
 
   Pose pose(const std::vector<double>& x) const {
-    const double z = workspace.top_z - workspace.height * x[2];
-    Pose pose{Workspace::on_circle(workspace.radius * x[0], 2.0 * std::numbers::pi * x[1], z),
-              workspace.min_rotation + turn() * x[3]};
+    Pose pose{workspace.at(x[0], 2.0 * std::numbers::pi * x[1], x[2]), workspace.min_rotation + turn() * x[3]};
     for (int axis = 0; tilts() && axis < 3; ++axis) {
       pose.tilt(axis) = workspace.tilt_about(axis) * x[4 + static_cast<std::size_t>(axis)];
     }
@@ -35,10 +33,8 @@ struct Cylindrical {
   }
 
   std::vector<double> coordinates(const Pose& pose) const {
-    const double azimuth = std::atan2(pose.position.y(), pose.position.x());
-    std::vector<double> x{std::min(std::hypot(pose.position.x(), pose.position.y()) / workspace.radius, 1.0),
-                          0.5 * azimuth / std::numbers::pi,
-                          workspace.is_flat() ? 0.0 : share((workspace.top_z - pose.position.z()) / workspace.height),
+    const Eigen::Vector3d place = workspace.shares_of(pose.position);
+    std::vector<double> x{share(place[0]), 0.5 * place[1] / std::numbers::pi, share(place[2]),
                           turn() > 0.0 ? share((pose.rotation - workspace.min_rotation) / turn()) : 0.0};
     for (int axis = 0; tilts() && axis < 3; ++axis) {
       x.push_back(std::clamp(pose.tilt(axis) / workspace.max_tilt, -1.0, 1.0));

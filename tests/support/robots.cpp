@@ -41,6 +41,20 @@ RobotDescription inclined_rails() {
   return robot;
 }
 
+RobotDescription boxed() {
+  RobotDescription robot = catalogue::rotary_delta().description();
+  robot.name = "boxed";
+  robot.workspace = Workspace::of_box({.x = {-150.0, 350.5}, .y = {-250.0, 200.0}, .z = {-1050.0, -800.0}});
+  return robot;
+}
+
+RobotDescription levelled() {
+  RobotDescription robot = catalogue::rotary_delta().description();
+  robot.name = "levelled";
+  robot.workspace = Workspace::of_levels({{-800.0, 300.0}, {-900.0, 480.0}, {-1050.0, 350.0}});
+  return robot;
+}
+
 std::vector<std::string> templates_where(bool (*holds)(const Robot&)) {
   std::vector<std::string> kinds = io::robot_templates();
   std::erase_if(kinds, [&](const std::string& kind) { return !holds(robot_named(kind)); });
@@ -52,6 +66,8 @@ std::vector<std::string> templates_where(bool (*holds)(const Robot&)) {
 Robot robot_named(std::string_view name) {
   if (name == "unlike_limbs") return Robot(unlike_limbs());
   if (name == "inclined_rails") return Robot(inclined_rails());
+  if (name == "boxed") return Robot(boxed());
+  if (name == "levelled") return Robot(levelled());
   const std::vector<std::string> templates = io::robot_templates();
   if (std::ranges::find(templates, name) != templates.end()) return io::read_robot(io::robot_template(name));
   return catalogue::find(name);
@@ -85,10 +101,10 @@ const std::vector<std::string_view>& level_template_names() {
 
 Pose Random::pose(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
-  const double radius = workspace.radius * std::sqrt(uniform(0.0, 1.0));
+  const double share = std::sqrt(uniform(0.0, 1.0));
   const double azimuth = uniform(0.0, 2.0 * std::numbers::pi);
-  const double z = uniform(workspace.top_z - workspace.height, workspace.top_z);
-  Pose pose{Workspace::on_circle(radius, azimuth, z), uniform(workspace.min_rotation, workspace.max_rotation)};
+  const double depth = 1.0 - uniform(0.0, 1.0);
+  Pose pose{workspace.at(share, azimuth, depth), uniform(workspace.min_rotation, workspace.max_rotation)};
   for (int axis = 0; axis < 3; ++axis) {
     const double largest = workspace.tilt_about(axis);
     if (largest > 0.0) pose.tilt(axis) = uniform(-largest, largest);

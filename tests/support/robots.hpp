@@ -18,6 +18,8 @@ namespace paracal::test {
 ///
 ///   unlike_limbs    the rotary Delta with arms, rods and shoulders of three sizes, and axes that are not level
 ///   inclined_rails  a linear Delta with rails that lean outward by 20, 25 and 30 deg
+///   boxed           the rotary Delta in a box beside its axis
+///   levelled        the rotary Delta in a body of revolution, widest in between
 Robot robot_named(std::string_view name);
 
 /// Laws that hold for every robot are tested on every robot of the catalogue.
@@ -53,8 +55,9 @@ inline double joint_scale(const Robot& robot) {
                            paracal::test::robot_name)
 
 /// The same for robots that no catalogue has.
-#define PARACAL_ON_UNUSUAL_ROBOTS(suite)                                                                          \
-  INSTANTIATE_TEST_SUITE_P(Unusual, suite, ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails"), \
+#define PARACAL_ON_UNUSUAL_ROBOTS(suite)                                                                               \
+  INSTANTIATE_TEST_SUITE_P(Unusual, suite,                                                                             \
+                           ::testing::Values(std::string_view("unlike_limbs"), "inclined_rails", "boxed", "levelled"), \
                            paracal::test::robot_name)
 
 /// The same for robots on limbs with one rod, which are a file alone.

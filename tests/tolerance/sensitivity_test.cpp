@@ -136,7 +136,7 @@ TEST_P(SensitivityLaw, RuleIntegratesOverTheCylinder) {
   const Workspace& workspace = robot.workspace();
   double all = 0.0, radius2 = 0.0, x2 = 0.0, z = 0.0, phi2 = 0.0;
   Eigen::Vector3d tilt2 = Eigen::Vector3d::Zero();
-  for (const WeightedPose& point : cylinder_rule(robot, 0, true)) {
+  for (const WeightedPose& point : volume_rule(robot, 0, true)) {
     all += point.weight;
     radius2 += point.weight * point.pose.position.head<2>().squaredNorm();
     x2 += point.weight * std::pow(point.pose.position.x(), 2);
@@ -157,7 +157,7 @@ TEST(GlobalSensitivity, StatesItsError) {
   const Robot robot = catalogue::huang2016();
   const GlobalSensitivity stated =
       global_sensitivity(robot, {Quantity::tilt}, {.relative_error = 1e-2, .max_level = 2});
-  const GlobalSensitivity fine = mean_sensitivity(robot, {Quantity::tilt}, cylinder_rule(robot, 3, false));
+  const GlobalSensitivity fine = mean_sensitivity(robot, {Quantity::tilt}, volume_rule(robot, 3, false));
   for (const Source source : sources_of(robot.actuator()).last(ErrorModel::kTilt)) {
     const Eigen::Index k = place(source);
     EXPECT_LE(std::abs(stated.mean(k) - fine.mean(k)), std::max(stated.error(k), 1e-9 * fine.mean(k)));

@@ -47,9 +47,14 @@ export interface Plate {
   freedoms?: ("x" | "y" | "z" | "tilt_x" | "tilt_y" | "tilt_z")[];
 }
 export interface Workspace {
-  radius_mm: number;
-  height_mm: number;
-  top_z_mm: number;
+  radius_mm?: number;
+  height_mm?: number;
+  top_z_mm?: number;
+  x_mm?: Interval;
+  y_mm?: Interval;
+  z_mm?: Interval;
+  heights_mm?: number[];
+  radii_mm?: number[];
   rotation_deg: Interval;
   tilt_deg?: number;
 }

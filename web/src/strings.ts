@@ -249,6 +249,6 @@ export const strings = {
     robotColumns: ["dimension", "value"],
     limb: (limb: number, kind: string) => `limb ${limb}, ${kind}`,
     geometry: { actuator: "actuators", base_radius_mm: "base radius, mm", plate_radius_mm: "plate radius, mm", arm_mm: "arm, mm", rod_mm: "rod, mm", parallelogram_width_mm: "parallelogram width, mm", limb_azimuth_deg: "limb azimuths, deg" } as Record<string, string>,
-    workspace: { radius_mm: "workspace radius, mm", height_mm: "workspace height, mm", top_z_mm: "workspace top, z in mm", rotation_deg: "rotation, deg", tilt_deg: "tilt, deg" } as Record<string, string>,
+    workspace: { radius_mm: "workspace radius, mm", height_mm: "workspace height, mm", top_z_mm: "workspace top, z in mm", x_mm: "workspace x, mm", y_mm: "workspace y, mm", z_mm: "workspace z, mm", heights_mm: "workspace heights, z in mm", radii_mm: "radii at these heights, mm", rotation_deg: "rotation, deg", tilt_deg: "tilt, deg" } as Record<string, string>,
   },
 };

@@ -43,7 +43,7 @@ struct GlobalSensitivity {
 struct GlobalSensitivityOptions {
   bool all_rotations = false;    ///< also mean over phi or tilts; the paper uses phi = 0
   double relative_error = 1e-3;  ///< refine until every mean changes by less than this
-  int max_level = 4;             ///< of cylinder_rule(); the largest refinement
+  int max_level = 4;             ///< of volume_rule(); the largest refinement
 };
 
 GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characteristic,

@@ -12,13 +12,14 @@ struct WeightedPose {
   double weight = 0.0;
 };
 
-/// Equally weighted points of a Cartesian grid over the box around the cylinder, those within the cylinder: 21 x 21 x 5
-/// without rotation reproduce [huang2016, Table 2].
+/// Equally weighted points of a Cartesian grid over the box around the workspace, those within it: 21 x 21 x 5 without
+/// rotation reproduce [huang2016, Table 2].
 std::vector<WeightedPose> cartesian_grid(const Robot& robot, int across = 21, int layers = 5);
 
-/// A rule that integrates over the cylinder: Gauss in radius (weight r), height and, where asked for, rotation or, on
-/// struts, the three tilts; equidistant in azimuth. Each level has twice the points in every direction.
-std::vector<WeightedPose> cylinder_rule(const Robot& robot, int level, bool all_rotations);
+/// A rule that integrates over the workspace: Gauss outward (weight r), in depth and, where asked for, in rotation or,
+/// on struts, the three tilts; equidistant in azimuth, or Gauss between upright edges. Each level has twice the points
+/// in every direction.
+std::vector<WeightedPose> volume_rule(const Robot& robot, int level, bool all_rotations);
 
 /// Points of polar circles in equidistant layers, including the surface, without weights: to search for maxima.
 struct PolarGrid {

@@ -378,7 +378,7 @@ ControllerCheck check_controller(const Robot& robot, const std::vector<Displayed
 std::vector<ComparisonPose> comparison_poses(const Robot& robot) {
   const Workspace& workspace = robot.workspace();
   const Eigen::Vector3d home = workspace.centre();
-  const auto rim = [&](int axis) { return Pose{home + workspace.radius * Eigen::Vector3d::Unit(axis)}; };
+  const auto rim = [&](int axis) { return Pose{home + workspace.half_width(axis) * Eigen::Vector3d::Unit(axis)}; };
   std::vector<ComparisonPose> poses{{"home", Pose{home}, {}}, {"rim along x", rim(0), {}}, {"rim along y", rim(1), {}}};
   for (ComparisonPose& one : poses) one.joints = believed_joints(robot, {one.name, one.pose});
   return poses;

@@ -110,9 +110,7 @@ SourceErrors larger_robot(const Robot& robot) {
 Robot with(const Robot& robot, const Dimension& dimension, double value) {
   RobotDescription description = robot.description();
   description.tolerances = tolerances_of(robot);
-  description.workspace.top_z = robot.workspace().centre().z();
-  description.workspace.radius = 1.0;
-  description.workspace.height = std::min(robot.workspace().height, 1.0);
+  description.workspace = robot.workspace().about_centre(1.0);
   dimension.of(description) = value;
   return Robot(std::move(description));
 }

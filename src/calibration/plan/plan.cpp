@@ -21,12 +21,13 @@ Station home(const Robot& robot) { return {"P0", {robot.workspace().centre(), 0.
 /// So that a point on the x axis reads 0 and not 1e-13.
 Eigen::Vector3d to_nanometres(const Eigen::Vector3d& position) { return (position * 1e6).array().round() / 1e6 + 0.0; }
 
-/// n points on a circle, named on from the stations already there.
-void add_circle(std::vector<Station>& stations, double radius, double z, double rotation, int n, double start) {
+/// n points around a layer of the workspace, named on from the stations already there.
+void add_circle(std::vector<Station>& stations, const Workspace& workspace, double share, double depth, double rotation,
+                int n, double start) {
   for (int k = 0; k < n; ++k) {
     const double azimuth = start + 2.0 * std::numbers::pi * k / n;
-    const Eigen::Vector3d position = Workspace::on_circle(radius, azimuth, z);
-    stations.push_back({fmt::format("P{}", stations.size()), {to_nanometres(position), rotation}});
+    const Eigen::Vector3d position = to_nanometres(workspace.at(share, azimuth, depth));
+    stations.push_back({fmt::format("P{}", stations.size()), {position, rotation}});
   }
 }
 
@@ -60,15 +61,15 @@ Measurements planned_poses(const Robot& robot, const std::vector<Station>& stati
 
 std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth) {
   std::vector<Station> stations{home(robot)};
-  add_circle(stations, robot.workspace().radius, robot.workspace().centre().z(), 0.0, n, start_azimuth);
+  add_circle(stations, robot.workspace(), 1.0, 0.5, 0.0, n, start_azimuth);
   return stations;
 }
 
 std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimuth) {
   const Workspace& workspace = robot.workspace();
   std::vector<Station> stations{home(robot)};
-  add_circle(stations, workspace.radius, workspace.top_z, workspace.max_rotation, n, start_azimuth);
-  add_circle(stations, workspace.radius, workspace.top_z - workspace.height, workspace.min_rotation, n, start_azimuth);
+  add_circle(stations, workspace, 1.0, 0.0, workspace.max_rotation, n, start_azimuth);
+  add_circle(stations, workspace, 1.0, 1.0, workspace.min_rotation, n, start_azimuth);
   return stations;
 }
 
@@ -78,9 +79,9 @@ std::vector<Station> validation_stations(const Robot& robot) {
   std::vector<Station> stations{home(robot)};
   const int layers = workspace.layers(kLayers);
   for (int layer = 0; layer < layers; ++layer) {
-    const double z = workspace.layer_z(layer, layers);
     for (int circle = 1; circle <= kCircles; ++circle) {
-      add_circle(stations, workspace.radius * circle / kCircles, z, 0.0, kPoints * kLayers / layers, 0.0);
+      add_circle(stations, workspace, static_cast<double>(circle) / kCircles, Workspace::layer_depth(layer, layers),
+                 0.0, kPoints * kLayers / layers, 0.0);
     }
   }
   return stations;

@@ -170,8 +170,8 @@ class BallBar final : public LengthModel {
   /// On a table below the workspace.
   SetUp typical(const Robot& robot, const LengthSeries& series) const override {
     const Workspace& workspace = robot.workspace();
-    const double table = workspace.top_z - workspace.height - 0.5 * workspace.radius;
-    const Eigen::Vector3d point = series.at.value_or(Eigen::Vector3d(0.0, 0.0, table));
+    const Eigen::Vector3d lowest = workspace.at(0.0, 0.0, 1.0);
+    const Eigen::Vector3d point = series.at.value_or(lowest - 0.5 * workspace.radius * Eigen::Vector3d::UnitZ());
     return Eigen::Vector4d(point.x(), point.y(), point.z(), 0.0);
   }
 

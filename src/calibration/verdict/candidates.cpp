@@ -18,13 +18,14 @@
 namespace paracal {
 namespace {
 
-/// To whole mm without leaving the cylinder, or the plane: poses that someone may type.
-Eigen::Vector3d towards_axis(const Eigen::Vector3d& position, bool is_flat) {
-  const double z = position.z();
-  return {std::trunc(position.x()), std::trunc(position.y()), is_flat ? z : std::round(z)};
+/// To whole mm where that does not leave the workspace, or the plane: poses that someone may type.
+Eigen::Vector3d to_millimetres(const Eigen::Vector3d& place, const Workspace& workspace) {
+  const auto inward = [&](int k) { return place[k] > workspace.axis[k] ? std::floor(place[k]) : std::ceil(place[k]); };
+  const Eigen::Vector3d whole(inward(0), inward(1), workspace.is_flat() ? place.z() : std::round(place.z()));
+  return workspace.contains(whole, 0.0) ? whole : place;
 }
 
-/// Anywhere in the cylinder; on its mantle, its top or its bottom, and at the ends of the rotation, half of the time.
+/// Anywhere in the workspace; on its wall, its top or its bottom, and at the ends of the rotation, half of the time.
 Pose draw_pose(const Workspace& workspace, RandomStream& random) {
   const auto coin = [&] { return random.uniform() < 0.5; };
   const auto between_or_end = [&](double low, double high) {
@@ -32,11 +33,11 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
     return coin() ? low : high;
   };
   const double azimuth = 2.0 * std::numbers::pi * random.uniform();
-  const double radius = workspace.radius * (coin() ? 1.0 : std::sqrt(random.uniform()));
-  const double z = between_or_end(workspace.top_z - workspace.height, workspace.top_z);
+  const double share = coin() ? 1.0 : std::sqrt(random.uniform());
+  const double depth = between_or_end(1.0, 0.0);
   const double rotation = between_or_end(workspace.min_rotation, workspace.max_rotation);
   const auto whole_degrees = [](double angle) { return to_radians(std::trunc(to_degrees(angle))); };
-  Pose pose{towards_axis(Workspace::on_circle(radius, azimuth, z), workspace.is_flat()), whole_degrees(rotation)};
+  Pose pose{to_millimetres(workspace.at(share, azimuth, depth), workspace), whole_degrees(rotation)};
   for (int axis = 0; axis < 3; ++axis) {
     const double largest = workspace.tilt_about(axis);
     if (largest > 0.0) pose.tilt(axis) = whole_degrees(between_or_end(-largest, largest));

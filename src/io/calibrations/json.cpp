@@ -14,6 +14,14 @@ Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   return rows;
 }
 
+Json values_json(const std::vector<KeyValues>& values) {
+  Json json = Json::object();
+  for (const auto& [key, numbers] : values) {
+    json[key] = numbers.size() == 1 ? Json(numbers.front()) : json_array(numbers);
+  }
+  return json;
+}
+
 Json to_json(const Tolerances& tolerances, Actuator actuator) {
   Json json;
   const std::vector<Source> listed = listed_tolerances(tolerances, actuator);
@@ -66,25 +74,14 @@ Json to_json(const Robot& robot) {
                      {"slide_sign", json_array(slide->sign)},
                      {"pinion_radius_mm", slide->pinion_radius}};
   }
-  const Workspace& workspace = robot.workspace();
-  json["workspace"] = {{"radius_mm", workspace.radius},
-                       {"height_mm", workspace.height},
-                       {"top_z_mm", workspace.top_z},
-                       {"rotation_deg", {tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}}};
-  if (workspace.max_tilt > 0.0) json["workspace"]["tilt_deg"] = tidy_degrees(workspace.max_tilt);
+  json["workspace"] = values_json(workspace_values(robot.workspace()));
   if (!robot.controller_origin().isZero(0.0)) {
     json["controller"] = {{"origin_mm", json_array(robot.controller_origin())}};
   }
   if (const auto& limits = robot.joint_limits()) {
     for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator())) json["joints"][key] = value;
   }
-  for (const auto& limb : intended_values(robot)) {
-    Json values = Json::object();
-    for (const auto& [key, numbers] : limb) {
-      values[key] = numbers.size() == 1 ? Json(numbers.front()) : json_array(numbers);
-    }
-    json["limb"].push_back(std::move(values));
-  }
+  for (const auto& limb : intended_values(robot)) json["limb"].push_back(values_json(limb));
   if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.actuator());
   return json;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "paracal/io/json.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "section.hpp"
 
@@ -24,17 +25,24 @@ Tolerances tolerances_of(Section section, const Geometry& geometry, const Source
 /// @throws InputFileError for missing, unknown or wrongly typed keys, and for geometry that Robot refuses.
 Robot robot_of(const std::string& file, const toml::table& document);
 
-/// What a [[limb]] table says under one key, in the units of files.
-struct LimbValues {
+/// What a table says under one key, in the units of files.
+struct KeyValues {
   std::string key;
-  std::vector<double> values;  ///< three of e_mm, else one
+  std::vector<double> values;  ///< one that is alone is a number, more are a list
 };
 
+/// A table in TOML and in JSON.
+std::string values_toml(const std::vector<KeyValues>& values);
+Json values_json(const std::vector<KeyValues>& values);
+
+/// What [workspace] says: in the shape that was read.
+std::vector<KeyValues> workspace_values(const Workspace& workspace);
+
 /// All errors of one limb.
-std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator);
+std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator);
 
 /// What each limb is intended to differ by, without zeros; empty where all limbs are alike.
-std::vector<std::vector<LimbValues>> intended_values(const Robot& robot);
+std::vector<std::vector<KeyValues>> intended_values(const Robot& robot);
 
 /// "[1, 2.5]"
 std::string array(const auto& values) {

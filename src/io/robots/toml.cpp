@@ -48,22 +48,76 @@ Slide slide_of(Section section) {
   return slide;
 }
 
+std::array<double, 2> range_of(Section& section, const char* key, const plausible::Range& range) {
+  const toml::node& node = section.require(key, "[smallest, largest]");
+  const std::vector<double> limits = section.numbers_of(node, key, range);
+  if (limits.size() == 2) return {limits[0], limits[1]};
+  section.fail(
+      node, fmt::format("expected [smallest, largest] for {}, got {} numbers", section.key_path(key), limits.size()));
+}
+
 /// @param is_flat  guides hold the plate in a plane: z = 0, where nobody says where.
-Workspace workspace_of(Section section, bool is_flat) {
-  Workspace workspace;
-  workspace.radius = section.number("radius_mm", plausible::kFinite);
-  workspace.height = is_flat ? section.number_or("height_mm", 0.0, plausible::kFinite)
-                             : section.number("height_mm", plausible::kFinite);
-  workspace.top_z =
-      is_flat ? section.number_or("top_z_mm", 0.0, plausible::kFinite) : section.number("top_z_mm", plausible::kFinite);
-  if (const toml::node* rotation = section.find("rotation_deg")) {
-    const std::vector<double> limits = section.numbers_of(*rotation, "rotation_deg", plausible::kAngle);
-    if (limits.size() != 2) {
-      section.fail(*rotation, fmt::format("expected [smallest, largest] for {}, got {} numbers",
-                                          section.key_path("rotation_deg"), limits.size()));
+Workspace cylinder_of(Section& section, bool is_flat) {
+  const auto number = [&](const char* key) {
+    return is_flat ? section.number_or(key, 0.0, plausible::kFinite) : section.number(key, plausible::kFinite);
+  };
+  return {.radius = section.number("radius_mm", plausible::kFinite),
+          .height = number("height_mm"),
+          .top_z = number("top_z_mm")};
+}
+
+Workspace box_of(Section& section, bool is_flat) {
+  Workspace::Box box{range_of(section, "x_mm", plausible::kFinite), range_of(section, "y_mm", plausible::kFinite)};
+  if (!is_flat || section.find("z_mm")) box.z = range_of(section, "z_mm", plausible::kFinite);
+  return Workspace::of_box(box);
+}
+
+Workspace levels_of(Section& section, bool /*is_flat*/) {
+  const std::vector<double> heights = section.numbers("heights_mm", plausible::kFinite);
+  if (heights.size() < 2) {
+    section.fail(*section.find("heights_mm"),
+                 fmt::format("expected at least 2 numbers for {}, from the top down, got {}",
+                             section.key_path("heights_mm"), heights.size()));
+  }
+  const std::vector<double> radii = section.numbers("radii_mm", plausible::kFinite, heights.size());
+  std::vector<Workspace::Level> levels;
+  for (std::size_t k = 0; k < heights.size(); ++k) levels.push_back({heights[k], radii[k]});
+  return Workspace::of_levels(std::move(levels));
+}
+
+struct Shape {
+  std::array<const char*, 3> keys;
+  Workspace (*read)(Section&, bool);
+};
+constexpr std::array<Shape, 3> kShapes{{{{"radius_mm", "height_mm", "top_z_mm"}, cylinder_of},
+                                        {{"x_mm", "y_mm", "z_mm"}, box_of},
+                                        {{"heights_mm", "radii_mm", "radii_mm"}, levels_of}}};
+
+/// The shape whose keys the table has; the first where it has none.
+Workspace shape_of(Section& section, bool is_flat) {
+  const Shape* said = nullptr;
+  const char* by = nullptr;
+  for (const Shape& shape : kShapes) {
+    const auto* key = std::ranges::find_if(shape.keys, [&](const char* one) { return section.find(one) != nullptr; });
+    if (key == shape.keys.end()) continue;
+    if (said != nullptr) {
+      section.fail(*section.find(*key),
+                   fmt::format("expected a cylinder (radius_mm, height_mm, top_z_mm), a box (x_mm, y_mm, z_mm) or "
+                               "levels (heights_mm, radii_mm), got {} and {}; remove one",
+                               section.key_path(by), section.key_path(*key)));
     }
-    workspace.min_rotation = to_radians(limits[0]);
-    workspace.max_rotation = to_radians(limits[1]);
+    said = &shape;
+    by = *key;
+  }
+  return (said != nullptr ? said : kShapes.data())->read(section, is_flat);
+}
+
+Workspace workspace_of(Section section, bool is_flat) {
+  Workspace workspace = shape_of(section, is_flat);
+  if (section.find("rotation_deg")) {
+    const auto [smallest, largest] = range_of(section, "rotation_deg", plausible::kAngle);
+    workspace.min_rotation = to_radians(smallest);
+    workspace.max_rotation = to_radians(largest);
   }
   workspace.max_tilt = to_radians(section.number_or("tilt_deg", 0.0, plausible::kErrorDeg));
   section.refuse_others();
@@ -157,14 +211,7 @@ int line_of_complaint(const toml::table& document, std::string_view complaint) {
   return 0;
 }
 
-std::string limb_toml(const std::vector<LimbValues>& values) {
-  std::string text = "[[limb]]\n";
-  for (const auto& [key, numbers] : values) {
-    fmt::format_to(std::back_inserter(text), "{} = {}\n", key,
-                   numbers.size() == 1 ? fmt::format("{}", numbers.front()) : array(numbers));
-  }
-  return text;
-}
+std::string limb_toml(const std::vector<KeyValues>& values) { return "[[limb]]\n" + values_toml(values); }
 
 std::string toml_quoted(const std::string& text) {
   std::ostringstream stream;
@@ -204,11 +251,7 @@ std::string robot_toml(const Robot& robot) {
     fmt::format_to(out, "\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
                    array(slide->sign), slide->pinion_radius);
   }
-  const Workspace& workspace = robot.workspace();
-  fmt::format_to(out, "\n[workspace]\nradius_mm = {}\nheight_mm = {}\ntop_z_mm = {}\nrotation_deg = {}\n",
-                 workspace.radius, workspace.height, workspace.top_z,
-                 array(std::array{tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}));
-  if (workspace.max_tilt > 0.0) fmt::format_to(out, "tilt_deg = {}\n", tidy_degrees(workspace.max_tilt));
+  text += "\n[workspace]\n" + values_toml(workspace_values(robot.workspace()));
   if (!robot.controller_origin().isZero(0.0)) {
     fmt::format_to(out, "\n[controller]\norigin_mm = {}\n", array(robot.controller_origin()));
   }
@@ -222,8 +265,35 @@ std::string robot_toml(const Robot& robot) {
   return text;
 }
 
-std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator) {
-  std::vector<LimbValues> all;
+std::string values_toml(const std::vector<KeyValues>& values) {
+  std::string text;
+  for (const auto& [key, numbers] : values) {
+    fmt::format_to(std::back_inserter(text), "{} = {}\n", key,
+                   numbers.size() == 1 ? fmt::format("{}", numbers.front()) : array(numbers));
+  }
+  return text;
+}
+
+std::vector<KeyValues> workspace_values(const Workspace& workspace) {
+  const auto range = [](const std::array<double, 2>& ends) { return std::vector<double>(ends.begin(), ends.end()); };
+  std::vector<KeyValues> values{
+      {"radius_mm", {workspace.radius}}, {"height_mm", {workspace.height}}, {"top_z_mm", {workspace.top_z}}};
+  if (const auto& box = workspace.box) {
+    values = {{"x_mm", range(box->x)}, {"y_mm", range(box->y)}, {"z_mm", range(box->z)}};
+  } else if (!workspace.levels.empty()) {
+    values = {{"heights_mm", {}}, {"radii_mm", {}}};
+    for (const auto& [z, radius] : workspace.levels) {
+      values[0].values.push_back(z);
+      values[1].values.push_back(radius);
+    }
+  }
+  values.push_back({"rotation_deg", {tidy_degrees(workspace.min_rotation), tidy_degrees(workspace.max_rotation)}});
+  if (workspace.max_tilt > 0.0) values.push_back({"tilt_deg", {tidy_degrees(workspace.max_tilt)}});
+  return values;
+}
+
+std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator) {
+  std::vector<KeyValues> all;
   const auto value = [&](Source source) { return to_file_unit(unit(source, actuator), errors(limb, source)); };
   for (const Source source : leading_sources(actuator)) {
     std::vector<double> values;
@@ -233,16 +303,16 @@ std::vector<LimbValues> limb_values(const SourceErrors& errors, std::size_t limb
   return all;
 }
 
-std::vector<std::vector<LimbValues>> intended_values(const Robot& robot) {
-  std::vector<std::vector<LimbValues>> limbs(robot.limb_count());
+std::vector<std::vector<KeyValues>> intended_values(const Robot& robot) {
+  std::vector<std::vector<KeyValues>> limbs(robot.limb_count());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (LimbValues& one : limb_values(robot.intended(), limb, robot.actuator())) {
+    for (KeyValues& one : limb_values(robot.intended(), limb, robot.actuator())) {
       if (std::ranges::all_of(one.values, [](double value) { return value == 0.0; })) continue;
       std::ranges::transform(one.values, one.values.begin(), tidy);
       limbs[limb].push_back(std::move(one));
     }
   }
-  if (std::ranges::all_of(limbs, &std::vector<LimbValues>::empty)) return {};
+  if (std::ranges::all_of(limbs, &std::vector<KeyValues>::empty)) return {};
   return limbs;
 }
 

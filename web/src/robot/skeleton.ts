@@ -3,6 +3,7 @@ import { BufferAttribute, BufferGeometry, DoubleSide, Group, InstancedMesh, Matr
 import type { Robot, ScenePose, SingleRodOnARail, Vector } from "../data";
 import { singleRodsOf, type SingleRod } from "../report";
 import { Rods, type Segment } from "./arrows";
+import { shapeOf } from "./shape";
 
 const kRound = 16;
 const vector = (v: Vector) => new Vector3(...v);
@@ -23,7 +24,7 @@ const beginnings = (poses: ScenePose[], limb: number): Vector3[] => poses.flatMa
 
 export function sizeOf(robot: Robot, poses: ScenePose[]): Size {
   if (robot.geometry) return { base: robot.geometry.base_radius_mm, plate: robot.geometry.plate_radius_mm, rod: robot.geometry.rod_mm, above: robot.geometry.arm_mm / 2 }; // arms seldom stand steeper
-  const limbs = singleRodsOf(robot), hangs = robot.workspace.top_z_mm < 0, largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
+  const limbs = singleRodsOf(robot), hangs = shapeOf(robot.workspace).top < 0, largest = (of: (limb: SingleRod) => number) => Math.max(...limbs.map(of));
   return {
     base: Math.max(...limbs.flatMap((limb, k) => [vector(limb.base_joint_mm), ...(isOnRail(limb) ? beginnings(poses, k) : [])]).map(({ x, y }) => Math.hypot(x, y))),
     plate: largest(({ plate_joint_mm: [x, y] }) => Math.hypot(x, y)),
@@ -53,7 +54,7 @@ function plateGeometry(corners: Vector3[]): BufferGeometry {
 /// From the endstops down to the bottom of the workspace.
 function rails(robot: Robot, azimuths: number[], thickness: number, material: MeshLambertMaterial): Object3D {
   const radius = sizeOf(robot, []).base;
-  const bottom = robot.workspace.top_z_mm - robot.workspace.height_mm;
+  const { bottom } = shapeOf(robot.workspace);
   const rods = new Rods(azimuths.length, thickness, material, kRound);
   rods.set(azimuths.map((degrees): Segment => {
     const angle = (degrees * Math.PI) / 180, foot = new Vector3(radius * Math.cos(angle), radius * Math.sin(angle), bottom);

@@ -4,6 +4,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Report, ScenePose, Vector } from "../data";
 import { colour, onThemeChange } from "../theme";
 import { Arrows } from "./arrows";
+import { shapeOf } from "./shape";
 import { Skeleton, sizeOf } from "./skeleton";
 import { surroundings } from "./surroundings";
 
@@ -37,8 +38,8 @@ export class RobotView {
 
   /// @throws where there is no WebGL.
   constructor(private readonly canvas: HTMLCanvasElement, private readonly report: Report, private readonly poses: ScenePose[], private shown: Shown) {
-    const { workspace } = report.robot, count = poses.length;
-    this.span = Math.max(workspace.radius_mm, sizeOf(report.robot, poses).base / 2);
+    const count = poses.length;
+    this.span = Math.max(shapeOf(report.robot.workspace).radius, sizeOf(report.robot, poses).base / 2);
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.camera = new PerspectiveCamera(35, 1, this.span / 50, 40 * this.span);
     this.camera.up.set(0, 0, 1);
@@ -89,8 +90,8 @@ export class RobotView {
   }
 
   home(): void {
-    const { top_z_mm: top, height_mm: height } = this.report.robot.workspace;
-    const { above, base } = sizeOf(this.report.robot, this.poses), bottom = Math.min(top - height, above), highest = Math.max(top, above);
+    const shape = shapeOf(this.report.robot.workspace);
+    const { above, base } = sizeOf(this.report.robot, this.poses), bottom = Math.min(shape.bottom, above), highest = Math.max(shape.top, above);
     const size = Math.max(highest - bottom, 2.4 * this.span, 1.8 * base);
     this.controls.target.set(0, 0, 0.5 * (bottom + highest));
     this.camera.position.copy(this.controls.target).add(new Vector3(1.05, -1.85, 0.55).multiplyScalar(size));

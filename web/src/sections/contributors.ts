@@ -92,7 +92,7 @@ function sigmaFigure(map: SigmaMap): HTMLElement {
   const bands = bandsFor(values);
   const perLayer = values.length / map.layers_mm.length;
   const worst = map.points.reduce((one, other) => (other.value > one.value ? other : one));
-  const layers = map.layers_mm.map((z, layer) => ({ heading: "", row: strings.map.layer(z), values: values.slice(layer * perLayer, (layer + 1) * perLayer) }));
+  const layers = map.layers_mm.map((z, layer) => ({ heading: "", row: strings.map.layer(z), points: map.points.slice(layer * perLayer, (layer + 1) * perLayer), values: values.slice(layer * perLayer, (layer + 1) * perLayer) }));
   return figure({
     id: "sigma-map",
     title: `${strings.map.sigma(map.quantity)}, ${unit}`,

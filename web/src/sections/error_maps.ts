@@ -15,14 +15,14 @@ function mapFigure(map: ErrorMap, key: string, [title, unit]: string[]): HTMLEle
   if (!(names.before in map.points[0]!)) return null;
   const has = map.points[0]![names.after] !== null;
   const perLayer = map.points.length / map.layers_mm.length;
-  const values = (name: keyof ErrorMapPoint, layer: number) => map.points.slice(layer * perLayer, (layer + 1) * perLayer).map((point) => point[name] as number);
+  const disc = (heading: string, name: keyof ErrorMapPoint, layer: number): Disc => {
+    const points = map.points.slice(layer * perLayer, (layer + 1) * perLayer);
+    return { heading, row: text.layer(map.layers_mm[layer]!), points, values: points.map((point) => point[name] as number) };
+  };
   const all = map.points.flatMap((point) => [point[names.before]!, ...(has ? [point[names.after]!] : [])]);
   const bands = bandsFor(all);
   const largest = (name: keyof ErrorMapPoint) => digits(Math.max(...map.points.map((point) => point[name]!)));
-  const rows: Disc[][] = map.layers_mm.map((z, layer) => [
-    { heading: text.before, row: text.layer(z), values: values(names.before, layer) },
-    ...(has ? [{ heading: text.after, row: text.layer(z), values: values(names.after, layer) }] : []),
-  ]);
+  const rows: Disc[][] = map.layers_mm.map((_, layer) => [disc(text.before, names.before, layer), ...(has ? [disc(text.after, names.after, layer)] : [])]);
   return figure({
     id: `map-${key}`,
     title: `${title}, ${unit}`,

@@ -4,6 +4,7 @@ import { length } from "../report";
 import { h } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, exact } from "../numbers";
+import { shapeOf } from "../robot/shape";
 import { kTiltMore, RobotView, type Shown } from "../robot/view";
 import { section, type Section } from "../section";
 import { strings } from "../strings";
@@ -79,7 +80,7 @@ function stage(report: Report, scene: Scene, shown: Shown, controls: HTMLElement
 export function robot(report: Report): Section | null {
   const { scene } = report.figures;
   if (!scene || scene.poses.length === 0) return null;
-  const shown: Shown = { pose: 0, magnification: suitable(scene, report.robot.workspace.radius_mm), before: true, after: scene.measured, tilt: false };
+  const shown: Shown = { pose: 0, magnification: suitable(scene, shapeOf(report.robot.workspace).radius), before: true, after: scene.measured, tilt: false };
   const says = h("p", { class: "readout", role: "status" });
   const standing = scene.poses.flatMap((pose, k) => (pose.limbs ? [{ pose, k }] : []));
   const choice = h("select", { id: "robot-pose" }, ...standing.map(({ pose, k }) => h("option", { value: String(k) }, pose.pose)));
