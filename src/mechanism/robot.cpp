@@ -11,6 +11,7 @@
 #include "paracal/mechanism/plausible.hpp"
 #include "paracal/units.hpp"
 #include "single_rods.hpp"
+#include "singularity.hpp"
 
 namespace paracal {
 namespace {
@@ -18,7 +19,6 @@ namespace {
 using detail::require_positive_mm;
 
 constexpr double kSmallestAzimuthGap = std::numbers::pi / 180.0;
-constexpr int kRimPoints = 72;
 
 void check_lengths(const Geometry& geometry) {
   require_positive_mm("geometry.base_radius_mm", geometry.base_radius);
@@ -132,43 +132,6 @@ void check_workspace(const Workspace& workspace, bool has_slide, const Geometry&
   }
 }
 
-/// "with an arm of 375 mm it needs a rod of 400.0 to 1100.0 mm there": what would reach from the base joint along d.
-std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
-  const Eigen::Vector3d local = limb.frame.transpose() * d;
-  if (runs_on_rail(limb.actuator)) {
-    return fmt::format("its rail needs a rod of at least {:.1f} mm there", std::hypot(local.x() + limb.arm, local.z()));
-  }
-  const double in_plane = std::hypot(local.x(), local.y());
-  return fmt::format("with an arm of {:g} mm it needs a rod of {:.1f} to {:.1f} mm there", limb.arm,
-                     std::hypot(in_plane - limb.arm, local.z()), std::hypot(in_plane + limb.arm, local.z()));
-}
-
-/// "(1.0, 2.0, 3.0) mm at 90 deg", or "... tilted by (8, -8, 8) deg".
-std::string shown(const Machine& machine, const Pose& pose) {
-  const Eigen::Vector3d &at = pose.position, tilt = pose.tilt.unaryExpr(&to_degrees).array() + 0.0;
-  std::string place = fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
-  if (machine.on_single_rods() && !machine.commands_tilt()) return place;
-  if (!machine.on_single_rods()) return fmt::format("{} at {:.0f} deg", place, to_degrees(pose.rotation));
-  return fmt::format("{} tilted by ({:g}, {:g}, {:g}) deg", place, tilt.x(), tilt.y(), tilt.z());
-}
-
-/// Names the first limb that cannot close its triangle of arm and rod somewhere on the rims of the workspace.
-void check_reach(const Machine& machine, const Workspace& workspace) {
-  if (machine.actuator() == Actuator::strut) return;
-  for (const Pose& pose : workspace.rim(kRimPoints)) {
-    const double slide = machine.slide_of(pose.rotation);
-    const Eigen::Matrix3d turn = detail::rotation_of(pose.tilt);
-    for (std::size_t i = 0; i < machine.limb_count; ++i) {
-      const Limb& limb = machine.limbs[i];
-      const Eigen::Vector3d joint = pose.position + turn * limb.plate + limb.slide_sign * slide * machine.slide_axis;
-      if (solve_joint(limb, joint).reached) continue;
-      throw InvalidArgument(fmt::format("workspace: limb {} cannot reach {}: {}, {}rod_mm is {:g}", i + 1,
-                                        shown(machine, pose), rod_needed(limb, joint - limb.base),
-                                        limb.has_one_rod() ? "its " : "geometry.", limb.mean_rod()));
-    }
-  }
-}
-
 void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
   for (const Source source : sources_of(geometry.actuator)) {
     const double half_width = tolerances[source], limit = largest_error(geometry, source);
@@ -244,8 +207,7 @@ Machine checked_nominal(RobotDescription& description) {
     throw InvalidArgument("joints: expected a largest speed and acceleration above 0");
   }
   Machine nominal = build(description, SourceErrors{});
-  check_reach(nominal, description.workspace);
-  if (nominal.on_single_rods()) detail::check_hold(nominal, description.geometry, description.workspace);
+  detail::check_closure(nominal, description);
   return nominal;
 }
 

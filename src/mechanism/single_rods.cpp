@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -15,10 +14,6 @@
 namespace paracal {
 namespace {
 
-constexpr int kHalfTurnSteps = 12;
-/// Singular values of how rods hold a plate, turns counted at its radius: below this share of the largest they do not.
-constexpr double kHeld = 1e-3;
-
 /// So that a point on an axis reads 0, and not 5e-15 or -0.
 std::string numbers(const Eigen::Vector3d& vector) {
   const Eigen::Vector3d tidy = (vector * 1e6).array().round() / 1e6 + 0.0;
@@ -26,85 +21,6 @@ std::string numbers(const Eigen::Vector3d& vector) {
 }
 
 std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
-
-/// "(1, 2, 3) mm tilted by (0, 4, 0) deg"; without the tilt where the plate cannot.
-std::string standing(const Machine& machine, const Pose& pose) {
-  if (!machine.commands_tilt()) return place(pose.position);
-  return fmt::format("{} tilted by {} deg", place(pose.position), numbers(pose.tilt.unaryExpr(&to_degrees)));
-}
-
-/// A row a limb, a column a coordinate of the plate that is free.
-using Hold = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs, kMaxLimbs>;
-
-/// Rows (n, R a x n / radius of the plate) of all rods, in what guides leave free: how they hold it.
-Hold hold(const Machine& machine, const Pose& pose, double radius) {
-  const Eigen::Matrix3d rotation = detail::rotation_of(pose.tilt);
-  const auto size = static_cast<Eigen::Index>(machine.limb_count);
-  Hold rows(size, size);
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d lever = rotation * limb.plate, at_plate = pose.position + lever;
-    const double joint = solve_joint(limb, at_plate).joint;
-    const Eigen::Vector3d upper_end = limb.base + elbow_lever(limb, joint, arm_directions(limb, joint));
-    const Eigen::Vector3d n = (at_plate - upper_end).normalized();
-    Eigen::Matrix<double, 6, 1> whole;
-    whole << n, lever.cross(n) / radius;
-    Eigen::Index column = 0;
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      if (machine.freedoms.free[static_cast<std::size_t>(k)]) rows(static_cast<Eigen::Index>(i), column++) = whole(k);
-    }
-  }
-  return rows;
-}
-
-/// Refuses a plate that could move, or nearly, with all rods as they are.
-void require_hold(const Machine& machine, const Hold& rows, const Pose& pose) {
-  if (std::abs(rows.determinant()) > kHeld) return;  // the least singular value is larger, by the others' product
-  const Eigen::VectorXd values = rows.jacobiSvd().singularValues();
-  if (values(values.size() - 1) > kHeld * values(0)) return;
-  throw InvalidArgument(
-      fmt::format("workspace: singular at {}: the plate could move although no rod changes its length "
-                  "(smallest singular value {:.1g} of the largest)",
-                  standing(machine, pose), values(values.size() - 1) / values(0)));
-}
-
-/// On which side of where it points at zero an arm reaches a joint of the plate; it passes from one to the other in a
-/// jump, because of two ways to reach it the nearer is meant.
-double side_of_arm(const Limb& limb, const Pose& pose) {
-  const Eigen::Vector3d at_plate = pose.position + detail::rotation_of(pose.tilt) * limb.plate;
-  return (at_plate - limb.base).dot(limb.frame.col(1));
-}
-
-void require_one_side(const Machine& machine, const Pose& centre, const Pose& pose) {
-  if (machine.actuator() != Actuator::crank) return;
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const Limb& limb = machine.limbs[i];
-    if (side_of_arm(limb, centre) * side_of_arm(limb, pose) > 0.0) continue;
-    throw InvalidArgument(fmt::format(
-        "limb: expected an arm_at_zero of limb {} that selects one of the two arm positions everywhere; between the "
-        "centre of the workspace and {} both are equally near to it, and the arm would jump",
-        i + 1, standing(machine, pose)));
-  }
-}
-
-/// Where it is seen whether rods hold a plate: the axis and two circles on top, in the middle and at the bottom of the
-/// workspace, at all extremes of tilt.
-std::vector<Pose> poses_to_hold(const Workspace& workspace) {
-  std::vector<Pose> poses;
-  for (int layer = 0; layer < workspace.layers(3); ++layer) {
-    const double depth = Workspace::layer_depth(layer, workspace.layers(3));
-    for (const Eigen::Vector3d& tilt : workspace.tilts()) {
-      poses.push_back({workspace.at(0.0, 0.0, depth), 0.0, tilt});
-      for (int k = 0; k < 2 * kHalfTurnSteps; ++k) {
-        const double azimuth = std::numbers::pi * k / kHalfTurnSteps;
-        for (const double share : {0.5, 1.0}) {
-          poses.push_back({workspace.at(share, azimuth, depth), 0.0, tilt});
-        }
-      }
-    }
-  }
-  return poses;
-}
 
 /// Root of the mean square.
 double mean_radius(const std::vector<SingleRod>& limbs, Eigen::Vector3d SingleRod::*joint) {
@@ -166,9 +82,7 @@ Eigen::Matrix3d strut_frame(const SingleRod& strut) {
 }
 
 void check_freedoms(const PlateFreedoms& freedoms, std::size_t limbs) {
-  if (!freedoms.free[0] || !freedoms.free[1]) {
-    throw InvalidArgument(fmt::format("plate.freedoms: expected x and y among them, got {}", in_words(freedoms)));
-  }
+  if (const std::string why = coupled_motions(freedoms); !why.empty()) throw InvalidArgument("plate.freedoms: " + why);
   if (limbs == freedoms.count()) return;
   const std::string of =
       freedoms.count() == kMaxLimbs ? "six degrees of freedom" : "degrees of freedom " + in_words(freedoms);
@@ -179,11 +93,6 @@ void check_freedoms(const PlateFreedoms& freedoms, std::size_t limbs) {
 }  // namespace
 
 namespace detail {
-
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& tilt) {
-  const auto turn = [&](int axis) { return Eigen::AngleAxisd(tilt(axis), Eigen::Vector3d::Unit(axis)); };
-  return (turn(0) * turn(1) * turn(2)).toRotationMatrix();
-}
 
 void require_positive_mm(std::string_view quantity, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) {
@@ -250,24 +159,6 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   }
 }
 
-void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace) {
-  const Pose centre{workspace.centre()};
-  const double radius = 0.5 * geometry.parallelogram_width;
-  const double side = hold(machine, centre, radius).determinant();
-  std::vector<Pose> poses = poses_to_hold(workspace);
-  poses.insert(poses.begin(), centre);
-  for (const Pose& pose : poses) {
-    const Hold rows = hold(machine, pose, radius);
-    require_hold(machine, rows, pose);
-    require_one_side(machine, centre, pose);
-    if (rows.determinant() * side > 0.0) continue;
-    throw InvalidArgument(fmt::format(
-        "workspace: singular between its centre and {}: there the plate could move although no rod changes its "
-        "length",
-        standing(machine, pose)));
-  }
-}
-
 std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_t limb) {
   const double growth = kGainLength + errors(limb, "gain");
   if (growth > 0.0) return std::nullopt;
@@ -296,6 +187,16 @@ std::string in_words(const PlateFreedoms& freedoms) {
     if (freedoms.free[k]) text.append(text.empty() ? "" : ", ").append(kPlateCoordinates[k]);
   }
   return text;
+}
+
+std::string coupled_motions(const PlateFreedoms& freedoms) {
+  if (freedoms.free[0] && freedoms.free[1]) return "";
+  return fmt::format(
+      "expected x and y among plate.freedoms, got {}. Plates without them have coupled motions: those of a 3-RPS or an "
+      "Agile Eye move sideways or turn when they tilt, but paracal holds other coordinates constant. Such robots have "
+      "no "
+      "robot file; state a robot in an upright plane with x and y in this plane",
+      in_words(freedoms));
 }
 
 Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb) {

@@ -15,9 +15,6 @@ namespace paracal::detail {
 /// @throws InvalidArgument naming the quantity.
 void require_positive_mm(std::string_view quantity, double value);
 
-/// Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& tilt);
-
 /// Lengths, and how far the joints stand from the middle, with what a refusal calls them.
 std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geometry);
 
@@ -27,9 +24,6 @@ void check_single_rods(const Geometry& geometry);
 /// The whole workspace is on one side of the base, or in the plane in which guides hold the plate, and its tilt less
 /// than a right angle.
 void check_side(const Workspace& workspace, const PlateFreedoms& freedoms);
-
-/// Rods may reach everywhere and not hold the plate everywhere: at the centre of the workspace and its rims they do.
-void check_hold(const Machine& machine, const Geometry& geometry, const Workspace& workspace);
 
 /// Why there can be no such limb; empty where there can.
 std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb);

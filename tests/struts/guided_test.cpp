@@ -246,6 +246,7 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "phi"])", "got \"phi\"");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "x"])", "expected each name once");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "z"])", "expected x and y among plate.freedoms, got x, z");
+  expect_refused("five-bar", freedoms, R"(freedoms = ["z", "tilt_x", "tilt_y"])", "coupled motions");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "y", "tilt_z"])",
                  "expected 3 limbs with one rod for a plate with degrees of freedom x, y, tilt_z, got 2");
   expect_refused("five-bar", freedoms, "slide_axis = [1.0, 0.0, 0.0]", "plate.freedoms");

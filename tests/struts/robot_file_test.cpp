@@ -131,7 +131,7 @@ TEST(ArmFile, WhatMakesNoSenseIsRefusedWithTheReason) {
   refused("arm_at_zero = [0.0, -1.0, 0.0]", "", "arm_at_zero");
   refused("axis = ", "length_at_zero_mm = 3\naxis = ", "length_at_zero_mm");
   refused("rod_mm = 280.0", "rod_mm = 180.0",
-          "workspace: limb 1 cannot reach (30.0, 0.0, 270.0) mm tilted by (0, -8, 0) deg: "
+          "workspace: limb 1 cannot reach (30, 0, 270) mm tilted by (0, -8, 0) deg: "
           "with an arm of 110 mm it needs a rod of ");
   refused("zero_deg = 0.5", "zero_mm = 0.5", "zero_mm");
 }
@@ -178,14 +178,12 @@ TEST(ArmFile, RodsThatDoNotHoldThePlateAreRefused) {
   EXPECT_THAT([&] { Robot{upright}; }, ThrowsMessage<InvalidArgument>(HasSubstr("singular at (0, 0, 335)")));
 }
 
-/// Where the plate is tilted so far that the way there goes through a singular pose, though no pose that is tried is
-/// one.
+/// Where the plate is tilted so far that the way there goes through a singular pose.
 TEST(StrutFile, WorkspacesWithASingularSurfaceInsideAreRefused) {
   for (const auto& [name, degrees] : {std::pair{"hexapod", 35.0}, {"6-pss", 25.0}}) {
     RobotDescription tilted = read_robot(robot_template(name)).description();
     tilted.workspace.max_tilt = to_radians(degrees);
-    EXPECT_THAT([&] { Robot{tilted}; }, ThrowsMessage<InvalidArgument>(HasSubstr("singular between its centre and (")))
-        << name;
+    EXPECT_THAT([&] { Robot{tilted}; }, ThrowsMessage<InvalidArgument>(HasSubstr("workspace: singular "))) << name;
     tilted.workspace.max_tilt = to_radians(degrees - 10.0);
     EXPECT_NO_THROW(Robot{tilted}) << name;
   }

@@ -30,6 +30,9 @@ struct SingleRod {
 /// "x, y, tilt_z"
 std::string in_words(const PlateFreedoms& freedoms);
 
+/// Why a plate with these freedoms is no robot: its motions are coupled. Empty where it is one.
+std::string coupled_motions(const PlateFreedoms& freedoms);
+
 /// Base of a limb: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0, where it goes from
 /// there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from the z axis), along
 /// it, and w_0 = u_0 x v_0.
@@ -86,10 +89,9 @@ struct RobotDescription {
   std::optional<JointLimits> joint_limits = {};
 };
 
-/// A valid nominal robot: every length is positive, the limbs differ, and every limb reaches the whole workspace. The
-/// number of limbs is that of the plate's degrees of freedom: 3 for a rigid plate, 4 with a slide, and as stated for
-/// limbs with one rod.
-/// Immutable.
+/// A valid nominal robot: every length is positive, the limbs differ, reach the whole workspace and hold the plate
+/// everywhere in it. The number of limbs is that of the plate's degrees of freedom: 3 for a rigid plate, 4 with a
+/// slide, and as stated for limbs with one rod. Immutable.
 class Robot {
  public:
   /// @throws InvalidArgument naming the quantity and the limit that it breaks.

@@ -108,23 +108,22 @@ PlateFreedoms freedoms_of(Section plate) {
     if (free) fail(plate, "freedoms", "each name once", name);
     free = true;
   }
-  if (!freedoms.free[0] || !freedoms.free[1]) {
-    plate.fail(*plate.find("freedoms"),
-               fmt::format("expected x and y among {}, got {}", plate.key_path("freedoms"), in_words(freedoms)));
-  }
+  if (const std::string why = coupled_motions(freedoms); !why.empty()) plate.fail(*plate.find("freedoms"), why);
   plate.refuse_others();
   return freedoms;
 }
 
 Geometry limbs_geometry(Section& root) {
+  const std::optional<Section> plate = root.optional_table("plate");
+  const PlateFreedoms freedoms =
+      plate ? freedoms_of(*plate) : PlateFreedoms{};  // first: limbs may be unknown ones, too
   std::optional<Actuator> kind;
   std::vector<SingleRod> limbs;
   for (Section& limb : root.tables("limb")) {
     kind = kind_of(limb, kind);
     limbs.push_back(limb_of(limb, *kind));
   }
-  const std::optional<Section> plate = root.optional_table("plate");
-  return single_rod_geometry(kind.value(), std::move(limbs), plate ? freedoms_of(*plate) : PlateFreedoms{});
+  return single_rod_geometry(kind.value(), std::move(limbs), freedoms);
 }
 
 Json freedoms_json(const PlateFreedoms& freedoms) {
