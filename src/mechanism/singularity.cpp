@@ -263,7 +263,8 @@ class Cube {
   Pose pose(const Place& place) const {
     const Workspace& all = workspace_;
     const auto between = [](double low, double high, double x) { return 0.5 * (low + high + x * (high - low)); };
-    return {{all.radius * place[0], all.radius * place[1], between(all.top_z - all.height, all.top_z, place[2])},
+    const double share = std::hypot(place[0], place[1]), azimuth = std::atan2(place[1], place[0]);
+    return {all.at(share, azimuth, 0.5 * (1.0 - place[2])),
             between(all.min_rotation, all.max_rotation, place[3]),
             {all.tilt_about(0) * place[4], all.tilt_about(1) * place[5], all.tilt_about(2) * place[6]}};
   }

@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
 
 namespace paracal::plan_test {
 namespace {
@@ -67,7 +73,62 @@ TEST_P(PlanLaw, BothSchemesSettleSomewhere) {
   EXPECT_GT(paper_plan(robot, Stage::fine, kStartAzimuth, 0.1).n, 0);
 }
 
+TEST_P(PlanLaw, CirclesAreThoseOfTheWorkspaceWhereReachIsFarBeyond) {
+  EXPECT_NEAR(fine_stations(robot, 9)[1].commanded.position.head<2>().norm(), robot.workspace().radius, 1e-5);
+}
+
 PARACAL_ON_EVERY_ROBOT(PlanLaw);
+
+/// The same with a workspace as wide as it can be, to a thousandth.
+Robot as_wide_as_it_can_be(const Robot& robot) {
+  Robot widest = robot;
+  double low = robot.workspace().radius, high = 10.0 * low;
+  while (high - low > 1e-3 * low) {
+    RobotDescription wide = robot.description();
+    wide.workspace.radius = 0.5 * (low + high);
+    try {
+      widest = Robot(wide);
+      low = wide.workspace.radius;
+    } catch (const InvalidArgument&) {
+      high = wide.workspace.radius;
+    }
+  }
+  return widest;
+}
+
+/// The machine gets to all of them, by its own joints and by those of the nominal one.
+bool reaches(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations) {
+  const Machine machine = build(robot, errors);
+  return std::ranges::all_of(stations, [&](const Station& station) {
+    const Pose& pose = station.commanded;
+    const ForwardOptions from{.start = plate_at(machine, pose)};
+    return inverse(machine, pose).ok() && forward(machine, inverse(robot.nominal(), pose).joints, from).ok();
+  });
+}
+
+double share_that_reaches(const Robot& robot, const std::vector<Station>& stations) {
+  const int machines = test::machines({.claim = 10'000, .quick = 500});
+  int all = 0;
+  for (int number = 0; number < machines; ++number) {
+    RandomStream random(77, static_cast<std::uint64_t>(number));
+    all += reaches(robot, draw_errors(robot, tolerances_of(robot), random), stations) ? 1 : 0;
+  }
+  return static_cast<double>(all) / machines;
+}
+
+/// At least 99 % of the machines get to all poses of a plan, where many do not reach the whole workspace.
+TEST(Plan, MachinesWithinTheTolerancesReachIt) {
+  double least = 1.0;
+  for (const char* name : {"rotary_delta", "linear_delta", "huang2016", "6-rss", "6-pss", "five-bar", "planar-rails"}) {
+    const Robot robot = as_wide_as_it_can_be(test::robot_named(name));
+    EXPECT_GE(share_that_reaches(robot, candidate_stations(robot, 200, 1)), 0.99) << name;
+    if (robot.on_single_rods()) continue;
+    EXPECT_GE(share_that_reaches(robot, fine_stations(robot, 9)), 0.99) << name;
+    EXPECT_GE(share_that_reaches(robot, rough_stations(robot, 9)), 0.99) << name;
+    least = std::min(least, share_that_reaches(robot, validation_stations(robot)));
+  }
+  EXPECT_LT(least, 0.5);
+}
 
 }  // namespace
 }  // namespace paracal::plan_test

@@ -59,6 +59,17 @@ io::Json poses_json(const std::vector<Station>& stations) {
   return json;
 }
 
+/// Why circles are smaller than the workspace, where they are.
+std::string circles_note(const Robot& robot, const std::vector<Station>& stations) {
+  constexpr double kRounded = 1e-3;  // mm
+  const double whole = robot.workspace().radius;
+  const double radius = stations.size() > 1 ? stations[1].commanded.position.head<2>().norm() : whole;
+  if (radius > whole - kRounded) return "";
+  return fmt::format(
+      "# circles of {:g} mm instead of {:g} mm: some machines within the tolerances do not reach further\n", radius,
+      whole);
+}
+
 void run_paper_plan(const PosesArguments& options, Session& session) {
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
   const Robot robot = session.level_robot("poses --stage");
@@ -81,6 +92,7 @@ void run_paper_plan(const PosesArguments& options, Session& session) {
     fmt::format_to(std::back_inserter(text), "# n = {:<3} O2 = {:.5f}  change {:.2f} %\n", point.n, point.indices.O2,
                    100.0 * point.change);
   }
+  text += circles_note(robot, plan.stations);
   session.print(text + joints_request(robot) + io::station_table(plan.stations));
 }
 

@@ -14,7 +14,8 @@ namespace paracal {
 /// Azimuth of the first point on each circle, rad: the one that reproduces Table 3.
 inline constexpr double kStartAzimuth = to_radians(270.0);
 
-/// Home and n evenly spaced points on the rim of the middle layer, without rotation  [huang2016, section 4.2.2].
+/// Home and n evenly spaced points on the rim of the middle layer, without rotation  [huang2016, section 4.2.2]. Where
+/// machines within the tolerances may not reach the rims of the workspace, this and fine_stations() use a smaller one.
 std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth = kStartAzimuth);
 
 /// Home and n evenly spaced points on the rims of the top and bottom layers. The plate has its largest rotation on top

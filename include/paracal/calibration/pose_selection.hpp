@@ -55,8 +55,8 @@ struct [[nodiscard]] Selection {
   double travel = 0.0;  ///< sum over the way of the largest joint motion, rad, back to home
 };
 
-/// Reachable poses spread over the workspace and its rotations, half of them on its boundary, where errors show most;
-/// the same for the same seed. Home is the first.
+/// Poses that machines within the tolerances reach, spread over the workspace and its rotations, half of them on its
+/// boundary, where errors show most; the same for the same seed. Home is the first.
 std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint64_t seed,
                                         const std::optional<Visibility>& visibility = {});
 

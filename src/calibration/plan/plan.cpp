@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibration/fit/sought.hpp"
+#include "calibration/plan/tolerated_reach.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/level.hpp"
@@ -60,16 +61,18 @@ Measurements planned_poses(const Robot& robot, const std::vector<Station>& stati
 }  // namespace
 
 std::vector<Station> rough_stations(const Robot& robot, int n, double start_azimuth) {
+  const double share = detail::tolerated_share(robot);
   std::vector<Station> stations{home(robot)};
-  add_circle(stations, robot.workspace(), 1.0, 0.5, 0.0, n, start_azimuth);
+  add_circle(stations, robot.workspace(), share, 0.5, 0.0, n, start_azimuth);
   return stations;
 }
 
 std::vector<Station> fine_stations(const Robot& robot, int n, double start_azimuth) {
   const Workspace& workspace = robot.workspace();
+  const double share = detail::tolerated_share(robot), up = 0.5 * (1.0 - share);
   std::vector<Station> stations{home(robot)};
-  add_circle(stations, workspace, 1.0, 0.0, workspace.max_rotation, n, start_azimuth);
-  add_circle(stations, workspace, 1.0, 1.0, workspace.min_rotation, n, start_azimuth);
+  add_circle(stations, workspace, share, up, workspace.max_rotation, n, start_azimuth);
+  add_circle(stations, workspace, share, 1.0 - up, workspace.min_rotation, n, start_azimuth);
   return stations;
 }
 

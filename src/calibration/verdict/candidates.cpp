@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/plan/tolerated_reach.hpp"
 #include "calibration/readings/length_model.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/error.hpp"
@@ -107,12 +108,13 @@ std::vector<Station> candidate_stations(const Robot& robot, int count, std::uint
                                         const std::optional<Visibility>& visibility) {
   constexpr int kLargestTries = 1000;  // a candidate
   RandomStream random(seed);
+  const detail::ToleratedReach reaches(robot);
   std::vector<Station> stations{{"P0", {robot.workspace().centre(), 0.0}}};
   for (long tries = 0; static_cast<int>(stations.size()) < count && tries < long{kLargestTries} * count; ++tries) {
     let_interrupt();
     const Pose pose = draw_pose(robot.workspace(), random);
     if (visibility && !visibility->sees(pose)) continue;
-    if (!holds(robot, pose)) continue;  // out of reach, or singular
+    if (!holds(robot, pose) || !reaches(pose)) continue;  // too near to the rim of reach, or singular
     stations.push_back({fmt::format("C{}", stations.size()), pose});
   }
   return stations;
@@ -131,6 +133,7 @@ std::vector<Station> within_range(const Robot& robot, const std::vector<Station>
   lengths.reserve(candidates.size());
   for (const Station& one : candidates) lengths.push_back(model.shown(one.commanded.position, set_up, series).length);
   const auto [least, most] = std::ranges::minmax(lengths);
+  const detail::ToleratedReach reaches(robot);
   std::vector<Station> kept;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     Station moved = candidates[k];
@@ -140,7 +143,8 @@ std::vector<Station> within_range(const Robot& robot, const std::vector<Station>
     place += (wanted - lengths[k]) * model.shown(place, set_up, series).by_place.transpose();  // a unit vector
     place = to_micrometres(place);
     constexpr double kRounded = 1e-3;  // mm
-    if (robot.workspace().contains(place, kRounded) && holds(robot, moved.commanded)) kept.push_back(moved);
+    if (!robot.workspace().contains(place, kRounded) || !holds(robot, moved.commanded)) continue;
+    if (reaches(moved.commanded)) kept.push_back(moved);
   }
   return kept;
 }
