@@ -94,19 +94,14 @@ Option* Option::excludes(const Option* other) {
   return this;
 }
 
-Option* Option::separated_by(char separator) {
-  option_->delimiter(separator);
+Option* Option::lists(const std::string& what) {
+  option_->delimiter(',')->type_name(what);
   return this;
 }
 
-Option* Option::expected(int least, int most) {
+Option* Option::lists(const std::string& what, int least, int most) {
   option_->expected(least, most);
-  return this;
-}
-
-Option* Option::shows_default() {
-  option_->capture_default_str();
-  return this;
+  return lists(what);
 }
 
 Option* Option::shows_default(const std::string& text) {
@@ -153,7 +148,9 @@ Option* Command::keep(CLI::Option* option, const std::string& kind) {
 
 template <typename Value>
 Option* Command::add_option(const std::string& name, Value& value, const std::string& text) {
-  return keep(command_->add_option(name, value, text), usual_kind<Value>(name));
+  CLI::Option* const option = command_->add_option(name, value, text);
+  if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>) option->capture_default_str();
+  return keep(option, usual_kind<Value>(name));
 }
 template Option* Command::add_option(const std::string&, std::string&, const std::string&);
 template Option* Command::add_option(const std::string&, int&, const std::string&);

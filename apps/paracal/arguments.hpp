@@ -67,11 +67,12 @@ class Option {
   Option* check(const Rule& rule);
   Option* needs(const Option* other);
   Option* excludes(const Option* other);
-  /// Several values in one text.
-  Option* separated_by(char separator);
-  Option* expected(int least, int most);
-  Option* expected(int count) { return expected(count, count); }
-  Option* shows_default();
+  /// Several values in one text, between commas.
+  /// @param what  --help calls them: X,Y,Z.
+  Option* lists(const std::string& what);
+  Option* lists(const std::string& what, int least, int most);
+  Option* lists(const std::string& what, int count) { return lists(what, count, count); }
+  /// What --help calls the default, where it is not the value that the option begins with; empty: none.
   Option* shows_default(const std::string& text);
   Option* hide();
   /// What --help calls its value: DEG, FILE.
@@ -91,6 +92,7 @@ class Command {
  public:
   explicit Command(CLI::App& command) : command_(&command) {}
   /// @param value  set when the arguments are parsed: a string, a number, an optional<double>, or a vector of either.
+  ///               What it holds before is the default, which --help shows but of vectors and empty strings.
   ///               --help calls a string FILE, an integer N, and other numbers by the unit at the end of the name.
   template <typename Value>
   Option* add_option(const std::string& name, Value& value, const std::string& text);

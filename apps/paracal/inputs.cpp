@@ -42,8 +42,7 @@ void add_table_options(Command& command, io::TableStyle& style) {
   command.add_flag("--decimal-comma", style.decimal_comma,
                    "read 1,5 as one and a half; needed only where a table does not show it");
   command.add_option("--ignore-columns", style.ignored_columns, "ignore the columns with these headings")
-      ->separated_by(',')
-      ->takes("NAME,...");
+      ->lists("NAME,...");
 }
 
 bool is_calibration(const std::string& errors_file) {

@@ -168,9 +168,7 @@ std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& o
           ->check(one_of(names))
           ->shows_default(names.front());
   Option* at = command.add_option("--at", options.at, at_help())
-                   ->takes("X,Y,Z")
-                   ->separated_by(',')
-                   ->expected(3)
+                   ->lists("X,Y,Z", 3)
                    ->check(within(plausible::length(kLargestReach)));
   return {measure, at, add_mount_option(command, options.readings.mount)};
 }
@@ -208,9 +206,7 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
       .add_option("--tracker-um", options.tracker_um,
                   "laser tracker at the origin of its frame: transverse and radial, each constant and per m, such as "
                   "15,6,10,0.3")
-      ->takes("UM,UM/M,UM,UM/M")
-      ->separated_by(',')
-      ->expected(4)
+      ->lists("UM,UM/M,UM,UM/M", 4)
       ->check(non_negative());
 }
 
@@ -235,20 +231,17 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       .add_option(
           "--match", options.match,
           "how points of an export are assigned to poses: by name, or in order (one or more passes over all poses)")
-      ->check(one_of({"name", "order"}))
-      ->shows_default();
+      ->check(one_of({"name", "order"}));
   add_table_options(command, options.style);
   add_noise_options(command, options);
   command
       .add_option("--distance-bias-mm", options.distance_bias_mm,
                   "of an error that all distances or all ball bar lengths share, such as a zero error")
-      ->check(non_negative())
-      ->shows_default();
+      ->check(non_negative());
   command
       .add_option("--scale-ppm", options.scale_ppm,
                   "of the scale of the readings relative to the machine (1 K of steel: 11.5)")
-      ->check(between(0.0, 1e4))
-      ->shows_default();
+      ->check(between(0.0, 1e4));
   command.heading("Temperature");
   command
       .add_option("--temperature-c", options.temperature_c,
@@ -257,26 +250,21 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--expansion-ppm", options.expansion_ppm,
                   "thermal expansion of the machine per K: steel 11.5, aluminium 23, carbon 0")
-      ->check(between(-10.0, 100.0))
-      ->shows_default();
+      ->check(between(-10.0, 100.0));
   command
       .add_option("--instrument-expansion-ppm", options.instrument_expansion_ppm,
                   "thermal expansion of the instrument per K; 0: it compensates its own")
-      ->check(between(-10.0, 100.0))
-      ->shows_default();
+      ->check(between(-10.0, 100.0));
   command.heading("Frames");
   command.add_option("--frame", options.frame, "frame of the measured points: the robot's, or unknown and fitted")
-      ->check(one_of({"unknown", "robot"}))
-      ->shows_default();
+      ->check(one_of({"unknown", "robot"}));
   command
       .add_option("--body", options.body, "mounting of the measured body: in the plate's frame, or unknown and fitted")
-      ->check(one_of({"unknown", "plate"}))
-      ->shows_default();
+      ->check(one_of({"unknown", "plate"}));
   command
       .add_option("--rotation", options.rotation,
                   "zero of the measured rotations: unknown and fitted (relative), or the robot's (absolute)")
-      ->check(one_of({"relative", "absolute"}))
-      ->shows_default();
+      ->check(one_of({"relative", "absolute"}));
   return measurements;
 }
 
@@ -294,35 +282,26 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
 void add_instrument_options(Command& command, InstrumentOptions& options) {
   command.heading("Simulated instrument (one standard deviation)");
   Option* noise = command.add_option("--noise-mm", options.noise_mm, "of a measured coordinate, distance or height")
-                      ->check(non_negative())
-                      ->shows_default();
+                      ->check(non_negative());
   command
       .add_option(
           "--tracker-um", options.tracker_um,
           "laser tracker at the origin of its frame, instead of --noise-mm: transverse and radial, each constant "
           "and per m")
-      ->takes("UM,UM/M,UM,UM/M")
-      ->separated_by(',')
-      ->expected(4)
+      ->lists("UM,UM/M,UM,UM/M", 4)
       ->check(non_negative())
       ->excludes(noise);
   command.add_option("--repeatability-mm", options.repeatability_mm, "repeatability of the machine, per coordinate")
-      ->check(non_negative())
-      ->shows_default();
-  command.add_option("--repeats", options.repeats, "number of visits to every pose")
-      ->check(whole_number(1, 10000))
-      ->shows_default();
+      ->check(non_negative());
+  command.add_option("--repeats", options.repeats, "number of visits to every pose")->check(whole_number(1, 10000));
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
                   "of measured phi, or of an orientation about each axis")
-      ->check(non_negative())
-      ->shows_default();
+      ->check(non_negative());
   command
       .add_option("--second", options.second,
                   "offset of a second reflector from the first in mm, in the frame of its mount")
-      ->takes("X,Y,Z")
-      ->separated_by(',')
-      ->expected(3)
+      ->lists("X,Y,Z", 3)
       ->check(within(plausible::length(kLargestReach)));
 }
 

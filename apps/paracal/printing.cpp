@@ -136,9 +136,7 @@ Option* add_printer_option(Command& command, PrinterFile& file) {
 }
 
 Option* add_firmware_option(Command& command, PrinterFile& file) {
-  return command.add_option("--firmware", file.firmware, "firmware of the printer")
-      ->check(any_firmware())
-      ->shows_default();
+  return command.add_option("--firmware", file.firmware, "firmware of the printer")->check(any_firmware());
 }
 
 PrinterState read_printer(const PrinterFile& file) {
@@ -163,8 +161,7 @@ std::vector<Option*> add_printer_options(Command& command, PrinterOptions& optio
   Option* const readings = command
                                .add_option("--readings", options.readings,
                                            "further readings (CSV): heights of the bed, distances on printed parts")
-                               ->separated_by(',')
-                               ->takes("FILE,...");
+                               ->lists("FILE,...");
   Option* const write =
       command
           .add_option("--write", options.write, "firmware that the new values are written for (default: as --firmware)")

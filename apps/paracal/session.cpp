@@ -34,11 +34,9 @@ Command* Session::add_command(Command& parent, const std::string& name, const st
   command->add_flag("--json", json_, "print one JSON object on standard output and nothing else");
   outputs.declare(command->add_option("--out", out_, "write the result to this file, completely or not at all"));
   command->add_option("--seed", seed_, "seed of all random numbers")
-      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-      ->shows_default();
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
   command->add_option("--threads", threads_, "number of threads; 0: all cores")
-      ->check(whole_number(0, std::numeric_limits<unsigned>::max()))
-      ->shows_default();
+      ->check(whole_number(0, std::numeric_limits<unsigned>::max()));
   command->heading("Options");
   command->check_all([this, command] { outputs.check(*command); });
   return command;

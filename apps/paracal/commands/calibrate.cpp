@@ -167,20 +167,14 @@ void add_calibrate(Command& program, Session& session) {
   command
       ->add_option("--stage", options->stage,
                    "rough: encoder offsets only; fine: all errors; auto: as much as the measurements support")
-      ->check(one_of({"rough", "fine", "auto"}))
-      ->shows_default();
+      ->check(one_of({"rough", "fine", "auto"}));
   command
       ->add_option("--method", options->method,
                    "best: exact model with priors and full covariance; paper: Eqs. 19 and 21 of Huang et al. (2016)")
-      ->check(one_of({"best", "paper"}))
-      ->shows_default();
+      ->check(one_of({"best", "paper"}));
   command->add_option("--tolerances", options->tolerances, "tolerances used as priors (TOML; default: the robot's)");
-  command->add_option("--fix", options->fixed, "errors fixed at zero, such as alpha0,e_x2")
-      ->separated_by(',')
-      ->takes("NAME,...");
-  command->add_option("--free", options->free, "errors estimated without a prior")
-      ->separated_by(',')
-      ->takes("NAME,...");
+  command->add_option("--fix", options->fixed, "errors fixed at zero, such as alpha0,e_x2")->lists("NAME,...");
+  command->add_option("--free", options->free, "errors estimated without a prior")->lists("NAME,...");
   command->add_flag("--sigma-known", options->measuring.sigma_known,
                     "do not correct --sigma-mm and --sigma-deg by the residuals");
   command->add_flag("--keep-outliers", options->keep_outliers, "report outliers, but do not exclude them");

@@ -203,8 +203,7 @@ void add_compensate(Command& program, Session& session) {
       ->add_option(
           "--way", options->way,
           "method of compensation: exact; or linear (Eqs. 22 and 23) or tilt-aware (Eq. 8) of Huang et al. (2016)")
-      ->check(one_of({"exact", "tilt-aware", "linear"}))
-      ->shows_default();
+      ->check(one_of({"exact", "tilt-aware", "linear"}));
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV) for a controller that uses the nominal dimensions");
   add_controller_options(*command, options->controller);

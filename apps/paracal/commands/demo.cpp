@@ -192,7 +192,7 @@ void add_demo(Command& program, Session& session) {
   Command* command = session.add_command(
       program, "demo", "Try it", "run a whole calibration of a simulated machine, and keep every file and command");
   const auto folder = std::make_shared<std::string>("paracal-demo");
-  command->add_option("folder", *folder, "folder for the files: new, empty, or from an earlier demo")->shows_default();
+  command->add_option("folder", *folder, "folder for the files: new, empty, or from an earlier demo");
   command->example("Run it in the folder paracal-demo", "paracal demo");
   command->callback([&session, command, folder] { run(*folder, command->get_option("--robot")->is_given(), session); });
 }

@@ -131,10 +131,8 @@ void add_error_model(Command& program, Session& session) {
       ->add_option(
           "--pose", *pose,
           "pose in mm and deg; six numbers x,y,z and three tilts for six degrees of freedom; angles may be omitted")
-      ->takes("X,Y,Z[,PHI]")
-      ->required()
-      ->separated_by(',')
-      ->expected(3, 6);
+      ->lists("X,Y,Z[,PHI]", 3, 6)
+      ->required();
   command->example("At one pose of the published robot",
                    "paracal error-model --robot huang2016 --pose 200,-130,-930,30");
   command->callback([&session, pose] { run(*pose, session); });

@@ -199,14 +199,10 @@ void add_export(Command& program, Session& session) {
       ->add_option(
           "--origin", options->filter.origin,
           "the program's origin in the robot's frame, mm (default: controller.origin_mm of the robot file, or 0)")
-      ->takes("X,Y,Z")
-      ->separated_by(',')
-      ->expected(3)
+      ->lists("X,Y,Z", 3)
       ->check(within(plausible::length(kLargestReach)));
   command->add_option("--start", options->filter.start, "position before the first line of the program, mm and deg")
-      ->takes("X,Y,Z[,PHI]")
-      ->separated_by(',')
-      ->expected(3, 4)
+      ->lists("X,Y,Z[,PHI]", 3, 4)
       ->check(within(plausible::length(kLargestReach)));
   command->heading("Part programs and tables (--target gcode, csv)");
   command->add_flag(

@@ -161,16 +161,13 @@ void add_identifiability(Command& program, Session& session) {
   command->heading("Measurement");
   add_planning_options(*command, options->plan);
   command->add_option("--frame", options->measuring.frame, "frame of the measured coordinates")
-      ->check(one_of({"unknown", "robot"}))
-      ->shows_default();
+      ->check(one_of({"unknown", "robot"}));
   command
       ->add_option("--body", options->measuring.body,
                    "mounting of the measured body: in the plate's frame, or unknown and fitted")
-      ->check(one_of({"unknown", "plate"}))
-      ->shows_default();
+      ->check(one_of({"unknown", "plate"}));
   command->add_option("--rotation", options->rotation, "whether phi is measured, and from which zero")
-      ->check(one_of({"none", "relative", "absolute"}))
-      ->shows_default();
+      ->check(one_of({"none", "relative", "absolute"}));
   command->add_flag("--second", options->plan.readings.second, "a second reflector is measured, too; it shows tilt");
   add_noise_options(*command, options->measuring);
   command->example("Check a plan", "paracal identifiability --poses plan.csv");

@@ -249,38 +249,30 @@ void add_poses(Command& program, Session& session) {
   for (const auto& [criterion, unused] : kCriteria) criteria.push_back(criterion);
   command->heading("Plan of Huang et al. (2016)");
   command->add_option("--stage", options->stage, "stage of the calibration; adds points until O2 changes little")
-      ->check(one_of({"rough", "fine"}))
-      ->shows_default();
-  command->add_option("--start-deg", options->start_deg, "azimuth of the first point")
-      ->check(between(-360.0, 360.0))
-      ->shows_default();
+      ->check(one_of({"rough", "fine"}));
+  command->add_option("--start-deg", options->start_deg, "azimuth of the first point")->check(between(-360.0, 360.0));
   command->add_option("--threshold", options->threshold, "smallest relative change of O2 that still counts")
-      ->check(within({1e-15, 1.0}))
-      ->shows_default();
+      ->check(within({1e-15, 1.0}));
   command->heading("Optimal poses");
   Option* optimal =
       command->add_option("--optimal", options->optimal, "choose the best N poses, including home, by exchange")
-          ->check(whole_number(2, 1000));
+          ->check(whole_number(2, 1000))
+          ->shows_default("");
   command->add_option("--candidates", options->candidates, "number of candidate poses")
       ->check(whole_number(2, 100000))
-      ->needs(optimal)
-      ->shows_default();
+      ->needs(optimal);
   command
       ->add_option("--starts", options->starts,
                    "number of searches, each with new candidates; the best is kept; MPI ranks share them")
       ->check(whole_number(1, 100000))
-      ->needs(optimal)
-      ->shows_default();
+      ->needs(optimal);
   command->add_option("--criterion", options->criterion, "criterion that the chosen poses minimise")
       ->check(one_of(criteria))
-      ->needs(optimal)
-      ->shows_default();
+      ->needs(optimal);
   command->heading("Measurement");
   for (Option* option : add_planning_options(*command, options->plan)) option->needs(optimal);
   command->add_option("--range-mm", options->range, "measuring range of the instrument; the poses stay within it")
-      ->takes("MM,MM")
-      ->separated_by(',')
-      ->expected(2)
+      ->lists("MM,MM", 2)
       ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
   command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is measured at every pose, too")
@@ -288,23 +280,18 @@ void add_poses(Command& program, Session& session) {
   command->add_flag("--second", options->plan.readings.second, "a second reflector is measured at every pose, too")
       ->needs(optimal);
   command->add_option("--tracker", options->tracker, "position of the tracker in the robot's frame, mm")
-      ->takes("X,Y,Z")
-      ->separated_by(',')
-      ->expected(3)
+      ->lists("X,Y,Z", 3)
       ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
   command->add_option("--facing", options->facing, "direction of the reflector at phi = 0")
-      ->takes("X,Y,Z")
-      ->separated_by(',')
-      ->expected(3)
+      ->lists("X,Y,Z", 3)
       ->check(within(plausible::kDirection))
       ->needs(optimal);
   command
       ->add_option("--acceptance-deg", options->acceptance_deg,
                    "half-angle within which the tracker can see the reflector")
       ->check(between(1.0, 180.0))
-      ->needs(optimal)
-      ->shows_default();
+      ->needs(optimal);
   command->add_flag("--on-plate", options->fixed_to_plate, "the reflector does not turn with phi")->needs(optimal);
   add_noise_options(*command, options->measuring);
   add_long_job_options(*command, options->job);

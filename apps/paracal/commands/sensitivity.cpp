@@ -122,19 +122,16 @@ void add_sensitivity(Command& program, Session& session) {
           "--quantity", options->quantity,
           "tilt, twist, position, distance or rotation; with -compensated: after compensation of the position group")
       ->takes("QUANTITY")
-      ->check(characteristic_validator())
-      ->shows_default();
+      ->check(characteristic_validator());
   command
       ->add_option("--pose", options->pose,
                    "also show local sensitivities at this pose (mm, deg; or x,y,z and three tilts)")
-      ->takes("X,Y,Z[,PHI]")
-      ->separated_by(',')
-      ->expected(3, 6);
+      ->lists("X,Y,Z[,PHI]", 3, 6);
   command->add_option("--tolerances", options->tolerances,
                       "tolerances for contributions and map (TOML; default: the robot's)");
   command->add_flag("--all-rotations", options->all_rotations,
                     "average over phi or tilts, too (default: phi = 0 and level, as in the paper)");
-  command->add_option("--error", options->error, "relative error of the means")->check(positive())->shows_default();
+  command->add_option("--error", options->error, "relative error of the means")->check(positive());
   session.outputs.declare(
       command->add_option("--map", options->map, "write 3 sigma at five heights of the workspace (CSV)"));
   options->report = add_report_option(*command, session);

@@ -163,8 +163,7 @@ void add_simulate(Command& program, Session& session) {
       "errors of the machine (TOML) or a calibration (JSON); default: drawn from the tolerances by --seed and "
       "--machine");
   command->add_option("--machine", options->machine, "number of the drawn machine")
-      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-      ->shows_default();
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
   session.outputs.declare(
       command->add_option("--truth", options->truth, "also write the errors of the machine (TOML)"));
   command->add_option("--poses", options->poses, "poses to visit (CSV)")->required();
@@ -173,8 +172,7 @@ void add_simulate(Command& program, Session& session) {
   add_planning_options(*command, options->plan);
   command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder measures phi, too");
   command->add_option("--frame", options->frame, "frame of the instrument: the robot's, or a random setup")
-      ->check(one_of({"robot", "random"}))
-      ->shows_default();
+      ->check(one_of({"robot", "random"}));
   add_instrument_options(*command, options->instrument);
   command->example("Measurements of a machine drawn from the tolerances",
                    "paracal simulate --robot huang2016 --poses plan.csv --noise-mm 0.017 --out simulated.csv");

@@ -138,13 +138,11 @@ void add_tolerance_allocate(Command& tolerance, Session& session) {
           ->add_option("--bound", options->bound,
                        "how the largest tilt is computed: sum-of-maxima as in the paper's Table 2; true-maximum "
                        "allows about 10 % wider tolerances")
-          ->check(one_of({"sum-of-maxima", "true-maximum"}))
-          ->shows_default();
+          ->check(one_of({"sum-of-maxima", "true-maximum"}));
   const std::array least = add_angle_options(*command, options->least, "--least", "--least",
                                              "tightest tolerance that can be made (paper: 0.0002)");
   command->add_option("--least-is", options->least_is, "quantity that --least bounds: the tolerance (3 sigma) or sigma")
-      ->check(one_of({"tolerance", "sigma"}))
-      ->shows_default();
+      ->check(one_of({"tolerance", "sigma"}));
   command->add_option("--tolerances", options->tolerances,
                       "tolerances of the parts that are not chosen (TOML; default: the robot's)");
   Option* problem =

@@ -286,26 +286,20 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
   command->add_option("--min-yield", options->min_yield, "exit with 1 unless the exact model proves this yield")
       ->check(between(0.0, 1.0));
   command->heading("Monte Carlo");
-  command->add_option("--model", options->model, "model of the simulated machines")
-      ->check(one_of({"linear", "exact"}))
-      ->shows_default();
+  command->add_option("--model", options->model, "model of the simulated machines")->check(one_of({"linear", "exact"}));
   const Rule share = between(1e-4, 1.0), confidence = between(0.5, 0.9999);
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,
                    "simulate machines until every sigma has this relative error")
-      ->check(share)
-      ->shows_default();
+      ->check(share);
   command->add_option("--confidence", options->monte_carlo.confidence, "confidence level of all intervals")
-      ->check(confidence)
-      ->shows_default();
-  command->add_option("--failure-error", options->failure_error, "relative error of the failure rate")
-      ->check(share)
-      ->shows_default();
+      ->check(confidence);
+  command->add_option("--failure-error", options->failure_error, "relative error of the failure rate")->check(share);
   command->add_option("--max-machines", options->monte_carlo.max_machines, "largest number of simulated machines")
-      ->check(whole_number(16, 1'000'000'000'000))
-      ->shows_default();
+      ->check(whole_number(16, 1'000'000'000'000));
   command->add_option("--sobol", options->sobol, "compute Sobol indices from N samples of the exact model")
-      ->check(whole_number(8, 10'000'000));
+      ->check(whole_number(8, 10'000'000))
+      ->shows_default("");
   command->add_flag("--linearity", options->linearity,
                     "show the error of the linear model up to 30 times the tolerances");
   add_long_job_options(*command, options->job);

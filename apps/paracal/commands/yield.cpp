@@ -323,7 +323,8 @@ void add_yield(Command& program, Session& session) {
   const auto options = std::make_shared<YieldArguments>();
   command->add_option("--machines", options->machines, "number of machines")
       ->required()
-      ->check(whole_number(1, kMostMachines));
+      ->check(whole_number(1, kMostMachines))
+      ->shows_default("");
   command->add_option("--tolerances", options->tolerances, "tolerances of the parts (TOML; default: the robot's)");
   command->add_option(
       "--poses", options->poses,
@@ -331,11 +332,9 @@ void add_yield(Command& program, Session& session) {
   add_table_options(*command, options->style);
   command->heading("Calibration");
   command->add_option("--method", options->method, "method of the calibration, as in calibrate")
-      ->check(one_of({"best", "paper"}))
-      ->shows_default();
+      ->check(one_of({"best", "paper"}));
   command->add_option("--rotation", options->rotation, "whether phi is measured, and from which zero")
-      ->check(one_of({"none", "relative", "absolute"}))
-      ->shows_default();
+      ->check(one_of({"none", "relative", "absolute"}));
   add_instrument_options(*command, options->instrument);
   add_limits(*command, *options);
   command->heading("Monte Carlo");
@@ -345,19 +344,18 @@ void add_yield(Command& program, Session& session) {
       "order)");
   command->add_option("--confidence", options->confidence, "confidence level of the intervals")
       ->check(positive())
-      ->check(between(0.01, 0.999999))
-      ->shows_default();
+      ->check(between(0.01, 0.999999));
   command
       ->add_option("--interval", options->interval,
                    "add exact machines until the 95 % percentiles have this relative error, up to half of all machines")
       ->check(positive())
-      ->check(between(0.001, 10.0))
-      ->shows_default();
+      ->check(between(0.001, 10.0));
   add_long_job_options(*command, options->job);
   command
       ->add_option("--chunk", options->chunk,
                    "machines per chunk, which is lost if a process dies (default: 0.2 s of work)")
-      ->check(whole_number(1, kLargestChunk));
+      ->check(whole_number(1, kLargestChunk))
+      ->shows_default("");
   command->add_flag("--plan", options->plan,
                     "compute no batch; predict time, memory and files for 1 to 1024 cores from a short trial");
   command->heading("Results");
