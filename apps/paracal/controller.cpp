@@ -215,13 +215,11 @@ std::vector<std::string> comparison_lines(const Robot& robot, const ControllerMo
 }
 
 io::Json comparison_json(const Robot& robot, const ControllerModel& controller) {
-  io::Json json = io::Json::array();
-  for (const ComparisonPose& one : comparison(robot, controller)) {
+  return io::json_array(comparison(robot, controller), [&](const ComparisonPose& one) {
     io::Json entry = joints_json({one.name, one.joints}, robot.actuator());
     entry["pose"] = io::to_json(one.pose, robot.commands_tilt());
-    json.push_back(std::move(entry));
-  }
-  return json;
+    return entry;
+  });
 }
 
 }  // namespace paracal::app

@@ -189,9 +189,8 @@ std::string pose_text(const Station& station) {
 std::string joints_key(Actuator actuator) { return fmt::format("joints_{}", file_unit(joint_unit(actuator))); }
 
 io::Json joints_json(const io::NamedJoints& row, Actuator actuator) {
-  io::Json coordinates = io::Json::array();
-  for (const double joint : row.joints) coordinates.push_back(to_file_unit(joint_unit(actuator), joint));
-  return {{"name", row.name}, {joints_key(actuator), coordinates}};
+  const auto in_unit = [&](double joint) { return to_file_unit(joint_unit(actuator), joint); };
+  return {{"name", row.name}, {joints_key(actuator), io::json_array(row.joints, in_unit)}};
 }
 
 io::TextSink Session::result_sink() {

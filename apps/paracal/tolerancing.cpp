@@ -89,9 +89,9 @@ void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& toler
 }
 
 io::Json contributors_json(const std::vector<Contributor>& contributors) {
-  io::Json json = io::Json::array();
-  for (const auto& [source, share] : contributors) json.push_back({{"name", name(source)}, {"share", share}});
-  return json;
+  return io::json_array(contributors, [](const Contributor& one) {
+    return io::Json{{"name", name(one.source)}, {"share", one.share}};
+  });
 }
 
 std::string pareto(const std::vector<Contributor>& contributors) {

@@ -110,16 +110,15 @@ std::string text_of(const YieldPlan& plan) {
 }
 
 io::Json json_of(const YieldPlan& plan) {
-  io::Json cores = io::Json::array();
-  for (const int count : kCores) {
-    cores.push_back({{"cores", count}, {"seconds", std::max(plan.core_seconds / count, plan.longest_chunk_s)}});
-  }
+  const auto on = [&](int cores) {
+    return io::Json{{"cores", cores}, {"seconds", std::max(plan.core_seconds / cores, plan.longest_chunk_s)}};
+  };
   return {{"machines", plan.machines},
           {"exact_machines", plan.exact_machines},
           {"exact_machine_ms", plan.exact_ms},
           {"first_order_machine_us", plan.first_order_us},
           {"core_seconds", plan.core_seconds},
-          {"cores", cores},
+          {"cores", io::json_array(kCores, on)},
           {"chunks", plan.chunks},
           {"bytes_a_chunk", plan.bytes_a_chunk},
           {"chunk_seconds", plan.longest_chunk_s},

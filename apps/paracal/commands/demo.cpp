@@ -156,15 +156,15 @@ std::string text_of(const Demonstration& all, const fs::path& folder) {
 }
 
 io::Json json_of(const Demonstration& all, const fs::path& folder) {
-  io::Json steps = io::Json::array(), files = io::Json::array();
-  for (const Done& done : all.steps) {
-    steps.push_back({{"what", done.step.what},
-                     {"command", done.step.shell_line()},
-                     {"exit_code", done.exit_code},
-                     {"text", done.text}});
-  }
-  for (const auto& [name, text] : all.files) files.push_back(name);
-  return {{"folder", folder.string()}, {"steps", steps}, {"files", files}};
+  const auto step_json = [](const Done& done) {
+    return io::Json{{"what", done.step.what},
+                    {"command", done.step.shell_line()},
+                    {"exit_code", done.exit_code},
+                    {"text", done.text}};
+  };
+  return {{"folder", folder.string()},
+          {"steps", io::json_array(all.steps, step_json)},
+          {"files", io::json_array(all.files, [](const auto& file) { return file.first; })}};
 }
 
 void run(const std::string& folder_name, bool has_robot, Session& session) {

@@ -81,13 +81,11 @@ std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
 }
 
 io::Json tests_json(const std::vector<TargetTest>& tests, Actuator actuator) {
-  io::Json json = io::Json::array();
-  for (const auto& [wanted, target] : tests) {
-    io::Json one = io::to_json(wanted, actuator);
-    one["target"] = io::to_json(target);
-    json.push_back(one);
-  }
-  return json;
+  return io::json_array(tests, [&](const TargetTest& test) {
+    io::Json json = io::to_json(test.wanted, actuator);
+    json["target"] = io::to_json(test.target);
+    return json;
+  });
 }
 
 std::vector<std::string> header_lines(const Robot& robot, const ExportOrigin& origin,
@@ -137,36 +135,33 @@ class HeaderSink {
 
 io::Json loads_json(const io::FilterSummary& summary, Actuator actuator) {
   const Unit unit = joint_unit(actuator);
-  io::Json loads = io::Json::array();
-  for (const io::JointLoad& one : summary.hardest) {
-    loads.push_back({{"line", one.line},
-                     {"joint", one.joint},
-                     {fmt::format("speed_{}_per_s", file_unit(unit)), to_file_unit(unit, one.speed)},
-                     {fmt::format("acceleration_{}_per_s2", file_unit(unit)), to_file_unit(unit, one.acceleration)},
-                     {"of_limit", one.of_limit}});
-  }
-  return loads;
+  return io::json_array(summary.hardest, [&](const io::JointLoad& one) {
+    return io::Json{{"line", one.line},
+                    {"joint", one.joint},
+                    {fmt::format("speed_{}_per_s", file_unit(unit)), to_file_unit(unit, one.speed)},
+                    {fmt::format("acceleration_{}_per_s2", file_unit(unit)), to_file_unit(unit, one.acceleration)},
+                    {"of_limit", one.of_limit}};
+  });
+}
+
+io::Json passed_json(const io::PassedThrough& one) {
+  return {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}};
+}
+
+io::Json target_json(const io::CorrectedTarget& one) {
+  return {{"line", one.line},
+          {"wanted", io::to_json(one.wanted)},
+          {"target", io::to_json(one.target)},
+          {"distance_mm", one.distance()}};
 }
 
 io::Json summary_json(const io::FilterSummary& summary, Actuator actuator) {
-  io::Json passed = io::Json::array();
-  for (const io::PassedThrough& one : summary.passed) {
-    passed.push_back(
-        {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}});
-  }
-  io::Json farthest = io::Json::array();
-  for (const io::CorrectedTarget& one : summary.farthest) {
-    farthest.push_back({{"line", one.line},
-                        {"wanted", io::to_json(one.wanted)},
-                        {"target", io::to_json(one.target)},
-                        {"distance_mm", one.distance()}});
-  }
   return {{"lines", summary.lines},
           {"corrected", summary.corrected},
           {"lines_added", summary.added},
-          {"passed", passed},
+          {"passed", io::json_array(summary.passed, passed_json)},
           {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
-          {"farthest", farthest},
+          {"farthest", io::json_array(summary.farthest, target_json)},
           {"joints_over_limit", {{"count", summary.over_limit}, {"first_line", summary.first_over_limit}}},
           {"hardest_blocks", loads_json(summary, actuator)},
           {"assumed", summary.assumed}};

@@ -125,12 +125,10 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
                                   {"std", to_file_unit(unit, one.std)},
                                   {"data_share", 1.0 - one.std * one.std / (before * before)}});
   }
-  json["null_space"] = io::Json::array();
-  for (const NullDirection& direction : seen.null_space) {
-    json["null_space"].push_back(
-        {{"text", direction.text}, {"direction", io::rows_json(direction.direction.transpose())[0]}});
-  }
-  json["singular_values"] = io::rows_json(seen.singular_values.transpose())[0];
+  json["null_space"] = io::json_array(seen.null_space, [](const NullDirection& one) {
+    return io::Json{{"text", one.text}, {"direction", io::json_array(one.direction)}};
+  });
+  json["singular_values"] = io::json_array(seen.singular_values);
   add_indices(json, seen.indices);
   json["workspace_std"] = workspace_json(spread);
   json["assumed"] = tolerances_of(robot).assumed;

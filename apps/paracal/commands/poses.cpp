@@ -41,8 +41,7 @@ const std::map<std::string, Criterion> kCriteria{{"D", Criterion::volume},
                                                  {"pose", Criterion::pose_uncertainty}};
 
 io::Json poses_json(const std::vector<Station>& stations) {
-  io::Json json = io::Json::array();
-  for (const Station& station : stations) {
+  return io::json_array(stations, [](const Station& station) {
     const auto& [r, rotation, tilt] = station.commanded;
     io::Json pose{{"pose", station.name},
                   {"x_cmd_mm", r.x()},
@@ -54,9 +53,8 @@ io::Json poses_json(const std::vector<Station>& stations) {
       pose["tilt_y_cmd_deg"] = to_degrees(tilt.y());
       pose["tilt_z_cmd_deg"] = to_degrees(tilt.z());
     }
-    json.push_back(std::move(pose));
-  }
-  return json;
+    return pose;
+  });
 }
 
 /// Why circles are smaller than the workspace, where they are.

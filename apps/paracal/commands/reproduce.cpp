@@ -76,11 +76,9 @@ io::Json row_json(const ReproductionRow& row) {
 }
 
 io::Json result_json(const std::string& paper, const Reproduction& reproduction) {
-  io::Json rows = io::Json::array();
-  for (const ReproductionRow& row : reproduction.rows) rows.push_back(row_json(row));
   return {{"paper", paper},
           {"rule", report::rule_in_words()},
-          {"rows", std::move(rows)},
+          {"rows", io::json_array(reproduction.rows, row_json)},
           {"counts",
            {{"reproduced", reproduction.count(Finding::reproduced)},
             {"not_contradicted", reproduction.count(Finding::not_contradicted)},

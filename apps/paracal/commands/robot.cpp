@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "paracal/io/toml.hpp"
@@ -10,13 +12,9 @@ namespace paracal::app {
 namespace {
 
 void list_robots(Session& session) {
-  io::Json names = io::Json::array();
-  std::string text;
-  for (const std::string_view name : catalogue::names()) {
-    names.push_back(name);
-    text.append(name).append("\n");
-  }
-  session.json() ? session.print_json(io::Json{{"robots", names}}) : session.print(text);
+  const auto names = catalogue::names();
+  session.json() ? session.print_json(io::Json{{"robots", io::json_array(names)}})
+                 : session.print(fmt::format("{}\n", fmt::join(names, "\n")));
 }
 
 Robot printer_robot(const PrinterFile& file) {

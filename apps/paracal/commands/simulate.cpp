@@ -74,43 +74,36 @@ std::string table_of(const Measurements& measurements, Actuator actuator) {
 }
 
 io::Json points_json(const Measurements& measurements) {
-  io::Json points = io::Json::array();
-  for (const PointReading& reading : measurements.series.front().readings) {
-    points.push_back({{"pose", measurements.stations[reading.station].name},
-                      {"x_mm", reading.point.x()},
-                      {"y_mm", reading.point.y()},
-                      {"z_mm", reading.point.z()}});
+  return io::json_array(measurements.series.front().readings, [&](const PointReading& reading) {
+    io::Json json{{"pose", measurements.stations[reading.station].name},
+                  {"x_mm", reading.point.x()},
+                  {"y_mm", reading.point.y()},
+                  {"z_mm", reading.point.z()}};
     if (const auto& q = reading.orientation) {
-      points.back().update({{"qw", q->w()}, {"qx", q->x()}, {"qy", q->y()}, {"qz", q->z()}});
+      json.update({{"qw", q->w()}, {"qx", q->x()}, {"qy", q->y()}, {"qz", q->z()}});
     }
-    if (reading.rotation) points.back()["phi_deg"] = to_degrees(*reading.rotation);
-    if (!reading.second) continue;
-    points.back()["x2_mm"] = reading.second->x();
-    points.back()["y2_mm"] = reading.second->y();
-    points.back()["z2_mm"] = reading.second->z();
-  }
-  return points;
+    if (reading.rotation) json["phi_deg"] = to_degrees(*reading.rotation);
+    if (const auto& r = reading.second) json.update({{"x2_mm", r->x()}, {"y2_mm", r->y()}, {"z2_mm", r->z()}});
+    return json;
+  });
 }
 
 io::Json distances_json(const Measurements& measurements) {
-  io::Json distances = io::Json::array();
-  for (const DistanceReading& reading : measurements.distances) {
-    distances.push_back({{"from", measurements.stations[reading.from].name},
-                         {"to", measurements.stations[reading.to].name},
-                         {"distance_mm", reading.distance}});
-    if (reading.rotation) distances.back()["rotation_deg"] = to_degrees(*reading.rotation);
-  }
-  return distances;
+  return io::json_array(measurements.distances, [&](const DistanceReading& reading) {
+    io::Json json{{"from", measurements.stations[reading.from].name},
+                  {"to", measurements.stations[reading.to].name},
+                  {"distance_mm", reading.distance}};
+    if (reading.rotation) json["rotation_deg"] = to_degrees(*reading.rotation);
+    return json;
+  });
 }
 
 io::Json lengths_json(const Measurements& measurements) {
   const LengthSeries& series = measurements.lengths.front();
-  io::Json lengths = io::Json::array();
-  for (const LengthReading& reading : series.readings) {
-    lengths.push_back({{"pose", measurements.stations[reading.station].name},
-                       {std::string(words(series.kind).column), reading.length}});
-  }
-  return lengths;
+  return io::json_array(series.readings, [&](const LengthReading& reading) {
+    return io::Json{{"pose", measurements.stations[reading.station].name},
+                    {std::string(words(series.kind).column), reading.length}};
+  });
 }
 
 io::Json json_of(const Measurements& measurements) {

@@ -78,8 +78,7 @@ io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, 
     json["max_tilt_3sigma"] = options.max_tilt.value().value_or(kUsualMaxTilt);
   }
   add_half_widths(json, robot, allocation.tolerances);
-  json["requirements"] = io::Json::array();
-  for (const RequirementOutcome& one : allocation.requirements) {
+  json["requirements"] = io::json_array(allocation.requirements, [&](const RequirementOutcome& one) {
     const Characteristic what = one.requirement.characteristic;
     const double factor = shown(what.quantity, 1.0).value;
     io::Json entry{{"quantity", name(what)}, {"criterion", name(one.requirement.criterion)}};
@@ -87,8 +86,8 @@ io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, 
     entry["worst_" + std::string(shown(what.quantity, 0.0).unit)] = factor * one.worst.value;
     entry["worst_pose"] = io::to_json(one.worst.pose, robot.commands_tilt());
     entry["price"] = one.price / factor;
-    json["requirements"].push_back(std::move(entry));
-  }
+    return entry;
+  });
   if (allocation.failures) {
     json["failure"] = io::to_json(*allocation.failures);
     json["failure_price"] = allocation.failure_price;

@@ -239,15 +239,13 @@ io::Json json_of(const ToleranceAnalyzeArguments& options, const Robot& robot, c
 void write_page(const ToleranceAnalyzeArguments& options, Session& session, const Robot& robot, const Findings& found) {
   const Characteristic what = found.analyses.front().requirement.characteristic;
   io::Json map = three_sigma_json(robot, what, found.tolerances);
-  io::Json histograms = io::Json::array();
-  for (const RequirementStatistics& one : found.batch.requirements) {
-    const Quantity quantity = one.requirement.characteristic.quantity;
-    const double factor = shown(quantity, 1.0).value;
-    histograms.push_back({{"quantity", name(one.requirement.characteristic)},
-                          {"unit", shown(quantity, 0.0).unit},
-                          {"limit", factor * one.requirement.limit},
-                          {"machines", report::histogram(one.largest, factor)}});
-  }
+  io::Json histograms = io::json_array(found.batch.requirements, [](const RequirementStatistics& one) {
+    const auto [factor, unit] = shown(one.requirement.characteristic.quantity, 1.0);
+    return io::Json{{"quantity", name(one.requirement.characteristic)},
+                    {"unit", unit},
+                    {"limit", factor * one.requirement.limit},
+                    {"machines", report::histogram(one.largest, factor)}};
+  });
   write_report(*options.report, session, robot,
                {.kind = "tolerance analysis",
                 .results = {{"analysis", json_of(options, robot, found)}},

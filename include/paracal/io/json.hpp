@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "paracal/batch/batch.hpp"
@@ -84,8 +85,6 @@ Json to_json(const CompensatorParameters<double>& parameters);
 /// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm for rails.
 Json to_json(const SelfTestCase& wanted, Actuator actuator);
 
-/// lines, corrected, passed: [{reason, count, first_line}]
-
 /// x_mm, y_mm, z_mm, phi_deg
 /// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, for a plate with six degrees of freedom.
 Json to_json(const Pose& pose, bool tilts = false);
@@ -107,6 +106,14 @@ struct CalibratedMachine {
 
 /// @throws InputFileError for a file that is not an accepted calibration of `robot`.
 CalibratedMachine read_calibration(const TextFile& file, const Robot& robot);
+
+/// An array of what `entry` makes of each of the values; of these themselves without it.
+Json json_array(const auto& values, const auto& entry) {
+  Json json = Json::array();
+  for (const auto& value : values) json.push_back(entry(value));
+  return json;
+}
+Json json_array(const auto& values) { return json_array(values, std::identity()); }
 
 /// Rows of a matrix; numbers that are not finite become null.
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix);

@@ -34,11 +34,9 @@ Json parameter_json(const ParameterEstimate& parameter, Actuator actuator, std::
 
 /// Sought parameters first, then the sources that the fit held where they were expected.
 Json parameters_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const ParameterEstimate& parameter : calibration.parameters) {
-    json.push_back(
-        parameter_json(parameter, calibration.robot.actuator(), parameter.identified() ? "identified" : "prior"));
-  }
+  Json json = json_array(calibration.parameters, [&](const ParameterEstimate& one) {
+    return parameter_json(one, calibration.robot.actuator(), one.identified() ? "identified" : "prior");
+  });
   const SourceErrors errors = calibration.errors();
   for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
     for (const Source source : sources_of(calibration.robot.actuator())) {
@@ -68,11 +66,9 @@ Json correlations_json(const Calibration& calibration) {
     const ParameterEstimate& parameter = calibration.parameters[k];
     return fmt::format("{}{}", name(parameter.source), parameter.limb + 1);
   };
-  Json json = Json::array();
-  for (const Calibration::Correlation& pair : calibration.correlations()) {
-    json.push_back({{"one", named(pair.one)}, {"other", named(pair.other)}, {"value", pair.value}});
-  }
-  return json;
+  return json_array(calibration.correlations(), [&](const Calibration::Correlation& pair) {
+    return Json{{"one", named(pair.one)}, {"other", named(pair.other)}, {"value", pair.value}};
+  });
 }
 
 /// {U, limit, verdict}, in mm or deg.
@@ -88,33 +84,17 @@ Json use_json(const Use& use) {
           {"rotation_deg", use.rotation ? use_json(*use.rotation, to_degrees(1.0)) : Json(nullptr)}};
 }
 
-Json components_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const Component& one : calibration.components) {
-    json.push_back({{"text", one.text}, {"drop", one.drop}, {"chance", one.chance}, {"told", one.told}});
-  }
-  return json;
+Json component_json(const Component& one) {
+  return {{"text", one.text}, {"drop", one.drop}, {"chance", one.chance}, {"told", one.told}};
 }
 
-Json null_space_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const NullDirection& direction : calibration.null_space) {
-    json.push_back({{"text", direction.text}, {"direction", json_array(direction.direction)}});
-  }
-  return json;
+Json direction_json(const NullDirection& direction) {
+  return {{"text", direction.text}, {"direction", json_array(direction.direction)}};
 }
 
-Json stages_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const StageReport& stage : calibration.stages) {
-    json.push_back({{"name", stage.name},
-                    {"iterations", stage.iterations},
-                    {"converged", stage.converged},
-                    {"rank", stage.rank},
-                    {"condition", stage.condition},
-                    {"residual_rms_mm", stage.rms_distance}});
-  }
-  return json;
+Json stage_json(const StageReport& stage) {
+  return {{"name", stage.name}, {"iterations", stage.iterations}, {"converged", stage.converged},
+          {"rank", stage.rank}, {"condition", stage.condition},   {"residual_rms_mm", stage.rms_distance}};
 }
 
 Json degrees_json(const Eigen::Vector3d& radians) { return json_array(Eigen::Vector3d(radians * to_degrees(1.0))); }
@@ -158,31 +138,21 @@ Json residuals_json(const Calibration& calibration) {
   return json;
 }
 
-Json suspects_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const Suspect& one : calibration.suspects) {
-    json.push_back(
-        {{"reading", one.text}, {"statistic", one.statistic}, {"chance", one.chance}, {"excluded", one.excluded}});
-  }
-  return json;
+Json suspect_json(const Suspect& one) {
+  return {{"reading", one.text}, {"statistic", one.statistic}, {"chance", one.chance}, {"excluded", one.excluded}};
 }
 
-Json frames_json(const Calibration& calibration) {
-  Json json = Json::array();
-  for (const SeriesFrame& one : calibration.frames) {
-    Json frame{{"series", one.name},
-               {"rotation", rows_json(one.frame.rotation)},
-               {"translation_mm", json_array(one.frame.translation)},
-               {"rotation_zero_deg", optional_degrees(one.rotation_zero)}};
-    frame["second_reflector_mm"] = one.second ? json_array(*one.second) : Json(nullptr);
-    frame["body"] = nullptr;
-    if (one.body) {
-      frame["body"] = {{"rotation", rows_json(one.body->rotation)},
-                       {"translation_mm", json_array(one.body->translation)}};
-    }
-    json.push_back(std::move(frame));
-  }
-  return json;
+Json motion_json(const RigidMotion& motion) {
+  return {{"rotation", rows_json(motion.rotation)}, {"translation_mm", json_array(motion.translation)}};
+}
+
+Json frame_json(const SeriesFrame& one) {
+  Json frame{{"series", one.name}};
+  frame.update(motion_json(one.frame));
+  frame["rotation_zero_deg"] = optional_degrees(one.rotation_zero);
+  frame["second_reflector_mm"] = one.second ? json_array(*one.second) : Json(nullptr);
+  frame["body"] = one.body ? motion_json(*one.body) : Json(nullptr);
+  return frame;
 }
 
 /// What was found of the set-ups of lengths, a list a kind.
@@ -226,9 +196,7 @@ Json to_json(const PoseErrorSummary& summary) {
 }
 
 Json to_json(const std::vector<InputFile>& files) {
-  Json json = Json::array();
-  for (const InputFile& file : files) json.push_back({{"file", file.name}, {"sha256", file.sha256}});
-  return json;
+  return json_array(files, [](const InputFile& file) { return Json{{"file", file.name}, {"sha256", file.sha256}}; });
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {
@@ -243,7 +211,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"use", calibration.use ? use_json(*calibration.use) : Json(nullptr)},
       {"notes", calibration.notes},
       {"assumed", calibration.assumed},
-      {"components", components_json(calibration)},
+      {"components", json_array(calibration.components, component_json)},
       {"robot", to_json(calibration.robot)},
       {"controller", controller_json(calibration.options.controller)},
       {"parameters", parameters_json(calibration)},
@@ -255,8 +223,8 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"correlations", correlations_json(calibration)},
       {"coverage_factor", kCoverageFactor},
       {"rank", calibration.rank},
-      {"null_space", null_space_json(calibration)},
-      {"stages", stages_json(calibration)},
+      {"null_space", json_array(calibration.null_space, direction_json)},
+      {"stages", json_array(calibration.stages, stage_json)},
       {"residual_rms_mm", calibration.after.reads_distances ? Json(calibration.after.rms_distance) : Json(nullptr)},
       {"readings", calibration.readings},
       {"noise_mm", calibration.noise},
@@ -268,8 +236,8 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"before", to_json(calibration.before)},
       {"after", to_json(calibration.after)},
       {"residuals", residuals_json(calibration)},
-      {"suspects", suspects_json(calibration)},
-      {"frames", frames_json(calibration)}};
+      {"suspects", json_array(calibration.suspects, suspect_json)},
+      {"frames", json_array(calibration.frames, frame_json)}};
   add_set_ups(calibration, json);
   json["distance_bias_mm"] = optional(calibration.distance_bias);
   json["distance_bias_std_mm"] = optional(calibration.distance_bias_std);

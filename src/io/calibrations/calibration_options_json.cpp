@@ -6,18 +6,12 @@
 namespace paracal::io {
 namespace {
 
-Json common_json(const std::vector<CommonError>& errors) {
-  Json json = Json::array();
-  for (const CommonError& error : errors) json.push_back({{"text", error.text}, {"std_mm", error.std}});
-  return json;
-}
+Json common_json(const CommonError& error) { return {{"text", error.text}, {"std_mm", error.std}}; }
 
 Json selectors_json(const std::vector<SourceSelector>& selectors) {
-  Json json = Json::array();
-  for (const SourceSelector& one : selectors) {
-    json.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
-  }
-  return json;
+  return json_array(selectors, [](const SourceSelector& one) {
+    return std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : "");
+  });
 }
 
 }  // namespace
@@ -47,7 +41,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"dial_angle_sigma_deg", optional_degrees(options.noise.dial_angle)},
             {"plane_slope_sigma_rad", optional(options.plane_slope)},
             {"plane_curvature_sigma_per_mm", optional(options.plane_curvature)},
-            {"common", common_json(options.common)},
+            {"common", json_array(options.common, common_json)},
             {"noise_is_known", options.noise_is_known},
             {"fixed", selectors_json(options.fixed)},
             {"free", selectors_json(options.free)},

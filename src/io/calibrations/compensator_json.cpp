@@ -11,14 +11,12 @@ namespace {
 Json limb_json(const CompensatorLimb<double>& limb) {
   const bool on_rail = limb.on_rail != 0.0;
   const Unit unit = joint_unit(on_rail ? Actuator::linear : Actuator::revolute);
-  Json slide = Json::array();
-  for (const double mm_per_rad : limb.slide) slide.push_back(to_radians(mm_per_rad));
   Json json{{"base_mm", limb.base},
             {"radial", limb.radial},
             {"normal", limb.normal},
             {"axis", limb.axis},
             {"plate_mm", limb.plate},
-            {"slide_mm_per_deg", slide},
+            {"slide_mm_per_deg", json_array(limb.slide, to_radians)},
             {"elbow_half_mm", limb.elbow_half},
             {"plate_half_mm", limb.plate_half},
             {"rod_mm", limb.rod},
@@ -40,18 +38,12 @@ Json to_json(const Robot& robot, const ExportOrigin& origin) {
 }
 
 Json to_json(const CompensatorParameters<double>& parameters) {
-  Json json{{"tilts_plate", parameters.tilts_plate != 0},
-            {"identified", Json::array()},
-            {"nominal", Json::array()},
-            {"position_errors_mm", Json::array()},
-            {"tilt_errors_rad", Json::array()}};
-  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
-    json["identified"].push_back(limb_json(parameters.identified[i]));
-    json["nominal"].push_back(limb_json(parameters.nominal[i]));
-    json["position_errors_mm"].push_back(parameters.position_errors[i]);
-    json["tilt_errors_rad"].push_back(parameters.tilt_errors[i]);
-  }
-  return json;
+  const auto of_limbs = [&](const auto& values) { return std::span(values).first(parameters.limb_count); };
+  return {{"tilts_plate", parameters.tilts_plate != 0},
+          {"identified", json_array(of_limbs(parameters.identified), limb_json)},
+          {"nominal", json_array(of_limbs(parameters.nominal), limb_json)},
+          {"position_errors_mm", json_array(of_limbs(parameters.position_errors))},
+          {"tilt_errors_rad", json_array(of_limbs(parameters.tilt_errors))}};
 }
 
 Json to_json(const Pose& pose, bool tilts) {
@@ -68,9 +60,9 @@ Json to_json(const Pose& pose, bool tilts) {
 
 Json to_json(const SelfTestCase& wanted, Actuator actuator) {
   const Unit unit = joint_unit(actuator);
-  Json joints = Json::array();
-  for (const double joint : wanted.joints) joints.push_back(to_file_unit(unit, joint));
-  return {{"pose", to_json(wanted.pose)}, {fmt::format("joints_{}", file_unit(unit)), joints}};
+  const auto in_unit = [&](double joint) { return to_file_unit(unit, joint); };
+  return {{"pose", to_json(wanted.pose)},
+          {fmt::format("joints_{}", file_unit(unit)), json_array(wanted.joints, in_unit)}};
 }
 
 }  // namespace paracal::io

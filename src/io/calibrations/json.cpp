@@ -9,9 +9,7 @@
 namespace paracal::io {
 
 Json rows_json(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(json_array(matrix.row(i)));
-  return rows;
+  return json_array(matrix.rowwise(), [](const auto& row) { return json_array(row); });
 }
 
 Json values_json(const std::vector<KeyValues>& values) {
@@ -54,8 +52,6 @@ Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
 
 Json to_json(const Robot& robot) {
   const Geometry& geometry = robot.geometry();
-  Json azimuth = Json::array();
-  for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   Json json{{"name", robot.name()}};
   if (!geometry.single_rods.empty()) {
     if (!geometry.freedoms.are_all()) json["plate"] = {{"freedoms", freedoms_json(geometry.freedoms)}};
@@ -66,7 +62,7 @@ Json to_json(const Robot& robot) {
                         {"arm_mm", geometry.arm},
                         {"rod_mm", geometry.rod},
                         {"parallelogram_width_mm", geometry.parallelogram_width},
-                        {"limb_azimuth_deg", azimuth},
+                        {"limb_azimuth_deg", json_array(geometry.limb_azimuth, tidy_degrees)},
                         {"actuator", actuator_name(geometry.actuator)}};
   }
   if (const std::optional<Slide>& slide = robot.slide()) {

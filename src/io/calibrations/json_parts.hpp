@@ -9,12 +9,6 @@
 
 namespace paracal::io {
 
-inline Json json_array(const auto& values) {
-  Json json = Json::array();
-  for (const auto& value : values) json.push_back(value);
-  return json;
-}
-
 inline Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 /// Of an angle in rad.

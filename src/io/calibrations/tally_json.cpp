@@ -89,9 +89,7 @@ auto bins_in_order(Bins& bins) {
 Json columns_json(const std::vector<MachinePair>& pairs, ErrorBins MachinePair::*which) {
   Json columns = Json::array();
   for (std::size_t k = 0; k < kBinsOfAMachine; ++k) {
-    Json column = Json::array();
-    for (const MachinePair& pair : pairs) column.push_back(*bins_in_order(pair.*which)[k]);
-    columns.push_back(std::move(column));
+    columns.push_back(json_array(pairs, [&](const MachinePair& pair) { return *bins_in_order(pair.*which)[k]; }));
   }
   return columns;
 }
@@ -106,15 +104,9 @@ void read_columns(const Json& columns, std::vector<MachinePair>& pairs, ErrorBin
 }
 
 Json pairs_json(const std::vector<MachinePair>& pairs) {
-  Json machines = Json::array(), fates = Json::array(), passes = Json::array();
-  for (const MachinePair& pair : pairs) {
-    machines.push_back(pair.machine);
-    fates.push_back(static_cast<std::uint64_t>(pair.fate));
-    passes.push_back(pair.passes ? 1U : 0U);
-  }
-  return {{"machine", machines},
-          {"fate", fates},
-          {"passes", passes},
+  return {{"machine", json_array(pairs, [](const MachinePair& pair) { return pair.machine; })},
+          {"fate", json_array(pairs, [](const MachinePair& pair) { return static_cast<std::uint64_t>(pair.fate); })},
+          {"passes", json_array(pairs, [](const MachinePair& pair) { return pair.passes ? 1U : 0U; })},
           {"first_order", columns_json(pairs, &MachinePair::first_order)},
           {"exact", columns_json(pairs, &MachinePair::exact)}};
 }

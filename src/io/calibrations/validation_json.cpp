@@ -6,24 +6,21 @@
 namespace paracal::io {
 namespace {
 
-Json iso_json(const Iso9283& iso) {
-  Json json{{"max_AP_mm", iso.max_AP},
-            {"max_RP_mm", iso.max_RP},
-            {"max_AD_mm", iso.max_AD},
-            {"max_RD_mm", iso.max_RD},
-            {"poses", Json::array()}};
-  for (const PoseCriteria& one : iso.poses) {
-    json["poses"].push_back({{"pose", one.pose},
-                             {"repeats", one.repeats},
-                             {"AP_mm", one.AP},
-                             {"RP_mm", one.RP},
-                             {"AD_mm", one.AD},
-                             {"RD_mm", one.RD}});
-    if (!one.AP_rotation) continue;
-    json["poses"].back()["AP_deg"] = to_degrees(*one.AP_rotation);
-    json["poses"].back()["RP_deg"] = to_degrees(*one.RP_rotation);
-  }
+Json criteria_json(const PoseCriteria& one) {
+  Json json{{"pose", one.pose}, {"repeats", one.repeats}, {"AP_mm", one.AP},
+            {"RP_mm", one.RP},  {"AD_mm", one.AD},        {"RD_mm", one.RD}};
+  if (!one.AP_rotation) return json;
+  json["AP_deg"] = to_degrees(*one.AP_rotation);
+  json["RP_deg"] = to_degrees(*one.RP_rotation);
   return json;
+}
+
+Json iso_json(const Iso9283& iso) {
+  return {{"max_AP_mm", iso.max_AP},
+          {"max_RP_mm", iso.max_RP},
+          {"max_AD_mm", iso.max_AD},
+          {"max_RD_mm", iso.max_RD},
+          {"poses", json_array(iso.poses, criteria_json)}};
 }
 
 /// Each pose against the first of its series.
@@ -62,42 +59,34 @@ Json agreement_json(const Validation& validation) {
           {"contradicts", agreement.contradicts()}};
 }
 
-Json readings_json(const Validation& validation) {
-  Json json = Json::array();
-  for (const CheckedReading& one : validation.readings) {
-    json.push_back({{"reading", one.text},
-                    {"before_mm", one.before},
-                    {"after_mm", one.after},
-                    {"sigma_mm", one.sigma},
-                    {"U_mm", one.U}});
-  }
-  return json;
+Json reading_json(const CheckedReading& one) {
+  return {{"reading", one.text},
+          {"before_mm", one.before},
+          {"after_mm", one.after},
+          {"sigma_mm", one.sigma},
+          {"U_mm", one.U}};
+}
+
+Json check_json(const LimitCheck& check) {
+  return {{"quantity", check.quantity},          {"error", check.error}, {"U", check.uncertainty},
+          {"at_least", check.at_least},          {"k", check.coverage},  {"limit", check.limit},
+          {"conformity", name(check.conformity)}};
 }
 
 }  // namespace
 
 Json to_json(const Validation& validation) {
-  Json json{{"accepted", validation.accepted},
-            {"reasons", validation.reasons},
-            {"before", to_json(validation.before)},
-            {"after", to_json(validation.after)},
-            {"iso9283", iso_json(validation.iso9283)},
-            {"checks", Json::array()},
-            {"poses", poses_json(validation)},
-            {"readings", readings_json(validation)},
-            {"agreement", agreement_json(validation)},
-            {"notes", validation.notes},
-            {"assumed", validation.assumed}};
-  for (const LimitCheck& check : validation.checks) {
-    json["checks"].push_back({{"quantity", check.quantity},
-                              {"error", check.error},
-                              {"U", check.uncertainty},
-                              {"at_least", check.at_least},
-                              {"k", check.coverage},
-                              {"limit", check.limit},
-                              {"conformity", name(check.conformity)}});
-  }
-  return json;
+  return {{"accepted", validation.accepted},
+          {"reasons", validation.reasons},
+          {"before", to_json(validation.before)},
+          {"after", to_json(validation.after)},
+          {"iso9283", iso_json(validation.iso9283)},
+          {"checks", json_array(validation.checks, check_json)},
+          {"poses", poses_json(validation)},
+          {"readings", json_array(validation.readings, reading_json)},
+          {"agreement", agreement_json(validation)},
+          {"notes", validation.notes},
+          {"assumed", validation.assumed}};
 }
 
 }  // namespace paracal::io

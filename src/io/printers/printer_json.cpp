@@ -6,9 +6,8 @@ namespace paracal::io {
 namespace {
 
 Json geometry_json(const DeltaGeometry& geometry) {
-  Json angles = Json::array();
-  for (const double angle : geometry.tower_angle) angles.push_back(to_degrees(angle));
-  Json json{{"tower_angle_deg", angles}, {"position_endstop_mm", geometry.endstop}};
+  Json json{{"tower_angle_deg", json_array(geometry.tower_angle, to_degrees)},
+            {"position_endstop_mm", geometry.endstop}};
   if (geometry.actuator == Actuator::linear) {
     json["delta_radius_mm"] = geometry.radius;
     json["arm_length_mm"] = geometry.rod;  // the firmware's word for rods
