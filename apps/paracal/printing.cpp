@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "calibration_page.hpp"
 #include "inputs.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/io/printer_tables.hpp"
 #include "paracal/printer/printer_calibration.hpp"
+#include "reporting.hpp"
 #include "session.hpp"
 
 namespace paracal::app {

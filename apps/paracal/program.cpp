@@ -17,6 +17,13 @@ std::string licences() {
   return text;
 }
 
+void add_tolerance(Command& program, Session& session) {
+  Command* tolerance = program.add_command("tolerance", "choose or analyze tolerances", "Design tolerances");
+  tolerance->require_command();
+  add_tolerance_allocate(*tolerance, session);
+  add_tolerance_analyze(*tolerance, session);
+}
+
 void add_commands(Arguments& arguments, Session& session) {
   Command& program = arguments.program();
   if (Launch::has_long_jobs_alone()) {

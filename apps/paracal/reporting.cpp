@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "embedded.hpp"
+#include "paracal/report/error_map.hpp"
 #include "paracal/report/page.hpp"
+#include "paracal/report/plots.hpp"
 #include "paracal/version.hpp"
 #include "session.hpp"
 
@@ -43,6 +45,41 @@ std::string report_page(const io::Json& data) { return report::page(detail::repo
 
 void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content) {
   session.outputs.store.write(file, report_page(report_data(session, robot, content)));
+}
+
+namespace {
+
+/// Lengths from a set-up that is sought with the rest do not see how high the machine stands, as heights above a plane:
+/// what is drawn is what they do see.
+void level(std::vector<report::ErrorArrow>& arrows) {
+  double mean = 0.0;
+  for (const report::ErrorArrow& arrow : arrows) mean += arrow.before.z() / static_cast<double>(arrows.size());
+  for (report::ErrorArrow& arrow : arrows) arrow.before.z() -= mean;
+}
+
+}  // namespace
+
+CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements) {
+  CalibrationPage page{.arrows = report::measured_arrows(calibration, measurements), .map = calibration.accepted()};
+  if (!page.arrows.empty() || !calibration.accepted()) return page;
+  page.arrows = report::predicted_arrows(calibration.robot, known_errors(calibration).errors, measurements.stations);
+  if (!measurements.lengths.empty()) level(page.arrows);
+  return page;
+}
+
+void write_calibration_page(const std::string& file, Session& session, const Calibration& calibration,
+                            const io::Json& json, const CalibrationPage& page) {
+  const Robot& robot = calibration.robot;
+  const KnownErrors known = known_errors(calibration);
+  io::Json figures = io::Json::object();
+  if (page.plan && !robot.on_single_rods()) figures["observability"] = report::observability(robot);
+  if (!page.arrows.empty()) figures["scene"] = report::scene(robot, page.arrows, known.errors);
+  if (page.map) figures["error_map"] = report::error_map(robot, known);
+  write_report(file, session, robot,
+               {.kind = "calibration",
+                .results = {{"calibration", json}},
+                .figures = std::move(figures),
+                .inputs = with_files(calibration.files, session, page.files)});
 }
 
 }  // namespace paracal::app

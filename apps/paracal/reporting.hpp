@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/io/json.hpp"
+#include "paracal/report/scene.hpp"
 
 namespace paracal::app {
 
@@ -35,5 +37,21 @@ std::string report_page(const io::Json& data);
 
 /// Writes the page, whole or not at all.
 void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content);
+
+/// What the page of a calibration draws besides its numbers. Predictions of a machine that was not found would mislead:
+/// they are drawn for accepted calibrations only.
+struct CalibrationPage {
+  std::vector<report::ErrorArrow> arrows = {};
+  bool map = false;  ///< of errors against the nominal robot, over the workspace
+  bool plan = true;  ///< how many points a circle would do; owners of printers and of struts measure no circles
+  std::vector<std::string> files = {};  ///< that were read besides the measurements
+};
+
+/// Errors as measured, or where these have no direction as the calibration predicts them of the nominal robot.
+CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements);
+
+/// @param json  of the calibration, as --json prints it.
+void write_calibration_page(const std::string& file, Session& session, const Calibration& calibration,
+                            const io::Json& json, const CalibrationPage& page);
 
 }  // namespace paracal::app

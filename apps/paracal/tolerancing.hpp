@@ -8,6 +8,7 @@
 #include "arguments.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/mechanism/robot.hpp"
+#include "paracal/tolerance/failure.hpp"
 #include "paracal/tolerance/requirement.hpp"
 
 namespace paracal::app {
@@ -69,5 +70,11 @@ io::Json three_sigma_json(const Robot& robot, Characteristic what, const Toleran
 
 /// Accepts the name of a characteristic.
 Rule characteristic_validator();
+
+/// The yield in percent and its defects per million, each with its interval, and where they come from.
+std::string yield_text(const FailureShare& failures, const MonteCarlo& drawn, double confidence);
+
+/// A line: the share of machines that break one limit of several.
+std::string failure_line(const FailureShare& failures);
 
 }  // namespace paracal::app

@@ -8,7 +8,6 @@
 #include <memory>
 #include <utility>
 
-#include "calibration_page.hpp"
 #include "controller.hpp"
 #include "measuring.hpp"
 #include "paracal/calibration/identification.hpp"

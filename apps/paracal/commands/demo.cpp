@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,13 +11,13 @@
 #include <memory>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "interruption.hpp"
 #include "output_folder.hpp"
 #include "paracal/io/file.hpp"
 #include "program.hpp"
-#include "scratch_folder.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -114,6 +116,43 @@ OutputFolder folder_for(const std::vector<Step>& steps, const std::string& name)
             return is_made_here && entry.is_regular_file() && files.contains(entry.path().filename().string());
           }};
 }
+
+/// A new, empty folder under $TMPDIR, the current one while this lives; gone with it.
+class ScratchFolder {
+ public:
+  /// @throws std::exception when it cannot be made.
+  ScratchFolder() {
+    std::string name = fs::temp_directory_path() / "paracal-XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) throw fs::filesystem_error(name, {errno, std::generic_category()});
+    path_ = name;
+    try {
+      fs::current_path(path_);
+    } catch (...) {
+      fs::remove(path_);
+      throw;
+    }
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::current_path(before_, ignored);
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  /// Its files, by their names.
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::directory_iterator(path_)) {
+      all[entry.path().filename()] = io::read_file(entry.path()).text;
+    }
+    return all;
+  }
+
+ private:
+  fs::path before_ = fs::current_path();
+  fs::path path_;
+};
 
 /// Everything, in a folder that is gone afterwards; as far as it came where somebody interrupts it.
 /// @param texts  files that the steps read.

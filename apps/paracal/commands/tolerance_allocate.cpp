@@ -3,14 +3,13 @@
 #include <iterator>
 #include <memory>
 
-#include "failing.hpp"
 #include "measuring.hpp"
 #include "paracal/io/allocation_problem.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/tolerance/allocation.hpp"
 #include "reporting.hpp"
-#include "tolerance.hpp"
+#include "session.hpp"
 #include "tolerancing.hpp"
 
 namespace paracal::app {

@@ -4,7 +4,6 @@
 #include <iterator>
 #include <memory>
 
-#include "failing.hpp"
 #include "interruption.hpp"
 #include "long_job.hpp"
 #include "measuring.hpp"
@@ -16,7 +15,7 @@
 #include "paracal/tolerance/failure.hpp"
 #include "progress_line.hpp"
 #include "reporting.hpp"
-#include "tolerance.hpp"
+#include "session.hpp"
 #include "tolerancing.hpp"
 #include "usage.hpp"
 
