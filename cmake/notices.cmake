@@ -12,7 +12,7 @@ set(packages
   "CLI11|libcli11-dev"
   "libmd|libmd-dev"
   "zlib|zlib1g-dev")
-set(text "Boost.Math\n\nBoost Software License 1.0, which asks for no notice in programs.\n\n")
+set(text "Boost.Locale\nBoost.Math\n\nBoost Software License 1.0, which asks for no notice in programs.\n\n")
 string(REPEAT "-" 60 line)
 string(APPEND text "${line}\n\n")
 foreach(entry IN LISTS packages)

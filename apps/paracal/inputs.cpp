@@ -1,9 +1,9 @@
 #include "inputs.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
+
+#include "io/files/letters.hpp"
 
 namespace paracal::app {
 namespace {
@@ -12,11 +12,6 @@ namespace {
 std::map<std::string, io::TextFile>& waiting() {
   static std::map<std::string, io::TextFile> files;
   return files;
-}
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 }  // namespace
@@ -46,7 +41,7 @@ void add_table_options(Command& command, io::TableStyle& style) {
 }
 
 bool is_calibration(const std::string& errors_file) {
-  return lower_case(std::filesystem::path(errors_file).extension()) == ".json";
+  return io::lower_case(std::filesystem::path(errors_file).extension().string()) == ".json";
 }
 
 namespace {

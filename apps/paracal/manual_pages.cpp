@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "help.hpp"
+#include "io/files/letters.hpp"
 
 namespace paracal::app {
 namespace {
@@ -71,10 +72,9 @@ std::string examples_section(const CommandText& command) {
 
 /// @param above  the page of the command or program that it belongs to; empty: of the program itself.
 std::string page_of(const CommandText& command, const std::string& above, const std::string& version) {
-  std::string title = page_name(command);
-  std::ranges::transform(title, title.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   const std::string text = command.text.substr(command.text.starts_with("paracal: ") ? 9 : 0);
-  std::string page = fmt::format(".TH {} 1 \"\" \"paracal {}\" \"paracal\"\n", roff(title), version);
+  std::string page =
+      fmt::format(".TH {} 1 \"\" \"paracal {}\" \"paracal\"\n", roff(io::upper_case(page_name(command))), version);
   page += fmt::format(".SH NAME\n{} \\- {}\n", roff(page_name(command)), roff(text));
   page += synopsis(command) + options_section(command) + commands_section(command) + examples_section(command);
   if (!command.footer.empty()) page += fmt::format(".SH EXIT STATUS\n{}\n", roff(command.footer));

@@ -5,11 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <utility>
 #include <vector>
 
 #include "arguments.hpp"
+#include "io/files/letters.hpp"
 #include "paracal/spelling.hpp"
 
 namespace paracal::app {
@@ -47,9 +47,7 @@ OptionText description(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
   if (text.names.empty()) {
-    text.positional = option.get_name(true);
-    std::ranges::transform(text.positional, text.positional.begin(),
-                           [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+    text.positional = io::upper_case(option.get_name(true));
   }
   const std::string kind = option.get_type_name();
   text.choices = choices_in(kind);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
+#include <iterator>
 #include <streambuf>
 
 #include "paracal/error.hpp"
@@ -13,54 +15,15 @@ namespace {
 
 unsigned char byte_of(char c) { return static_cast<unsigned char>(c); }
 
-/// The least and the largest second byte behind a first one, and how many bytes there are in all.
-struct Sequence {
-  unsigned char least = 0x80, largest = 0xBF;
-  std::size_t length = 0;  ///< 0: no character begins so
-};
-
-/// Unicode 15.0, table 3-7: neither what could be shorter, nor surrogates, nor beyond U+10FFFF.
-Sequence sequence_of(unsigned char first) {
-  if (first < 0x80) return {.length = 1};
-  if (first < 0xC2 || first > 0xF4) return {};
-  if (first < 0xE0) return {.length = 2};
-  const unsigned char least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
-  const unsigned char largest = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
-  return {least, largest, first < 0xF0 ? std::size_t{3} : std::size_t{4}};
-}
-
-/// Bytes of the character that the text begins with; 0 where it begins with none.
-std::size_t length_of_character(std::string_view text) {
-  const auto [least, largest, length] = sequence_of(byte_of(text.front()));
-  if (length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k) {
-    const unsigned char byte = byte_of(text[k]);
-    if (byte < (k == 1 ? least : 0x80) || byte > (k == 1 ? largest : 0xBF)) return 0;
-  }
-  return length;
-}
+using Utf8 = boost::locale::utf::utf_traits<char>;
+using Utf16 = boost::locale::utf::utf_traits<char16_t>;
 
 /// Length of the text up to the first byte that is no UTF-8.
 std::size_t length_of_utf8(std::string_view text) {
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const std::size_t length = length_of_character(text.substr(at));
-    if (length == 0) break;
-    at += length;
-  }
-  return at;
+  const char *at = text.data(), *const end = at + text.size(), *good = at;
+  while (good != end && boost::locale::utf::is_valid_codepoint(Utf8::decode(at, end))) good = at;
+  return static_cast<std::size_t>(good - text.data());
 }
-
-void append_utf8(std::uint32_t code, std::string& text) {
-  constexpr std::array<std::uint32_t, 4> kEnds{0x80, 0x800, 0x10000, 0x110000};
-  constexpr std::array<unsigned char, 4> kLeads{0x00, 0xC0, 0xE0, 0xF0};
-  const auto more = static_cast<std::size_t>(std::ranges::upper_bound(kEnds, code) - kEnds.begin());
-  text += static_cast<char>(kLeads[more] | (code >> (6 * more)));
-  for (std::size_t k = more; k-- > 0;) text += static_cast<char>(0x80 | ((code >> (6 * k)) & 0x3F));
-}
-
-bool is_leading(std::uint16_t unit) { return unit >= 0xD800 && unit < 0xDC00; }
-bool is_trailing(std::uint16_t unit) { return unit >= 0xDC00 && unit < 0xE000; }
 
 }  // namespace
 
@@ -96,15 +59,14 @@ void Utf16Decoder::add(std::string_view bytes, std::string& text) {
 }
 
 void Utf16Decoder::add_unit(std::uint16_t unit, std::string& text) {
-  if ((leading_ != 0) != is_trailing(unit)) {
+  if ((leading_ != 0) != Utf16::is_second_surrogate(unit)) {
     throw InvalidArgument("expected UTF-16 text, got an incomplete surrogate pair");
   }
-  if (is_leading(unit)) {
+  if (Utf16::is_first_surrogate(unit)) {
     leading_ = unit;
     return;
   }
-  const std::uint32_t pair = 0x10000 + ((leading_ - 0xD800U) << 10) + (unit - 0xDC00U);
-  append_utf8(leading_ != 0 ? pair : unit, text);
+  Utf8::encode(leading_ != 0 ? Utf16::combine_surrogate(leading_, unit) : unit, std::back_inserter(text));
   leading_ = 0;
 }
 
@@ -167,21 +129,13 @@ std::optional<bool> is_big_endian(std::string_view bytes) {
 
 std::string as_utf16(std::string_view text, bool big_endian) {
   std::string bytes(big_endian ? kBigEndianMark : kLittleEndianMark);
-  const auto add_unit = [&](std::uint32_t unit) {
-    const std::array pair{static_cast<char>(unit >> 8), static_cast<char>(unit & 0xFF)};
-    bytes += pair[big_endian ? 0 : 1];
-    bytes += pair[big_endian ? 1 : 0];
-  };
-  while (!text.empty()) {
-    const std::size_t length = std::max(length_of_character(text), std::size_t{1});
-    std::uint32_t code = byte_of(text[0]) & (length == 1 ? 0x7FU : 0x7FU >> length);
-    for (std::size_t k = 1; k < length; ++k) code = code << 6 | (byte_of(text[k]) & 0x3FU);
-    text.remove_prefix(length);
-    if (code < 0x10000) {
-      add_unit(code);
-    } else {
-      add_unit(0xD800U + ((code - 0x10000) >> 10));
-      add_unit(0xDC00U + ((code - 0x10000) & 0x3FFU));
+  for (const char *at = text.data(), *const end = at + text.size(); at != end;) {
+    std::u16string units;
+    Utf16::encode(Utf8::decode(at, end), std::back_inserter(units));
+    for (const char16_t unit : units) {
+      const std::array pair{static_cast<char>(unit >> 8), static_cast<char>(unit & 0xFF)};
+      bytes += pair[big_endian ? 0 : 1];
+      bytes += pair[big_endian ? 1 : 0];
     }
   }
   return bytes;

@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <span>
 
+#include "io/files/letters.hpp"
 #include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 
@@ -28,12 +28,6 @@ std::string_view without_comment(std::string_view line) {
     if (marks && (k == 0 || line[k - 1] == ' ' || line[k - 1] == '\t')) return line.substr(0, k);
   }
   return line;
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(), [](unsigned char one) { return std::tolower(one); });
-  return result;
 }
 
 /// Names in folders that a pattern may still have looked at: glob() has no limit of its own.
@@ -60,20 +54,6 @@ std::optional<std::vector<std::string>> matches(const std::string& pattern) {
   globfree(&found);
   return entries_left < 0 ? std::nullopt : std::optional(std::move(names));
 }
-
-}  // namespace
-
-std::vector<std::string_view> cut(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = text.find(separator); at != std::string_view::npos; at = text.find(separator)) {
-    parts.push_back(trimmed(text.substr(0, at)));
-    text.remove_prefix(at + 1);
-  }
-  parts.push_back(trimmed(text));
-  return parts;
-}
-
-namespace {
 
 constexpr std::string_view kSavedHead = "#*# <---------------------- SAVE_CONFIG ---------------------->";
 constexpr std::array<std::string_view, 3> kBlockBegins{
@@ -134,8 +114,8 @@ void KlipperSettings::add(TextFile given, const std::vector<std::string>& within
     }
     const std::size_t end = text.find_first_of(":=");
     if (end == std::string_view::npos || section.empty()) continue;
-    (saved ? saved_ : typed_)[{section, lower(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)), &file,
-                                                                                 number, saved};
+    (saved ? saved_ : typed_)[{section, lower_case(trimmed(text.substr(0, end)))}] = {trimmed(text.substr(end + 1)),
+                                                                                      &file, number, saved};
   }
 }
 

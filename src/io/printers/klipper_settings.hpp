@@ -14,9 +14,6 @@
 
 namespace paracal::io {
 
-/// A text without blanks around it, cut at a separator.
-std::vector<std::string_view> cut(std::string_view text, char separator);
-
 /// Settings by section and key, with the places where they stand. What is typed is in force, the last of a key, in the
 /// file itself or in one that it includes; the SAVE_CONFIG block states what nobody has typed (Klipper comments out the
 /// lines of its block that others contradict). Sections `[include NAME]` stand for the files of that name or pattern

@@ -58,13 +58,7 @@ std::string_view without_comment_behind(std::string_view value) { return value.s
 /// Between commas, without braces.
 std::vector<std::string_view> parts_of(std::string_view value) {
   if (value.starts_with('{') && value.ends_with('}')) value = value.substr(1, value.size() - 2);
-  std::vector<std::string_view> parts;
-  for (std::size_t end = 0; end != std::string_view::npos;) {
-    end = value.find(',');
-    parts.push_back(trimmed(value.substr(0, end)));
-    if (end != std::string_view::npos) value.remove_prefix(end + 1);
-  }
-  return parts;
+  return cut(value, ',');
 }
 
 /// One file, whose definitions come one after the other.

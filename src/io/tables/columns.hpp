@@ -65,6 +65,11 @@ std::string_view without_end(std::string_view line);
 /// Without what stands before and behind.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
 
+/// The text between separators; never empty.
+std::vector<std::string_view> split(std::string_view text, char separator);
+/// The same, without blanks around.
+std::vector<std::string_view> cut(std::string_view text, char separator);
+
 /// The text cut into lines, without line ends and a leading byte-order mark.
 std::vector<std::string_view> lines_of(std::string_view text);
 

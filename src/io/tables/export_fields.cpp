@@ -16,16 +16,6 @@ std::string text_of(const FieldColumns& places) {
   return text;
 }
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
-    parts.push_back(text.substr(0, end));
-    text.remove_prefix(end + 1);
-  }
-  parts.push_back(text);
-  return parts;
-}
-
 bool is_export_comment(std::string_view line) {
   const std::size_t start = line.find_first_not_of(" \t");
   return start == std::string_view::npos || line.substr(start).starts_with("//") || line[start] == '#';

@@ -22,9 +22,6 @@ std::string text_of(const FieldColumns& places);
 /// @throws InvalidArgument where something is missing or stands twice.
 void check_map(const ColumnMap& map);
 
-/// The text between separators; never empty.
-std::vector<std::string_view> split(std::string_view text, char separator);
-
 /// Empty, or one that begins with // or #.
 bool is_export_comment(std::string_view line);
 

@@ -1,11 +1,11 @@
 #include "export_header.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <span>
 #include <utility>
 
 #include "columns.hpp"
+#include "io/files/letters.hpp"
 #include "io/files/utf8.hpp"
 
 namespace paracal::io {
@@ -24,12 +24,6 @@ constexpr std::array<LengthUnit, 12> kOtherUnits{{{"in", 25.4},
                                                   {"meters", 1000.0},
                                                   {"metre", 1000.0},
                                                   {"metres", 1000.0}}};
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
 
 std::optional<double> unit_named(std::string_view name) {
   for (const auto& units : {std::span<const LengthUnit>(kLengthUnits), std::span<const LengthUnit>(kOtherUnits)}) {

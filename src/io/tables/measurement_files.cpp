@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/points.hpp"
@@ -16,12 +17,8 @@ namespace {
 
 /// The first line that is neither empty nor a comment.
 std::string_view header_of(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    if (!line.starts_with('#') && line.find_first_not_of(" \t\r") != std::string_view::npos) return line;
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (const std::string_view line : lines_of(text)) {
+    if (!line.starts_with('#') && !trimmed(line).empty()) return line;
   }
   return {};
 }

@@ -38,6 +38,13 @@ class StationIndex {
   std::map<std::string, std::size_t> positions_;
 };
 
+/// Columns of poses in any table that holds some; those with U stand behind targets that compensate prints.
+constexpr std::string_view kPoseTable =
+    "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,phi_cmd_deg,x_mm,y_mm,z_mm,phi_deg,repeat,x2_mm,y2_mm,z2_mm,sigma_mm,qw,"
+    "qx,qy,qz,sigma_deg,tilt_x_rad,tilt_y_rad,tilt_z_rad,residual_mm,tilt_x_deg,tilt_y_deg,tilt_z_deg,U_x_mm,"
+    "U_y_mm,U_z_mm,U_phi_deg,U_tilt_x_deg,U_tilt_y_deg,U_tilt_z_deg,tilt_x_cmd_deg,tilt_y_cmd_deg,"
+    "tilt_z_cmd_deg";
+
 /// Rows of a pose table, whose header it has checked.
 class PoseRows {
  public:
@@ -47,43 +54,7 @@ class PoseRows {
         joints_(joints),
         present_(joint_columns(table, joints)),
         names_(table.has("pose") ? names : 0) {
-    table.allow_only(with_joint_columns({"pose",
-                                         "x_cmd_mm",
-                                         "y_cmd_mm",
-                                         "z_cmd_mm",
-                                         "phi_cmd_deg",
-                                         "x_mm",
-                                         "y_mm",
-                                         "z_mm",
-                                         "phi_deg",
-                                         "repeat",
-                                         "x2_mm",
-                                         "y2_mm",
-                                         "z2_mm",
-                                         "sigma_mm",
-                                         "qw",
-                                         "qx",
-                                         "qy",
-                                         "qz",
-                                         "sigma_deg",
-                                         "tilt_x_rad",
-                                         "tilt_y_rad",
-                                         "tilt_z_rad",
-                                         "residual_mm",
-                                         "tilt_x_deg",
-                                         "tilt_y_deg",
-                                         "tilt_z_deg",
-                                         "U_x_mm",  // of targets that compensate prints
-                                         "U_y_mm",
-                                         "U_z_mm",
-                                         "U_phi_deg",
-                                         "U_tilt_x_deg",
-                                         "U_tilt_y_deg",
-                                         "U_tilt_z_deg",
-                                         "tilt_x_cmd_deg",
-                                         "tilt_y_cmd_deg",
-                                         "tilt_z_cmd_deg"},
-                                        joints));
+    table.allow_only(with_joint_columns(split(kPoseTable, ','), joints));
   }
 
   Station read(const CsvTable& table, std::size_t row) {
