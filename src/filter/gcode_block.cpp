@@ -1,11 +1,9 @@
 #include "gcode_block.hpp"
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <numeric>
 #include <optional>
-#include <string>
+#include <utility>
 
 #include "io/files/letters.hpp"
 
@@ -220,31 +218,17 @@ void GcodeBlock::parse(std::string_view line, std::span<const std::string> harml
 }
 
 std::string_view foreign_language(std::string_view line) {
-  struct Sign {
-    std::string_view begins, language;
-  };
-  constexpr std::array<Sign, 17> kSigns{{{"&ACCESS", "KUKA's KRL"},
-                                         {"&REL", "KUKA's KRL"},
-                                         {"DEF ", "KUKA's KRL"},
-                                         {"DEFDAT ", "KUKA's KRL"},
-                                         {"PTP ", "KUKA's KRL"},
-                                         {"LIN ", "KUKA's KRL"},
-                                         {"CIRC ", "KUKA's KRL"},
-                                         {"MODULE ", "ABB's RAPID"},
-                                         {"PROC ", "ABB's RAPID"},
-                                         {"%%%", "ABB's RAPID"},
-                                         {"MOVEJ ", "ABB's RAPID"},
-                                         {"MOVEL ", "ABB's RAPID"},
-                                         {"MOVEC ", "ABB's RAPID"},
-                                         {"BEGIN PGM", "Heidenhain's plain language"},
-                                         {"BLK FORM", "Heidenhain's plain language"},
-                                         {"TOOL CALL", "Heidenhain's plain language"},
-                                         {"TOOL DEF", "Heidenhain's plain language"}}};
+  static const std::vector<std::pair<std::string_view, std::vector<std::string_view>>> kSigns{
+      {"KUKA's KRL", {"&ACCESS", "&REL", "DEF ", "DEFDAT ", "PTP ", "LIN ", "CIRC "}},
+      {"ABB's RAPID", {"MODULE ", "PROC ", "%%%", "MOVEJ ", "MOVEL ", "MOVEC "}},
+      {"Heidenhain's plain language", {"BEGIN PGM", "BLK FORM", "TOOL CALL", "TOOL DEF"}}};
   const std::size_t begin = line.find_first_not_of(" \t0123456789");  // Heidenhain numbers its blocks
   if (begin == std::string_view::npos) return {};
   const std::string text = upper_case(line.substr(begin, 16));
-  const auto* const sign = std::ranges::find_if(kSigns, [&](const Sign& one) { return text.starts_with(one.begins); });
-  return sign == kSigns.end() ? std::string_view() : sign->language;
+  for (const auto& [language, signs] : kSigns) {
+    if (std::ranges::any_of(signs, [&](std::string_view sign) { return text.starts_with(sign); })) return language;
+  }
+  return {};
 }
 
 unsigned gcode_checksum(std::string_view text) {

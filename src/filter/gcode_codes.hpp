@@ -49,8 +49,9 @@ enum class Effect : std::uint8_t {
 };
 
 struct Code {
-  int tenths;  ///< 10 times the code
-  Effect effect;
+  Effect effect = Effect::none;
+  /// When LinuxCNC carries it out, wherever it stands in its line: 0 first  [linuxcnc, order of execution].
+  int stage = 0;
   std::optional<std::size_t> normal = {};  ///< axis of a plane
   std::string_view refusal = {};           ///< what it is, where it is refused
 };
@@ -58,10 +59,10 @@ struct Code {
 /// 10 times the code; -1 for what no code is.
 int tenths_of(double code);
 
-/// When LinuxCNC carries a code of a line out, wherever it stands: 0 first  [linuxcnc, order of execution].
-int stage_of(Effect effect);
-inline constexpr int kStageOfM = 1;  ///< M codes, but what stops, which comes last and changes nothing before
+/// Of M codes, but what stops, which comes last and changes nothing before.
+inline constexpr int kStageOfM = 1;
 
+/// @param tenths  10 times the code.
 /// @returns null where the code is not known here.
 const Code* find_code(int tenths);
 

@@ -15,7 +15,7 @@ constexpr std::string_view kSubprogram = "a subprogram (M32, M97 to M99, M810 to
 int stage_of(const GcodeWord& word) {
   if (word.letter == 'M') return kStageOfM;
   const Code* const code = word.is_number() ? find_code(tenths_of(word.value)) : nullptr;
-  return code != nullptr ? stage_of(code->effect) : 0;
+  return code != nullptr ? code->stage : 0;
 }
 
 }  // namespace
