@@ -33,7 +33,6 @@ class MpiRanks : public Ranks {
   struct Traffic {
     std::uint64_t fetches = 0, messages = 0, bytes = 0;
   };
-  const Traffic& traffic() const { return traffic_; }
   /// Of all ranks. All of them ask.
   Traffic traffic_of_all() const;
 

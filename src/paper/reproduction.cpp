@@ -61,7 +61,7 @@ void add_offsets(const Robot& robot, const io::PublishedHuang2016& published, co
     const double ours = to_degrees(parameter.value);
     table.add(fmt::format("offsets.limb{}", parameter.limb + 1),
               fmt::format("encoder offset of limb {}", parameter.limb + 1), "deg", paper, ours,
-              judge(paper, ours, rounding(kOfOffset) + to_degrees(allowances[k])));
+              rounding(kOfOffset) + to_degrees(allowances[k]));
   }
 }
 
@@ -90,13 +90,10 @@ void add_table3(const io::PublishedHuang2016& published, const std::vector<PoseE
     const auto& [point, paper] = published.before[k];
     const PoseError& ours = offsets[k];
     const std::string id = "table3.before." + point;
-    table.add(id + ".d_rho", "distance error at " + point, "mm", paper.distance, ours.distance,
-              judge(paper.distance, ours.distance, of_lengths(1)));
-    table.add(id + ".d_v", "volumetric error at " + point, "mm", paper.volumetric, ours.volumetric,
-              judge(paper.volumetric, ours.volumetric, of_lengths(1)));
+    table.add(id + ".d_rho", "distance error at " + point, "mm", paper.distance, ours.distance, of_lengths(1));
+    table.add(id + ".d_v", "volumetric error at " + point, "mm", paper.volumetric, ours.volumetric, of_lengths(1));
     const double rotation = to_degrees(paper.rotation), turned = to_degrees(ours.rotation);
-    table.add(id + ".d_phi", "rotational error at " + point, "deg", rotation, turned,
-              judge(rotation, turned, of_rotations(1)));
+    table.add(id + ".d_phi", "rotational error at " + point, "deg", rotation, turned, of_rotations(1));
   }
 }
 
@@ -111,14 +108,12 @@ void add_table3_after(const io::PublishedHuang2016& published, const std::vector
     const PoseError& paper = published.after[k].error;
     const std::string id = "table3.after." + point;
     const double distance = before.distance - offsets[k].distance;
-    table.add(id + ".d_rho", "remaining distance error at " + point, "mm", paper.distance, distance,
-              judge(paper.distance, distance, of_lengths(2)));
+    table.add(id + ".d_rho", "remaining distance error at " + point, "mm", paper.distance, distance, of_lengths(2));
     const double least = std::abs(before.volumetric - offsets[k].volumetric);
     table.add(id + ".d_v", "remaining volumetric error at " + point + ", at least", "mm", paper.volumetric, least,
               judge_least(paper.volumetric, least, of_lengths(2)));
     const double rotation = to_degrees(paper.rotation), left = to_degrees(before.rotation - offsets[k].rotation);
-    table.add(id + ".d_phi", "remaining rotational error at " + point, "deg", rotation, left,
-              judge(rotation, left, of_rotations(2)));
+    table.add(id + ".d_phi", "remaining rotational error at " + point, "deg", rotation, left, of_rotations(2));
   }
 }
 
@@ -134,7 +129,7 @@ void add_table2(const Robot& robot, const io::PublishedHuang2016& published, Bou
     const double paper = 1e3 * published.table2[k];
     const double ours = 1e3 * tolerances[source] / paper_units(robot)(place(source));
     table.add(fmt::format("{}.{}", key, name(source)), fmt::format("tolerance of {}", name(source)), "1e-3 rad", paper,
-              ours, judge(paper, ours, rounding(kOfTolerance)));
+              ours, rounding(kOfTolerance));
   }
 }
 
@@ -147,7 +142,7 @@ void add_figure5(const Robot& robot, const io::PublishedHuang2016::Figures& publ
     const auto paper = static_cast<double>(k + 1);
     const double ours = 1.0 + static_cast<double>((mean > mean(place(most[k]))).count());
     table.add(fmt::format("figure5.{}", name(most[k])), fmt::format("rank of {}", name(most[k])), "1", paper, ours,
-              judge(paper, ours, rounding(kOfCount)));
+              rounding(kOfCount));
   }
 }
 
@@ -165,10 +160,9 @@ void add_figure6(const Robot& robot, const io::PublishedHuang2016::Figures& publ
   std::erase_if(map, [&](const ValueAtPose& point) { return point.pose.position.z() != bottom; });
   const ValueAtPose& worst = *std::ranges::max_element(map, {}, &ValueAtPose::value);
   const double radius = worst.pose.position.head<2>().norm();
-  table.add("figure6.radius", "radius in the bottom layer", "mm", published.radius, radius,
-            judge(published.radius, radius, 0.5 * rim / kRadii));
+  table.add("figure6.radius", "radius in the bottom layer", "mm", published.radius, radius, 0.5 * rim / kRadii);
   table.add("figure6.depth", "depth of all layers", "mm", published.depth, depth,
-            judge(published.depth, depth, 0.5 * workspace.height / (kLayers - 1)));
+            0.5 * workspace.height / (kLayers - 1));
 }
 
 /// Figures 7 and 8: where O2 settles to 1 %.
@@ -176,7 +170,7 @@ void add_observability(const Robot& robot, const io::PublishedHuang2016::Figures
   const auto add = [&](const char* id, const char* words, Stage stage, int points) {
     Table table(rows, words);
     const auto ours = static_cast<double>(paper_plan(robot, stage).n), paper = static_cast<double>(points);
-    table.add(id, "points per circle", "points", paper, ours, judge(paper, ours, rounding(kOfCount)));
+    table.add(id, "points per circle", "points", paper, ours, rounding(kOfCount));
   };
   add("figure7.n", "Figure 7: rough calibration", Stage::rough, published.rough_points);
   add("figure8.n", "Figure 8: fine calibration", Stage::fine, published.fine_points);

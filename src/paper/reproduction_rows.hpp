@@ -24,6 +24,10 @@ class Table {
         {std::move(id), name_, std::move(quantity), std::move(unit), paper, ours, std::move(judgement), {}});
     if (rows_.back().judgement.finding == Finding::not_reproduced) rows_.back().cause = cause_;
   }
+  /// @param allowed  what print and readings allow.
+  void add(std::string id, std::string quantity, std::string unit, double paper, double ours, double allowed) {
+    add(std::move(id), std::move(quantity), std::move(unit), paper, ours, judge(paper, ours, allowed));
+  }
 
  private:
   Rows& rows_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "numerics/distributions.hpp"
@@ -42,17 +43,9 @@ std::string difference(double paper, double ours, double tolerance) {
 }  // namespace
 
 std::string_view name(Finding finding) {
-  switch (finding) {
-    case Finding::reproduced:
-      return "reproduced";
-    case Finding::not_contradicted:
-      return "not contradicted";
-    case Finding::not_reproduced:
-      return "not reproduced";
-    case Finding::cannot_be_tested:
-      break;
-  }
-  return "cannot be tested";
+  constexpr std::array<std::string_view, 4> kNames{"reproduced", "not contradicted", "not reproduced",
+                                                   "cannot be tested"};
+  return kNames.at(static_cast<std::size_t>(finding));
 }
 
 std::vector<std::string> rule_in_words() {

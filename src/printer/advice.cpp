@@ -1,13 +1,12 @@
-#include "advice.hpp"
+#include "advice_rules.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
-
-#include "advice_rules.hpp"
 
 namespace paracal {
 namespace {
@@ -283,19 +282,9 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
 }
 
 std::string_view name(PrinterAdvice advice) {
-  switch (advice) {
-    case PrinterAdvice::accept_new:
-      return "accept_new";
-    case PrinterAdvice::take_firmware:
-      return "take_firmware";
-    case PrinterAdvice::check_input:
-      return "check_input";
-    case PrinterAdvice::accept_shift:
-      return "accept_shift";
-    case PrinterAdvice::keep_saved:
-      break;
-  }
-  return "keep_saved";
+  constexpr std::array<std::string_view, 5> kNames{"accept_new", "take_firmware", "keep_saved", "accept_shift",
+                                                   "check_input"};
+  return kNames.at(static_cast<std::size_t>(advice));
 }
 
 }  // namespace paracal

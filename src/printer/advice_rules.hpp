@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to printer: what is asked of values before they are advised.
+// Private to printer: what is asked of values before they are advised, and what an owner is told to do, in words.
 
 #include "paracal/printer/printer_calibration.hpp"
 
@@ -23,5 +23,13 @@ bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& fou
 bool better(const PrinterCandidate& values, const PrinterCalibration& found);
 
 PrinterAdvice advice_of(bool few, const PrinterCalibration& found);
+
+/// Fewer heights alone than this make no new values.
+inline constexpr std::size_t kFewestHeights = 13;
+
+/// Sets the advice and the findings of a calibration that has everything else.
+/// @param readings  all of them.
+/// @param implausible  what cannot be; anything forbids advice.
+void advise(const DeltaReadings& readings, const std::vector<std::string>& implausible, PrinterCalibration& result);
 
 }  // namespace paracal::detail

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "advice.hpp"
+#include "advice_rules.hpp"
 #include "paracal/error.hpp"
 #include "paracal/printer/plausibility.hpp"
 #include "printer_fit.hpp"

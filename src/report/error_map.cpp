@@ -2,12 +2,11 @@
 
 #include <cmath>
 
+#include "figures.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/drive.hpp"
 #include "paracal/numerics/rigid_fit.hpp"
 #include "paracal/units.hpp"
-#include "polar_map.hpp"
-#include "rounded.hpp"
 
 namespace paracal::report {
 namespace {

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "figures.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/tolerance/sensitivity.hpp"
-#include "polar_map.hpp"
-#include "rounded.hpp"
 
 namespace paracal::report {
 namespace {
@@ -16,11 +15,10 @@ using detail::rounded;
 constexpr int kHistogramBins = 40;
 
 io::Json curve_json(const PaperPlan& plan) {
-  io::Json json{{"n", plan.n}, {"curve", io::Json::array()}};
-  for (const CurvePoint& point : plan.curve) {
-    json["curve"].push_back({{"n", point.n}, {"O2", rounded(point.indices.O2)}, {"change", rounded(point.change)}});
-  }
-  return json;
+  const auto point_json = [](const CurvePoint& point) {
+    return io::Json{{"n", point.n}, {"O2", rounded(point.indices.O2)}, {"change", rounded(point.change)}};
+  };
+  return {{"n", plan.n}, {"curve", io::json_array(plan.curve, point_json)}};
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <map>
 
+#include "figures.hpp"
 #include "paracal/kinematics/drive.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
-#include "rounded.hpp"
 
 namespace paracal::report {
 namespace {
