@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "paracal/error.hpp"
 #include "paracal/io/measurement_files.hpp"

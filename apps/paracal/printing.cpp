@@ -10,7 +10,6 @@
 #include <sstream>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "inputs.hpp"
 #include "paracal/error.hpp"

@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <limits>
 
-#include "paracal/io/file.hpp"
 #include "paracal/io/robot_statement.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -116,12 +113,6 @@ std::string Session::robot_line(const Robot& robot) const {
   } catch (const std::exception&) {
     return "";
   }
-}
-
-Robot Session::level_robot(std::string_view task, const RobotSources& inputs) {
-  Robot robot = this->robot(inputs);
-  require_level(robot, task);
-  return robot;
 }
 
 void require_level(const Robot& robot, std::string_view task) {

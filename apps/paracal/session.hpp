@@ -88,8 +88,6 @@ class Session {
   /// The robot that --robot, a calibration or a table names; where several do, they name the same.
   /// @throws WrongUsage where none does or an output is its file, InputFileError where two disagree.
   Robot robot(const RobotSources& inputs = {});
-  /// The same; require_level().
-  Robot level_robot(std::string_view task, const RobotSources& inputs = {});
   /// "# robot: NAME" for a table of this robot(): its name in the catalogue, or the path of its file from the folder of
   /// --out (else from the current one), as readers of the table look for it. Empty where a table cannot name it.
   std::string robot_line(const Robot& robot) const;

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "arguments.hpp"
 #include "io/files/letters.hpp"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <vector>
 
 #include "export_text.hpp"
 #include "single_rods.hpp"

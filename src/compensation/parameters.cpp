@@ -1,6 +1,5 @@
 #include "paracal/compensation/parameters.hpp"
 
-#include "paracal/kinematics/error_model.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/level.hpp"
 #include "paracal/mechanism/machine.hpp"

@@ -1,6 +1,5 @@
 #include "recording.hpp"
 
-#include <type_traits>
 #include <utility>
 
 #include "named_constants.hpp"

@@ -1,7 +1,6 @@
 // What the motions of a program come to, once its modes are known.
 
 #include <algorithm>
-#include <array>
 
 #include "gcode_modes.hpp"
 #include "gcode_words.hpp"

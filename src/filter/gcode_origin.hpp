@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "paracal/filter/target_filter.hpp"
 #include "target_path.hpp"

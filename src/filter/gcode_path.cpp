@@ -1,7 +1,6 @@
 // What the line of a motion says of its path: its arc, and what dividing it takes.
 
 #include <algorithm>
-#include <array>
 
 #include "gcode_modes.hpp"
 #include "gcode_words.hpp"

@@ -3,7 +3,6 @@
 // Private to the filter: what the blocks of a program ask of the joints.
 
 #include <optional>
-#include <vector>
 
 #include "target_line.hpp"
 

@@ -3,7 +3,6 @@
 // Private to the programs: the folder that keeps the chunks of a long job.
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "paracal/error.hpp"

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/base_motion.hpp"

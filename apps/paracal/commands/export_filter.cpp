@@ -6,10 +6,8 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
-#include <optional>
 
 #include "paracal/error.hpp"
-#include "paracal/filter/target_filter.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/spool.hpp"
 #include "paracal/units.hpp"

@@ -70,7 +70,8 @@ std::string circles_note(const Robot& robot, const std::vector<Station>& station
 
 void run_paper_plan(const PosesArguments& options, Session& session) {
   const Stage stage = options.stage == "rough" ? Stage::rough : Stage::fine;
-  const Robot robot = session.level_robot("poses --stage");
+  const Robot robot = session.robot();
+  require_level(robot, "poses --stage");
   const PaperPlan plan = paper_plan(robot, stage, to_radians(options.start_deg), options.threshold);
   if (plan.n == 0) session.exit_code = kVerdictIsNo;
   if (session.json()) {

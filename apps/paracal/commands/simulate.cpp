@@ -1,7 +1,5 @@
-#include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>

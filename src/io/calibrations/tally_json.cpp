@@ -1,6 +1,5 @@
 #include "paracal/io/tally_json.hpp"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>

@@ -1,7 +1,5 @@
 #include "paracal/io/csv_stream.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "io/tables/columns.hpp"

@@ -6,7 +6,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include "descriptor.hpp"
 #include "paracal/error.hpp"

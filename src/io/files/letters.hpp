@@ -27,11 +27,4 @@ inline std::string lower_case(std::string_view text) {
   return result;
 }
 
-/// Blanks count for nothing in RS-274, nor does case.
-inline std::string without_blanks_in_upper_case(std::string_view text) {
-  std::string result = upper_case(text);
-  std::erase_if(result, is_blank);
-  return result;
-}
-
 }  // namespace paracal::io

@@ -183,11 +183,6 @@ double KlipperSettings::number_of(const Value& value, std::string_view what) {
   return *number;
 }
 
-std::optional<double> KlipperSettings::optional_number(std::string_view section, std::string_view key) const {
-  const auto value = find(section, key);
-  return value ? std::optional(number_of(*value, key)) : std::nullopt;
-}
-
 double KlipperSettings::positive(std::string_view section, std::string_view key) const {
   const Value value = require(section, key);
   const double number = number_of(value, key);

@@ -39,7 +39,6 @@ class KlipperSettings {
   Value require(std::string_view section, std::string_view key) const;
 
   static double number_of(const Value& value, std::string_view what);
-  std::optional<double> optional_number(std::string_view section, std::string_view key) const;
   double positive(std::string_view section, std::string_view key) const;
 
   /// What the SAVE_CONFIG block says of a key that is typed otherwise, and so is not in force.

@@ -1,7 +1,5 @@
 #include "columns.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>

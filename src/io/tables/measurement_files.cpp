@@ -8,7 +8,6 @@
 
 #include "columns.hpp"
 #include "paracal/error.hpp"
-#include "paracal/io/file.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
 

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <set>
 #include <span>
 #include <unordered_map>
 
