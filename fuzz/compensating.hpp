@@ -36,7 +36,7 @@ class DrawnMachine {
  public:
   DrawnMachine(unsigned choice, std::uint64_t number) : described(robot(choice)) {
     RandomStream random(2, number);
-    const SourceErrors errors = draw_errors(tolerances_of(described), described.limb_count(), random);
+    const SourceErrors errors = draw_errors(described, tolerances_of(described), random);
     machine_ = build(described, errors);
     parameters = compensator_parameters<double>(described, errors);
   }

@@ -14,7 +14,7 @@ namespace {
 const TargetCorrection& correction(unsigned choice) {
   const auto of = [](unsigned which) {
     RandomStream random(1, which);
-    return TargetCorrection(robot(which), draw_errors(tolerances_of(robot(which)), robot(which).limb_count(), random));
+    return TargetCorrection(robot(which), draw_errors(robot(which), tolerances_of(robot(which)), random));
   };
   static const std::array all{of(0), of(1), of(2)};
   return all[choice % all.size()];

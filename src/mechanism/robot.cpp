@@ -254,6 +254,13 @@ Robot::Robot(RobotDescription description)
       nominal_(checked_nominal(description_)),
       parameters_(parameters_of(description_, nominal_)) {}
 
+const Parameter& Robot::parameter(std::size_t limb, Source source) const {
+  if (limb < limb_count() && place_in(nominal_.limbs[limb].actuator, source) < kMostSources) {
+    return parameters_[nominal_.parameter(limb, source)];
+  }
+  throw InvalidArgument(fmt::format("expected an error of limb {} of {}, got {}", limb + 1, name(), source.name()));
+}
+
 JointSpace Robot::joint_space() const {
   JointSpace joints(limb_count(), actuator());
   if (nominal_.has_guides() && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;

@@ -181,14 +181,14 @@ std::vector<Eigen::Vector3d> Workspace::tilts() const {
   std::vector<Eigen::Vector3d> all{Eigen::Vector3d::Zero()};
   if (max_tilt == 0.0) return all;
   const unsigned held = (tilts_about[0] ? 0U : 1U) | (tilts_about[1] ? 0U : 2U) | (tilts_about[2] ? 0U : 4U);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!tilts_about[static_cast<std::size_t>(axis)]) continue;
-    all.emplace_back(max_tilt * Eigen::Vector3d::Unit(axis));
-    all.emplace_back(-max_tilt * Eigen::Vector3d::Unit(axis));
+  for (int turning = 0; turning < 3; ++turning) {
+    if (!tilts_about[static_cast<std::size_t>(turning)]) continue;
+    all.emplace_back(max_tilt * Eigen::Vector3d::Unit(turning));
+    all.emplace_back(-max_tilt * Eigen::Vector3d::Unit(turning));
   }
   for (unsigned corner = 0; corner < 8 && all.size() > 3; ++corner) {  // about one axis both corners are there already
     if ((corner & held) != 0) continue;
-    const auto angle = [&](int axis) { return (corner >> axis & 1U) != 0 ? -max_tilt : tilt_about(axis); };
+    const auto angle = [&](int turning) { return (corner >> turning & 1U) != 0 ? -max_tilt : tilt_about(turning); };
     all.emplace_back(angle(0), angle(1), angle(2));
   }
   return all;

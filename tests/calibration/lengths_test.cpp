@@ -290,8 +290,7 @@ TEST_P(LengthsLaw, CandidatesKeepWithinARange) {
       least = std::min(least, one.length);
       most = std::max(most, one.length);
       const Eigen::Vector3d& place = near[one.station].commanded.position;
-      EXPECT_LT(place.head<2>().norm(), workspace.radius + 2e-3);
-      EXPECT_LT(std::abs(place.z() - workspace.centre().z()), 0.5 * workspace.height + 2e-3);
+      EXPECT_TRUE(workspace.contains(place, 2e-3)) << place.transpose();
     }
     EXPECT_GT(least, range.shortest - 2e-3);
     EXPECT_LT(most, range.longest + 2e-3);

@@ -200,7 +200,7 @@ KnownErrors known_with_covariance(const Robot& robot, const SourceErrors& errors
   const Tolerances tolerances = tolerances_of(robot);
   std::vector<double> stds;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : all_sources()) {
+    for (const Source source : sources_of(robot.actuator())) {
       known.parameters.push_back({limb, source});
       stds.push_back(0.1 * tolerances.std(source));
     }

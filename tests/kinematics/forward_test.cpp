@@ -127,6 +127,16 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
     *length *= kScale;
   }
   if (description.slide) description.slide->pinion_radius *= kScale;
+  description.workspace.axis *= kScale;
+  if (auto& box = description.workspace.box) {
+    for (std::array<double, 2>* range : {&box->x, &box->y, &box->z}) {
+      for (double& end : *range) end *= kScale;
+    }
+  }
+  for (Workspace::Level& level : description.workspace.levels) {
+    level.z *= kScale;
+    level.radius *= kScale;
+  }
   for (SingleRod& limb : description.geometry.single_rods) {
     limb.base *= kScale;
     limb.plate *= kScale;

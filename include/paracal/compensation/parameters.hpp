@@ -27,7 +27,9 @@ template <typename Parameter>
 CompensatorCovariance<double> compensator_covariance(const Robot& robot, const std::vector<Parameter>& parameters,
                                                      const Eigen::MatrixXd& covariance) {
   CompensatorCovariance<double> scaled{};
-  const auto at = [&](const Parameter& one) { return robot.nominal().parameter(one.limb, one.source); };
+  const auto at = [&](const Parameter& one) {
+    return &robot.parameter(one.limb, one.source) - robot.parameters().data();
+  };
   for (std::size_t r = 0; r < parameters.size(); ++r) {
     for (std::size_t c = 0; c < parameters.size(); ++c) {
       scaled[at(parameters[r])][at(parameters[c])] =

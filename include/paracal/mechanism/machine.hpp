@@ -36,7 +36,7 @@ struct BasicMachine {
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
   double rotation_of(double slide) const { return has_slide() ? slide / pinion_radius : 0.0; }
   std::size_t parameter_count() const { return first_parameter[limb_count]; }
-  /// Place of a source error in Robot::parameters().
+  /// Place of a source error in Robot::parameters(), for a limb that has it.
   std::size_t parameter(std::size_t limb, Source source) const {
     return first_parameter[limb] + place_in(limbs[limb].actuator, source);
   }

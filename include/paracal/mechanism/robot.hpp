@@ -30,7 +30,7 @@ struct SingleRod {
 /// "x, y, tilt_z"
 std::string in_words(const PlateFreedoms& freedoms);
 
-/// Why a plate with these freedoms is no robot: its motions are coupled. Empty where it is one.
+/// Why a plate with these degrees of freedom is no robot: its motions are coupled. Empty where it is one.
 std::string coupled_motions(const PlateFreedoms& freedoms);
 
 /// Base of a limb: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0, where it goes from
@@ -121,9 +121,8 @@ class Robot {
 
   /// Every source error of every limb, limb by limb in the order of sources_of().
   std::span<const Parameter> parameters() const { return parameters_; }
-  const Parameter& parameter(std::size_t limb, Source source) const {
-    return parameters_[nominal_.parameter(limb, source)];
-  }
+  /// @throws InvalidArgument for a limb that does not have it.
+  const Parameter& parameter(std::size_t limb, Source source) const;
 
  private:
   RobotDescription description_;
