@@ -43,9 +43,9 @@ class PriorCandidates {
     const double price = 2.0 * std::log(3.0);
     add_several(ComponentFamily::group, "all errors are", price, places([](const SoughtSource&) { return true; }));
     add_several(ComponentFamily::group, "the errors of the position group are", price,
-                places([this](const SoughtSource& one) { return !tilts_plate(one.source); }));
+                places([](const SoughtSource& one) { return !tilts_plate(one.source); }));
     add_several(ComponentFamily::group, "the errors of the tilt group are", price,
-                places([this](const SoughtSource& one) { return tilts_plate(one.source); }));
+                places([](const SoughtSource& one) { return tilts_plate(one.source); }));
   }
 
   void add_kinds() {
