@@ -72,7 +72,7 @@ void write_calibration_page(const std::string& file, Session& session, const Cal
   const Robot& robot = calibration.robot;
   const KnownErrors known = known_errors(calibration);
   io::Json figures = io::Json::object();
-  if (page.plan && !robot.on_single_rods()) figures["observability"] = report::observability(robot);
+  if (page.plan && robot.is_level()) figures["observability"] = report::observability(robot);
   if (!page.arrows.empty()) figures["scene"] = report::scene(robot, page.arrows, known.errors);
   if (page.map) figures["error_map"] = report::error_map(robot, known);
   write_report(file, session, robot,

@@ -147,7 +147,7 @@ Pose pose_of_option(const Robot& robot, std::string_view option, const std::vect
     pose.tilt(static_cast<Eigen::Index>(k) - 3) = to_radians(numbers[k]);
   }
   if (const std::string_view why = why_not_turned(robot, pose); !why.empty()) {
-    const std::string what = robot.nominal().has_guides()
+    const std::string what = robot.nominal().has_guides
                                  ? fmt::format("({:g}, {:g}, {:g}) mm", numbers[0], numbers[1], numbers[2])
                                  : fmt::format("{:g} deg", to_degrees(pose.rotation));
     throw MathematicsSaysNo(fmt::format("{}: {} for {}: {}", option, what, robot.name(), why));

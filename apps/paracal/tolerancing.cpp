@@ -67,7 +67,7 @@ std::string json_key(Characteristic characteristic) {
 std::string pose_text(const Robot& robot, const Pose& pose) {
   const Eigen::Vector3d& r = pose.position;
   std::string place = fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", r.x() + 0.0, r.y() + 0.0, r.z());
-  if (!robot.on_single_rods()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
+  if (robot.is_level()) return fmt::format("{}, {:.0f} deg", place, to_degrees(pose.rotation) + 0.0);
   if (!robot.commands_tilt()) return place;
   const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });
   return fmt::format("{}, tilted by ({:.0f}, {:.0f}, {:.0f}) deg", place, tilt.x(), tilt.y(), tilt.z());
@@ -84,7 +84,7 @@ io::Json tilt_group_json(const PerSource& values) {
 }
 
 void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances) {
-  json["half_widths"] = io::to_json(tolerances, robot.actuator());
+  json["half_widths"] = io::to_json(tolerances, robot.geometry());
   json["drawing"] = io::drawing_json(tolerances, robot);
 }
 
@@ -131,9 +131,9 @@ namespace {
 /// By source: of tilt in the paper's units under the contract's six keys, of anything else, and with six degrees of
 /// freedom, per mm, mm/m or rad.
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
-  if (quantity == Quantity::tilt && !robot.on_single_rods()) return tilt_group_json(values * paper_units(robot));
+  if (quantity == Quantity::tilt && robot.is_level()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
-  for (const Source source : sources_of(robot.actuator())) {
+  for (const Source source : sources_of(robot.geometry())) {
     json[std::string(name(source))] = shown(quantity, values(place(source))).value;
   }
   return json;

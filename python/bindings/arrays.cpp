@@ -81,7 +81,7 @@ py::tuple named_poses(const std::vector<Station>& stations, const Robot* robot) 
 }
 
 SourceErrors errors_of(const Array& array, const Robot& robot) {
-  const auto sources = sources_of(robot.actuator());
+  const auto sources = sources_of(robot.geometry());
   const Rows rows(array, "errors", sources.size());
   if (rows.count() != robot.limb_count()) {
     throw InvalidArgument(fmt::format("errors: expected one row per limb, ({}, {}), got {} rows", robot.limb_count(),
@@ -89,13 +89,16 @@ SourceErrors errors_of(const Array& array, const Robot& robot) {
   }
   SourceErrors errors;
   for (std::size_t limb = 0; limb < rows.count(); ++limb) {
-    for (std::size_t k = 0; k < sources.size(); ++k) errors(limb, sources[k]) = rows[limb][k];
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      errors(limb, sources[k]) = rows[limb][k];
+      if (rows[limb][k] != 0.0) static_cast<void>(robot.parameter(limb, sources[k]));  // refused where there is none
+    }
   }
   return errors;
 }
 
 Array array_of(const SourceErrors& errors, const Robot& robot) {
-  const auto sources = sources_of(robot.actuator());
+  const auto sources = sources_of(robot.geometry());
   Array array({robot.limb_count(), sources.size()});
   double* to = array.mutable_data();
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
@@ -106,7 +109,7 @@ Array array_of(const SourceErrors& errors, const Robot& robot) {
 
 Array vector_of_sources(const Eigen::Ref<const Eigen::ArrayXd>& numbers, const Robot& robot) {
   std::vector<double> own;
-  for (const Source source : sources_of(robot.actuator()))
+  for (const Source source : sources_of(robot.geometry()))
     own.push_back(numbers(static_cast<Eigen::Index>(index(source))));
   return vector_of(own);
 }

@@ -53,7 +53,7 @@ Joints joints_of(const double* row, std::size_t count);
 /// @throws InvalidArgument for a pose that such a plate does not take.
 py::tuple named_poses(const std::vector<Station>& stations, const Robot* robot);
 
-/// (limbs, sources), mm, rad and mm/m; columns as sources_of(actuator).
+/// (limbs, sources), mm, rad and mm/m; columns as sources_of(geometry); zero where a limb has no such error.
 SourceErrors errors_of(const Array& array, const Robot& robot);
 Array array_of(const SourceErrors& errors, const Robot& robot);
 /// The numbers of a robot's own sources out of those of all places.

@@ -97,53 +97,56 @@ py::tuple driven(const BuiltMachine& built, const Array& poses) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What moves a plate, column by column: every source error of every limb.
-std::vector<SoughtSource> every_source(const Robot& robot) {
-  std::vector<SoughtSource> sources;
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(robot.actuator())) sources.push_back({limb, source});
-  }
-  return sources;
-}
-
 /// d(pose, tilt) / d(joints) and / d(source errors) of machines of a robot: rows x, y, z, phi, tilt_x, tilt_y, tilt_z,
 /// without phi where the plate has six freedoms. A joint's column is that of its zero, times
 /// the gain of its drive.
 class Derivatives {
  public:
-  explicit Derivatives(const BuiltMachine& built) : machine_(built.machine), sources_(every_source(built.robot)) {
+  explicit Derivatives(const BuiltMachine& built) : machine_(built.machine) {
     if (built.robot.commands_tilt()) std::erase(rows_, 3);
+    for (std::size_t limb = 0; limb < built.robot.limb_count(); ++limb) {
+      for (const Source source : sources_of(built.robot.geometry())) {
+        if (place_in(machine_.limbs[limb].actuator, source) < kMostSources) {
+          sources_.push_back({limb, source});
+          columns_.push_back(column_count_);
+        }
+        ++column_count_;
+      }
+    }
   }
 
   std::size_t rows() const { return rows_.size(); }
 
   /// NaN where there are none.
   ForwardStatus write(const Joints& joints, double* to_joints, double* to_errors) const {
-    const auto columns = static_cast<Eigen::Index>(sources_.size()), rows = static_cast<Eigen::Index>(rows_.size());
-    Eigen::Map<RowMajor> by_joint(to_joints, rows, joints.size()), by_error(to_errors, rows, columns);
+    const auto rows = static_cast<Eigen::Index>(rows_.size());
+    Eigen::Map<RowMajor> by_joint(to_joints, rows, joints.size()), by_error(to_errors, rows, column_count_);
     by_joint.setConstant(kNaN);
     by_error.setConstant(kNaN);
     const ForwardResult found = forward(machine_, joints);
     if (!found.usable()) return found.status;
     const PlateMotions motions = plate_jacobian(machine_, found.plate, joints, sources_);
     if (motions.cols() == 0) return ForwardStatus::singular;
-    by_error = motions(rows_, Eigen::all);
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      const auto& [limb, source, prior] = sources_[static_cast<std::size_t>(k)];
+    by_error.setZero();
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+      const auto& [limb, source, prior] = sources_[k];
+      by_error.col(columns_[k]) = motions(rows_, static_cast<Eigen::Index>(k));
       if (!is_joint_zero(source)) continue;
-      by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(k);
+      by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(columns_[k]);
     }
     return found.status;
   }
 
  private:
   const Machine& machine_;
-  std::vector<SoughtSource> sources_;
+  std::vector<SoughtSource> sources_;  ///< what moves a plate: every source error of every limb
+  std::vector<Eigen::Index> columns_;  ///< of each; zero are those of errors that a limb does not have
+  Eigen::Index column_count_ = 0;
   std::vector<int> rows_{0, 1, 2, 3, 4, 5, 6};
 };
 
 py::tuple jacobian_of(const BuiltMachine& built, const Array& joints) {
-  const std::size_t limbs = built.robot.limb_count(), sources = sources_of(built.robot.actuator()).size();
+  const std::size_t limbs = built.robot.limb_count(), sources = sources_of(built.robot.geometry()).size();
   const Rows given(joints, "joints", limbs);
   const Derivatives derivatives(built);
   const std::size_t rows = derivatives.rows();

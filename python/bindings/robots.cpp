@@ -40,7 +40,7 @@ py::dict angles_of(const Robot& robot) {
 /// What a controller commands, by its names.
 py::tuple freedoms_of(const Robot& robot) {
   py::list names;
-  if (robot.on_single_rods()) {
+  if (!robot.is_level()) {
     for (std::size_t k = 0; k < kPlateCoordinates.size(); ++k) {
       if (robot.geometry().freedoms.free.at(k)) names.append(std::string(kPlateCoordinates.at(k)));
     }
@@ -54,7 +54,7 @@ py::tuple freedoms_of(const Robot& robot) {
 /// (name, "position" or "tilt", unit), in column order.
 py::list sources_of(const Robot& robot) {
   py::list sources;
-  for (const Source source : paracal::sources_of(robot.actuator())) {
+  for (const Source source : paracal::sources_of(robot.geometry())) {
     sources.append(py::make_tuple(std::string(name(source)), tilts_plate(source) ? "tilt" : "position",
                                   array_unit(unit(source, robot.actuator()))));
   }
@@ -63,7 +63,7 @@ py::list sources_of(const Robot& robot) {
 
 Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64_t seed, std::uint64_t first,
                    std::size_t count) {
-  const auto sources = paracal::sources_of(robot.actuator());
+  const auto sources = paracal::sources_of(robot.geometry());
   Array drawn({count, robot.limb_count(), sources.size()});
   double* numbers = drawn.mutable_data();
   {

@@ -41,8 +41,8 @@ inline constexpr bool is_a<Template<Of...>, Template> = true;
     return std::tie(__VA_ARGS__);           \
   }
 PARACAL_FIELDS(PlateFreedoms, free)
-PARACAL_FIELDS(SingleRod, base, plate, length, arm, axis, at_zero, behind)
-PARACAL_FIELDS(Geometry, base_radius, plate_radius, arm, rod, parallelogram_width, limb_azimuth, actuator, single_rods,
+PARACAL_FIELDS(LimbDescription, base, plate, length, arm, axis, at_zero, behind, kind, width)
+PARACAL_FIELDS(Geometry, base_radius, plate_radius, arm, rod, parallelogram_width, limb_azimuth, actuator, limbs,
                freedoms)
 PARACAL_FIELDS(Slide, axis, sign, pinion_radius)
 PARACAL_FIELDS(Workspace::Box, x, y, z)

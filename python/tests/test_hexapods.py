@@ -496,8 +496,8 @@ class Level(TestCase):
         robot = pc.robot(HEXAPOD)
         machine, home = pc.Machine(robot), [[0, 0, 500, 0, 0, 0]]
         for call, message in (
-            (lambda: pc.paper_plan(robot), "poses by stage: .*stays level.*, got hexapod"),
-            (lambda: tolerance.allocate(robot), "equal influence: .*stays level.*, got hexapod"),
+            (lambda: pc.paper_plan(robot), "poses by stage: .*keep level, got hexapod"),
+            (lambda: tolerance.allocate(robot), "equal influence: .*keep level, got hexapod"),
             (lambda: pc.compensate(machine, home, "linear"), "way: expected exact"),
             (lambda: pc.compensate(machine, home, "tilt-aware"), "way: expected exact"),
             (

@@ -89,7 +89,7 @@ class Validator {
     accuracy[ErrorKind::volumetric] = largest.max_volumetric;
     accuracy[ErrorKind::volumetric_aligned] = largest.max_volumetric_aligned;
     accuracy[ErrorKind::rotation] =
-        robot_.on_single_rods() ? largest_turn_since_home(pairs) : largest.max_abs_rotation.value_or(0.0);
+        !robot_.is_level() ? largest_turn_since_home(pairs) : largest.max_abs_rotation.value_or(0.0);
     return accuracy;
   }
 
@@ -152,7 +152,7 @@ bool has_limits(const ProductionPlan& plan) {
 
 ProductionPlan paper_production(const Robot& robot, const Tolerances& tolerances) {
   ProductionPlan plan{.tolerances = tolerances, .instrument = {.noise = kUsualNoise}};
-  if (robot.on_single_rods()) {
+  if (!robot.is_level()) {
     const bool turns = robot.commands_tilt();
     const SelectionOptions full{.poses = kSelectedPoses,
                                 .readings = {.measurand = turns ? Measurand::poses : Measurand::coordinates},

@@ -21,10 +21,8 @@ constexpr Eigen::Index kBlock = 64;  // machines: their poses stay in the cache
 /// What a machine of these tolerances may have.
 std::vector<SoughtSource> varying_errors(const Robot& robot, const Tolerances& tolerances) {
   std::vector<SoughtSource> errors;
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(robot.actuator())) {
-      if (tolerances.std(source) > 0.0) errors.push_back({limb, source});
-    }
+  for (const Parameter& one : robot.parameters()) {
+    if (tolerances.std(one.source) > 0.0) errors.push_back({one.limb, one.source});
   }
   return errors;
 }
@@ -94,7 +92,7 @@ Surrogate::Surrogate(const Robot& robot, const ProductionPlan& plan)
     : tolerances_(plan.tolerances),
       reserved_(kReservedNumbers * robot.limb_count()),
       errors_(varying_errors(robot, plan.tolerances)),
-      stays_level_(!robot.on_single_rods()) {
+      stays_level_(robot.is_level()) {
   if (!follows(plan)) throw InvalidArgument("surrogate: expected a fine calibration of all errors with method best");
   ask_readings(robot, plan);
   ask_validation(robot, plan.validation);

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "export_text.hpp"
+#include "paracal/error.hpp"
 #include "single_rods.hpp"
 
 namespace paracal {
@@ -156,7 +157,7 @@ void add_guides(const Machine& machine, Values& values) {
     held.emplace_back(free[k] ? "0" : "1");
     where.push_back(decimal(k == 2 && !free[k] ? machine.guided_z : 0.0));
   }
-  const bool guided = machine.has_guides();
+  const bool guided = machine.has_guides;
   const std::string constants = fmt::format(
       "/* Coordinates that the guides fix, and their values, mm and rad: other poses are unreachable. */\n"
       "static const int paracal_is_held[6] = {{{}}};\nstatic const double paracal_held[6] = {{{}}};\n\n",
@@ -172,7 +173,16 @@ void add_guides(const Machine& machine, Values& values) {
   values.emplace_back("GUIDE_START", guided ? start : "");
 }
 
+void check_exported(const Robot& robot) {
+  if (has_compensator(robot)) return;
+  throw InvalidArgument(fmt::format(
+      "export: expected limbs of one kind, as many as the plate has degrees of freedom, with one rod each or "
+      "three or four parallelograms, got {}: write corrected targets with paracal compensate --targets",
+      robot.name()));
+}
+
 std::string single_rod_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+  check_exported(robot);
   const Machine machine = build(robot, errors);
   const RecordedRods recorded = record_single_rods(machine);
   const std::vector<SelfTestCase> cases = single_rod_self_test(robot, machine);
@@ -244,8 +254,15 @@ void add_axes(const Robot& robot, Values& values) {
 
 }  // namespace
 
+bool has_compensator(const Robot& robot) {
+  const Machine& machine = robot.nominal();
+  const auto limbs = std::span(machine.limbs).first(machine.limb_count);
+  const auto is_alike = [&](const Limb& limb) { return limb.has_one_rod() && limb.actuator == robot.actuator(); };
+  return robot.is_level() || (std::ranges::all_of(limbs, is_alike) && limbs.size() == machine.freedoms.count());
+}
+
 std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  if (robot.on_single_rods()) return single_rod_header(robot, errors, origin);
+  if (!robot.is_level()) return single_rod_header(robot, errors, origin);
   const ExportedMachine machine(robot, errors);
   const C99 language;
   Values values = head(robot, origin);
@@ -264,10 +281,10 @@ std::string c99_header(const Robot& robot, const SourceErrors& errors, const Exp
 }
 
 std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  Values values = robot.on_single_rods() ? of_single_rods(robot, origin) : head(robot, origin);
-  if (robot.on_single_rods()) add_axes(robot, values);
+  Values values = !robot.is_level() ? of_single_rods(robot, origin) : head(robot, origin);
+  if (!robot.is_level()) add_axes(robot, values);
   values.emplace_back("C99", c99_header(robot, errors, origin));
-  return filled_template(robot.on_single_rods() ? "single_rods_kins.comp" : "paracal_kins.comp", values);
+  return filled_template(!robot.is_level() ? "single_rods_kins.comp" : "paracal_kins.comp", values);
 }
 
 }  // namespace paracal

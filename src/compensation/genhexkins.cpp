@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include "export_text.hpp"
@@ -22,7 +23,7 @@ std::string coordinates(std::string_view of, std::size_t limb, const Eigen::Vect
 /// "strut.0,strut.1,..."
 std::string names(std::string_view name) {
   std::string text;
-  for (std::size_t i = 0; i < kMaxLimbs; ++i) text += fmt::format("{}{}.{}", i == 0 ? "" : ",", name, i);
+  for (std::size_t i = 0; i < 6; ++i) text += fmt::format("{}{}.{}", i == 0 ? "" : ",", name, i);
   return text;
 }
 
@@ -34,7 +35,9 @@ std::string scale(std::string_view name, std::size_t limb, double gain, double o
 }  // namespace
 
 std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  if (robot.actuator() != Actuator::strut || robot.nominal().has_guides()) {
+  const std::vector<Actuator> kinds = kinds_of(robot.geometry());
+  const bool has_struts = kinds.size() == 6 && std::ranges::count(kinds, Actuator::strut) == 6;
+  if (!has_struts || robot.nominal().has_guides) {
     throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
   }
   const Machine machine = build(robot, errors);

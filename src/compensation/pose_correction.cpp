@@ -57,7 +57,7 @@ PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known, cons
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
                              const Robot& controller) {
-  if (!robot.on_single_rods()) return of_level_plate(robot, known, way, controller);
+  if (robot.is_level()) return of_level_plate(robot, known, way, controller);
   if (way == CompensationWay::exact) return of_six_freedoms(robot, known, controller);
   throw InvalidArgument(
       "way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");

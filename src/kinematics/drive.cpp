@@ -18,7 +18,7 @@ std::optional<PlateState> drive(const Machine& actual, const Machine& believed, 
 }
 
 Eigen::Vector3d turned_away(const Machine& machine, const Pose& commanded, const PlateState& plate) noexcept {
-  if (!machine.on_single_rods()) return plate.tilt;
+  if (machine.is_level) return plate.tilt;
   return detail::turn_of(plate_rotation(plate.tilt).matrix * plate_rotation(commanded.tilt).matrix.transpose());
 }
 

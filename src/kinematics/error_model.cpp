@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "linear_closure.hpp"
@@ -97,7 +98,7 @@ void solve(ErrorModel& model) {
 
 ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   ErrorModel model;
-  if (robot.on_single_rods()) return model;
+  if (!robot.is_level()) return model;
   const InverseResult nominal = inverse(robot.nominal(), pose);
   if (!nominal.ok()) return model;
   model.joints = nominal.joints;
@@ -108,6 +109,8 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   return model;
 }
 
-double paper_scale(const Robot& robot, Source source) { return robot.parameter(0, source).lever; }
+double paper_scale(const Robot& robot, Source source) {
+  return std::ranges::find(robot.parameters(), source, &Parameter::source)->lever;
+}
 
 }  // namespace paracal

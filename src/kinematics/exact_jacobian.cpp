@@ -32,7 +32,7 @@ LimbColumns rod_derivative(const Limb& limb, double joint, const Elbow<double>& 
   const auto at = [&](Source source) -> double& {
     return derivative(static_cast<Eigen::Index>(place_in(limb.actuator, source)));
   };
-  const bool on_rail = limb.actuator == Actuator::linear;
+  const bool on_rail = runs_on_rail(limb.actuator);
   at("e_x") = -n.x();
   at("e_y") = -n.y();
   at("e_z") = -n.z();
@@ -94,21 +94,27 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
   const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
   if (normal.info() != Eigen::Success) return jacobian;
-  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>> residual_to_plate =
-      -normal.solve(linear.jacobian.transpose());
+  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
+                      detail::kMostRods<N>>
+      residual_to_plate = -normal.solve(linear.jacobian.transpose());
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
   const int limbs = detail::limbs_of<N>(machine);
   jacobian.plate.setZero(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
+  int row = 0;
   for (int i = 0; i < limbs; ++i) {
     auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
                                              machine.first_parameter[i + 1] - machine.first_parameter[i]);
-    if constexpr (detail::kOnSingleRods<N>) {
-      of_limb =
-          residual_to_plate.col(i) * single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[i]);
-    } else {
-      for (int row = 2 * i; row < 2 * i + 2; ++row) {
-        of_limb += residual_to_plate.col(row) * rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation,
-                                                               linear.direction[row], row % 2 == 0 ? 1.0 : -1.0);
+    if (machine.limbs[i].has_one_rod()) {
+      of_limb = residual_to_plate.col(row) *
+                single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[row]);
+      ++row;
+      continue;
+    }
+    if constexpr (N != 6) {
+      for (const double sign : {1.0, -1.0}) {
+        of_limb += residual_to_plate.col(row) *
+                   rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[row], sign);
+        ++row;
       }
     }
   }

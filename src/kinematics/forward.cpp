@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "elimination.hpp"
+#include "guides.hpp"
 #include "linear_closure.hpp"
 
 namespace paracal {
@@ -24,19 +25,22 @@ template <int N>
 PlateState rods_start(const Machine& machine, const detail::Elbows<N>& elbows) {
   const int limbs = detail::limbs_of<N>(machine);
   PlateState start;
-  if (N == detail::kGuided && machine.freedoms.holds_z()) {
-    start.position.z() = machine.guided_z;
+  if (machine.has_guides && machine.freedoms.holds_z()) {
+    detail::guide(machine, start);
     return start;
   }
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double square = 0.0;
+  const auto upper_end = [&](int i) -> Eigen::Vector3d {
+    return 0.5 * (elbows[i].joint.front() + elbows[i].joint.back());
+  };
   for (int i = 0; i < limbs; ++i) {
-    centre += (elbows[i].joint[0] - machine.limbs[i].plate) / limbs;
+    centre += (upper_end(i) - machine.limbs[i].plate) / limbs;
     square += elbows[i].rod[0] * elbows[i].rod[0] / limbs;
   }
   double spread = 0.0;
   for (int i = 0; i < limbs; ++i) {
-    spread += (elbows[i].joint[0] - machine.limbs[i].plate - centre).squaredNorm() / limbs;
+    spread += (upper_end(i) - machine.limbs[i].plate - centre).squaredNorm() / limbs;
   }
   start.position = centre;
   start.position.z() += machine.side * std::sqrt(std::max(square - spread, 0.25 * square));
@@ -99,15 +103,14 @@ double step_length(const Unknowns<N>& step, double lever) {
   return std::max(step.template head<detail::kUnknowns<N> - 3>().norm(), lever * step.template tail<3>().norm());
 }
 
-/// What Newton's steps from a closure need: of rods as many as unknowns, its derivative, of more rods than unknowns
-/// the normal equations.
+/// What Newton's steps from a closure need: of six rods its derivative, else the normal equations.
 template <int N>
-using Factors = std::conditional_t<detail::kOnSingleRods<N>, detail::Elimination<detail::kUnknowns<N>>,
-                                   Eigen::LLT<detail::NormalMatrix<N>>>;
+using Factors =
+    std::conditional_t<N == 6, detail::Elimination<detail::kUnknowns<N>>, Eigen::LLT<detail::NormalMatrix<N>>>;
 
 template <int N>
 Factors<N> factorized(const LinearClosure<N>& linear) {
-  if constexpr (detail::kOnSingleRods<N>) {
+  if constexpr (N == 6) {
     return detail::Elimination<detail::kUnknowns<N>>(linear.jacobian);
   } else {
     return Eigen::LLT<detail::NormalMatrix<N>>(linear.normal());
@@ -117,7 +120,7 @@ Factors<N> factorized(const LinearClosure<N>& linear) {
 /// Empty at a singular closure.
 template <int N>
 std::optional<Unknowns<N>> newton_step(const Factors<N>& factors, const LinearClosure<N>& linear) {
-  if constexpr (detail::kOnSingleRods<N>) {
+  if constexpr (N == 6) {
     const Unknowns<N> step = -factors.solve(linear.residual);
     return step.allFinite() ? std::optional(step) : std::nullopt;
   } else {
@@ -145,8 +148,9 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  if constexpr (detail::kOnSingleRods<N>) {
+  if constexpr (!detail::kIsLevel<N>) {
     result.plate = options.start ? *options.start : rods_start<N>(machine, elbows);
+    detail::guide(machine, result.plate);
   } else {
     result.plate = options.start ? *options.start : elbows_start<N>(machine, elbows);
     // From a good guess, that of a machine which tilts its plate is as far away as the level one.
@@ -177,7 +181,7 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
     result.plate = trial;
     ++result.iterations;
     bool settled = last_step < options.step_tolerance;
-    if constexpr (detail::kOnSingleRods<N>) {
+    if constexpr (N == 6) {
       constexpr double kNear = 1.0;  // mm
       settled =
           settled || (last_step < kNear && settles<N>(factors, options.step_tolerance, lever, linear, result.plate));
@@ -190,7 +194,8 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   }
   result.residual = linear.residual.cwiseAbs().maxCoeff();
   result.gradient = linear.gradient().norm();
-  if (result.ok() && !(result.residual <= options.max_residual)) result.status = ForwardStatus::strained;
+  const double most = machine.spare_limbs() > 0 ? options.max_disagreement : options.max_residual;
+  if (result.ok() && !(result.residual <= most)) result.status = ForwardStatus::strained;
   return result;
 }
 

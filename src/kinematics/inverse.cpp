@@ -1,7 +1,10 @@
 #include "paracal/kinematics/inverse.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "guides.hpp"
 #include "linear_closure.hpp"
@@ -17,12 +20,12 @@ void take(InverseResult& result, std::size_t limb, const JointSolution& solution
   }
 }
 
-/// Closed form on struts, with all their errors; as solve_joint(), but roots and quotients of all struts together.
+/// Closed form of six struts, with all their errors; as solve_joint(), but roots and quotients of all struts together.
 InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
-  using PerStrut = Eigen::Array<double, kMaxLimbs, 1>;
+  using PerStrut = Eigen::Array<double, 6, 1>;
   const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
   PerStrut square, zero, gain;
-  for (Eigen::Index i = 0; i < kMaxLimbs; ++i) {
+  for (Eigen::Index i = 0; i < PerStrut::SizeAtCompileTime; ++i) {
     const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
     square(i) = (pose.position + rotation * limb.plate - limb.base).squaredNorm();
     zero(i) = limb.rod[0] + limb.joint_offset;
@@ -31,14 +34,14 @@ InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
   const PerStrut joints = (square.sqrt() - zero) / gain;
   InverseResult result{.status = InverseStatus::reached, .joints = joints};
   if (joints.isFinite().all()) return result;
-  for (Eigen::Index i = 0; i < kMaxLimbs; ++i) {
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
     take(result, static_cast<std::size_t>(i), {joints(i), std::isfinite(joints(i))});
   }
   return result;
 }
 
-/// Closed form of arms and carriages with one rod, with all their errors.
-InverseResult rod_inverse(const Machine& machine, const Pose& pose) {
+/// Closed form of each limb: of its rod, with all its errors, or of the centre line of its parallelogram.
+InverseResult limb_inverse(const Machine& machine, const Pose& pose) {
   const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
   InverseResult result;
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
@@ -51,8 +54,9 @@ InverseResult rod_inverse(const Machine& machine, const Pose& pose) {
 }
 
 InverseResult closed_inverse(const Machine& machine, const Pose& pose) {
-  const bool six_struts = machine.actuator() == Actuator::strut && !machine.has_guides();
-  return six_struts ? strut_inverse(machine, pose) : rod_inverse(machine, pose);
+  const auto is_strut = [](const Limb& limb) { return limb.is_strut(); };
+  const bool six_struts = machine.limb_count == 6 && std::ranges::all_of(std::span(machine.limbs).first(6), is_strut);
+  return six_struts ? strut_inverse(machine, pose) : limb_inverse(machine, pose);
 }
 
 /// Closed form on the centre lines of the limbs, plate level.
@@ -61,7 +65,7 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
   result.status = InverseStatus::reached;
   const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
-  if (machine.actuator() == Actuator::linear) {
+  if (runs_on_rail(machine.limbs[0].actuator)) {
     for (std::size_t i = 0; i < machine.limb_count; ++i) {
       const Limb& limb = machine.limbs[i];
       take(result, i, solve_joint(limb, pose.position + limb.plate + limb.slide_sign * slide));
@@ -118,17 +122,71 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
   }
 }
 
+/// mm of a rod's residual per rad or mm of the joint of its limb.
+double by_joint(const Limb& limb, const Elbow<double>& elbow, std::size_t rod, const Eigen::Vector3d& direction) {
+  return limb.is_strut() ? -limb.gain : -direction.dot(hinge_motion(limb, elbow, rod));
+}
+
+/// The same on any limbs, joints and what the parallelograms hold of the plate sought:
+///
+///   J^T (f + J_q dq + J_held dheld) = 0        6 equations; of more unknowns the shortest step
+///
+/// so that forward kinematics of these joints are the pose, whatever errors tilt the plate.
+void settle_any(const Machine& machine, const Pose& pose, InverseResult& result) {
+  constexpr int kMaxIterations = 20, kMost = kMaxLimbs + 6;
+  constexpr double kTolerance = 4e-9;  // mm, of the last step
+  using System = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMost>;
+  constexpr int N = detail::kAnyLimbs;
+  PlateState plate = plate_at(machine, pose);
+  const auto limbs = static_cast<Eigen::Index>(machine.limb_count);
+  result.status = InverseStatus::not_converged;
+  while (result.iterations < kMaxIterations) {
+    const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, result.joints);
+    const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
+    System system = System::Zero(6, limbs + 6);
+    Eigen::Index row = 0;
+    for (Eigen::Index i = 0; i < limbs; ++i) {
+      const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
+      for (std::size_t j = 0; j < rod_count(limb); ++j, ++row) {
+        system.col(i) += linear.jacobian.row(row).transpose() *
+                         by_joint(limb, elbows[static_cast<std::size_t>(i)], j, linear.direction[row]);
+      }
+    }
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      if (machine.freedoms.free[static_cast<std::size_t>(k)]) continue;
+      system.col(limbs + k) = linear.jacobian.transpose() * linear.jacobian.col(k);
+    }
+    const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1> step =
+        -system.completeOrthogonalDecomposition().solve(linear.gradient());
+    result.joints += step.head(limbs);
+    plate.position += step.segment<3>(limbs);
+    plate.tilt += step.tail<3>();
+    ++result.iterations;
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < limbs; ++i) {
+      largest = std::max(largest, joint_ratio(machine.limbs[static_cast<std::size_t>(i)]) * std::abs(step(i)));
+    }
+    if (!std::isfinite(step.sum())) return;
+    if (largest < kTolerance) {
+      result.status = InverseStatus::reached;
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
-  InverseResult result = machine.on_single_rods() ? closed_inverse(machine, pose) : level_inverse(machine, pose);
-  const bool turns = pose.rotation != 0.0, leans = !pose.tilt.isZero(0.0);
-  const bool held = machine.has_guides() && !detail::is_free(machine, pose);
-  if ((!machine.has_slide() && turns) || (!machine.on_single_rods() && leans) || held) {
+  InverseResult result = machine.is_level ? level_inverse(machine, pose) : closed_inverse(machine, pose);
+  const bool turns = pose.rotation != 0.0, leans = machine.is_level && !pose.tilt.isZero(0.0);
+  if ((!machine.has_slide() && turns) || leans || !detail::is_free(machine, pose)) {
     result.status = InverseStatus::unreachable;
   }
-  if (result.ok() && machine.tilts_plate) {
+  if (!result.ok() || !machine.tilts_plate) return result;
+  if (machine.is_level) {
     detail::with_pair_count(machine.limb_count, [&]<int N>() { settle<N>(machine, pose, result); });
+  } else {
+    settle_any(machine, pose, result);
   }
   return result;
 }

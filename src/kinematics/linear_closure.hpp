@@ -11,31 +11,41 @@
 
 namespace paracal::detail {
 
-/// N of a plate on fewer than six limbs with one rod.
-inline constexpr int kGuided = 0;
+/// N of any other machine: limbs of both kinds, guides, or more rods than unknowns.
+inline constexpr int kAnyLimbs = 0;
 
-/// A machine of N limbs has N compensable freedoms delta = (position, slide; no slide when N = 3), three tilts, and 2 N
-/// rods. One of six limbs has one rod a limb, and its freedoms are position and tilt. On fewer limbs with one rod what
-/// guides hold stands for rods that are missing: a coordinate that is off is their residual.
+/// A machine of N limbs that keep its plate level has N compensable freedoms delta = (position, slide; no slide when
+/// N = 3), three tilts, and 2 N rods. One of six limbs with one rod each has as many rods as freedoms, position and
+/// tilt. On any other, too, all six are unknown, but what guides hold stays: its columns are zero.
 template <int N>
-inline constexpr bool kOnSingleRods = N == 6 || N == kGuided;
+inline constexpr bool kIsLevel = N == 3 || N == 4;
 template <int N>
-inline constexpr int kUnknowns = kOnSingleRods<N> ? 6 : N + 3;
+inline constexpr int kUnknowns = kIsLevel<N> ? N + 3 : 6;
 template <int N>
-inline constexpr int kRodsALimb = kOnSingleRods<N> ? 1 : 2;
+inline constexpr int kRodsALimb = kIsLevel<N> ? 2 : 1;
 template <int N>
-inline constexpr int kRods = kOnSingleRods<N> ? 6 : 2 * N;
+inline constexpr int kMostRods = N == kAnyLimbs ? 2 * kMaxLimbs : kRodsALimb<N>* N;
+/// Known when compiling, but of any limbs.
+template <int N>
+inline constexpr int kRods = N == kAnyLimbs ? Eigen::Dynamic : kMostRods<N>;
 
-/// Known when compiling but where guides hold the plate.
 template <int N>
 int limbs_of(const Machine& machine) {
-  return N == kGuided ? static_cast<int>(machine.limb_count) : N;
+  return N == kAnyLimbs ? static_cast<int>(machine.limb_count) : N;
+}
+
+template <int N>
+int rods_of(const Machine& machine) {
+  if (N != kAnyLimbs) return kMostRods<N>;
+  int rods = 0;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) rods += static_cast<int>(rod_count(machine.limbs[i]));
+  return rods;
 }
 
 template <int N>
 using Unknowns = Eigen::Matrix<double, kUnknowns<N>, 1>;
 template <int N>
-using Rods = Eigen::Matrix<double, kRods<N>, 1>;
+using Rods = Eigen::Matrix<double, kRods<N>, 1, Eigen::ColMajor, kMostRods<N>, 1>;
 
 template <int N>
 using NormalMatrix = Eigen::Matrix<double, kUnknowns<N>, kUnknowns<N>>;
@@ -44,18 +54,22 @@ using NormalMatrix = Eigen::Matrix<double, kUnknowns<N>, kUnknowns<N>>;
 template <int N>
 struct LinearClosure {
   Rods<N> residual;
-  Eigen::Matrix<double, kRods<N>, kUnknowns<N>> jacobian;
-  std::array<Eigen::Vector3d, kRods<N>> direction;  ///< unit vectors of the rods, elbow to plate
-  std::array<Eigen::Vector3d, kRods<N>> lever;      ///< from O' to the rods' joints on the plate, in {O}
+  Eigen::Matrix<double, kRods<N>, kUnknowns<N>, Eigen::ColMajor, kMostRods<N>, kUnknowns<N>> jacobian;
+  std::array<Eigen::Vector3d, kMostRods<N>> direction;  ///< unit vectors of the rods, elbow to plate
+  std::array<Eigen::Vector3d, kMostRods<N>> lever;      ///< from O' to the rods' joints on the plate, in {O}
 
   // Eigen sends products of this size to its blocked kernel, which costs more than the product itself.
   Unknowns<N> gradient() const { return jacobian.transpose().lazyProduct(residual); }
-  /// Its lower triangle only, which is all that a Cholesky factorization reads.
+  /// Its lower triangle only, which is all that a Cholesky factorization reads; 1 for what guides hold.
   NormalMatrix<N> normal() const {
     NormalMatrix<N> normal;
     normal.template triangularView<Eigen::Lower>() = jacobian.transpose().lazyProduct(jacobian);
+    if constexpr (N == kAnyLimbs) {
+      for (Eigen::Index k = 0; k < kUnknowns<N>; ++k) normal(k, k) += held[static_cast<std::size_t>(k)] ? 1.0 : 0.0;
+    }
     return normal;
   }
+  std::array<bool, 6> held{};  ///< by guides
 };
 
 /// What of an elbow a limb with one rod needs: where the rod is hinged, and how long it is.
@@ -71,20 +85,29 @@ inline RodEnd rod_end(const Limb& limb, double joint) {
 
 /// The elbows of all limbs: fixed while the plate is sought.
 template <int N>
-using Elbows = std::array<std::conditional_t<kOnSingleRods<N>, RodEnd, Elbow<double>>, N == kGuided ? 6 : N>;
+using Elbows = std::array<std::conditional_t<N == 6, RodEnd, Elbow<double>>, N == kAnyLimbs ? kMaxLimbs : N>;
 
 template <int N>
 Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
   Elbows<N> elbows;
   for (int i = 0; i < limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
-    if constexpr (kOnSingleRods<N>) {
+    if constexpr (N == 6) {
       elbows[i] = rod_end(limb, joints(i));
     } else {
       elbows[i] = elbow_of(limb, joints(i));
     }
   }
   return elbows;
+}
+
+/// What guides hold does not move: zero columns.
+inline void hold_guided(const Machine& machine, LinearClosure<kAnyLimbs>& linear) {
+  for (Eigen::Index k = 0; machine.has_guides && k < 6; ++k) {
+    if (machine.freedoms.free[static_cast<std::size_t>(k)]) continue;
+    linear.held[static_cast<std::size_t>(k)] = true;
+    linear.jacobian.col(k).setZero();
+  }
 }
 
 /// Order of unknowns: x, y, z, [slide], tilt_x, tilt_y, tilt_z.
@@ -95,19 +118,21 @@ void advance(PlateState& plate, const Unknowns<N>& step) {
   plate.tilt += step.template tail<3>();
 }
 
-/// Rows below those of the rods: what guides hold, mm and rad.
-void add_guides(const Machine& machine, const PlateState& plate, LinearClosure<kGuided>& linear);
-
 template <int N>
 LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, const Elbows<N>& elbows) {
   LinearClosure<N> linear;
+  if constexpr (N == kAnyLimbs) {
+    linear.residual.resize(rods_of<N>(machine));
+    linear.jacobian.resize(linear.residual.size(), kUnknowns<N>);
+  }
   const PlateRotation<double> rotation = plate_rotation(plate.tilt);
   const Eigen::Vector3d slide_direction = rotation.matrix * machine.slide_axis;
+  int row = 0;
   for (int i = 0; i < limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
     const std::array<Eigen::Vector3d, 2> hinges = plate_joints(machine, limb, plate.slide);
-    for (int j = 0; j < kRodsALimb<N>; ++j) {
-      const int row = kRodsALimb<N> * i + j;
+    const int rods = N == kAnyLimbs ? static_cast<int>(rod_count(limb)) : kRodsALimb<N>;
+    for (int j = 0; j < rods; ++j, ++row) {
       const Eigen::Vector3d lever = rotation.matrix * hinges[j];
       const Eigen::Vector3d rod = plate.position + lever - elbows[i].joint[j];
       const double length = rod.norm();
@@ -120,7 +145,7 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
       linear.lever[row] = lever;
     }
   }
-  if constexpr (N == kGuided) add_guides(machine, plate, linear);
+  if constexpr (N == kAnyLimbs) hold_guided(machine, linear);
   return linear;
 }
 
@@ -130,12 +155,12 @@ auto with_pair_count(std::size_t limbs, Task&& task) {
   return limbs == 4 ? task.template operator()<4>() : task.template operator()<3>();
 }
 
-/// The same for the limbs of any machine: 6 of them have one rod each, and fewer have guides beside them.
+/// The same for the limbs of any machine.
 template <typename Task>
 auto with_limb_count(const Machine& machine, Task&& task) {
-  if (machine.has_guides()) return task.template operator()<kGuided>();
-  return machine.limb_count == 6 ? task.template operator()<6>()
-                                 : with_pair_count(machine.limb_count, std::forward<Task>(task));
+  if (machine.is_level) return with_pair_count(machine.limb_count, std::forward<Task>(task));
+  const bool six_rods = machine.limb_count == 6 && rods_of<kAnyLimbs>(machine) == 6 && !machine.has_guides;
+  return six_rods ? task.template operator()<6>() : task.template operator()<kAnyLimbs>();
 }
 
 }  // namespace paracal::detail

@@ -7,34 +7,27 @@ namespace paracal {
 
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
   const Limb& nominal = robot.nominal().limbs[limb];
-  if (robot.actuator() == Actuator::carriage) {
+  if (nominal.actuator == Actuator::carriage) {
     errors(limb, "zero") += shift.dot(nominal.frame.col(1));
     errors(limb, "normal") += shift.dot(nominal.radial);
     errors(limb, "across") += shift.dot(nominal.sideways);
     return;
   }
-  Eigen::Vector3d e = shift;
-  if (robot.actuator() == Actuator::linear) {
-    const Eigen::Vector3d rail = nominal.frame.col(1);
-    const double along = shift.z() / rail.z();
-    errors(limb, "theta_offset") += along;
-    e -= along * rail;
+  const Source joint = nominal.has_one_rod() ? Source("base_x") : Source("e_x");
+  const std::span<const Source> point = sharing(joint, nominal.actuator);
+  for (std::size_t k = 0; k < point.size(); ++k) {
+    const double along = shift(static_cast<Eigen::Index>(k)), same = robot.parameter(limb, point[k]).as_joint_zero;
+    errors(limb, same == 0.0 ? point[k] : joint_zero(nominal.actuator)) += same == 0.0 ? along : same * along;
   }
-  if (nominal.has_one_rod()) {
-    errors(limb, "base_x") += e.x();
-    errors(limb, "base_y") += e.y();
-    errors(limb, "base_z") += e.z();
-    return;
-  }
-  errors(limb, "e_x") += e.x();
-  errors(limb, "e_y") += e.y();
-  if (robot.actuator() != Actuator::linear) errors(limb, "e_z") += e.z();
 }
 
-double felt_std(const Robot& robot, const Tolerances& tolerances, Source source) {
-  const double own = tolerances.std(source);
-  const bool takes_e_z = robot.actuator() == Actuator::linear && source == "theta_offset";
-  return takes_e_z ? std::hypot(own, tolerances.std("e_z")) : own;
+double felt_std(const Robot& robot, const Tolerances& tolerances, std::size_t limb, Source source) {
+  double variance = std::pow(tolerances.std(source), 2);
+  for (const Parameter& one : robot.parameters()) {
+    if (one.limb != limb || !is_joint_zero(source)) continue;
+    variance += std::pow(one.as_joint_zero * tolerances.std(one.source), 2);
+  }
+  return std::sqrt(variance);
 }
 
 namespace {
@@ -61,7 +54,7 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
       continue;
     }
     Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
-    if (limb.actuator == Actuator::linear) {
+    if (runs_on_rail(limb.actuator)) {
       const Eigen::Vector3d radial = limb.frame.transpose() * limb.radial;
       const double alpha = along.x() / radial.x();
       errors(i, "alpha0") = alpha;
@@ -80,7 +73,12 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
 SourceErrors moved_plate(const Robot& robot, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
   SourceErrors errors;
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    const Eigen::Vector3d moved = shift + turn.cross(robot.nominal().limbs[i].plate);
+    const Limb& limb = robot.nominal().limbs[i];
+    const Eigen::Vector3d moved = shift + turn.cross(limb.plate);
+    if (!limb.has_one_rod()) {
+      shift_limb(robot, i, -moved, errors);  // its joints count against each other
+      continue;
+    }
     errors(i, "plate_x") = moved.x();
     errors(i, "plate_y") = moved.y();
     errors(i, "plate_z") = moved.z();

@@ -29,7 +29,7 @@ Tolerances table2(const Geometry& geometry) {
   for (const Source source : all_sources()) {
     if (tilts_plate(source)) tolerances.origin[source] = Origin::stated;
   }
-  list_assumed(tolerances, geometry.actuator);
+  list_assumed(tolerances, geometry);
   return tolerances;
 }
 

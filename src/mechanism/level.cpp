@@ -7,10 +7,10 @@
 namespace paracal {
 
 void check_level(const Robot& robot, std::string_view task) {
-  if (!robot.on_single_rods()) return;
+  if (robot.is_level()) return;
   throw InvalidArgument(
-      fmt::format("{}: expected a robot whose plate stays level on parallelograms, got {}, whose limbs have one rod "
-                  "each: this function does not support them (docs/hexapods.md)",
+      fmt::format("{}: expected a robot whose plate three or four parallelograms keep level, got {}: this "
+                  "function does not support it (docs/hexapods.md)",
                   task, robot.name()));
 }
 

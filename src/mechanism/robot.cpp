@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "paracal/error.hpp"
+#include "paracal/mechanism/machine_impl.hpp"
 #include "paracal/mechanism/plausible.hpp"
 #include "paracal/units.hpp"
 #include "single_rods.hpp"
@@ -35,7 +36,7 @@ using Dimension = std::pair<std::string, double>;
 
 std::vector<Dimension> dimensions_of(const RobotDescription& robot) {
   const Geometry& geometry = robot.geometry;
-  if (on_single_rods(geometry.actuator)) return detail::dimensions_of(geometry);
+  if (!geometry.limbs.empty()) return detail::dimensions_of(geometry);
   std::vector<Dimension> all{{"geometry.base_radius_mm", geometry.base_radius},
                              {"geometry.plate_radius_mm", geometry.plate_radius},
                              {"geometry.rod_mm", geometry.rod},
@@ -110,9 +111,23 @@ void check_slide(Slide& slide, std::size_t limbs) {
   }
 }
 
+void check_rotation(const Workspace& workspace, bool has_slide) {
+  const double low = to_degrees(workspace.min_rotation), high = to_degrees(workspace.max_rotation);
+  if (!(low <= high) || !std::isfinite(low) || !std::isfinite(high)) {
+    throw InvalidArgument(
+        fmt::format("workspace.rotation_deg: expected [smallest, largest], got [{:g}, {:g}] deg", low, high));
+  }
+  if (!has_slide && (low != 0.0 || high != 0.0)) {
+    throw InvalidArgument(fmt::format(
+        "workspace.rotation_deg: expected [0, 0] or nothing for a plate without a slide, got [{:g}, {:g}] deg", low,
+        high));
+  }
+}
+
 void check_workspace(const Workspace& workspace, bool has_slide, const Geometry& geometry) {
   workspace.check_shape();
-  if (on_single_rods(geometry.actuator)) return detail::check_side(workspace, geometry.freedoms);
+  check_rotation(workspace, has_slide);
+  if (!geometry.limbs.empty()) return detail::check_side(workspace, geometry.freedoms);
   require_positive_mm(fmt::format("workspace.{}", workspace.keys().height), workspace.height);
   if (workspace.max_tilt != 0.0) {
     throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
@@ -121,19 +136,10 @@ void check_workspace(const Workspace& workspace, bool has_slide, const Geometry&
     throw InvalidArgument(fmt::format("workspace.{}: expected a depth below the base (< 0 mm), got {} mm",
                                       workspace.keys().top, workspace.top_z));
   }
-  const double low = to_degrees(workspace.min_rotation), high = to_degrees(workspace.max_rotation);
-  if (!(low <= high) || !std::isfinite(low) || !std::isfinite(high)) {
-    throw InvalidArgument(
-        fmt::format("workspace.rotation_deg: expected [smallest, largest], got [{:g}, {:g}] deg", low, high));
-  }
-  if (!has_slide && (low != 0.0 || high != 0.0)) {
-    throw InvalidArgument(fmt::format(
-        "workspace.rotation_deg: expected [0, 0] or nothing for a rigid plate, got [{:g}, {:g}] deg", low, high));
-  }
 }
 
 void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
-  for (const Source source : sources_of(geometry.actuator)) {
+  for (const Source source : sources_of(geometry)) {
     const double half_width = tolerances[source], limit = largest_error(geometry, source);
     if (half_width >= 0.0 && half_width < limit) continue;
     throw InvalidArgument(fmt::format("tolerances.{}: expected a half-width of at least 0 and below {:.4g}, got {}",
@@ -141,28 +147,42 @@ void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
   }
 }
 
-std::optional<std::string> absurd_length(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  if (on_single_rods(geometry.actuator)) return detail::absurd_single_rod(geometry, errors, limb);
-  const bool on_rail = geometry.actuator == Actuator::linear;
-  struct Length {
-    const char* of;
-    double nominal, error;
-  };
-  for (const Length& one :
-       {Length{"the arm", geometry.arm, on_rail ? 0.0 : errors(limb, "arm_length")},
-        Length{"the rods", geometry.rod, errors(limb, "rod_mean") - 0.5 * std::abs(errors(limb, "rod_difference"))},
-        Length{"the bar at the plate", geometry.parallelogram_width, errors(limb, "width_difference")}}) {
-    if (one.nominal == 0.0 || one.nominal + one.error > 0.0) continue;  // a rail may do without an arm
-    return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.of, limb + 1,
-                       one.nominal + one.error);
+struct Length {
+  std::string_view of;
+  double value;
+};
+
+/// What must be longer than 0 mm.
+std::vector<Length> lengths_of(const detail::NominalLimb& limb, const auto& error) {
+  std::vector<Length> all;
+  if (swings_arm(limb.kind)) all.push_back({"the arm", limb.arm + error("arm_length")});
+  if (limb.kind == Actuator::strut) all.push_back({"the strut at zero", limb.rod + error("zero")});
+  if (limb.kind != Actuator::strut && on_single_rods(limb.kind)) {
+    all.push_back({"the rod", limb.rod + error("rod_length")});
   }
-  return on_rail ? detail::backward_drive(errors, limb) : std::nullopt;
+  if (on_single_rods(limb.kind)) return all;
+  all.push_back({"the rods", limb.rod + error("rod_mean") - 0.5 * std::abs(error("rod_difference"))});
+  all.push_back({"the bar at the plate", limb.width + error("width_difference")});
+  return all;
+}
+
+/// @param errors  with what is intended.
+std::optional<std::string> absurd_length(const RobotDescription& robot, const SourceErrors& errors, std::size_t limb) {
+  const detail::NominalLimb nominal = detail::nominal_limb(robot, limb);
+  const auto error = [&](Source source) { return errors(limb, source); };
+  for (const auto& [of, value] : lengths_of(nominal, error)) {
+    if (!(value > 0.0)) return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", of, limb + 1, value);
+  }
+  const double travel = kGainLength + errors(limb, "gain");
+  if (travel > 0.0) return std::nullopt;
+  return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", limb + 1,
+                     travel);
 }
 
 void check_intended(const RobotDescription& robot) {
-  const Actuator actuator = robot.geometry.actuator;
-  for (std::size_t limb = 0; limb < robot.geometry.limb_azimuth.size(); ++limb) {
-    for (const Source source : sources_of(actuator)) {
+  const std::vector<Actuator> kinds = kinds_of(robot.geometry);
+  for (std::size_t limb = 0; limb < kinds.size(); ++limb) {
+    for (const Source source : sources_of(kinds[limb])) {
       if (!std::isfinite(robot.intended(limb, source))) {
         throw InvalidArgument(fmt::format("limb: expected a number for {} of limb {}", name(source), limb + 1));
       }
@@ -171,7 +191,7 @@ void check_intended(const RobotDescription& robot) {
           fmt::format("limb: expected no {} of limb {} (it would tilt the plate by design); state it in [[error]]",
                       name(source), limb + 1));
     }
-    if (auto complaint = absurd_length(robot.geometry, robot.intended, limb)) {
+    if (auto complaint = absurd_length(robot, robot.intended, limb)) {
       throw InvalidArgument(fmt::format("limb: {}", *complaint));
     }
   }
@@ -179,23 +199,24 @@ void check_intended(const RobotDescription& robot) {
 
 void check_parts(RobotDescription& description) {
   const bool has_slide = description.slide.has_value();
-  if (on_single_rods(description.geometry.actuator)) {
-    detail::check_single_rods(description.geometry);
-    if (has_slide) throw InvalidArgument("plate: expected no slide with limbs of one rod");
-    return;
+  Geometry& geometry = description.geometry;
+  if (geometry.limbs.empty()) {
+    geometry.freedoms = kLevelPlate;
+    check_lengths(geometry);
+    check_limbs(geometry.limb_azimuth, has_slide);
+  } else {
+    detail::check_described_limbs(geometry, has_slide);
   }
-  check_lengths(description.geometry);
-  check_limbs(description.geometry.limb_azimuth, has_slide);
-  if (has_slide) check_slide(*description.slide, description.geometry.limb_azimuth.size());
+  if (has_slide) check_slide(*description.slide, geometry.limb_azimuth.size());
 }
 
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (!control_character(description.name).empty())
     throw InvalidArgument("name: expected text, got a control character in it");
+  check_parts(description);
   const PlateFreedoms& freedoms = description.geometry.freedoms;
   description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
-  check_parts(description);
   check_workspace(description.workspace, description.slide.has_value(), description.geometry);
   check_proportions(description);
   if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
@@ -212,7 +233,7 @@ Machine checked_nominal(RobotDescription& description) {
 }
 
 std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& errors, std::size_t limb) {
-  for (const Source source : sources_of(robot.actuator())) {
+  for (const Source source : sources_of(robot.nominal().limbs[limb].actuator)) {
     const double value = errors(limb, source);
     const Unit inside = unit(source, robot.actuator());
     const double limit = largest_error(robot.geometry(), source);
@@ -226,12 +247,47 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
 /// mm that an angle of the drive counts for: L, or the rod of a limb on a rail, whose arm may be short or none.
 double angle_lever(const Limb& limb) { return runs_on_rail(limb.actuator) ? limb.mean_rod() : limb.arm; }
 
-/// See Parameter: all limbs count by the first.
-double lever_of(const Geometry& geometry, const Machine& nominal, Source source) {
-  const Limb& limb = nominal.limbs[0];
+/// See Parameter: limbs of one kind all count by the first.
+double lever_of(const Geometry& geometry, const Machine& nominal, std::size_t number, Source source) {
+  const Limb& limb = nominal.limbs[nominal.limbs[number].actuator == nominal.actuator() ? 0 : number];
   if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / geometry.parallelogram_width;
   if (tilts_plate(source) || unit(source, limb.actuator) != Unit::rad) return 1.0;
-  return source == joint_zero(limb.actuator) ? joint_ratio(limb) : angle_lever(limb);
+  return is_joint_zero(source) ? joint_ratio(limb) : angle_lever(limb);
+}
+
+/// What a limb is to the plate, at two joint coordinates: ends and lengths of its rods, mm.
+Eigen::Matrix<double, 16, 1> shape_of(const Limb& limb) {
+  Eigen::Matrix<double, 16, 1> shape;
+  Eigen::Index at = 0;
+  for (const double joint : {0.3, 0.7}) {
+    const ArmDirections<double> direction = arm_directions(limb, joint);
+    const Eigen::Vector3d bar = limb.elbow_width * limb.elbow_frame.col(2);
+    shape.segment<3>(at) = limb.base + elbow_lever(limb, joint, direction);
+    shape.segment<3>(at + 3) = bar.x() * direction.u1 + bar.y() * direction.v1 + bar.z() * limb.frame.col(2);
+    shape(at + 6) = rods_at(limb, joint)[0];
+    shape(at + 7) = rods_at(limb, joint)[1];
+    at += 8;
+  }
+  return shape;
+}
+
+/// See Parameter::as_joint_zero: by differences of the shape of the limb and of its bar at the plate.
+double as_joint_zero(const RobotDescription& robot, std::size_t limb, Source zero, Source source) {
+  constexpr double kStep = 1e-4, kAlike = 1e-6;
+  const auto change = [&](Source moved) {
+    SourceErrors plus, minus;
+    plus(limb, moved) = kStep;
+    minus(limb, moved) = -kStep;
+    const Limb one = build(robot, plus).limbs[limb], other = build(robot, minus).limbs[limb];
+    Eigen::Matrix<double, 22, 1> both;
+    both << shape_of(one) - shape_of(other), one.plate - other.plate,
+        one.plate_width * one.plate_frame.col(2) - other.plate_width * other.plate_frame.col(2);
+    return Eigen::Matrix<double, 22, 1>(both / (2.0 * kStep));
+  };
+  const auto of_zero = change(zero), of_source = change(source);
+  const double share = of_source.dot(of_zero) / of_zero.squaredNorm();
+  const bool alike = source != zero && (of_source - share * of_zero).norm() < kAlike * of_source.norm();
+  return alike ? share : 0.0;
 }
 
 std::vector<Parameter> parameters_of(const RobotDescription& robot, const Machine& nominal) {
@@ -240,8 +296,13 @@ std::vector<Parameter> parameters_of(const RobotDescription& robot, const Machin
   for (std::size_t limb = 0; limb < nominal.limb_count; ++limb) {
     const Actuator kind = nominal.limbs[limb].actuator;
     for (const Source source : sources_of(kind)) {
-      all.push_back({source, limb, unit(source, kind), lever_of(robot.geometry, nominal, source), tolerances[source],
-                     number_of(limb, source)});
+      all.push_back({.source = source,
+                     .limb = limb,
+                     .unit = unit(source, kind),
+                     .lever = lever_of(robot.geometry, nominal, limb, source),
+                     .tolerance = tolerances[source],
+                     .as_joint_zero = as_joint_zero(robot, limb, joint_zero(kind), source),
+                     .number = number_of(limb, source)});
     }
   }
   return all;
@@ -258,12 +319,14 @@ const Parameter& Robot::parameter(std::size_t limb, Source source) const {
   if (limb < limb_count() && place_in(nominal_.limbs[limb].actuator, source) < kMostSources) {
     return parameters_[nominal_.parameter(limb, source)];
   }
-  throw InvalidArgument(fmt::format("expected an error of limb {} of {}, got {}", limb + 1, name(), source.name()));
+  throw InvalidArgument(
+      fmt::format("expected an error of limb {} of {}, got {}", limb + 1, description_.name, source.name()));
 }
 
 JointSpace Robot::joint_space() const {
   JointSpace joints(limb_count(), actuator());
-  if (nominal_.has_guides() && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;
+  std::ranges::copy(kinds_of(geometry()), joints.kinds.begin());
+  if (nominal_.has_guides && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;
   joints.reach = reach();
   return joints;
 }
@@ -284,7 +347,7 @@ double largest_error(const Geometry& geometry, Source source) {
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     if (auto complaint = absurd_error(robot, errors, limb)) return complaint;
-    if (auto complaint = absurd_length(robot.geometry(), robot.intended() + errors, limb)) return complaint;
+    if (auto complaint = absurd_length(robot.description(), robot.intended() + errors, limb)) return complaint;
   }
   return std::nullopt;
 }

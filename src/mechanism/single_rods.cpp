@@ -23,9 +23,9 @@ std::string numbers(const Eigen::Vector3d& vector) {
 std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
 
 /// Root of the mean square.
-double mean_radius(const std::vector<SingleRod>& limbs, Eigen::Vector3d SingleRod::*joint) {
+double mean_radius(const std::vector<LimbDescription>& limbs, Eigen::Vector3d LimbDescription::*joint) {
   double squares = 0.0;
-  for (const SingleRod& limb : limbs) squares += (limb.*joint).head<2>().squaredNorm();
+  for (const LimbDescription& limb : limbs) squares += (limb.*joint).head<2>().squaredNorm();
   return std::sqrt(squares / static_cast<double>(limbs.size()));
 }
 
@@ -37,12 +37,13 @@ void require_direction(std::string_view quantity, const Eigen::Vector3d& vector)
 /// An arm that turns about itself goes nowhere: this much of a right angle at least.
 constexpr double kSquare = 0.1;
 
-void check_drive(Actuator kind, const SingleRod& limb, std::size_t number) {
+void check_drive(const LimbDescription& limb, std::size_t number) {
   const auto key = [&](std::string_view name) { return fmt::format("limb: {} of limb {}", name, number); };
-  detail::require_positive_mm(key(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm"), limb.length);
-  if (kind == Actuator::strut) return;
-  require_direction(key(kind == Actuator::crank ? "axis" : "direction"), limb.axis);
-  if (kind == Actuator::carriage) return;
+  detail::require_positive_mm(key(limb.kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm"), limb.length);
+  if (!on_single_rods(limb.kind)) detail::require_positive_mm(key("parallelogram_width_mm"), limb.width);
+  if (limb.kind == Actuator::strut) return;
+  require_direction(key(swings_arm(limb.kind) ? "axis" : "direction"), limb.axis);
+  if (runs_on_rail(limb.kind)) return;
   detail::require_positive_mm(key("arm_mm"), limb.arm);
   require_direction(key("arm_at_zero"), limb.at_zero);
   if (limb.axis.normalized().cross(limb.at_zero.normalized()).norm() > kSquare) return;
@@ -50,7 +51,7 @@ void check_drive(Actuator kind, const SingleRod& limb, std::size_t number) {
                                     numbers(limb.axis), numbers(limb.at_zero)));
 }
 
-bool is_alike(const SingleRod& one, const SingleRod& other) {
+bool is_alike(const LimbDescription& one, const LimbDescription& other) {
   return one.base == other.base && one.plate == other.plate && one.axis == other.axis && one.at_zero == other.at_zero &&
          one.behind == other.behind;
 }
@@ -67,7 +68,7 @@ Eigen::Vector3d square_to(const Eigen::Vector3d& axis, const Eigen::Vector3d& di
 }
 
 /// Upward; of a rail that stands nearly upright outward from the z axis, or along x where it stands on it.
-Eigen::Matrix3d rail_frame(const SingleRod& rail) {
+Eigen::Matrix3d rail_frame(const LimbDescription& rail) {
   constexpr double kUpright = 0.99, kOnAxis = 1e-6;  // mm
   const Eigen::Vector3d along = rail.axis.normalized();
   if (std::abs(along.z()) < kUpright) return columns(square_to(along, Eigen::Vector3d::UnitZ()), along);
@@ -77,17 +78,42 @@ Eigen::Matrix3d rail_frame(const SingleRod& rail) {
 }
 
 /// Rot(z, gamma) Rot(x, pi/2) towards the joint at the base.
-Eigen::Matrix3d strut_frame(const SingleRod& strut) {
+Eigen::Matrix3d strut_frame(const LimbDescription& strut) {
   return detail::nominal_frame(std::atan2(strut.base.y(), strut.base.x()));
 }
 
-void check_freedoms(const PlateFreedoms& freedoms, std::size_t limbs) {
+void check_freedoms(const Geometry& geometry, bool has_slide) {
+  const PlateFreedoms& freedoms = geometry.freedoms;
+  const std::size_t limbs = geometry.limbs.size(), wanted = freedoms.count() + (has_slide ? 1 : 0);
   if (const std::string why = coupled_motions(freedoms); !why.empty()) throw InvalidArgument("plate.freedoms: " + why);
-  if (limbs == freedoms.count()) return;
-  const std::string of =
-      freedoms.count() == kMaxLimbs ? "six degrees of freedom" : "degrees of freedom " + in_words(freedoms);
-  throw InvalidArgument(
-      fmt::format("limb: expected {} limbs with one rod for a plate with {}, got {}", freedoms.count(), of, limbs));
+  if (limbs < wanted || limbs > static_cast<std::size_t>(kMaxLimbs)) {
+    const std::string of = freedoms.are_all() ? "six degrees of freedom" : "degrees of freedom " + in_words(freedoms);
+    throw InvalidArgument(fmt::format("limb: expected {} to {} limbs for a plate with {}{}, got {}", wanted, kMaxLimbs,
+                                      of, has_slide ? " and a slide" : "", limbs));
+  }
+  std::size_t rods = 0;
+  for (const LimbDescription& limb : geometry.limbs) rods += on_single_rods(limb.kind) ? 1 : 2;
+  const std::size_t pairs = rods - limbs;
+  if (has_slide && (pairs != limbs || limbs != 4)) {
+    throw InvalidArgument("plate: expected no slide, or four limbs with two rods");
+  }
+  if (pairs > 0 && rods < (has_slide ? 7 : 6)) {
+    throw InvalidArgument(fmt::format(
+        "limb: expected 6 rods or more, because no guides hold a plate on limbs with two rods, got {}: add a limb, or "
+        "give each limb one rod",
+        rods));
+  }
+}
+
+/// Tables of joints have one unit.
+void check_joint_units(const Geometry& geometry) {
+  for (std::size_t i = 1; i < geometry.limbs.size(); ++i) {
+    if (joint_unit(geometry.limbs[i].kind) == joint_unit(geometry.limbs[0].kind)) continue;
+    throw InvalidArgument(fmt::format(
+        "limb: expected joint coordinates of one unit (arms: deg; rails and struts: mm), got limb {} in {} beside limb "
+        "1 in {}",
+        i + 1, file_unit(joint_unit(geometry.limbs[i].kind)), file_unit(joint_unit(geometry.limbs[0].kind))));
+  }
 }
 
 }  // namespace
@@ -102,28 +128,29 @@ void require_positive_mm(std::string_view quantity, double value) {
 
 std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geometry) {
   std::vector<std::pair<std::string, double>> all;
-  for (std::size_t i = 0; i < geometry.single_rods.size(); ++i) {
-    const SingleRod& limb = geometry.single_rods[i];
+  for (std::size_t i = 0; i < geometry.limbs.size(); ++i) {
+    const LimbDescription& limb = geometry.limbs[i];
     const auto add = [&](std::string_view key, double length) {
       if (length != 0.0) all.emplace_back(fmt::format("limb: {} of limb {}", key, i + 1), length);
     };
     add("base_joint_mm", limb.base.norm());
     add("plate_joint_mm", limb.plate.norm());
-    add(geometry.actuator == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length);
+    add(limb.kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length);
     add("arm_mm", limb.arm);
   }
   return all;
 }
 
-void check_single_rods(const Geometry& geometry) {
-  const std::vector<SingleRod>& limbs = geometry.single_rods;
-  check_freedoms(geometry.freedoms, limbs.size());
+void check_described_limbs(const Geometry& geometry, bool has_slide) {
+  const std::vector<LimbDescription>& limbs = geometry.limbs;
+  check_freedoms(geometry, has_slide);
+  check_joint_units(geometry);
   for (std::size_t i = 0; i < limbs.size(); ++i) {
-    const SingleRod& limb = limbs[i];
+    const LimbDescription& limb = limbs[i];
     if (!limb.base.allFinite() || !limb.plate.allFinite()) {
       throw InvalidArgument(fmt::format("limb: expected numbers for the joints of limb {}", i + 1));
     }
-    check_drive(geometry.actuator, limb, i + 1);
+    check_drive(limb, i + 1);
     for (std::size_t j = 0; j < i; ++j) {
       if (!is_alike(limb, limbs[j])) continue;
       throw InvalidArgument(fmt::format("limb: expected different limbs, got limbs {} and {} both from {} to {}", j + 1,
@@ -159,26 +186,6 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   }
 }
 
-std::optional<std::string> backward_drive(const SourceErrors& errors, std::size_t limb) {
-  const double growth = kGainLength + errors(limb, "gain");
-  if (growth > 0.0) return std::nullopt;
-  return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", limb + 1,
-                     growth);
-}
-
-std::optional<std::string> absurd_single_rod(const Geometry& geometry, const SourceErrors& errors, std::size_t limb) {
-  const SingleRod& nominal = geometry.single_rods[limb];
-  const bool is_strut = geometry.actuator == Actuator::strut, swings = geometry.actuator == Actuator::crank;
-  const double length = nominal.length + errors(limb, is_strut ? Source("zero") : Source("rod_length"));
-  const double arm = swings ? nominal.arm + errors(limb, "arm_length") : 1.0;
-  if (!(length > 0.0)) {
-    return fmt::format("expected limb {} longer than 0 mm{}, got {:g} mm", limb + 1, is_strut ? " at zero" : "",
-                       length);
-  }
-  if (!(arm > 0.0)) return fmt::format("expected the arm of limb {} longer than 0 mm, got {:g} mm", limb + 1, arm);
-  return swings ? std::nullopt : backward_drive(errors, limb);
-}
-
 }  // namespace detail
 
 std::string in_words(const PlateFreedoms& freedoms) {
@@ -199,29 +206,67 @@ std::string coupled_motions(const PlateFreedoms& freedoms) {
       in_words(freedoms));
 }
 
-Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb) {
-  if (kind == Actuator::strut) return strut_frame(limb);
-  if (kind == Actuator::carriage) return rail_frame(limb);
+Eigen::Matrix3d frame_of(const LimbDescription& limb) {
+  if (limb.kind == Actuator::strut) return strut_frame(limb);
+  if (runs_on_rail(limb.kind)) return rail_frame(limb);
   const Eigen::Vector3d axis = limb.axis.normalized(), at_zero = square_to(axis, limb.at_zero);
   return columns(at_zero, axis.cross(at_zero));
 }
 
-Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs, const PlateFreedoms& freedoms) {
+std::vector<Actuator> kinds_of(const Geometry& geometry) {
+  // A geometry may not have been checked yet.
+  std::vector<Actuator> kinds(std::max<std::size_t>(geometry.limb_azimuth.size(), 1), geometry.actuator);
+  std::ranges::transform(geometry.limbs, kinds.begin(), &LimbDescription::kind);
+  return kinds;
+}
+
+std::vector<Source> sources_of(const Geometry& geometry) {
+  std::vector<Source> sources;
+  for (const Actuator kind : kinds_of(geometry)) {
+    for (const Source source : sources_of(kind)) {
+      if (std::ranges::find(sources, source) == sources.end()) sources.push_back(source);
+    }
+  }
+  return sources;
+}
+
+std::optional<Source> source_named(std::string_view name, const Geometry& geometry) {
+  for (const Source source : sources_of(geometry)) {
+    if (source.name() == name) return source;
+  }
+  return std::nullopt;
+}
+
+std::vector<Source> sharing(Source leading, const Geometry& geometry) {
+  std::vector<Source> sources = sources_of(geometry);
+  std::erase_if(sources, [&](Source other) { return shared_name(other) != shared_name(leading); });
+  return sources;
+}
+
+Geometry geometry_of_limbs(std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms) {
   constexpr double kPoint = 0.1;  // of a rod: the width of a plate that is a point
   Geometry geometry;
-  geometry.actuator = kind;
   geometry.freedoms = freedoms;
   if (limbs.empty()) return geometry;
-  geometry.base_radius = mean_radius(limbs, &SingleRod::base);
-  geometry.plate_radius = mean_radius(limbs, &SingleRod::plate);
-  for (const SingleRod& limb : limbs) {
+  geometry.actuator = limbs.front().kind;
+  geometry.base_radius = mean_radius(limbs, &LimbDescription::base);
+  geometry.plate_radius = mean_radius(limbs, &LimbDescription::plate);
+  for (const LimbDescription& limb : limbs) {
     geometry.rod += limb.length / static_cast<double>(limbs.size());
     geometry.arm += limb.arm / static_cast<double>(limbs.size());
     geometry.limb_azimuth.push_back(std::atan2(limb.base.y(), limb.base.x()));
+    if (geometry.parallelogram_width == 0.0) geometry.parallelogram_width = limb.width;
   }
-  geometry.parallelogram_width = geometry.plate_radius > 0.0 ? 2.0 * geometry.plate_radius : kPoint * geometry.rod;
-  geometry.single_rods = std::move(limbs);
+  if (geometry.parallelogram_width == 0.0) {
+    geometry.parallelogram_width = geometry.plate_radius > 0.0 ? 2.0 * geometry.plate_radius : kPoint * geometry.rod;
+  }
+  geometry.limbs = std::move(limbs);
   return geometry;
+}
+
+Geometry geometry_of_limbs(Actuator kind, std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms) {
+  for (LimbDescription& limb : limbs) limb.kind = kind;
+  return geometry_of_limbs(std::move(limbs), freedoms);
 }
 
 }  // namespace paracal

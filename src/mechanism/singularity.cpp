@@ -22,8 +22,8 @@ namespace {
 /// move the end of its rod along the rod by more than this share of its motion.
 constexpr double kHeld = 1e-3;
 
-/// A row a limb, a column a motion of the plate that is free.
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxLimbs, kMaxLimbs>;
+/// A row a rod, or a limb that is a parallelogram, a column a motion of the plate that is free.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 2 * kMaxLimbs, 6>;
 /// A vector a limb.
 using Vectors = std::array<Eigen::Vector3d, kMaxLimbs>;
 
@@ -81,20 +81,39 @@ Vectors rods_towards(const Machine& machine, const Vectors& joints) {
   return rods;
 }
 
-/// How rods with lines n hold what the plate can do: its freedoms n, axes^T (R a x n) / radius of the plate of a limb
-/// with one rod; n, mu n.shat of position and slide where parallelograms keep the plate level.
-Rows hold(const Machine& machine, const Attitude& attitude, const Vectors& rods, double radius) {
-  const bool single = machine.on_single_rods();
-  Rows rows(static_cast<Eigen::Index>(machine.limb_count), static_cast<Eigen::Index>(machine.limb_count));
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
+/// How the limbs hold position and slide of a level plate: n, mu n.shat.
+Rows hold_level(const Machine& machine, const Vectors& rods) {
+  const auto limbs = static_cast<Eigen::Index>(machine.limb_count);
+  Rows rows(limbs, limbs);
+  for (Eigen::Index i = 0; i < limbs; ++i) {
     const Eigen::Vector3d& n = rods[static_cast<std::size_t>(i)];
-    Eigen::Matrix<double, 6, 1> whole;
-    whole << n, attitude.axes.transpose() * (attitude.rotation * limb.plate).cross(n) / radius;
-    if (!single) whole(3) = limb.slide_sign * n.dot(machine.slide_axis);
-    Eigen::Index column = 0;
-    for (std::size_t k = 0; column < rows.cols(); ++k) {
-      if (!single || machine.freedoms.free[k]) rows(i, column++) = whole(static_cast<Eigen::Index>(k));
+    rows.row(i).head<3>() = n;
+    if (machine.has_slide())
+      rows(i, 3) = machine.limbs[static_cast<std::size_t>(i)].slide_sign * n.dot(machine.slide_axis);
+  }
+  return rows;
+}
+
+/// How rods along n hold what guides leave free to any other plate: n, axes^T (R a x n) / radius of the plate.
+Rows hold(const Machine& machine, const Attitude& attitude, const Vectors& rods, double radius) {
+  if (machine.is_level) return hold_level(machine, rods);
+  std::vector<Eigen::Matrix<double, 1, 6>> all;
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Vector3d half = 0.5 * limb.plate_width * limb.plate_frame.col(2);
+    for (const double side : limb.has_one_rod() ? std::vector{0.0} : std::vector{1.0, -1.0}) {
+      const Eigen::Vector3d lever = attitude.rotation * (limb.plate + side * half);
+      all.emplace_back();
+      all.back() << rods[i].transpose(), (attitude.axes.transpose() * lever.cross(rods[i])).transpose() / radius;
+    }
+  }
+  const auto is_free = [&](std::size_t k) { return !machine.has_guides || machine.freedoms.free[k]; };
+  Rows rows(static_cast<Eigen::Index>(all.size()), 0);
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (!is_free(k)) continue;
+    rows.conservativeResize(Eigen::NoChange, rows.cols() + 1);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      rows(static_cast<Eigen::Index>(i), rows.cols() - 1) = all[i](static_cast<Eigen::Index>(k));
     }
   }
   return rows;
@@ -162,7 +181,7 @@ class Closures {
     const Vectors rods = rods_towards(machine, joints);
     for (std::size_t i = 0; i < machine.limb_count; ++i) sides_[i] = side_of(machine.limbs[i], joints[i]);
     hold_ = volume(hold(machine, attitude, rods, radius));
-    if (!machine.on_single_rods()) level_ = volume(level_hold(machine, rods));
+    if (machine.is_level) level_ = volume(level_hold(machine, rods));
   }
 
   /// @throws InvalidArgument at a pose that is to be refused.
@@ -176,7 +195,7 @@ class Closures {
     }
     const Vectors rods = rods_towards(machine_, joints);
     margins[2] = require_hold(pose, hold(machine_, attitude, rods, radius_), hold_, "move");
-    if (!machine_.on_single_rods()) margins[3] = require_hold(pose, level_hold(machine_, rods), level_, "tilt");
+    if (machine_.is_level) margins[3] = require_hold(pose, level_hold(machine_, rods), level_, "tilt");
     return margins;
   }
 
@@ -208,7 +227,7 @@ class Closures {
   }
 
   double require_hold(const Pose& pose, const Rows& rows, double at_centre, std::string_view could) const {
-    const double held = std::copysign(1.0, at_centre) * volume(rows);
+    const double held = std::copysign(1.0, at_centre) * volume(rows);  // no sign where rods are more than motions
     // Where the smallest singular value is a share s of the largest, the volume is at most 1.2 s.
     const bool near = std::abs(held) <= 1.2 * kHeld;
     if (const double share = near ? smallest_share(rows) : 1.0; !(share > kHeld)) {

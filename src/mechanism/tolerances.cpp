@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -53,18 +54,15 @@ double Tolerances::std(Source source) const {
 
 namespace {
 
-/// The coordinates of a point share one tolerance; two of them, and what the actuator does not feel, say nothing new.
-bool speaks_for_itself(Source source, Actuator actuator) { return is_leading(source) && is_felt(source, actuator); }
-
 /// "theta_offset 1.5 deg, e 3 mm": sources of one origin, with their half-widths where these are not zero by
-/// definition.
-std::string listed(const Tolerances& tolerances, Origin origin, Actuator actuator) {
+/// definition. The coordinates of a point share one tolerance.
+std::string listed(const Tolerances& tolerances, Origin origin, const Geometry& geometry) {
   std::string text;
-  for (const Source source : sources_of(actuator)) {
-    if (tolerances.origin[source] != origin || !speaks_for_itself(source, actuator)) continue;
+  for (const Source source : sources_of(geometry)) {
+    if (tolerances.origin[source] != origin || !is_leading(source)) continue;
     text.append(text.empty() ? "" : ", ").append(shared_name(source));
     if (origin == Origin::exact) continue;
-    const Unit inside = unit(source, actuator);
+    const Unit inside = unit(source, geometry.actuator);
     text += fmt::format(" {:.3g} {}", to_file_unit(inside, tolerances[source]), file_unit(inside));
   }
   return text;
@@ -72,10 +70,10 @@ std::string listed(const Tolerances& tolerances, Origin origin, Actuator actuato
 
 }  // namespace
 
-void list_assumed(Tolerances& tolerances, Actuator actuator) {
+void list_assumed(Tolerances& tolerances, const Geometry& geometry) {
   tolerances.assumed.clear();
-  const std::string generous = listed(tolerances, Origin::generous, actuator);
-  const std::string exact = listed(tolerances, Origin::exact, actuator);
+  const std::string generous = listed(tolerances, Origin::generous, geometry);
+  const std::string exact = listed(tolerances, Origin::exact, geometry);
   if (!generous.empty()) {
     tolerances.assumed.push_back("default tolerances (half-widths; set yours with --tolerances): " + generous);
   }
@@ -86,10 +84,10 @@ void list_assumed(Tolerances& tolerances, Actuator actuator) {
 namespace {
 
 /// Spherical joints bolted on, arms on splines, and a drive whose pitch the catalogue says.
-double generous_of_single_rod(Source source, Actuator actuator) {
-  switch (unit(source, actuator)) {
+double generous_of_one_rod(Source source, Actuator kind) {
+  switch (unit(source, kind)) {
     case Unit::rad:
-      return to_radians(source == joint_zero(actuator) ? 1.5 : 1.0);
+      return to_radians(is_joint_zero(source) ? 1.5 : 1.0);
     case Unit::mm_per_m:
       return 15.0;
     default:
@@ -97,40 +95,43 @@ double generous_of_single_rod(Source source, Actuator actuator) {
   }
 }
 
-Tolerances generous_single_rods(Actuator actuator) {
-  Tolerances tolerances;
-  tolerances.origin.values.fill(Origin::exact);
-  for (const Source source : sources_of(actuator)) {
-    tolerances[source] = generous_of_single_rod(source, actuator);
-    tolerances.origin[source] = Origin::generous;
-  }
-  list_assumed(tolerances, actuator);
-  return tolerances;
+/// @param width  of the parallelogram, mm. The pitch of a toothed belt is to 0.5 mm/m, a rolled screw of class T10 to
+///               0.7 mm/m.
+double generous_of_parallelogram(Source source, Actuator kind, double width) {
+  if (is_joint_zero(source)) return kind == Actuator::linear ? 3.0 : to_radians(1.5);
+  static const std::map<Source, double> kGenerous{{Source("e_x"), 3.0},
+                                                  {Source("e_y"), 3.0},
+                                                  {Source("e_z"), 3.0},
+                                                  {Source("arm_length"), 0.8},
+                                                  {Source("gain"), 1.0},
+                                                  {Source("alpha0"), to_radians(0.3)},
+                                                  {Source("beta0"), to_radians(0.3)},
+                                                  {Source("rod_mean"), 2.4},
+                                                  {Source("rod_difference"), 0.22e-3},
+                                                  {Source("width_difference"), 0.90e-3},
+                                                  {Source("alpha03"), 0.26e-3},
+                                                  {Source("beta03"), 0.52e-3},
+                                                  {Source("alpha2"), 0.25e-3},
+                                                  {Source("beta2"), 0.84e-3}};
+  const bool over_width = tilts_plate(source) && source.unit() == Unit::mm;
+  return kGenerous.at(source) * (over_width ? width : 1.0);
 }
 
 }  // namespace
 
-/// Of a rail's drive, mm/m: the pitch of a toothed belt is to 0.5 mm/m, a rolled screw of class T10 to 0.7 mm/m.
-constexpr double kGenerousGain = 1.0;
-
 Tolerances generous_tolerances(const Geometry& geometry) {
-  if (on_single_rods(geometry.actuator)) return generous_single_rods(geometry.actuator);
-  const double parallelogram_width = geometry.parallelogram_width;
   Tolerances tolerances;
-  tolerances["theta_offset"] = geometry.actuator == Actuator::linear ? 3.0 : to_radians(1.5);
-  tolerances["e_x"] = tolerances["e_y"] = tolerances["e_z"] = 3.0;
-  tolerances["arm_length"] = 0.8;
-  if (geometry.actuator == Actuator::linear) tolerances["gain"] = kGenerousGain;
-  tolerances["alpha0"] = tolerances["beta0"] = to_radians(0.3);
-  tolerances["rod_mean"] = 2.4;
-  tolerances["rod_difference"] = 0.22e-3 * parallelogram_width;
-  tolerances["width_difference"] = 0.90e-3 * parallelogram_width;
-  tolerances["alpha03"] = 0.26e-3;
-  tolerances["beta03"] = 0.52e-3;
-  tolerances["alpha2"] = 0.25e-3;
-  tolerances["beta2"] = 0.84e-3;
-  tolerances.origin.values.fill(Origin::generous);
-  list_assumed(tolerances, geometry.actuator);
+  tolerances.origin.values.fill(Origin::exact);
+  for (const Actuator kind : kinds_of(geometry)) {
+    for (const Source source : sources_of(kind)) {
+      const double half_width = on_single_rods(kind)
+                                    ? generous_of_one_rod(source, kind)
+                                    : generous_of_parallelogram(source, kind, geometry.parallelogram_width);
+      tolerances[source] = std::max(tolerances[source], half_width);
+      tolerances.origin[source] = Origin::generous;
+    }
+  }
+  list_assumed(tolerances, geometry);
   return tolerances;
 }
 

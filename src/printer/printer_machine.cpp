@@ -111,7 +111,7 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   tolerances["alpha03"] = tolerances["beta03"] = tolerances["alpha2"] = tolerances["beta2"] = assembly;
   tolerances.origin.values.fill(Origin::generous);
   if (linear) tolerances.origin["gain"] = Origin::exact;
-  list_assumed(tolerances, geometry.actuator);
+  list_assumed(tolerances, geometry);
   return tolerances;
 }
 

@@ -257,7 +257,7 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
   worst.value *= tightest;
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
   allocation.tolerances = with_tilt_group(problem.rest, tightest * ratio * units);
-  list_assumed(allocation.tolerances, robot.actuator());
+  list_assumed(allocation.tolerances, robot.geometry());
   allocation.cost = mean_cost(tightest * ratio);
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
@@ -269,7 +269,7 @@ Allocation allocate(const Robot& robot, const AllocationProblem& problem) {
   check(problem);
   Allocation allocation =
       problem.max_failures ? detail::allocate_by_yield(robot, problem) : allocate_by_spread(robot, problem);
-  list_assumed(allocation.tolerances, robot.actuator());
+  list_assumed(allocation.tolerances, robot.geometry());
   return allocation;
 }
 

@@ -83,9 +83,10 @@ int component_count(Quantity quantity) {
 
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
-  if (characteristic.compensated && robot.on_single_rods()) {
+  if (characteristic.compensated && !robot.is_level()) {
     return "calibration corrects all errors of limbs with one rod: expected a robot on parallelograms";
   }
+  if (!robot.nominal().has_guides) return {};
   const auto& free = robot.geometry().freedoms.free;
   if (characteristic.quantity == Quantity::tilt && !free[3] && !free[4]) {
     return "the guides prevent tilt: expected position or distance (--quantity or --problem)";
@@ -103,7 +104,7 @@ LinearModel::AtPose LinearModel::at(const Pose& pose) const {
     const Eigen::Vector3d& r = pose.position;
     throw Unreachable(fmt::format("pose ({:g}, {:g}, {:g}) mm: the robot is {} there", r.x(), r.y(), r.z(), what));
   };
-  if (!robot_.on_single_rods()) {
+  if (robot_.is_level()) {
     ErrorModel model = error_model(robot_, pose);
     if (!model.ok()) refuse(model.status == ErrorModelStatus::singular ? "singular" : "out of reach");
     return model;

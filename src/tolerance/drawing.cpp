@@ -7,12 +7,13 @@ namespace paracal::detail {
 Drawing::Drawing(const Robot& robot, const Eigen::MatrixXd& response, const Tolerances& tolerances)
     : tolerances_(&tolerances) {
   for (Eigen::Index column = 0; column < response.cols(); ++column) {
-    const auto& [source, limb, unit, lever, tolerance, normal] = robot.parameters()[static_cast<std::size_t>(column)];
+    const Parameter& parameter = robot.parameters()[static_cast<std::size_t>(column)];
+    const Source source = parameter.source;
     const bool varies = tolerances[source] > 0.0 || !tolerances.measured[source].empty();
     if (!varies || response.col(column).isZero(0.0)) continue;
-    const std::uint64_t number = normal / 2;
+    const std::uint64_t number = parameter.number / 2;
     if (pairs_.empty() || pairs_.back().number != number) pairs_.push_back({.number = number});
-    pairs_.back().row[normal % 2] = static_cast<Eigen::Index>(columns_.size());
+    pairs_.back().row[parameter.number % 2] = static_cast<Eigen::Index>(columns_.size());
     sources_.push_back(source);
     columns_.push_back(column);
   }

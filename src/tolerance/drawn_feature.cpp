@@ -91,14 +91,17 @@ const std::vector<FeatureOfLimbs>& features() {
   return kFeatures;
 }
 
-DrawnFeature feature_of(Source source, Actuator limb) {
+DrawnFeature feature_of(Source source, const std::vector<Actuator>& kinds) {
   const auto found = std::ranges::find_if(features(), [&](const FeatureOfLimbs& one) {
-    return one.source == source && std::ranges::find(one.limbs, limb) != one.limbs.end();
+    return one.source == source && std::ranges::find_first_of(one.limbs, kinds) != one.limbs.end();
   });
   return found == features().end() ? nothing("no drawing shows it") : found->feature;
 }
 
-double single_rod_size(Source source, const SingleRod& limb) { return source == "arm_length" ? limb.arm : limb.length; }
+double own_size(Source source, const LimbDescription& limb) {
+  if (source == "width_difference") return limb.width;
+  return source == "arm_length" ? limb.arm : limb.length;
+}
 
 double level_size(Source source, const Geometry& geometry, const SourceErrors& intended, std::size_t limb) {
   if (source == "width_difference") return geometry.parallelogram_width;
@@ -108,10 +111,12 @@ double level_size(Source source, const Geometry& geometry, const SourceErrors& i
 
 std::vector<double> sizes_of(Source source, const Geometry& geometry, const SourceErrors& intended) {
   std::vector<double> sizes;
-  for (const SingleRod& limb : geometry.single_rods) sizes.push_back(single_rod_size(source, limb));
+  for (const LimbDescription& limb : geometry.limbs) {
+    if (place_in(limb.kind, source) < kMostSources) sizes.push_back(own_size(source, limb));
+  }
   // A geometry may not have been checked yet.
   const std::size_t alike = std::clamp<std::size_t>(geometry.limb_azimuth.size(), 1, kMaxLimbs);
-  for (std::size_t limb = 0; geometry.single_rods.empty() && limb < alike; ++limb) {
+  for (std::size_t limb = 0; geometry.limbs.empty() && limb < alike; ++limb) {
     sizes.push_back(level_size(source, geometry, intended, limb));
   }
   std::ranges::sort(sizes);
@@ -127,7 +132,7 @@ std::string_view name(Orientation orientation) {
 }
 
 DrawnFeature drawn_feature(Source source, const Geometry& geometry, const SourceErrors& intended) {
-  DrawnFeature feature = feature_of(sharing(source, geometry.actuator).front(), geometry.actuator);
+  DrawnFeature feature = feature_of(sharing(source, geometry).front(), kinds_of(geometry));
   if (feature.kind == Kind::size) feature.sizes = sizes_of(source, geometry, intended);
   // The bars' joints are the parallelogram's width apart.
   feature.length = tilts_plate(source) ? geometry.parallelogram_width : kUnknownLength;

@@ -73,7 +73,7 @@ Accuracy accuracy_from_scratch(const Robot& robot, const SourceErrors& errors, c
     const Eigen::Matrix3d meant_turn = rotation_of(pose.tilt), taken_turn = rotation_of(plate.tilt);
     if (k == 0) home = taken_turn * meant_turn.transpose();  // which is commanded level
     const Eigen::AngleAxisd away(taken_turn * meant_turn.transpose());
-    const Eigen::Vector3d tilt = robot.on_single_rods() ? away.angle() * away.axis() : plate.tilt;
+    const Eigen::Vector3d tilt = !robot.is_level() ? away.angle() * away.axis() : plate.tilt;
     accuracy[ErrorKind::tilt] = std::max(accuracy[ErrorKind::tilt], std::hypot(tilt.x(), tilt.y()));
     since_home =
         std::max(since_home, Eigen::AngleAxisd(meant_turn.transpose() * home.transpose() * taken_turn).angle());
@@ -84,7 +84,7 @@ Accuracy accuracy_from_scratch(const Robot& robot, const SourceErrors& errors, c
   accuracy[ErrorKind::distance] = (way.colwise().norm() - commanded_way.colwise().norm()).cwiseAbs().maxCoeff();
   accuracy[ErrorKind::volumetric] = (way - commanded_way).colwise().norm().maxCoeff();
   accuracy[ErrorKind::volumetric_aligned] = (aligned - meant).colwise().norm().maxCoeff();
-  accuracy[ErrorKind::rotation] = robot.on_single_rods() ? since_home : (turned.array() - turned(0)).abs().maxCoeff();
+  accuracy[ErrorKind::rotation] = !robot.is_level() ? since_home : (turned.array() - turned(0)).abs().maxCoeff();
   return accuracy;
 }
 

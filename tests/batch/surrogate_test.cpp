@@ -41,7 +41,7 @@ TEST_P(SurrogateLaw, IsTheLimitOfSmallErrors) {
   for (double& half_width : plan.tolerances.half_width) half_width *= kSmall;
   plan.instrument.noise *= kSmall;
   plan.instrument.rotation_noise *= kSmall;
-  if (robot.on_single_rods()) plan.instrument.rotation_noise = 1e-5;
+  if (!robot.is_level()) plan.instrument.rotation_noise = 1e-5;
   plan.calibration.tolerances = plan.tolerances;
   plan.calibration.noise.point = plan.calibration.noise.body = plan.instrument.noise;
   if (plan.instrument.rotation_noise > 0.0) plan.calibration.noise.rotation = plan.instrument.rotation_noise;

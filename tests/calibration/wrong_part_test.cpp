@@ -42,11 +42,11 @@ std::vector<Fault> faults_of(const Robot& robot) {
   if (actuator == Actuator::strut) {
     return {off("zero", -15.0), off("zero", 40.0), off("plate_x", -15.0)};
   }
-  const Source rod = robot.on_single_rods() ? Source("rod_length") : Source("rod_mean");
+  const Source rod = !robot.is_level() ? Source("rod_length") : Source("rod_mean");
   std::vector<Fault> faults{off(rod, -15.0), off(rod, actuator == Actuator::carriage ? 15.0 : 40.0),
                             off("beta0", to_radians(-3.0))};
   if (swings_arm(actuator)) faults.push_back(off("arm_length", 40.0));
-  if (!robot.on_single_rods()) {
+  if (robot.is_level()) {
     faults.push_back({"e_", [](const Robot& of, std::size_t limb, SourceErrors& errors) {
                         shift_limb(of, limb, -40.0 * of.nominal().limbs[limb].radial, errors);
                       }});
@@ -60,7 +60,7 @@ const std::vector<Station>& plan(const Robot& robot) {
   std::vector<Station>& stations = plans[robot.name()];
   if (stations.empty()) {
     stations = select_stations(robot, candidate_stations(robot, 200, 1),
-                               {.poses = robot.on_single_rods() ? 30 : 20, .largest_sweeps = 1})
+                               {.poses = !robot.is_level() ? 30 : 20, .largest_sweeps = 1})
                    .stations;
   }
   return stations;

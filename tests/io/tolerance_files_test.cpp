@@ -96,7 +96,7 @@ TEST(ToleranceFile, WhatNobodyStatesStaysUnstated) {
 
 TEST(ToleranceFile, ExactOthersReadBack) {
   const Tolerances tolerances = read("rod_mean_mm = 0.1\nothers = \"exact\"\n");
-  const std::string text = tolerances_toml(tolerances, Actuator::revolute);
+  const std::string text = tolerances_toml(tolerances, catalogue::huang2016().geometry());
   EXPECT_THAT(text, Not(HasSubstr("beta2")));
   EXPECT_EQ(read(text).assumed, tolerances.assumed);
 }
@@ -147,11 +147,11 @@ TEST(ToleranceFile, SizesAreThoseOfTheRobotOfItsFile) {
 
 TEST(ToleranceFile, CommentsOfADrawingChangeNothing) {
   for (const Robot& robot : {catalogue::huang2016(), catalogue::linear_delta(), read_robot(robot_template("6-pss"))}) {
-    const std::string plain = tolerances_toml(*robot.tolerances(), robot.actuator());
+    const std::string plain = tolerances_toml(*robot.tolerances(), robot.geometry());
     const std::string said = tolerances_toml(*robot.tolerances(), robot);
     EXPECT_NE(said, plain);
     EXPECT_THAT(said, HasSubstr("  # "));
-    EXPECT_EQ(tolerances_toml(read(said, robot), robot.actuator()), plain);
+    EXPECT_EQ(tolerances_toml(read(said, robot), robot.geometry()), plain);
   }
 }
 
@@ -183,7 +183,7 @@ TEST(Tolerances, WhatADesignerChoosesIsStated) {
   Tolerances tolerances = generous_tolerances(kGeometry);
   tolerances.measured["rod_mean"] = {0.1};
   tolerances.state("rod_mean", 0.2);
-  list_assumed(tolerances, Actuator::revolute);
+  list_assumed(tolerances, catalogue::huang2016().geometry());
   EXPECT_EQ(tolerances.largest("rod_mean"), 0.2);
   EXPECT_NEAR(tolerances.std("rod_mean"), 0.2 / 3.0, 1e-15);
   EXPECT_THAT(tolerances.assumed, ElementsAre(Not(HasSubstr("rod_mean"))));

@@ -88,13 +88,13 @@ TEST_P(ForwardLaw, ClosesExactlyWhenNothingTiltsThePlate) {
     const ForwardResult result = forward(build(robot, errors), inverse(robot.nominal(), random.pose(robot)).joints);
     ASSERT_TRUE(result.ok());
     EXPECT_LT(result.residual, 1e-11);
-    EXPECT_LT(robot.on_single_rods() ? 0.0 : result.plate.tilt.norm(), 1e-13);
+    EXPECT_LT(!robot.is_level() ? 0.0 : result.plate.tilt.norm(), 1e-13);
   }
 }
 
 TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
   Random random;
-  const bool keeps_z = robot.nominal().has_guides() && robot.geometry().freedoms.holds_z();
+  const bool keeps_z = robot.nominal().has_guides && robot.geometry().freedoms.holds_z();
   const Eigen::Vector3d shift(0.7, -0.4, keeps_z ? 0.0 : 1.1);
   const bool on_rails = robot.actuator() == Actuator::carriage;
   for (int k = 0; k < 100; ++k) {
@@ -137,7 +137,7 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
     level.z *= kScale;
     level.radius *= kScale;
   }
-  for (SingleRod& limb : description.geometry.single_rods) {
+  for (LimbDescription& limb : description.geometry.limbs) {
     limb.base *= kScale;
     limb.plate *= kScale;
     limb.length *= kScale;

@@ -36,7 +36,7 @@ Eigen::VectorXd lengths(const Machine& machine, const PlateState& plate, const J
   std::copy(joints.begin(), joints.end(), each.begin());
   const auto all = rod_residuals(machine, plate, each);
   const auto n = static_cast<Eigen::Index>(machine.limb_count);
-  if (machine.on_single_rods()) return all.head(n);
+  if (!machine.is_level) return all.head(n);
   Eigen::VectorXd sorted(2 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
     sorted(i) = 0.5 * (all(2 * i) + all(2 * i + 1));
@@ -64,7 +64,7 @@ std::optional<Signs> signs_at(const Machine& machine, const Pose& pose) {
   };
   constexpr double kMm = 1e-3, kRad = 1e-5;
   const double lever = machine.limbs[0].plate_width;
-  Eigen::MatrixXd all(machine.on_single_rods() ? n : 2 * n, 7);
+  Eigen::MatrixXd all(!machine.is_level ? n : 2 * n, 7);
   for (int k = 0; k < 3; ++k) {
     all.col(k) = by_plate([k](PlateState& p) -> double& { return p.position(k); }, kMm);
     all.col(3 + k) = by_plate([k](PlateState& p) -> double& { return p.tilt(k); }, kRad) / lever;
@@ -72,12 +72,12 @@ std::optional<Signs> signs_at(const Machine& machine, const Pose& pose) {
   all.col(6) = by_plate([](PlateState& p) -> double& { return p.slide; }, kMm);
   std::vector<Eigen::Index> free;
   for (Eigen::Index k = 0; k < 6; ++k) {
-    if (machine.on_single_rods() ? machine.freedoms.free[static_cast<std::size_t>(k)] : k < 3) free.push_back(k);
+    if (!machine.is_level ? machine.freedoms.free[static_cast<std::size_t>(k)] : k < 3) free.push_back(k);
   }
   if (machine.has_slide()) free.push_back(6);
   Signs signs{Eigen::VectorXd::Ones(2 + n)};
   signs.value(0) = all(Eigen::seqN(0, n), free).determinant();
-  if (!machine.on_single_rods()) {
+  if (machine.is_level) {
     const Eigen::MatrixXd level = all.block(n, 3, n, 3);
     signs.value(1) = n == 3 ? level.determinant() : (level.transpose() * level).determinant();
   }
@@ -134,13 +134,13 @@ RobotDescription varied(const std::string& like, test::Random& random) {
   Geometry& geometry = robot.geometry;
   if (on_single_rods(geometry.actuator)) {
     const double base = factor(0.5), plate = factor(0.7), rod = factor(0.3), arm = factor(0.3);
-    std::vector<SingleRod> limbs = geometry.single_rods;
+    std::vector<LimbDescription> limbs = geometry.limbs;
     PlateFreedoms freedoms = geometry.freedoms;
     if (like == "five-struts") {
       limbs.pop_back();
       freedoms.free[5] = false;
     }
-    for (SingleRod& limb : limbs) {
+    for (LimbDescription& limb : limbs) {
       limb.base.head<2>() *= base;
       limb.plate.head<2>() *= plate;
       limb.length *= rod;
@@ -149,7 +149,7 @@ RobotDescription varied(const std::string& like, test::Random& random) {
       const bool flat = freedoms.holds_z();
       limb.base += off * Eigen::Vector3d(random.normal(0.3), random.normal(0.3), flat ? 0.0 : random.normal(0.3));
     }
-    robot.geometry = single_rod_geometry(geometry.actuator, limbs, freedoms);
+    robot.geometry = geometry_of_limbs(geometry.actuator, limbs, freedoms);
   } else {
     geometry.base_radius *= factor(0.6);
     geometry.plate_radius *= factor(0.6);

@@ -34,9 +34,6 @@ TEST(Source, LengthsAreMmAndAnglesRad) {
 }
 
 TEST(Source, CarriagesHaveAGainInsteadOfAnArm) {
-  for (const Source source : sources_of(Actuator::linear)) {
-    EXPECT_EQ(is_felt(source, Actuator::linear), source != "e_z") << name(source);
-  }
   EXPECT_EQ(place_in(Actuator::linear, "gain"), place_in(Actuator::revolute, "arm_length"));
   EXPECT_FALSE(source_named("arm_length", Actuator::linear));
   EXPECT_FALSE(source_named("gain", Actuator::revolute));
@@ -52,7 +49,6 @@ TEST(Source, StrutsHaveEightOfTheirOwn) {
     EXPECT_EQ(name(source), contract[k]);
     EXPECT_EQ(source_named(contract[k], Actuator::strut), source);
     EXPECT_EQ(unit(source, Actuator::strut), source == "gain" ? Unit::mm_per_m : Unit::mm);
-    EXPECT_TRUE(is_felt(source, Actuator::strut));
     EXPECT_FALSE(tilts_plate(source));
   }
   EXPECT_FALSE(source_named("theta_offset", Actuator::strut));

@@ -248,7 +248,7 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "z"])", "expected x and y among plate.freedoms, got x, z");
   expect_refused("five-bar", freedoms, R"(freedoms = ["z", "tilt_x", "tilt_y"])", "coupled motions");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "y", "tilt_z"])",
-                 "expected 3 limbs with one rod for a plate with degrees of freedom x, y, tilt_z, got 2");
+                 "expected 3 to 8 limbs for a plate with degrees of freedom x, y, tilt_z, got 2");
   expect_refused("five-bar", freedoms, "slide_axis = [1.0, 0.0, 0.0]", "plate.freedoms");
   expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\nheight_mm = 10", "nothing or 0 for a plate that stays");
   expect_refused("five-bar", "radius_mm = 60", "radius_mm = 60\ntilt_deg = 5",
@@ -345,10 +345,10 @@ TEST(GuidedRobots, LieInTheirPlane) {
 /// lines.
 TEST(GuidedRobots, ThreeCarriagesAreALinearDeltaByItsCentreLines) {
   const Robot delta = catalogue::linear_delta();
-  std::vector<SingleRod> limbs;
+  std::vector<LimbDescription> limbs;
   for (const Limb& limb : delta.nominal().limbs) {
     if (limbs.size() == 3) break;
-    SingleRod& one = limbs.emplace_back();
+    LimbDescription& one = limbs.emplace_back();
     one.base = limb.base - limb.arm * limb.frame.col(0);
     one.plate = limb.plate;
     one.length = limb.rod[0];
@@ -357,7 +357,7 @@ TEST(GuidedRobots, ThreeCarriagesAreALinearDeltaByItsCentreLines) {
   const PlateFreedoms level{.free = {true, true, true, false, false, false}};
   RobotDescription described;
   described.name = "three carriages";
-  described.geometry = single_rod_geometry(Actuator::carriage, limbs, level);
+  described.geometry = geometry_of_limbs(Actuator::carriage, limbs, level);
   described.workspace = delta.workspace();
   const Robot robot(described);
   test::Random random;

@@ -35,12 +35,12 @@ struct Published {
 
 Published published() {
   const io::CsvTable table(io::read_file(data("nategh2009.csv")));
-  std::vector<SingleRod> nominal(6), real(6);
+  std::vector<LimbDescription> nominal(6), real(6);
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const std::string& quantity = table.text(row, "quantity");
     const auto leg = static_cast<std::size_t>(table.number(row, "leg", plausible::kFinite)) - 1;
     for (const auto& [struts, column] : {std::pair(&nominal, "nominal_mm"), std::pair(&real, "real_mm")}) {
-      SingleRod& strut = (*struts)[leg];
+      LimbDescription& strut = (*struts)[leg];
       const double value = table.number(row, column, plausible::kFinite);
       if (quantity == "l0") strut.length = value;
       if (quantity.starts_with("u_")) strut.base(quantity.back() - 'x') = value;
@@ -58,7 +58,7 @@ Published published() {
   }
   RobotDescription robot;
   robot.name = "nategh2009";
-  robot.geometry = single_rod_geometry(Actuator::strut, nominal);
+  robot.geometry = geometry_of_limbs(Actuator::strut, nominal);
   robot.workspace = {.radius = 150.0, .height = 150.0, .top_z = 640.0, .max_tilt = 0.3};
   Tolerances tolerances = generous_tolerances(robot.geometry);
   for (const Source source : sources_of(Actuator::strut)) tolerances.state(source, 15.0);
@@ -236,7 +236,7 @@ TEST_F(Measured, SwappedStrutsAreNamed) {
 /// One strut 100 mm longer than the file says, five times what is assumed of such files.
 TEST_F(Measured, AWrongLengthIsSaid) {
   RobotDescription wrong = robot.description();
-  wrong.geometry.single_rods[3].length += 100.0;
+  wrong.geometry.limbs[3].length += 100.0;
   const Calibration found = calibrate(Robot(wrong), half(0));
   std::vector<std::string> said = found.notes;
   said.insert(said.end(), found.reasons.begin(), found.reasons.end());

@@ -73,7 +73,7 @@ struct ByHand {
 ByHand by_hand(const Robot& robot, const SourceErrors& errors, std::size_t limb, double q) {
   const auto error = [&](std::string_view name) { return errors(limb, *source_named(name, robot.actuator())); };
   const auto about = [](double angle, const Eigen::Vector3d& axis) { return Eigen::AngleAxisd(angle, axis); };
-  const SingleRod& file = robot.geometry().single_rods[limb];
+  const LimbDescription& file = robot.geometry().limbs[limb];
   const Eigen::Vector3d axis = file.axis.normalized();
   const auto square = [&](const Eigen::Vector3d& v) { return Eigen::Vector3d((v - v.dot(axis) * axis).normalized()); };
   if (robot.actuator() == Actuator::crank) {
@@ -109,7 +109,7 @@ void expect_errors_as_called(const Robot& robot) {
     const Eigen::Matrix3d rotation = turned(pose.tilt);
     for (std::size_t i = 0; i < robot.limb_count(); ++i) {
       const auto error = [&](std::string_view name) { return errors(i, *source_named(name, robot.actuator())); };
-      const SingleRod& limb = robot.geometry().single_rods[i];
+      const LimbDescription& limb = robot.geometry().limbs[i];
       const Eigen::Vector3d a = limb.plate + Eigen::Vector3d(error("plate_x"), error("plate_y"), error("plate_z"));
       const double q = found.joints(static_cast<Eigen::Index>(i));
       const ByHand ours = by_hand(robot, errors, i, q);
@@ -134,18 +134,18 @@ Robot on_rails(double lean) {
   const auto at = [](double radius, double degrees) {
     return Eigen::Vector3d(Workspace::on_circle(radius, to_radians(degrees), 0.0));
   };
-  std::vector<SingleRod> limbs;
+  std::vector<LimbDescription> limbs;
   for (int k = 0; k < 6; ++k) {
     const int of_pair = k % 2;
     const double pair = 60.0 * (k - of_pair), side = of_pair == 0 ? -1.0 : 1.0;
-    SingleRod& limb = limbs.emplace_back();
+    LimbDescription& limb = limbs.emplace_back();
     limb.base = at(320.0, pair + side * 40.0);
     limb.plate = at(130.0, pair + side * 10.0);
     limb.length = 450.0;
     limb.axis = std::cos(lean) * Eigen::Vector3d::UnitZ() + std::sin(lean) * limb.base.normalized();
   }
   RobotDescription robot{.name = "rails",
-                         .geometry = single_rod_geometry(Actuator::carriage, std::move(limbs)),
+                         .geometry = geometry_of_limbs(Actuator::carriage, std::move(limbs)),
                          .slide = {},
                          .workspace = {.radius = 40.0, .height = 60.0, .top_z = -330.0},
                          .tolerances = {}};
@@ -166,13 +166,13 @@ TEST_P(TemplateLaw, AWrongLengthOfALimbIsTold) {
   RandomStream stream(8, 4);
   Measurements read = simulate(robot, {}, plan(40), {.noise = 0.02, .rotation_noise = to_radians(0.01)}, stream);
   for (Station& station : read.stations) station.believed = believed_joints(robot, station);
-  std::vector<std::pair<double SingleRod::*, std::string_view>> lengths{
-      {&SingleRod::length, is_strut ? "length_at_zero_mm of limb 4" : "rod_mm of limb 4"}};
-  if (swings) lengths.emplace_back(&SingleRod::arm, "arm_mm of limb 4");
+  std::vector<std::pair<double LimbDescription::*, std::string_view>> lengths{
+      {&LimbDescription::length, is_strut ? "length_at_zero_mm of limb 4" : "rod_mm of limb 4"}};
+  if (swings) lengths.emplace_back(&LimbDescription::arm, "arm_mm of limb 4");
   for (const auto& [length, named] : lengths) {
     RobotDescription wrong = robot.description();
-    const double right = wrong.geometry.single_rods[3].*length;
-    wrong.geometry.single_rods[3].*length += 15.0;
+    const double right = wrong.geometry.limbs[3].*length;
+    wrong.geometry.limbs[3].*length += 15.0;
     const detail::Input given{Robot(std::move(wrong)), read, {}};
     const auto fit = detail::fit_robustly(given);
     ASSERT_TRUE(fit);
@@ -430,7 +430,8 @@ TEST_P(TemplateLaw, WhatIsOfLevelPlatesIsRefused) {
       EXPECT_THAT(error.what(), HasSubstr(why));
     }
   };
-  expect_refused([&] { (void)paper_plan(robot, Stage::fine); }, "poses by stage: expected a robot whose plate stays");
+  expect_refused([&] { (void)paper_plan(robot, Stage::fine); },
+                 "poses by stage: expected a robot whose plate three or four parallelograms keep level");
   expect_refused([&] { (void)compensator_parameters(robot, {}); }, "compensator: expected a robot whose plate stays");
   expect_refused([&] { (void)allocate(robot, EqualInfluence{}); }, "equal influence: expected a robot whose plate");
   for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware}) {

@@ -111,7 +111,7 @@ TEST(StrutFile, WhatMakesNoSenseIsRefusedWithTheReason) {
   const std::string text = robot_template("hexapod").text;
   const std::size_t last = text.rfind("[[limb]]"), end = text.find("\n#", last);
   expect_refused(text.substr(0, last) + text.substr(end),
-                 "expected 6 limbs with one rod for a plate with six degrees of freedom, got 5");
+                 "expected 6 to 8 limbs for a plate with six degrees of freedom, got 5");
   const std::string of_limb_2 = "base_joint_mm = [281.908, 102.606, 0.0]\nplate_joint_mm = [129.481, 125.039, 0.0]";
   expect_refused(
       text_with(of_limb_2, "base_joint_mm = [281.908, -102.606, 0.0]\nplate_joint_mm = [129.481, -125.039, 0.0]"),
@@ -160,20 +160,20 @@ TEST(RailFile, WhatMakesNoSenseIsRefusedWithTheReason) {
 TEST(StrutFile, StrutsThatDoNotHoldThePlateAreRefused) {
   const Robot robot = read_robot(robot_template("hexapod"));
   RobotDescription alike = robot.description();
-  std::vector<SingleRod> struts = alike.geometry.single_rods;
-  for (SingleRod& strut : struts) strut.plate = 0.6 * strut.base;
-  alike.geometry = single_rod_geometry(Actuator::strut, struts);
+  std::vector<LimbDescription> struts = alike.geometry.limbs;
+  for (LimbDescription& strut : struts) strut.plate = 0.6 * strut.base;
+  alike.geometry = geometry_of_limbs(Actuator::strut, struts);
   EXPECT_THAT([&] { Robot{alike}; }, ThrowsMessage<InvalidArgument>(HasSubstr("singular at (0, 0, 500) mm")));
 }
 
 /// Rods that stand upright, side by side, where their arms are 30 deg up: the plate could be turned and shifted.
 TEST(ArmFile, RodsThatDoNotHoldThePlateAreRefused) {
   RobotDescription upright = read_robot(robot_template("6-rss")).description();
-  std::vector<SingleRod> limbs = upright.geometry.single_rods;
+  std::vector<LimbDescription> limbs = upright.geometry.limbs;
   const double up = to_radians(30.0);
-  for (SingleRod& limb : limbs) limb.plate = limb.base + limb.arm * std::cos(up) * limb.at_zero.normalized();
+  for (LimbDescription& limb : limbs) limb.plate = limb.base + limb.arm * std::cos(up) * limb.at_zero.normalized();
   const double height = limbs[0].length + limbs[0].arm * std::sin(up);
-  upright.geometry = single_rod_geometry(Actuator::crank, limbs);
+  upright.geometry = geometry_of_limbs(Actuator::crank, limbs);
   upright.workspace = {.radius = 5.0, .height = 10.0, .top_z = height + 5.0, .max_tilt = to_radians(1.0)};
   EXPECT_THAT([&] { Robot{upright}; }, ThrowsMessage<InvalidArgument>(HasSubstr("singular at (0, 0, 335)")));
 }

@@ -74,27 +74,26 @@ Robot robot_named(std::string_view name) {
 }
 
 const std::vector<std::string_view>& template_names() {
-  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return r.on_single_rods(); });
+  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return !r.is_level(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }
 
 const std::vector<std::string_view>& hexapod_names() {
   static const std::vector<std::string> kinds =
-      templates_where([](const Robot& r) { return r.on_single_rods() && r.geometry().freedoms.are_all(); });
+      templates_where([](const Robot& r) { return !r.is_level() && r.geometry().freedoms.are_all(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }
 
 const std::vector<std::string_view>& guided_names() {
-  static const std::vector<std::string> kinds =
-      templates_where([](const Robot& r) { return r.nominal().has_guides(); });
+  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return r.nominal().has_guides; });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }
 
 const std::vector<std::string_view>& level_template_names() {
-  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return !r.on_single_rods(); });
+  static const std::vector<std::string> kinds = templates_where([](const Robot& r) { return r.is_level(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }

@@ -205,7 +205,7 @@ TEST(DrawingStatement, LimbsWithOneRodHaveFeatures) {
   EXPECT_DOUBLE_EQ(half_width("position 0.1", "plate_x", rail), 0.05);
   expect_refused("IT8", "zero", {"zero"}, arm);
   EXPECT_DOUBLE_EQ(half_width("IT9", "zero", strut),
-                   *standard_tolerance(StandardGrade::IT9, strut.geometry().single_rods[0].length) / 2);
+                   *standard_tolerance(StandardGrade::IT9, strut.geometry().limbs[0].length) / 2);
 }
 
 TEST(DrawingStatement, RailsAreSquareToTheirBase) {

@@ -38,7 +38,8 @@ TEST_P(SensitivityLaw, RowsAreTheDerivativeOfTheExactComponents) {
   const std::vector<Characteristic> characteristics = all_characteristics(robot);
   const Response response(robot, characteristics, {random.pose(robot), random.pose(robot)});
   for (Eigen::Index column = 0; column < response.linear().cols(); ++column) {
-    const auto& [source, limb, unit, lever, tolerance, number] = robot.parameters()[static_cast<std::size_t>(column)];
+    const auto& [source, limb, unit, lever, tolerance, as_joint_zero, number] =
+        robot.parameters()[static_cast<std::size_t>(column)];
     const double step = unit == Unit::mm ? 1e-3 : 1e-5;
     SourceErrors plus, minus;
     plus(limb, source) = step;

@@ -111,7 +111,7 @@ class LargestUncertainty {
 };
 
 PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
-  if (robot.on_single_rods() && way != "exact") {
+  if (!robot.is_level() && way != "exact") {
     throw WrongUsage(
         "--way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");
   }

@@ -16,6 +16,7 @@
 
 #include "interruption.hpp"
 #include "output_folder.hpp"
+#include "paracal/compensation/export.hpp"
 #include "paracal/io/file.hpp"
 #include "program.hpp"
 #include "session.hpp"
@@ -38,10 +39,11 @@ struct Step {
 };
 
 /// From the choice of poses to a compensated controller.
-/// @param seed  of the machine, its check and its noise.
-std::vector<Step> steps_of(const std::string& robot, std::uint64_t seed) {
+/// @param seed      of the machine, its check and its noise.
+/// @param exported  the robot has a compensator.
+std::vector<Step> steps_of(const std::string& robot, std::uint64_t seed, bool exported) {
   const std::string tracker = "--noise-mm 0.017 --repeats 3 --frame random";
-  return {
+  std::vector<Step> steps{
       {"Choose the 20 poses that determine the errors best.",
        fmt::format("poses --robot {} --optimal 20 --candidates 2000 --out plan.csv", robot)},
       {"Simulate a machine within the tolerances and measure it: noise 0.017 mm, three visits per pose.",
@@ -61,10 +63,14 @@ std::vector<Step> steps_of(const std::string& robot, std::uint64_t seed) {
        "validation.txt",
        {"validation", "  largest errors", "  distance to home", "  position", "  distance error"}},
       {"Compute compensated joint angles for these poses.",
-       "compensate --calibration calibration.json --poses check_plan.csv --out joints.csv"},
-      {"Export the compensation as C code for a controller.",
-       "export --calibration calibration.json --target c99 --out compensator.h"},
-      {"Write the HTML report.", "report --calibration calibration.json --measurements check.csv --out report.html"}};
+       "compensate --calibration calibration.json --poses check_plan.csv --out joints.csv"}};
+  if (exported) {
+    steps.push_back({"Export the compensation as C code for a controller.",
+                     "export --calibration calibration.json --target c99 --out compensator.h"});
+  }
+  steps.push_back(
+      {"Write the HTML report.", "report --calibration calibration.json --measurements check.csv --out report.html"});
+  return steps;
 }
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -209,14 +215,16 @@ io::Json json_of(const Demonstration& all, const fs::path& folder) {
 void run(const std::string& folder_name, bool has_robot, Session& session) {
   std::string robot = "huang2016";
   std::map<std::string, std::string> files;
+  bool exported = true;
   if (has_robot) {
     robot = session.robot().name();
+    exported = has_compensator(session.robot());
     if (const auto& file = session.robot_file()) {
       robot = kRobotFile;
       files[robot] = io::read_file(*file).text;
     }
   }
-  const std::vector<Step> steps = steps_of(robot, session.seed());
+  const std::vector<Step> steps = steps_of(robot, session.seed(), exported);
   const OutputFolder folder = folder_for(steps, folder_name);
   const std::atomic<bool>& interrupted = flag_of_interruption();
   const Demonstration all = demonstrate(steps, std::move(files), session, interrupted);

@@ -11,35 +11,34 @@ namespace paracal::app {
 namespace {
 
 /// How the paper writes the column of a source: scaled to mm (position group) or rad (tilt group).
-std::string column_name(const Robot& robot, Source source) {
-  std::string plain(name(source));
-  if (robot.on_single_rods()) return plain;
-  const Parameter& one = robot.parameter(0, source);
-  if (tilts_plate(source)) return one.unit == Unit::mm ? plain + "/c" : plain;
+std::string column_name(const Robot& robot, const Parameter& one) {
+  std::string plain(name(one.source));
+  if (!robot.is_level()) return plain;
+  if (tilts_plate(one.source)) return one.unit == Unit::mm ? plain + "/c" : plain;
   if (one.unit != Unit::rad) return plain;
   return (robot.actuator() == Actuator::linear ? "l*" : "L*") + plain;
 }
 
 template <typename Task>
 void for_columns(const Robot& robot, bool tilt_group, Task&& task) {
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(robot.actuator())) {
-      if (tilts_plate(source) == tilt_group) task(limb + 1, source);
-    }
+  for (const Parameter& one : robot.parameters()) {
+    if ((robot.is_level() && tilts_plate(one.source)) == tilt_group) task(one);
   }
 }
 
 io::Json parameters_json(const Robot& robot) {
   io::Json groups;
-  const auto unit_of = [&](Source source) {
-    if (robot.on_single_rods()) return file_unit(unit(source, robot.actuator()));
-    return tilts_plate(source) ? std::string_view("rad") : std::string_view("mm");
+  const auto unit_of = [&](const Parameter& one) {
+    if (!robot.is_level()) return file_unit(one.unit);
+    return tilts_plate(one.source) ? std::string_view("rad") : std::string_view("mm");
   };
   for (const bool tilt_group : {false, true}) {
     io::Json columns = io::Json::array();
-    for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
-      columns.push_back(
-          {{"limb", limb}, {"name", name(source)}, {"column", column_name(robot, source)}, {"unit", unit_of(source)}});
+    for_columns(robot, tilt_group, [&](const Parameter& one) {
+      columns.push_back({{"limb", one.limb + 1},
+                         {"name", name(one.source)},
+                         {"column", column_name(robot, one)},
+                         {"unit", unit_of(one)}});
     });
     groups[tilt_group ? "tilt" : "position"] = columns;
   }
@@ -51,8 +50,8 @@ std::string matrix_text(const std::string& title, const Robot& robot, bool tilt_
   std::string text = title + "\n" + fmt::format("  {:<24}", "");
   for (const std::string& row : rows) text += fmt::format("{:>12}", row);
   Eigen::Index column = 0;
-  for_columns(robot, tilt_group, [&](std::size_t limb, Source source) {
-    text += fmt::format("\n  limb {} {:<17}", limb, column_name(robot, source));
+  for_columns(robot, tilt_group, [&](const Parameter& one) {
+    text += fmt::format("\n  limb {} {:<17}", one.limb + 1, column_name(robot, one));
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) text += fmt::format("{:>12.5f}", matrix(row, column));
     ++column;
   });
@@ -102,7 +101,7 @@ void run_with_six_freedoms(const Robot& robot, const Pose& pose, Session& sessio
 void run(const std::vector<double>& numbers, Session& session) {
   const Robot robot = session.robot();
   const Pose pose = pose_of_option(robot, "--pose", numbers);
-  if (robot.on_single_rods()) return run_with_six_freedoms(robot, pose, session);
+  if (!robot.is_level()) return run_with_six_freedoms(robot, pose, session);
   const ErrorModel model = error_model(robot, pose);
   if (model.status == ErrorModelStatus::unreachable) {
     throw MathematicsSaysNo(fmt::format("pose: no solution: {} cannot reach ({:g}, {:g}, {:g}) mm at {:g} deg",

@@ -37,7 +37,7 @@ void run(const InverseArguments& options, Session& session) {
   const Actuator actuator = robot.actuator();
   RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
   rows.head(io::joint_table_header(robot.joint_space()));
-  JointSpace asked = robot.on_single_rods() ? robot.joint_space() : JointSpace{};  // whose tilts count
+  JointSpace asked = !robot.is_level() ? robot.joint_space() : JointSpace{};  // whose tilts count
   asked.reach = robot.reach();
   io::read_poses(poses.rows, asked, [&](const Station& station) {
     const io::NamedJoints row{station.name, joints_at(robot, machine, station)};

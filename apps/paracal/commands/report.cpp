@@ -36,7 +36,7 @@ void run(const ValidatingOptions& options, Session& session) {
   if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, stations);
   content.figures = {{"scene", report::scene(robot, arrows, known.errors)},
                      {"error_map", report::error_map(robot, known)}};
-  if (!robot.on_single_rods()) content.figures["observability"] = report::observability(robot);
+  if (robot.is_level()) content.figures["observability"] = report::observability(robot);
   content.inputs = with_files(std::move(inputs), session, {});
   const io::Json data = report_data(session, robot, content);
   session.json() ? session.print_json(data) : session.print(report_page(data));

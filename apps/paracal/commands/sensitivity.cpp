@@ -57,7 +57,7 @@ Scale scale_of(const Robot& robot, Quantity quantity, Source source) {
   if (unit(quantity) == Unit::mm || quantity == Quantity::rotation) {
     return {factor, fmt::format("{} per {}", shown(quantity, 0.0).unit, per)};
   }
-  if (robot.on_single_rods()) return {1e3 * factor, fmt::format("mrad per {}", per)};
+  if (!robot.is_level()) return {1e3 * factor, fmt::format("mrad per {}", per)};
   const double size = paper_units(robot)(place(source));
   return {factor * size, "rad per rad", size != 1.0};
 }
@@ -66,7 +66,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   std::string text = fmt::format("sensitivity of {} over the workspace ({} poses): mean, largest{}\n", name(found.what),
                                  found.global.poses, found.local ? ", at the pose" : "");
   const auto out = std::back_inserter(text);
-  for (const Source source : sources_of(robot.actuator())) {
+  for (const Source source : sources_of(robot.geometry())) {
     const Eigen::Index k = place(source);
     if (found.global.largest(k) == 0.0) continue;
     const auto [factor, unit, over_width] = scale_of(robot, found.what.quantity, source);

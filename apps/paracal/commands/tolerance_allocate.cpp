@@ -69,7 +69,7 @@ std::string text_of(const ToleranceAllocateArguments& options, const Robot& robo
 
 io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
   io::Json json{{"status", name(allocation.status)}, {"reason", allocation.reason}, {"cost", allocation.cost}};
-  if (!robot.on_single_rods()) {
+  if (robot.is_level()) {
     json["tolerances"] = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
   }
   if (!is_general(options)) {

@@ -73,8 +73,8 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
 
 /// Whether machines of such a robot can be off by that.
 bool is_shown(ErrorKind kind, const Robot& robot) {
-  const auto& free = robot.geometry().freedoms.free;  // all of a level plate, whose errors tilt it
-  if (kind == ErrorKind::tilt) return free[3] || free[4];
+  const auto& free = robot.geometry().freedoms.free;
+  if (kind == ErrorKind::tilt) return !robot.nominal().has_guides || free[3] || free[4];
   return kind != ErrorKind::rotation || turns(robot);
 }
 

@@ -20,6 +20,10 @@ struct ExportOrigin {
 /// Text, such as a file name, that cannot end a comment or a string of any target.
 std::string harmless(std::string text);
 
+/// A plate that three or four parallelograms keep level, or limbs of one kind with one rod each, as many as the plate
+/// has degrees of freedom.
+bool has_compensator(const Robot& robot);
+
 /// A compensator as one header for freestanding targets, C99 and C++: the exact method of compensator.hpp, or of
 /// struts, with the constants of this machine. It also has the forward kinematics and a self-test with its data. It
 /// needs sqrt, sin, cos and, for arms, atan2.

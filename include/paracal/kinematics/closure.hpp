@@ -26,7 +26,7 @@ using PlateState = BasicPlateState<double>;
 /// What of it a controller commands.
 inline Pose pose_of(const Machine& machine, const PlateState& plate) {
   Pose pose{plate.position, machine.rotation_of(plate.slide)};
-  if (machine.on_single_rods()) pose.tilt = plate.tilt;
+  if (!machine.is_level) pose.tilt = plate.tilt;
   return pose;
 }
 
@@ -104,7 +104,7 @@ Elbow<Scalar> elbow_of(const BasicLimb<Scalar>& limb, const Scalar& joint) {
 /// Motion of the hinge of rod j at the elbow per rad or mm of the joint: w_0 x (its place - b), or gain v_1 along a
 /// rail.
 inline Eigen::Vector3d hinge_motion(const Limb& limb, const Elbow<double>& elbow, std::size_t j) {
-  if (limb.actuator == Actuator::linear) return limb.gain * elbow.arm_normal;
+  if (runs_on_rail(limb.actuator)) return limb.gain * elbow.arm_normal;
   return limb.frame.col(2).cross(elbow.joint[j] - limb.base);
 }
 

@@ -10,7 +10,7 @@ namespace paracal {
 /// errors. Identification uses it because the linear model is valid only near zero error. At zero error it
 /// contains the columns of G (error_model) divided by paper_scale, in the order of the errors.
 struct [[nodiscard]] ExactJacobian {
-  static constexpr int kStates = kMaxLimbs + 3;
+  static constexpr int kStates = 7;
   static constexpr int kColumns = static_cast<int>(kMostSources) * kMaxLimbs;
   /// Rows: position (mm), slide (mm; absent without one), tilt_x, tilt_y, tilt_z (rad).
   /// Columns: as Robot::parameters(), per mm or per rad; Machine::parameter() finds one.

@@ -22,6 +22,8 @@ struct ForwardOptions {
   int max_iterations = 50;
   double step_tolerance = 1e-9;  ///< mm (rotations count with half the parallelogram's width): stop below this step
   double max_residual = 1.0;     ///< mm: above it a converged solution is `strained`
+  /// The same of limbs more than degrees of freedom: their joints disagree by all that is wrong with the machine.
+  double max_disagreement = 20.0;
 };
 
 /// Exact pose of a machine, with residuals.

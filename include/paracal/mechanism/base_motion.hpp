@@ -8,14 +8,14 @@
 namespace paracal {
 
 /// Motions of the base, and with it of the plate joints' circle, written as source errors of the position group, to
-/// first order. Only errors that the actuators feel are used (is_felt): along its rail a limb moves by theta_offset,
-/// upward by that and, where the rail leans, by e along the floor.
+/// first order. An error with the effect of the joint zero is not used (Parameter::as_joint_zero): up its upright rail
+/// a limb moves by theta_offset.
 
 /// Adds a shift of one limb's base joint, mm: e = shift.
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors);
 
-/// Standard deviation of an error as the actuators feel it: a rail's theta_offset has that of e_z in it.
-double felt_std(const Robot& robot, const Tolerances& tolerances, Source source);
+/// Standard deviation of an error of a limb; of its joint zero with that of all that has the same effect.
+double felt_std(const Robot& robot, const Tolerances& tolerances, std::size_t limb, Source source);
 
 /// The base turned by a small rotation about the origin, rad:
 ///
@@ -26,7 +26,7 @@ double felt_std(const Robot& robot, const Tolerances& tolerances, Source source)
 /// r: the limb's radial direction, which is u0 unless the rail leans.
 SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn);
 
-/// The plate's joints on struts, moved on the plate: shifted (mm) and turned about its centre (rad), to first order.
+/// The joints on the plate, moved on it: shifted (mm) and turned about its centre (rad), to first order.
 SourceErrors moved_plate(const Robot& robot, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn);
 
 }  // namespace paracal

@@ -16,21 +16,22 @@ template <typename Scalar>
 struct BasicMachine {
   std::size_t limb_count = 0;
   std::array<BasicLimb<Scalar>, kMaxLimbs> limbs;
-  Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();        ///< shat in the plate frame; zero for a rigid plate
-  double pinion_radius = 0.0;                                  ///< r_g, mm; zero for a rigid plate
-  bool tilts_plate = false;                                    ///< some source error of the tilt group is not zero
-  double side = -1.0;                                          ///< of the base where the plate is: +1 above, -1 below
-  PlateFreedoms freedoms = {};                                 ///< of a plate on limbs with one rod
-  double guided_z = 0.0;                                       ///< where guides hold z, mm
+  Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();  ///< shat in the plate frame; zero for a rigid plate
+  double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
+  bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
+  double side = -1.0;                                    ///< of the base where the plate is: +1 above, -1 below
+  PlateFreedoms freedoms = {};                           ///< of the plate, without its slide
+  bool is_level = false;    ///< parallelograms alone keep the plate level: three of them, or four and a slide
+  bool has_guides = false;  ///< guides hold what is not free: no limb has two rods
+  double guided_z = 0.0;    ///< where guides hold z, mm
   std::array<std::uint16_t, kMaxLimbs + 1> first_parameter{};  ///< of each limb, and how many there are
 
   Actuator actuator() const { return limbs[0].actuator; }
   bool has_slide() const { return pinion_radius > 0.0; }
-  bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
   /// Some tilt of the plate is commanded.
-  bool commands_tilt() const { return on_single_rods() && freedoms.tilt(); }
-  /// Guides hold the plate where its limbs do not: these are fewer than six, with one rod each.
-  bool has_guides() const { return on_single_rods() && limb_count < freedoms.free.size(); }
+  bool commands_tilt() const { return freedoms.tilt(); }
+  /// Limbs more than degrees of freedom: the joints of all must agree.
+  std::size_t spare_limbs() const { return limb_count - freedoms.count() - (has_slide() ? 1 : 0); }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.
@@ -51,10 +52,10 @@ using Machine = BasicMachine<double>;
 ///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(y, beta0),  R_2 = Rot(x, alpha2) Rot(y, beta2),
 ///   R_3 = Rot(z, gamma) Rot(x, pi/2 + alpha3) Rot(y, beta3).
 ///
-/// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with it; its
+/// Of a rail alpha0 and beta0 are the two directions in which it leans, and no bar at the plate leans with beta0; its
 /// drive has a gain:
 ///
-///   R_0 = Rot(z, gamma) Rot(x, pi/2 + alpha0) Rot(z, beta0),  beta3 = -beta03;
+///   R_0 = F Rot(x, alpha0) Rot(z, beta0),  beta3 = -beta03;
 ///   C = b - L u_1 + ((1 + gain) q + theta_offset) v_1.
 ///
 /// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()

@@ -45,57 +45,97 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
   return frame;
 }
 
-template <typename Scalar, typename ErrorOf>
-Vector3<Scalar> shift_of_base(Actuator kind, const Eigen::Matrix3d& frame, const ErrorOf& error) {
-  if (kind != Actuator::carriage) return {error("base_x"), error("base_y"), error("base_z")};
-  return frame.col(0).cast<Scalar>() * error("normal") + frame.col(2).cast<Scalar>() * error("across");
+/// A limb without errors, from which build() starts.
+struct NominalLimb {
+  Actuator kind;
+  Eigen::Vector3d base, plate;
+  Eigen::Matrix3d frame;
+  double arm, rod, width, slide_sign, ahead;
+};
+
+inline NominalLimb nominal_limb(const RobotDescription& robot, std::size_t i) {
+  const Geometry& shared = robot.geometry;
+  const double slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
+  if (shared.limbs.empty()) {
+    const Eigen::Matrix3d frame = nominal_frame(shared.limb_azimuth[i]);
+    return {shared.actuator,
+            shared.base_radius * frame.col(0),
+            shared.plate_radius * frame.col(0),
+            frame,
+            shared.arm,
+            shared.rod,
+            shared.parallelogram_width,
+            slide_sign,
+            1.0};
+  }
+  const LimbDescription& own = shared.limbs[i];
+  return {own.kind,
+          own.base,
+          own.plate,
+          frame_of(own),
+          own.arm,
+          own.length,
+          on_single_rods(own.kind) ? shared.parallelogram_width : own.width,
+          slide_sign,
+          own.behind ? -1.0 : 1.0};
 }
 
 template <typename Scalar, typename ErrorOf>
-Matrix3<Scalar> leaning(Actuator kind, const Eigen::Matrix3d& frame, const ErrorOf& error) {
-  if (kind == Actuator::strut) return frame.cast<Scalar>();
-  const Scalar beta = error("beta0");
-  const Matrix3<Scalar> by_beta = kind == Actuator::crank ? rotation_y(beta) : rotation_z(beta);
-  return frame.cast<Scalar>() * (rotation_x(Scalar(error("alpha0"))) * by_beta);
+Vector3<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
+  if (!on_single_rods(limb.kind)) return {error("e_x"), error("e_y"), error("e_z")};
+  if (limb.kind != Actuator::carriage) return {error("base_x"), error("base_y"), error("base_z")};
+  return limb.frame.col(0).cast<Scalar>() * error("normal") + limb.frame.col(2).cast<Scalar>() * error("across");
 }
 
-/// mm that a drive moves a mm of its joint coordinate.
+/// Where the drive takes the upper end of the rods.
 template <typename Scalar, typename ErrorOf>
-Scalar gain_with(const ErrorOf& error) {
-  return Scalar(1) + error("gain") / Scalar(kGainLength);
+void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
+  const Matrix3<Scalar> frame = nominal.frame.cast<Scalar>();
+  limb.actuator = nominal.kind;
+  limb.radial = nominal.frame.col(0);
+  limb.sideways = nominal.frame.col(2);
+  limb.ahead = nominal.ahead;
+  limb.base = nominal.base.cast<Scalar>() + shift_of_base<Scalar>(nominal, error);
+  limb.joint_offset = error(joint_zero(nominal.kind));
+  limb.arm = Scalar(nominal.arm);
+  limb.frame = frame;
+  if (swings_arm(nominal.kind)) {
+    limb.arm += error("arm_length");
+    limb.frame = frame * (rotation_x(Scalar(error("alpha0"))) * rotation_y(Scalar(error("beta0"))));
+    return;
+  }
+  limb.gain = Scalar(1) + error("gain") / Scalar(kGainLength);
+  if (runs_on_rail(nominal.kind)) {
+    limb.frame = frame * (rotation_x(Scalar(error("alpha0"))) * rotation_z(Scalar(error("beta0"))));
+  }
 }
 
-/// @param error  of this limb, by its source.
 template <typename Scalar, typename ErrorOf>
-BasicLimb<Scalar> single_rod(const Geometry& nominal, std::size_t limb, const ErrorOf& error) {
-  const SingleRod& rod = nominal.single_rods[limb];
-  const Actuator kind = nominal.actuator;
-  const Eigen::Matrix3d frame = frame_of(kind, rod);
-  const bool swings = kind == Actuator::crank, is_strut = kind == Actuator::strut;
-  const Scalar length = rod.length + (is_strut ? Scalar(0) : error("rod_length"));
-  BasicLimb<Scalar> built;
-  built.actuator = kind;
-  built.radial = frame.col(0);
-  built.sideways = frame.col(2);
-  built.ahead = rod.behind ? -1.0 : 1.0;
-  built.base = rod.base.cast<Scalar>() + shift_of_base<Scalar>(kind, frame, error);
-  built.frame = leaning<Scalar>(kind, frame, error);
-  built.arm = swings ? Scalar(rod.arm + error("arm_length")) : Scalar(0);
-  built.joint_offset = error("zero");
-  built.gain = swings ? Scalar(1) : gain_with<Scalar>(error);
-  built.elbow_frame = built.plate_frame = Matrix3<Scalar>::Identity();
-  built.elbow_width = built.plate_width = Scalar(nominal.parallelogram_width);
-  built.plate = rod.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
-  built.rod = {length, length};
-  built.slide_sign = 0.0;
-  return built;
+void hang_one_rod(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
+  const Scalar length = nominal.rod + (nominal.kind == Actuator::strut ? Scalar(0) : Scalar(error("rod_length")));
+  limb.rod = {length, length};
+  limb.plate = nominal.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
+  limb.elbow_frame = limb.plate_frame = Matrix3<Scalar>::Identity();
+  limb.elbow_width = limb.plate_width = Scalar(nominal.width);
+}
+
+template <typename Scalar, typename ErrorOf>
+void hang_parallelogram(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
+  const Scalar leaning = runs_on_rail(nominal.kind) ? Scalar(0) : Scalar(error("beta0"));
+  const Scalar half_difference = Scalar(0.5) * error("rod_difference"), mean = nominal.rod + error("rod_mean");
+  limb.rod = {mean + half_difference, mean - half_difference};
+  limb.plate = nominal.plate.cast<Scalar>();
+  limb.elbow_frame = rotation_x(Scalar(error("alpha2"))) * rotation_y(Scalar(error("beta2")));
+  limb.elbow_width = nominal.width + error("width_difference");
+  limb.plate_frame = nominal.frame.cast<Scalar>() * (rotation_x(Scalar(error("alpha0") - error("alpha03"))) *
+                                                     rotation_y(Scalar(leaning - error("beta03"))));
+  limb.plate_width = Scalar(nominal.width);
 }
 
 }  // namespace detail
 
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors) {
-  using detail::rotation_x, detail::rotation_y, detail::rotation_z;
   const Geometry& nominal = robot.geometry;
   BasicMachine<Scalar> machine;
   machine.limb_count = nominal.limb_azimuth.size();
@@ -106,43 +146,27 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     machine.slide_axis = robot.slide->axis;
     machine.pinion_radius = robot.slide->pinion_radius;
   }
+  std::size_t parallelograms = 0;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    machine.first_parameter[i + 1] =
-        static_cast<std::uint16_t>(machine.first_parameter[i] + sources_of(nominal.actuator).size());
+    const detail::NominalLimb limb = detail::nominal_limb(robot, i);
     const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
-    if (on_single_rods(nominal.actuator)) {
-      machine.limbs[i] = detail::single_rod<Scalar>(nominal, i, error);
-      continue;
+    detail::place_drive<Scalar>(limb, error, machine.limbs[i]);
+    machine.limbs[i].slide_sign = limb.slide_sign;
+    if (on_single_rods(limb.kind)) {
+      detail::hang_one_rod<Scalar>(limb, error, machine.limbs[i]);
+    } else {
+      detail::hang_parallelogram<Scalar>(limb, error, machine.limbs[i]);
+      ++parallelograms;
     }
-    const Eigen::Matrix3d frame = detail::nominal_frame(nominal.limb_azimuth[i]);
-    // Rot(x, pi/2 + alpha) = Rot(x, pi/2) Rot(x, alpha), which keeps the zero entries of the nominal frame exact.
-    const auto tilted = [&](const Scalar& alpha, const Matrix3<Scalar>& by_beta) -> Matrix3<Scalar> {
-      return frame.cast<Scalar>() * (rotation_x(alpha) * by_beta);
-    };
-    BasicLimb<Scalar>& limb = machine.limbs[i];
-    limb.actuator = nominal.actuator;
-    const bool on_rail = nominal.actuator == Actuator::linear;
-    const Scalar beta0 = error("beta0"), beta3 = (on_rail ? Scalar(0) : beta0) - error("beta03");
-    limb.radial = frame.col(0);
-    limb.base = (nominal.base_radius * limb.radial).template cast<Scalar>() +
-                Vector3<Scalar>(error("e_x"), error("e_y"), error("e_z"));
-    limb.frame = tilted(error("alpha0"), on_rail ? rotation_z(beta0) : rotation_y(beta0));
-    limb.arm = nominal.arm + (on_rail ? Scalar(0) : error("arm_length"));
-    limb.gain = on_rail ? detail::gain_with<Scalar>(error) : Scalar(1);
-    limb.joint_offset = error("theta_offset");
-    limb.elbow_frame = rotation_x(error("alpha2")) * rotation_y(error("beta2"));
-    limb.elbow_width = nominal.parallelogram_width + error("width_difference");
-    limb.plate = (nominal.plate_radius * limb.radial).template cast<Scalar>();
-    limb.plate_frame = tilted(error("alpha0") - error("alpha03"), rotation_y(beta3));
-    limb.plate_width = Scalar(nominal.parallelogram_width);
-    const Scalar mean = nominal.rod + error("rod_mean");
-    const Scalar half_difference = Scalar(0.5) * error("rod_difference");
-    limb.rod = {mean + half_difference, mean - half_difference};
-    limb.slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
-    for (const Source source : all_sources()) {
+    const std::span<const Source> own = sources_of(limb.kind);
+    machine.first_parameter[i + 1] = static_cast<std::uint16_t>(machine.first_parameter[i] + own.size());
+    for (const Source source : own) {
       if (paracal::tilts_plate(source) && error(source) != Scalar(0)) machine.tilts_plate = true;
     }
   }
+  machine.has_guides = parallelograms == 0 && !machine.freedoms.are_all();
+  machine.is_level = parallelograms == machine.limb_count && machine.freedoms == kLevelPlate &&
+                     machine.limb_count == (robot.slide ? 4U : 3U);
   return machine;
 }
 

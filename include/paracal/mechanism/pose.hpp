@@ -9,13 +9,13 @@
 namespace paracal {
 
 /// At most this many limbs: fixed-capacity types keep pose evaluations free of heap allocation.
-inline constexpr int kMaxLimbs = 6;
+inline constexpr int kMaxLimbs = 8;
 
 /// Names of the possible degrees of freedom of a plate on limbs with one rod.
 inline constexpr std::array<std::string_view, 6> kPlateCoordinates{"x", "y", "z", "tilt_x", "tilt_y", "tilt_z"};
 
-/// Degrees of freedom that the guides leave to a plate on limbs with one rod, of x, y, z, tilt_x, tilt_y, tilt_z. A
-/// five-bar moves in x and y. The number of limbs equals that of degrees of freedom.
+/// Degrees of freedom that guides or parallelograms leave to a plate, of x, y, z, tilt_x, tilt_y, tilt_z. A five-bar
+/// moves in x and y, a Delta in x, y and z. There are at least as many limbs as degrees of freedom.
 struct PlateFreedoms {
   std::array<bool, 6> free{true, true, true, true, true, true};
 
@@ -25,6 +25,9 @@ struct PlateFreedoms {
   constexpr bool tilt() const { return free[3] || free[4] || free[5]; }
   bool operator==(const PlateFreedoms&) const = default;
 };
+
+/// Of a plate that parallelograms keep level.
+inline constexpr PlateFreedoms kLevelPlate{{true, true, true, false, false, false}};
 
 /// A commanded pose: position of the plate centre O', and rotation of the end-effector or of the plate itself.
 ///

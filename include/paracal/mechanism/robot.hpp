@@ -14,8 +14,9 @@
 
 namespace paracal {
 
-/// A nominal limb with one rod; mm. The drive moves its upper end; its lower end is a joint of the plate.
-struct SingleRod {
+/// A nominal limb; mm. The drive moves the upper end of its rod, or of the bar of its parallelogram; the lower end is a
+/// joint of the plate, or the middle of the bar there. Both bars lie along w_0 of frame_of().
+struct LimbDescription {
   /// In the base frame. Of a strut the joint at the base; of an arm the centre of the circle on which the rod's upper
   /// end goes; of a rail where that end stands at joint coordinate 0.
   Eigen::Vector3d base = Eigen::Vector3d::Zero();
@@ -25,6 +26,8 @@ struct SingleRod {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();     ///< of an arm's motor, turning right-handed; of a rail along it
   Eigen::Vector3d at_zero = Eigen::Vector3d::Zero();  ///< where an arm points at joint coordinate 0, square to its axis
   bool behind = false;  ///< a carriage that stands behind the joint at the plate, along the rail, and not ahead of it
+  Actuator kind = Actuator::strut;
+  double width = 0.0;  ///< of a parallelogram
 };
 
 /// "x, y, tilt_z"
@@ -36,7 +39,7 @@ std::string coupled_motions(const PlateFreedoms& freedoms);
 /// Base of a limb: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0, where it goes from
 /// there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from the z axis), along
 /// it, and w_0 = u_0 x v_0.
-Eigen::Matrix3d frame_of(Actuator kind, const SingleRod& limb);
+Eigen::Matrix3d frame_of(const LimbDescription& limb);
 
 /// Nominal dimensions that all limbs share; mm and rad [huang2016, Table 1, in brackets].
 struct Geometry {
@@ -47,16 +50,29 @@ struct Geometry {
   double parallelogram_width = 0.0;  ///< short side of the parallelogram [c]
   std::vector<double> limb_azimuth;  ///< gamma_i, from x towards y
   Actuator actuator = Actuator::revolute;
-  std::vector<SingleRod> single_rods = {};  ///< of limbs with one rod, which share nothing; see single_rod_geometry()
+  std::vector<LimbDescription> limbs = {};  ///< of limbs that share nothing; see geometry_of_limbs()
   PlateFreedoms freedoms = {};              ///< of a plate on these
 };
 
-/// The geometry of a plate on limbs with one rod. What the limbs of other robots share is here the size of things:
-/// radii of the joints (root mean square), mean lengths of arms and rods, the width of the plate for that of a
-/// parallelogram; of a plate that is a point a tenth of a rod.
-///
-/// @param kind  strut, crank or carriage.
-Geometry single_rod_geometry(Actuator kind, std::vector<SingleRod> limbs, const PlateFreedoms& freedoms = {});
+/// The kinds of all limbs.
+std::vector<Actuator> kinds_of(const Geometry& geometry);
+
+/// The names of the source errors that some limb has, in column order.
+std::vector<Source> sources_of(const Geometry& geometry);
+
+/// The source with that name; empty when no limb has it.
+std::optional<Source> source_named(std::string_view name, const Geometry& geometry);
+
+/// The sources that share the name of this one: itself, or the coordinates of a point.
+std::vector<Source> sharing(Source leading, const Geometry& geometry);
+
+/// The geometry of a plate on limbs that share nothing. What the limbs of other robots share is here the size of
+/// things: radii of the joints (root mean square), mean lengths of arms and rods, the width of the first parallelogram;
+/// without one that of the plate; of a plate that is a point a tenth of a rod.
+Geometry geometry_of_limbs(std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms = {});
+
+/// The same of limbs of one kind.
+Geometry geometry_of_limbs(Actuator kind, std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms = {});
 
 /// The slide of an articulated plate: subparts 1 and 2 move apart along an axis and a rack and pinion turns that
 /// into rotation, phi = s / r_g. With s > 0 the plate joints of limb i stand at a_i + mu_i s shat in the plate frame.
@@ -90,8 +106,8 @@ struct RobotDescription {
 };
 
 /// A valid nominal robot: every length is positive, the limbs differ, reach the whole workspace and hold the plate
-/// everywhere in it. The number of limbs is that of the plate's degrees of freedom: 3 for a rigid plate, 4 with a
-/// slide, and as stated for limbs with one rod. Immutable.
+/// everywhere in it. There are at least as many limbs as the plate has degrees of freedom; joints of all limbs have the
+/// same unit. Immutable.
 class Robot {
  public:
   /// @throws InvalidArgument naming the quantity and the limit that it breaks.
@@ -112,7 +128,8 @@ class Robot {
   /// Largest distance of the plate from the base, mm: the sum of all parts, or the end of the workspace if rails are
   /// longer.
   double reach() const;
-  bool on_single_rods() const { return paracal::on_single_rods(actuator()); }
+  /// Parallelograms alone keep the plate level: the robots of [huang2016], whose errors fall apart into two groups.
+  bool is_level() const { return nominal_.is_level; }
   /// Some tilt of the plate is commanded.
   bool commands_tilt() const { return nominal_.commands_tilt(); }
 

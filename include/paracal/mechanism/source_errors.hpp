@@ -155,7 +155,7 @@ enum class Actuator : std::uint8_t {
 };
 inline constexpr std::size_t kLimbKinds = 5;
 
-/// A plate on limbs with one rod each, as many as its degrees of freedom: compensation corrects all their errors.
+/// One rod hangs on the drive, not a parallelogram.
 constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
 
 /// The joint coordinate is the angle of an arm.
@@ -204,12 +204,15 @@ constexpr std::size_t place_in(Actuator actuator, Source source) {
 /// mm; for a robot that is not stated: no robot is larger.
 inline constexpr double kLargestReach = 1e5;
 
-/// Properties of a robot for reading tables: number and kind of its joint coordinates, and its reach. The
-/// default applies to any robot.
+/// Properties of a robot for reading tables: number and kinds of its limbs, and its reach. The default applies to any
+/// robot.
 struct JointSpace {
-  JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {}
+  JointSpace(std::size_t limbs = 0, Actuator kind = Actuator::revolute) : count(limbs), actuator(kind) {
+    kinds.fill(kind);
+  }
   std::size_t count;
-  Actuator actuator;
+  Actuator actuator;  ///< of the first limb; all joint coordinates have its unit
+  std::array<Actuator, kMaxLimbs> kinds;
   std::optional<double> guided_z = {};  ///< z of the plate, mm, if guides fix it: poses may omit it
   double reach = kLargestReach;         ///< mm; see Robot::reach()
 };
@@ -217,12 +220,6 @@ struct JointSpace {
 /// Unit of the error inside the library: that of the joint coordinate of a joint zero. Files and JSON carry deg
 /// instead of rad.
 constexpr Unit unit(Source source, Actuator actuator) { return source.unit().value_or(joint_unit(actuator)); }
-
-/// Whether an error has an effect of its own. On a rail e_z has the same effect as theta_offset; a calibration fixes
-/// it at zero. On a revolute limb all errors have.
-constexpr bool is_felt(Source source, Actuator actuator) {
-  return place_in(actuator, source) < kMostSources && (actuator != Actuator::linear || source != "e_z");
-}
 
 /// The source with that name; empty when that kind of limb has none.
 std::optional<Source> source_named(std::string_view name, Actuator actuator);

@@ -46,16 +46,16 @@ struct Tolerances {
   double largest(Source source) const;
 };
 
-/// Fills `assumed` from the half-widths and their origin.
-void list_assumed(Tolerances& tolerances, Actuator actuator);
-
 struct Geometry;
+
+/// Fills `assumed` from the half-widths and their origin.
+void list_assumed(Tolerances& tolerances, const Geometry& geometry);
 
 /// Default tolerances, for machines without known drawings. Position group: encoder offsets about
 /// twice the largest of [huang2016, section 5.2.1] (endstops of rails 3 mm). Lengths and angles: about four times the
 /// largest of [huang2016, Table 4]. Struts: 3 mm for each coordinate of a joint and the zero, 15 mm/m for the drive.
-/// Tilt group: [huang2016, Table 2], whose rod and width differences are divided by the parallelogram's width. Errors
-/// that the actuator does not feel are exact, but for e_z, which shares its tolerance with e_x and e_y.
+/// Tilt group: [huang2016, Table 2], whose rod and width differences are divided by the parallelogram's width. Limbs of
+/// different kinds share the wider of two.
 Tolerances generous_tolerances(const Geometry& geometry);
 
 }  // namespace paracal

@@ -47,22 +47,24 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
   return one;
 }
 
-/// What is off by `source` where a number of a limb with one rod is wrong.
-Dimension length_of_limb(const Robot& robot, std::string_view key, double SingleRod::*number, Source source,
+/// What is off by `source` where a number of a limb with dimensions of its own is wrong.
+Dimension length_of_limb(const Robot& robot, std::string_view key, double LimbDescription::*number, Source source,
                          std::size_t limb) {
   return {fmt::format("{} of limb {}", key, limb + 1), false,
-          [limb, number](RobotDescription& r) -> double& { return r.geometry.single_rods[limb].*number; },
+          [limb, number](RobotDescription& r) -> double& { return r.geometry.limbs[limb].*number; },
           only_limb(each(robot, source), limb)};
 }
 
 /// A rod or an arm of another length.
-std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
-  const bool is_strut = robot.actuator() == Actuator::strut, swings = robot.actuator() == Actuator::crank;
+std::vector<Dimension> lengths_of_limbs(const Robot& robot) {
   std::vector<Dimension> all;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    all.push_back(length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &SingleRod::length,
-                                 is_strut ? Source("zero") : Source("rod_length"), limb));
-    if (swings) all.push_back(length_of_limb(robot, "arm_mm", &SingleRod::arm, "arm_length", limb));
+    const Actuator kind = robot.nominal().limbs[limb].actuator;
+    const bool is_strut = kind == Actuator::strut;
+    const Source length = is_strut ? Source("zero") : on_single_rods(kind) ? Source("rod_length") : Source("rod_mean");
+    all.push_back(
+        length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &LimbDescription::length, length, limb));
+    if (swings_arm(kind)) all.push_back(length_of_limb(robot, "arm_mm", &LimbDescription::arm, "arm_length", limb));
   }
   return all;
 }
@@ -70,7 +72,7 @@ std::vector<Dimension> lengths_of_single_rods(const Robot& robot) {
 }  // namespace
 
 std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
-  if (robot.on_single_rods()) return {};
+  if (!robot.geometry().limbs.empty()) return {};
   return {{"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, "rod_mean")},
           {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, longer_arm(robot)},
           {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
@@ -80,7 +82,7 @@ std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
 }
 
 std::vector<Dimension> dimensions(const Robot& robot) {
-  if (robot.on_single_rods()) return lengths_of_single_rods(robot);
+  if (!robot.geometry().limbs.empty()) return lengths_of_limbs(robot);
   std::vector<Dimension> all = dimensions_of_all_limbs(robot);
   SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {

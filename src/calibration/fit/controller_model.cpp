@@ -36,7 +36,7 @@ std::optional<ControllerEvidence> controller_evidence(std::string_view name) {
 }
 
 std::string dimensions_in_words(const Robot& robot) {
-  if (robot.on_single_rods()) return "the joint positions and lengths of the robot file";
+  if (!robot.geometry().limbs.empty()) return "the joint positions and lengths of the robot file";
   const Geometry& geometry = robot.geometry();
   std::vector<std::string> words{fmt::format("rod {:g} mm", geometry.rod)};
   if (geometry.arm > 0.0) words.push_back(fmt::format("arm {:g} mm", geometry.arm));

@@ -61,6 +61,14 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) 
   return detail::orthonormal_basis(columns).leftCols(count);
 }
 
+/// The base joint on a rail that leans shifts along it in more than one coordinate; of one along a coordinate, this
+/// error has the effect of the joint zero and is not sought.
+bool slides_on_its_rail(const Robot& robot, std::size_t limb) {
+  if (robot.nominal().limbs[limb].actuator != Actuator::linear) return false;
+  return std::ranges::none_of(robot.parameters(),
+                              [&](const Parameter& one) { return one.limb == limb && one.as_joint_zero != 0.0; });
+}
+
 }  // namespace
 
 std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
@@ -81,7 +89,14 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
     motions.push_back({fmt::format("the base rotates about {}", axes[static_cast<std::size_t>(k)]),
                        turned_base(robot, Eigen::Vector3d::Unit(k))});
   }
-  for (int k = 0; robot.on_single_rods() && k < 3; ++k) {
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    if (!slides_on_its_rail(robot, limb)) continue;
+    SourceErrors errors;
+    shift_limb(robot, limb, robot.nominal().limbs[limb].frame.col(1), errors);
+    errors(limb, "theta_offset") -= 1.0;
+    motions.push_back({fmt::format("limb {} shifts along its rail and its theta_offset back", limb + 1), errors});
+  }
+  for (int k = 0; !robot.is_level() && k < 3; ++k) {
     const std::string& axis = axes[static_cast<std::size_t>(k)];
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(k), none = Eigen::Vector3d::Zero();
     motions.push_back({fmt::format("the plate's joints shift along {}", axis), moved_plate(robot, along, none)});
@@ -185,7 +200,7 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
 Eigen::VectorXd paper_scales(const Robot& robot, const std::vector<SoughtSource>& parameters) {
   Eigen::VectorXd scale(static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t k = 0; k < parameters.size(); ++k) {
-    scale(static_cast<Eigen::Index>(k)) = paper_scale(robot, parameters[k].source);
+    scale(static_cast<Eigen::Index>(k)) = robot.parameter(parameters[k].limb, parameters[k].source).lever;
   }
   return scale;
 }

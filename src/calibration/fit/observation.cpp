@@ -19,11 +19,12 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
       prior_factor_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(sought_.size()))),
       moving_(sought_),
       at_station_(measurements.stations.size()) {
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) moving_.push_back({limb, joint_zero(robot.actuator())});
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb)
+    moving_.push_back({limb, joint_zero(robot.nominal().limbs[limb].actuator)});
   joints_.reserve(measurements.stations.size());
   for (const Station& station : measurements.stations) {
     joints_.push_back(believed_joints(robot, station));
-    if (robot.on_single_rods()) starts_.push_back(started(robot, station));
+    if (!robot.is_level()) starts_.push_back(started(robot, station));
   }
   for (auto& series : all_series(measurements, options)) {
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);

@@ -164,7 +164,7 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   rotation_joint_.resize(turns * poses, limbs);
   std::vector<SoughtSource> with_joints = parameters;  // a joint that stands elsewhere is one whose zero lies elsewhere
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb)
-    with_joints.push_back({limb, joint_zero(robot.actuator())});
+    with_joints.push_back({limb, joint_zero(robot.nominal().limbs[limb].actuator)});
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < stations.size(); ++k) {
     const Joints joints = believed_joints(robot, stations[k]);

@@ -17,11 +17,9 @@ bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Sour
 template <typename Wanted>
 std::vector<SoughtSource> select(const Robot& robot, const CalibrationOptions& options, Wanted&& wanted) {
   std::vector<SoughtSource> sought;
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(robot.actuator())) {
-      if (is_felt(source, robot.actuator()) && wanted(source) && !listed(options.fixed, limb, source))
-        sought.push_back({limb, source});
-    }
+  for (const Parameter& one : robot.parameters()) {
+    const bool fixed = one.as_joint_zero != 0.0 || listed(options.fixed, one.limb, one.source);
+    if (!fixed && wanted(one.source)) sought.push_back({one.limb, one.source});
   }
   return sought;
 }
@@ -50,7 +48,7 @@ std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationO
   std::vector<SoughtSource> sought = select(robot, options, [](Source) { return true; });
   for (SoughtSource& one : sought) {
     if (listed(options.free, one.limb, one.source)) continue;
-    double variance = std::pow(felt_std(robot, tolerances, one.source), 2);
+    double variance = std::pow(felt_std(robot, tolerances, one.limb, one.source), 2);
     if (variance > 0.0) {
       for (const CommonError& error : options.common) {
         variance += std::pow(error.std * error.direction(one.limb, one.source), 2);

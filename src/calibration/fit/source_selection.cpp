@@ -25,15 +25,17 @@ bool listed(const std::vector<SourceSelector>& selectors, std::size_t limb, Sour
 
 std::vector<SourceSelector> source_selectors(const std::vector<std::string>& names, const JointSpace& limbs) {
   std::vector<SourceSelector> selectors;
+  const std::span<const Actuator> kinds = std::span(limbs.kinds).first(limbs.count);
   for (const std::string& name : names) {
-    if (const auto all = source_named(name, limbs.actuator)) {
-      selectors.push_back({*all, {}});
+    const auto all = std::ranges::find_if(kinds, [&](Actuator kind) { return source_named(name, kind).has_value(); });
+    if (all != kinds.end()) {
+      selectors.push_back({*source_named(name, *all), {}});
       continue;
     }
     // The last digit numbers the limb; names of errors may end in one themselves (alpha2).
     const std::size_t limb = name.empty() ? 0 : static_cast<std::size_t>(name.back()) - '0';
-    const auto one = source_named(before_limb(name), limbs.actuator);
-    if (!one || limb < 1 || limb > limbs.count) {
+    const auto one = limb < 1 || limb > limbs.count ? std::nullopt : source_named(before_limb(name), kinds[limb - 1]);
+    if (!one) {
       throw InvalidArgument(
           fmt::format("expected a source error such as {0} (all limbs) or {0}2 (limb 2 of {1}), got \"{2}\"",
                       sources_of(limbs.actuator)[1].name(), limbs.count, name));
@@ -46,13 +48,13 @@ std::vector<SourceSelector> source_selectors(const std::vector<std::string>& nam
 void check_selection(const CalibrationOptions& options, const JointSpace& limbs) {
   bool seeks = false;
   for (std::size_t limb = 0; limb < limbs.count; ++limb) {
-    for (const Source source : sources_of(limbs.actuator)) {
+    for (const Source source : sources_of(limbs.kinds[limb])) {
       const bool fixed = listed(options.fixed, limb, source);
       if (fixed && listed(options.free, limb, source)) {
         throw InvalidArgument(
             fmt::format("expected an error to be fixed or free, got {} of limb {} as both", name(source), limb + 1));
       }
-      seeks |= !fixed && (options.stage != Stage::rough || source == joint_zero(limbs.actuator));
+      seeks |= !fixed && (options.stage != Stage::rough || is_joint_zero(source));
     }
   }
   if (!seeks) throw InvalidArgument("expected at least one error to estimate, got every error of the stage fixed");

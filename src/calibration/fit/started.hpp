@@ -13,7 +13,7 @@ namespace paracal::detail {
 /// A plate with six freedoms has many assembly modes: that near the commanded pose is meant. One that stays level has
 /// the mode that forward() starts in.
 inline ForwardOptions started(const Robot& robot, const Station& station) {
-  if (!robot.on_single_rods()) return {};
+  if (robot.is_level()) return {};
   return {.start = plate_at(robot.nominal(), station.commanded)};
 }
 

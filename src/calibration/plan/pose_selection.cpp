@@ -84,7 +84,7 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
     columns = unit.asDiagonal() * block.leftCols(n).transpose();
   }
   const bool all =
-      options.readings.second || options.readings.measurand == Measurand::poses || observation.robot().on_single_rods();
+      options.readings.second || options.readings.measurand == Measurand::poses || !observation.robot().is_level();
   problem.visible = visible_directions(problem, observation.sought(), all);
   return problem;
 }

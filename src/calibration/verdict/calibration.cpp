@@ -85,8 +85,7 @@ std::string parameter_lines(const Calibration& calibration) {
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;  // k
   for (const ParameterEstimate& one : calibration.parameters) {
     if (!is_shown(calibration, one.source)) continue;
-    const Actuator actuator = calibration.robot.actuator();
-    const Unit inside = unit(one.source, actuator);
+    const Unit inside = calibration.robot.parameter(one.limb, one.source).unit;
     cells.push_back(
         {detail::limb_row(one.limb), fmt::format("{} {} ", name(one.source), file_unit(inside)), cell_of(one, inside)});
     if (one.held || !one.std) continue;

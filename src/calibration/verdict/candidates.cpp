@@ -48,7 +48,7 @@ Pose draw_pose(const Workspace& workspace, RandomStream& random) {
 
 /// The nominal robot gets there and holds its plate.
 bool holds(const Robot& robot, const Pose& pose) {
-  if (!robot.on_single_rods()) return error_model(robot, pose).ok();
+  if (robot.is_level()) return error_model(robot, pose).ok();
   const InverseResult nominal = inverse(robot.nominal(), pose);
   return nominal.ok() && exact_jacobian(robot.nominal(), plate_at(robot.nominal(), pose), nominal.joints).ok;
 }

@@ -92,7 +92,7 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
 
 /// Places in a plane, mirrored there, are places in a plane seen from its other side.
 void state_turned_over(const Robot& robot, Calibration& calibration) {
-  if (!robot.nominal().has_guides() || !robot.geometry().freedoms.holds_z()) return;
+  if (!robot.nominal().has_guides || !robot.geometry().freedoms.holds_z()) return;
   for (const SeriesFrame& one : calibration.frames) {
     if (one.frame.rotation(2, 2) >= 0.0) continue;
     calibration.assumed.push_back(

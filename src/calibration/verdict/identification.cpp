@@ -63,7 +63,7 @@ bool enough_for_fine(const Robot& robot, const Measurements& measurements, const
 /// out by chance, those that do are farther off than they are said to be.
 bool goes_fine(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
   if (options.stage != Stage::automatic) return options.stage == Stage::fine;
-  return robot.on_single_rods() || enough_for_fine(robot, measurements, options);
+  return !robot.is_level() || enough_for_fine(robot, measurements, options);
 }
 
 Calibration with_errors(const detail::StageFit& stage, Calibration calibration) {

@@ -15,8 +15,7 @@ namespace {
 
 class PriorCandidates {
  public:
-  PriorCandidates(const StageFit& fit, std::vector<ComponentCandidate>& all)
-      : fit_(fit), promise_(fit), all_(all), actuator_(fit.observation().robot().actuator()) {}
+  PriorCandidates(const StageFit& fit, std::vector<ComponentCandidate>& all) : fit_(fit), promise_(fit), all_(all) {}
 
   void add() {
     add_groups();
@@ -28,6 +27,7 @@ class PriorCandidates {
  private:
   using Places = std::vector<std::size_t>;
 
+  const Robot& robot() const { return fit_.observation().robot(); }
   const std::vector<SoughtSource>& sought() const { return fit_.observation().sought(); }
 
   template <typename Chosen>
@@ -50,7 +50,7 @@ class PriorCandidates {
 
   void add_kinds() {
     const double price = 2.0 * std::log(static_cast<double>(kMostSources));
-    for (const Source source : sources_of(actuator_)) {
+    for (const Source source : sources_of(robot().geometry())) {
       add_several(ComponentFamily::kind, fmt::format("{} is, on all limbs,", name(source)), price,
                   places([source](const SoughtSource& one) { return one.source == source; }));
     }
@@ -58,12 +58,12 @@ class PriorCandidates {
 
   /// A bracket that is mounted elsewhere is off in more than one coordinate.
   void add_joint_centres() {
-    const std::size_t limbs = fit_.observation().robot().limb_count();
-    const bool has_plate_joints = on_single_rods(actuator_);
-    const double price = 2.0 * std::log(static_cast<double>(has_plate_joints ? 2 * limbs : limbs));
-    for (std::size_t limb = 0; limb < limbs; ++limb) {
+    const std::vector<Actuator> kinds = kinds_of(robot().geometry());
+    const auto with_plate_joints = std::ranges::count_if(kinds, on_single_rods);
+    const double price = 2.0 * std::log(static_cast<double>(kinds.size()) + static_cast<double>(with_plate_joints));
+    for (std::size_t limb = 0; limb < kinds.size(); ++limb) {
       add_joint_centre(limb, {"e_x", "e_y", "e_z", "base_x", "base_y", "base_z", "normal", "across"}, price);
-      if (has_plate_joints) add_joint_centre(limb, {"plate_x", "plate_y", "plate_z"}, price);
+      if (on_single_rods(kinds[limb])) add_joint_centre(limb, {"plate_x", "plate_y", "plate_z"}, price);
     }
   }
 
@@ -116,7 +116,6 @@ class PriorCandidates {
   const StageFit& fit_;
   PriorPromise promise_;
   std::vector<ComponentCandidate>& all_;
-  Actuator actuator_;
 };
 
 }  // namespace

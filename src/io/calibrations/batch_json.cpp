@@ -20,7 +20,7 @@ namespace {
 Json exact(const std::optional<Tolerances>& tolerances, const Robot& robot) {
   if (!tolerances) return nullptr;
   Json json{{"half_width", Json::array()}, {"distribution", distribution_name(tolerances->distribution)}};
-  for (const Source source : sources_of(robot.actuator())) {
+  for (const Source source : sources_of(robot.geometry())) {
     const std::vector<double>& measured = tolerances->measured[source];
     json["half_width"].push_back((*tolerances)[source]);
     if (!measured.empty()) json["measured"][std::string(name(source))] = json_array(measured);
@@ -151,7 +151,7 @@ Json to_json(const Batch& batch) {
           {"stations", digest(plan.stations)},
           {"validation", digest(plan.validation)},
           {"instrument", instrument_json(plan.instrument)},
-          {"calibration", to_json(plan.calibration, robot.actuator())},
+          {"calibration", to_json(plan.calibration, robot.geometry())},
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
           {"priors", exact(plan.calibration.tolerances, robot)},
           {"limits", limits_json(plan.limits)},

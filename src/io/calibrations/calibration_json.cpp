@@ -39,7 +39,7 @@ Json parameters_json(const Calibration& calibration) {
   });
   const SourceErrors errors = calibration.errors();
   for (std::size_t limb = 0; limb < calibration.robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(calibration.robot.actuator())) {
+    for (const Source source : sources_of(calibration.robot.nominal().limbs[limb].actuator)) {
       const auto same = [&](const ParameterEstimate& p) { return p.limb == limb && p.source == source; };
       if (std::ranges::any_of(calibration.parameters, same)) continue;
       const double value = errors(limb, source);
@@ -241,7 +241,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
   add_set_ups(calibration, json);
   json["distance_bias_mm"] = optional(calibration.distance_bias);
   json["distance_bias_std_mm"] = optional(calibration.distance_bias_std);
-  json["options"] = to_json(calibration.options, calibration.robot.actuator());
+  json["options"] = to_json(calibration.options, calibration.robot.geometry());
   json["inputs"] = to_json(calibration.files);
   return json;
 }

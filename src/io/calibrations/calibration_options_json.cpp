@@ -23,7 +23,7 @@ Json to_json(const TrackerModel& tracker) {
           {"radial_mm_per_m", tracker.radial_per_m}};
 }
 
-Json to_json(const CalibrationOptions& options, Actuator actuator) {
+Json to_json(const CalibrationOptions& options, const Geometry& geometry) {
   Json json{{"method", options.method == Method::paper ? "paper" : "best"},
             {"stage", options.stage == Stage::rough  ? "rough"
                       : options.stage == Stage::fine ? "fine"
@@ -53,7 +53,7 @@ Json to_json(const CalibrationOptions& options, Actuator actuator) {
             {"outlier_chance", options.outlier_chance},
             {"largest_chance", options.largest_chance}};
   if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
-  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, actuator);
+  if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, geometry);
   return json;
 }
 

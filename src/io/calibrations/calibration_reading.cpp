@@ -40,10 +40,13 @@ bool is_sought(const JsonNode& parameter) {
 /// One entry of a calibration's "parameters".
 ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
   const Actuator actuator = robot.actuator();
-  const auto source = source_named(parameter.at("name").text(), actuator);
   const Json& limb = parameter.at("limb").json();
   const bool known_limb = limb.is_number_unsigned() && limb >= 1 && limb <= robot.limb_count();
-  if (!source || !known_limb) {
+  const std::string name_in_file = parameter.at("name").text();
+  const auto source = known_limb
+                          ? source_named(name_in_file, robot.nominal().limbs[limb.get<std::size_t>() - 1].actuator)
+                          : std::nullopt;
+  if (!source) {
     parameter.refuse(fmt::format("expected the name of an error and a limb from 1 to {}, got {}", robot.limb_count(),
                                  parameter.json().dump()));
   }

@@ -20,19 +20,20 @@ Json values_json(const std::vector<KeyValues>& values) {
   return json;
 }
 
-Json to_json(const Tolerances& tolerances, Actuator actuator) {
+Json to_json(const Tolerances& tolerances, const Geometry& geometry) {
   Json json;
-  const std::vector<Source> listed = listed_tolerances(tolerances, actuator);
+  const std::vector<Source> listed = listed_tolerances(tolerances, geometry);
   for (const Source source : listed) {
-    json[file_key(source, actuator)] = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
+    json[file_key(source, geometry.actuator)] = tidy(to_file_unit(unit(source, geometry.actuator), tolerances[source]));
   }
-  if (listed.size() < leading_sources(actuator).size()) json["others"] = "exact";
-  const std::vector<std::string> generous = generous_keys(tolerances, actuator);
+  if (listed.size() < leading_sources(geometry).size()) json["others"] = "exact";
+  const std::vector<std::string> generous = generous_keys(tolerances, geometry);
   if (!generous.empty()) json["generous"] = generous;
   json["distribution"] = distribution_name(tolerances.distribution);
-  for (const Source source : leading_sources(actuator)) {
+  for (const Source source : leading_sources(geometry)) {
     for (const double value : tolerances.measured[source]) {
-      json["measured"][file_key(source, actuator)].push_back(tidy(to_file_unit(unit(source, actuator), value)));
+      json["measured"][file_key(source, geometry.actuator)].push_back(
+          tidy(to_file_unit(unit(source, geometry.actuator), value)));
     }
   }
   return json;
@@ -40,7 +41,7 @@ Json to_json(const Tolerances& tolerances, Actuator actuator) {
 
 Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
   Json json = Json::object();
-  for (const Source source : listed_tolerances(tolerances, robot.actuator())) {
+  for (const Source source : listed_tolerances(tolerances, robot.geometry())) {
     const std::optional<DrawingStatement> said = on_a_drawing(tolerances, source, robot);
     if (!said) continue;
     json[file_key(source, robot.actuator())] = {{"statement", said->statement.empty() ? Json() : Json(said->statement)},
@@ -53,7 +54,7 @@ Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
 Json to_json(const Robot& robot) {
   const Geometry& geometry = robot.geometry();
   Json json{{"name", robot.name()}};
-  if (!geometry.single_rods.empty()) {
+  if (!geometry.limbs.empty()) {
     if (!geometry.freedoms.are_all()) json["plate"] = {{"freedoms", freedoms_json(geometry.freedoms)}};
     json["limb"] = limbs_json(geometry);
   } else {
@@ -78,7 +79,7 @@ Json to_json(const Robot& robot) {
     for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator())) json["joints"][key] = value;
   }
   for (const auto& limb : intended_values(robot)) json["limb"].push_back(values_json(limb));
-  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.actuator());
+  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.geometry());
   return json;
 }
 

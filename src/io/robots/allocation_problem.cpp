@@ -130,11 +130,10 @@ DesignVariable variable_of(Section section, std::vector<Source> sources, const R
 std::vector<DesignVariable> variables_of(Section section, const Robot& robot) {
   const Actuator actuator = robot.actuator();
   std::vector<DesignVariable> variables;
-  for (const Source source : leading_sources(actuator)) {
+  for (const Source source : leading_sources(robot.geometry())) {
     std::optional<Section> cost = section.optional_table(file_key(source, actuator));
     if (!cost) continue;
-    const std::span<const Source> sources = sharing(source, actuator);
-    variables.push_back(variable_of(std::move(*cost), {sources.begin(), sources.end()}, robot));
+    variables.push_back(variable_of(std::move(*cost), sharing(source, robot.geometry()), robot));
   }
   section.refuse_others();
   return variables;

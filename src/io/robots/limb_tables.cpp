@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "io/calibrations/json_parts.hpp"
@@ -14,7 +17,12 @@ namespace paracal::io {
 namespace {
 
 constexpr std::array kLimbKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
-constexpr std::string_view kAhead = "ahead", kBehind = "behind";
+constexpr std::string_view kAhead = "ahead", kBehind = "behind", kWidth = "parallelogram_width_mm";
+
+/// The kind in a file: of the drive alone, however many rods hang on it.
+std::string_view drive_name(Actuator kind) {
+  return actuator_name(swings_arm(kind) ? Actuator::crank : runs_on_rail(kind) ? Actuator::carriage : kind);
+}
 
 Eigen::Vector3d vector_of(Section& limb, std::string_view key, const plausible::Range& range = plausible::kDirection) {
   const std::vector<double> values = limb.numbers(key, range, 3);
@@ -25,17 +33,14 @@ Eigen::Vector3d vector_of(Section& limb, std::string_view key, const plausible::
   limb.fail(*limb.find(key), fmt::format("expected {} for {}, got \"{}\"", expected, limb.key_path(key), got));
 }
 
-/// @param first  kind of the first limb, which all others share; empty where this is the first.
-Actuator kind_of(Section& limb, std::optional<Actuator> first) {
+/// An arm or a rail with a parallelogram has two rods.
+Actuator kind_of(Section& limb) {
   const std::string name = limb.text("kind");
   const auto* kind = std::ranges::find(kLimbKinds, name, &actuator_name);
-  if (kind == kLimbKinds.end()) {
-    fail(limb, "kind", "\"strut\", \"arm\" or \"rail\" (describe limbs with two rods by [geometry])", name);
-  }
-  if (first && *kind != *first) {
-    fail(limb, "kind", fmt::format("\"{}\", as of the first limb,", actuator_name(*first)), name);
-  }
-  return *kind;
+  if (kind == kLimbKinds.end()) fail(limb, "kind", "\"strut\", \"arm\" or \"rail\"", name);
+  if (!limb.find(kWidth)) return *kind;
+  if (*kind == Actuator::strut) limb.fail(*limb.find(kWidth), "expected an arm or a rail to carry a parallelogram");
+  return *kind == Actuator::crank ? Actuator::revolute : Actuator::linear;
 }
 
 bool stands_behind(Section& rail) {
@@ -47,16 +52,19 @@ bool stands_behind(Section& rail) {
   return stands == kBehind;
 }
 
-SingleRod limb_of(Section& limb, Actuator kind) {
-  SingleRod one{.base = vector_of(limb, "base_joint_mm", plausible::kFinite),
-                .plate = vector_of(limb, "plate_joint_mm", plausible::kFinite)};
+LimbDescription limb_of(Section& limb) {
+  const Actuator kind = kind_of(limb);
+  LimbDescription one{.base = vector_of(limb, "base_joint_mm", plausible::kFinite),
+                      .plate = vector_of(limb, "plate_joint_mm", plausible::kFinite)};
   one.length = limb.number(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", plausible::kFinite);
-  if (kind == Actuator::crank) {
+  one.kind = kind;
+  if (!on_single_rods(kind)) one.width = limb.number(kWidth, plausible::kFinite);
+  if (swings_arm(kind)) {
     one.arm = limb.number("arm_mm", plausible::kFinite);
     one.axis = vector_of(limb, "axis");
     one.at_zero = vector_of(limb, "arm_at_zero");
   }
-  if (kind == Actuator::carriage) {
+  if (runs_on_rail(kind)) {
     one.axis = vector_of(limb, "direction");
     one.behind = stands_behind(limb);
   }
@@ -64,17 +72,19 @@ SingleRod limb_of(Section& limb, Actuator kind) {
   return one;
 }
 
-Json limb_json(const SingleRod& limb, Actuator kind) {
-  Json json{{"kind", actuator_name(kind)},
+Json limb_json(const LimbDescription& limb) {
+  const Actuator kind = limb.kind;
+  Json json{{"kind", drive_name(kind)},
             {"base_joint_mm", json_array(limb.base)},
             {"plate_joint_mm", json_array(limb.plate)},
             {kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length}};
-  if (kind == Actuator::crank) {
+  if (!on_single_rods(kind)) json[kWidth] = limb.width;
+  if (swings_arm(kind)) {
     json["arm_mm"] = limb.arm;
     json["axis"] = json_array(limb.axis);
     json["arm_at_zero"] = json_array(limb.at_zero);
   }
-  if (kind == Actuator::carriage) {
+  if (runs_on_rail(kind)) {
     json["direction"] = json_array(limb.axis);
     json["carriage"] = limb.behind ? kBehind : kAhead;
   }
@@ -113,17 +123,55 @@ PlateFreedoms freedoms_of(Section plate) {
   return freedoms;
 }
 
-Geometry limbs_geometry(Section& root) {
-  const std::optional<Section> plate = root.optional_table("plate");
-  const PlateFreedoms freedoms =
-      plate ? freedoms_of(*plate) : PlateFreedoms{};  // first: limbs may be unknown ones, too
-  std::optional<Actuator> kind;
-  std::vector<SingleRod> limbs;
-  for (Section& limb : root.tables("limb")) {
-    kind = kind_of(limb, kind);
-    limbs.push_back(limb_of(limb, *kind));
+namespace {
+
+/// The limb rotated about z by an angle, rad; mirrored at the plane of x and z before, if asked.
+LimbDescription turned(LimbDescription limb, double angle, bool mirrored) {
+  constexpr double kRound = 1e9;  // 1 / mm
+  const Eigen::Vector3d mirror(1.0, mirrored ? -1.0 : 1.0, 1.0);
+  const auto turn = [&](Eigen::Vector3d& vector, double sense) {
+    vector = sense * (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * vector.cwiseProduct(mirror).eval());
+    vector = (vector * kRound).array().round() / kRound + 0.0;  // a quarter of a turn keeps its zeros
+  };
+  for (Eigen::Vector3d* vector : {&limb.base, &limb.plate, &limb.at_zero}) turn(*vector, 1.0);
+  turn(limb.axis, mirrored && swings_arm(limb.kind) ? -1.0 : 1.0);  // a motor's axis is that of a rotation
+  return limb;
+}
+
+/// "repeat = 3" stands for as many limbs around z, evenly; with "mirrored = true" the mirror image of each, too.
+std::vector<LimbDescription> repeated(Section& table) {
+  constexpr double kMost = kMaxLimbs;
+  const double count = table.number_or("repeat", 1.0, plausible::kFinite);
+  const bool mirrored = table.flag("mirrored");
+  if (!(count >= 1.0) || count > kMost || count != std::floor(count)) {
+    table.fail(*table.find("repeat"), fmt::format("expected a number of limbs from 1 to {} for {}, got {:g}", kMaxLimbs,
+                                                  table.key_path("repeat"), count));
   }
-  return single_rod_geometry(kind.value(), std::move(limbs), freedoms);
+  const LimbDescription first = limb_of(table);
+  std::vector<LimbDescription> limbs;
+  for (int k = 0; k < static_cast<int>(count); ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / count;
+    if (k == 0) limbs.push_back(first);
+    if (k > 0) limbs.push_back(turned(first, angle, false));
+    if (mirrored) limbs.push_back(turned(first, angle, true));
+  }
+  return limbs;
+}
+
+}  // namespace
+
+Geometry limbs_geometry(Section& root) {
+  std::optional<Section> plate = root.optional_table("plate");
+  const bool has_slide = plate && plate->find("slide_axis");
+  const PlateFreedoms freedoms = has_slide ? kLevelPlate
+                                 : plate   ? freedoms_of(*plate)
+                                           : PlateFreedoms{};  // first: limbs may be unknown ones, too
+  std::vector<LimbDescription> limbs;
+  for (Section& limb : root.tables("limb")) {
+    const std::vector<LimbDescription> copies = repeated(limb);
+    limbs.insert(limbs.end(), copies.begin(), copies.end());
+  }
+  return geometry_of_limbs(std::move(limbs), freedoms);
 }
 
 Json freedoms_json(const PlateFreedoms& freedoms) {
@@ -136,8 +184,6 @@ Json freedoms_json(const PlateFreedoms& freedoms) {
 
 std::string limbs_toml(const Geometry& geometry) {
   std::string text;
-  if (!geometry.freedoms.are_all())
-    text = fmt::format("\n[plate]\n{} = {}\n", "freedoms", freedoms_json(geometry.freedoms).dump());
   for (const Json& limb : limbs_json(geometry)) {
     text += "\n[[limb]]\n";
     for (const auto& [key, value] : limb.items()) text += fmt::format("{} = {}\n", key, toml_value(value));
@@ -147,7 +193,7 @@ std::string limbs_toml(const Geometry& geometry) {
 
 Json limbs_json(const Geometry& geometry) {
   Json limbs = Json::array();
-  for (const SingleRod& limb : geometry.single_rods) limbs.push_back(limb_json(limb, geometry.actuator));
+  for (const LimbDescription& limb : geometry.limbs) limbs.push_back(limb_json(limb));
   return limbs;
 }
 

@@ -86,6 +86,15 @@ std::string Section::text_of(const toml::node& node, std::string_view key) const
   return **node.as_string();
 }
 
+bool Section::flag(std::string_view key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_boolean()) {
+    fail(*node, fmt::format("expected true or false for {}, got {}", key_path(key), type_name(*node)));
+  }
+  return **node->as_boolean();
+}
+
 std::string Section::text(std::string_view key) { return text_of(require(key, "a text"), key); }
 
 std::vector<std::string> Section::texts(std::string_view key) {

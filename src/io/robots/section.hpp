@@ -40,6 +40,8 @@ class Section {
   std::vector<double> numbers(std::string_view key, const plausible::Range& range,
                               std::optional<std::size_t> count = std::nullopt);
 
+  /// False where it is not stated.
+  bool flag(std::string_view key);
   std::string text(std::string_view key);
   std::vector<std::string> texts(std::string_view key);
 

@@ -22,14 +22,14 @@ class ToleranceTable {
       : section_(std::move(section)), geometry_(geometry), intended_(intended), actuator_(geometry.actuator) {}
 
   Tolerances read() && {
-    for (const Source source : sources_of(actuator_)) tolerances_[source] = half_width(source);
+    for (const Source source : sources_of(geometry_)) tolerances_[source] = half_width(source);
     read_distribution();
     read_measured();
     read_generous();
     const std::string others = read_others();
     section_.refuse_others();
     settle(others);
-    list_assumed(tolerances_, actuator_);
+    list_assumed(tolerances_, geometry_);
     return std::move(tolerances_);
   }
 
@@ -76,7 +76,7 @@ class ToleranceTable {
   void read_measured() {
     std::optional<Section> measured = section_.optional_table("measured");
     if (!measured) return;
-    for (const Source source : sources_of(actuator_)) {
+    for (const Source source : sources_of(geometry_)) {
       if (measured->find(key(source)) == nullptr) continue;
       for (const double value : measured->numbers(key(source), plausible::kFinite)) {
         if (std::abs(value) >= limit(source)) {
@@ -96,7 +96,7 @@ class ToleranceTable {
     if (node == nullptr) return;
     for (const std::string& name : section_.texts(kGenerous)) {
       bool known = false;
-      for (const Source source : sources_of(actuator_)) {
+      for (const Source source : sources_of(geometry_)) {
         if (key(source) != name) continue;
         tolerances_.origin[source] = Origin::generous;
         known = true;
@@ -108,11 +108,7 @@ class ToleranceTable {
     }
   }
 
-  /// A rail's arm_length need not be listed: e says the same.
-  bool is_open(Source source) {
-    const bool listed = section_.find(key(source)) != nullptr || !tolerances_.measured[source].empty();
-    return !listed && (coordinate(source) || is_felt(source, actuator_));
-  }
+  bool is_open(Source source) { return section_.find(key(source)) == nullptr && tolerances_.measured[source].empty(); }
 
   /// Empty where the table does not say.
   std::string read_others() {
@@ -128,7 +124,7 @@ class ToleranceTable {
   void settle(const std::string& others) {
     const Tolerances generous = generous_tolerances(geometry_);
     std::string missing;
-    for (const Source source : sources_of(actuator_)) {
+    for (const Source source : sources_of(geometry_)) {
       if (!is_open(source)) continue;
       tolerances_.origin[source] = others == kGenerous ? Origin::generous : Origin::exact;
       if (others == kGenerous) tolerances_[source] = generous[source];
@@ -158,12 +154,12 @@ Tolerances tolerances_of(Section section, const Geometry& geometry, const Source
 namespace {
 
 /// A line a listed source, with what `remark` says of it behind the longest of them.
-std::string half_widths_toml(const Tolerances& tolerances, Actuator actuator, const auto& remark) {
+std::string half_widths_toml(const Tolerances& tolerances, const Geometry& geometry, const auto& remark) {
   std::vector<std::pair<std::string, std::string>> lines;
   std::size_t longest = 0;
-  for (const Source source : listed_tolerances(tolerances, actuator)) {
-    const double value = tidy(to_file_unit(unit(source, actuator), tolerances[source]));
-    lines.emplace_back(fmt::format("{} = {}", file_key(source, actuator), value), remark(source));
+  for (const Source source : listed_tolerances(tolerances, geometry)) {
+    const double value = tidy(to_file_unit(unit(source, geometry.actuator), tolerances[source]));
+    lines.emplace_back(fmt::format("{} = {}", file_key(source, geometry.actuator), value), remark(source));
     longest = std::max(longest, lines.back().first.size());
   }
   std::string text;
@@ -173,18 +169,18 @@ std::string half_widths_toml(const Tolerances& tolerances, Actuator actuator, co
   return text;
 }
 
-std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator, const auto& remark) {
-  std::string text = "[tolerances]  # half-widths, 3 sigma\n" + half_widths_toml(tolerances, actuator, remark);
+std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geometry, const auto& remark) {
+  std::string text = "[tolerances]  # half-widths, 3 sigma\n" + half_widths_toml(tolerances, geometry, remark);
   std::string measured;
-  for (const Source source : listed_tolerances(tolerances, actuator)) {
+  for (const Source source : listed_tolerances(tolerances, geometry)) {
     std::vector<double> values;
     for (const double value : tolerances.measured[source]) {
-      values.push_back(tidy(to_file_unit(unit(source, actuator), value)));
+      values.push_back(tidy(to_file_unit(unit(source, geometry.actuator), value)));
     }
-    if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, actuator), array(values));
+    if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, geometry.actuator), array(values));
   }
-  if (listed_tolerances(tolerances, actuator).size() < leading_sources(actuator).size()) text += "others = \"exact\"\n";
-  const std::vector<std::string> generous = generous_keys(tolerances, actuator);
+  if (listed_tolerances(tolerances, geometry).size() < leading_sources(geometry).size()) text += "others = \"exact\"\n";
+  const std::vector<std::string> generous = generous_keys(tolerances, geometry);
   if (!generous.empty()) {
     text += fmt::format("{} = [\"{}\"]  # default tolerances: state yours\n", kGenerous, fmt::join(generous, "\", \""));
   }
@@ -195,12 +191,12 @@ std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator, con
 
 }  // namespace
 
-std::string tolerances_toml(const Tolerances& tolerances, Actuator actuator) {
-  return tolerances_toml(tolerances, actuator, [](Source) { return std::string(); });
+std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geometry) {
+  return tolerances_toml(tolerances, geometry, [](Source) { return std::string(); });
 }
 
 std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot) {
-  return tolerances_toml(tolerances, robot.actuator(), [&](Source source) {
+  return tolerances_toml(tolerances, robot.geometry(), [&](Source source) {
     return on_a_drawing(tolerances, source, robot).value_or(DrawingStatement()).text;
   });
 }

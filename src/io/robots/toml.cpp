@@ -129,7 +129,25 @@ plausible::Range error_range(Unit unit, double reach) {
   return unit == Unit::mm ? plausible::error(reach) : plausible::Range{-kGainLength, kGainLength, "mm/m"};
 }
 
-/// One [[limb]] table a limb; errors that it does not state are zero.
+/// Errors of one limb in its table; those that it does not state are zero.
+void read_errors(Section& table, std::size_t limb, const JointSpace& joints, SourceErrors& errors) {
+  const Actuator kind = joints.kinds[limb];
+  for (const Source source : sources_of(kind)) {
+    if (!is_leading(source)) continue;
+    const std::string key = file_key(source, kind);
+    const std::span<const Source> point = sharing(source, kind);
+    if (point.size() == 1) {
+      const Unit inside = unit(source, kind);
+      errors(limb, source) = from_file_unit(inside, table.number_or(key, 0.0, error_range(inside, joints.reach)));
+    } else if (table.find(key)) {
+      const std::vector<double> values = table.numbers(key, plausible::error(joints.reach), point.size());
+      for (std::size_t k = 0; k < point.size(); ++k) errors(limb, point[k]) = values[k];
+    }
+  }
+  table.refuse_others();
+}
+
+/// One [[limb]] table a limb.
 SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointSpace& joints) {
   if (!limbs.is_array_of_tables()) root.fail(limbs, fmt::format("expected [[limb]] tables, got {}", type_name(limbs)));
   const toml::array& tables = *limbs.as_array();
@@ -140,17 +158,26 @@ SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointS
   SourceErrors errors;
   for (std::size_t i = 0; i < joints.count; ++i) {
     Section limb = root.as_table(tables[i], fmt::format("limb {}", i + 1));
-    for (const Source source : leading_sources(joints.actuator)) {
-      const std::string key = file_key(source, joints.actuator);
-      if (!coordinate(source)) {
-        const Unit inside = unit(source, joints.actuator);
-        errors(i, source) = from_file_unit(inside, limb.number_or(key, 0.0, error_range(inside, joints.reach)));
-      } else if (limb.find(key)) {
-        const std::vector<double> point = limb.numbers(key, plausible::error(joints.reach), 3);
-        for (std::size_t k = 0; k < 3; ++k) errors(i, sharing(source, joints.actuator)[k]) = point[k];
-      }
+    read_errors(limb, i, joints, errors);
+  }
+  return errors;
+}
+
+/// [[error]] tables, each with the number of its limb; limbs without one have no errors.
+SourceErrors numbered_errors(Section& root, const JointSpace& joints) {
+  SourceErrors errors;
+  std::vector<bool> seen(joints.count, false);
+  for (Section& table : root.tables("error")) {
+    const double number = table.number("limb", plausible::kFinite);
+    if (!(number >= 1.0) || number > static_cast<double>(joints.count) || number != std::floor(number)) {
+      table.fail(*table.find("limb"), fmt::format("expected a limb from 1 to {} for {}, got {:g}", joints.count,
+                                                  table.key_path("limb"), number));
     }
-    limb.refuse_others();
+    const auto limb = static_cast<std::size_t>(number) - 1;
+    if (seen[limb])
+      table.fail(*table.find("limb"), fmt::format("expected each limb once, got limb {} again", limb + 1));
+    seen[limb] = true;
+    read_errors(table, limb, joints, errors);
   }
   return errors;
 }
@@ -161,8 +188,8 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
   robot.name = root.text("name");
   const bool of_limbs = define_limbs(document);
   robot.geometry = of_limbs ? limbs_geometry(root) : geometry_of(root.table("geometry"));
-  const auto plate = of_limbs ? std::nullopt : root.optional_table("plate");
-  if (plate) robot.slide = slide_of(*plate);
+  auto plate = root.optional_table("plate");
+  if (plate && (!of_limbs || plate->find("slide_axis"))) robot.slide = slide_of(*plate);
   robot.workspace = workspace_of(root.table("workspace"), robot.geometry.freedoms.holds_z());
   const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
   if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
@@ -183,6 +210,7 @@ RobotDescription description_of(const std::string& file, const toml::table& docu
     robot.joint_limits = {limit(joint_speed_key(actuator)), limit(joint_acceleration_key(actuator))};
     joints->refuse_others();
   }
+  root.find("error");  // read_source_errors() reads what this machine is known to have
   root.refuse_others();
   return robot;
 }
@@ -219,6 +247,16 @@ std::string toml_quoted(const std::string& text) {
   return stream.str();
 }
 
+std::string plate_toml(const Robot& robot) {
+  if (const std::optional<Slide>& slide = robot.slide()) {
+    return fmt::format("\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
+                       array(slide->sign), slide->pinion_radius);
+  }
+  const Geometry& geometry = robot.geometry();
+  if (geometry.limbs.empty() || geometry.freedoms.are_all()) return "";
+  return fmt::format("\n[plate]\nfreedoms = {}\n", freedoms_json(geometry.freedoms).dump());
+}
+
 }  // namespace
 
 Robot robot_of(const std::string& file, const toml::table& document) {
@@ -239,17 +277,14 @@ std::string robot_toml(const Robot& robot) {
   std::vector<double> azimuth;
   for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   fmt::format_to(out, "name = {}\n", toml_quoted(robot.name()));
-  if (!geometry.single_rods.empty()) {
-    text += limbs_toml(geometry);
+  if (!geometry.limbs.empty()) {
+    text += plate_toml(robot) + limbs_toml(geometry);
   } else {
     fmt::format_to(out, "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
                    geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);
     fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
                    geometry.parallelogram_width, array(azimuth), actuator_name(geometry.actuator));
-  }
-  if (const std::optional<Slide>& slide = robot.slide()) {
-    fmt::format_to(out, "\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
-                   array(slide->sign), slide->pinion_radius);
+    text += plate_toml(robot);
   }
   text += "\n[workspace]\n" + values_toml(workspace_values(robot.workspace()));
   if (!robot.controller_origin().isZero(0.0)) {
@@ -261,7 +296,7 @@ std::string robot_toml(const Robot& robot) {
       fmt::format_to(out, "{} = {}\n", key, value);
   }
   for (const auto& limb : intended_values(robot)) text.append("\n").append(limb_toml(limb));
-  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.actuator()));
+  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.geometry()));
   return text;
 }
 
@@ -295,7 +330,8 @@ std::vector<KeyValues> workspace_values(const Workspace& workspace) {
 std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator) {
   std::vector<KeyValues> all;
   const auto value = [&](Source source) { return to_file_unit(unit(source, actuator), errors(limb, source)); };
-  for (const Source source : leading_sources(actuator)) {
+  for (const Source source : sources_of(actuator)) {
+    if (!is_leading(source)) continue;
     std::vector<double> values;
     std::ranges::transform(sharing(source, actuator), std::back_inserter(values), value);
     all.push_back({file_key(source, actuator), std::move(values)});
@@ -306,7 +342,7 @@ std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb,
 std::vector<std::vector<KeyValues>> intended_values(const Robot& robot) {
   std::vector<std::vector<KeyValues>> limbs(robot.limb_count());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (KeyValues& one : limb_values(robot.intended(), limb, robot.actuator())) {
+    for (KeyValues& one : limb_values(robot.intended(), limb, robot.nominal().limbs[limb].actuator)) {
       if (std::ranges::all_of(one.values, [](double value) { return value == 0.0; })) continue;
       std::ranges::transform(one.values, one.values.begin(), tidy);
       limbs[limb].push_back(std::move(one));
@@ -320,7 +356,7 @@ std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joi
   std::string text;
   for (std::size_t limb = 0; limb < joints.count; ++limb) {
     if (limb > 0) text.append("\n");
-    text.append(limb_toml(limb_values(errors, limb, joints.actuator)));
+    text.append(limb_toml(limb_values(errors, limb, joints.kinds[limb])));
   }
   return text;
 }
@@ -328,7 +364,12 @@ std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joi
 SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  const toml::node& limbs = root.require("limb", "one [[limb]] table for each limb");
+  if (document.contains("error")) {
+    const SourceErrors errors = numbered_errors(root, joints);
+    if (!document.contains("workspace")) root.refuse_others();  // else the file describes the robot, too
+    return errors;
+  }
+  const toml::node& limbs = root.require("limb", "one [[limb]] table for each limb, or [[error]] tables");
   root.refuse_others();
   return limbs_of(root, limbs, joints);
 }

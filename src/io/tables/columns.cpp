@@ -11,10 +11,10 @@
 namespace paracal::io {
 
 const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator) {
-  static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg",
-                                                                   "q4_deg", "q5_deg", "q6_deg"};
-  static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm",
-                                                                    "q4_mm", "q5_mm", "q6_mm"};
+  static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg", "q4_deg",
+                                                                   "q5_deg", "q6_deg", "q7_deg", "q8_deg"};
+  static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm", "q4_mm",
+                                                                    "q5_mm", "q6_mm", "q7_mm", "q8_mm"};
   return joint_unit(actuator) == Unit::mm ? kLengths : kAngles;
 }
 
