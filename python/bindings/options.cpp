@@ -70,6 +70,7 @@ NoiseModel noise_of(const Keywords& given) {
   given.take_number("sigma_rad", kSmallestSigma, kLargest, noise.rotation);
   given.take_number("distance_bias_mm", 0.0, kLargest, noise.distance_bias);
   given.take_number("dial_angle_rad", 0.0, kLargest, noise.dial_angle);
+  given.take_number("joint_sigma", 0.0, kLargest, noise.joint);
   if (given.has("tracker_um")) noise.tracker = tracker_of(given);
   return noise;
 }

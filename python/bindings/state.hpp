@@ -53,7 +53,7 @@ PARACAL_FIELDS(Tolerances, half_width, distribution, measured, origin, assumed)
 PARACAL_FIELDS(RobotDescription, name, geometry, slide, workspace, tolerances, intended, controller_origin,
                joint_limits)
 PARACAL_FIELDS(TrackerModel, transverse, transverse_per_m, radial, radial_per_m)
-PARACAL_FIELDS(NoiseModel, distance, height, point, body, rotation, tracker, distance_bias, dial_angle)
+PARACAL_FIELDS(NoiseModel, distance, height, point, body, rotation, tracker, distance_bias, dial_angle, joint)
 PARACAL_FIELDS(SourceSelector, source, limb)
 PARACAL_FIELDS(CommonError, text, direction, std)
 PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
@@ -78,7 +78,7 @@ PARACAL_FIELDS(StageReport, name, iterations, converged, rank, condition, rms_di
 PARACAL_FIELDS(RigidMotion, rotation, translation)
 PARACAL_FIELDS(SeriesFrame, name, frame, rotation_zero, second, body)
 PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric, max_volumetric_aligned,
-               reads_distances, rms_lengths, max_abs_rotation, max_orientation)
+               reads_distances, rms_lengths, rms_joints, max_abs_rotation, max_orientation)
 PARACAL_FIELDS(InputFile, name, sha256)
 PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
                noise_dof, joint_std, components, use, rank, null_space, stages, before, after, readings, distances,

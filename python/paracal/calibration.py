@@ -262,6 +262,7 @@ def calibrate(
     tracker_um: Iterable[float] | None = None,
     distance_bias_mm: float = 0.0,
     dial_angle_rad: float | None = None,
+    joint_sigma: float = 0.0,
     scale_ppm: float = 15.0,
     frame: str = "unknown",
     body: str = "unknown",
@@ -288,6 +289,8 @@ def calibrate(
     distance_bias_mm: standard deviation of a common offset of all distances, or of all ball-bar
         lengths, mm.
     dial_angle_rad: standard deviation of a dial's direction, rad; default (assumed): 0.5 deg.
+    joint_sigma: standard deviation of each joint of the measurements, rad or mm, of a robot with more
+        limbs than degrees of freedom: how much joints disagree is then a reading; 0: it is none.
     scale_ppm: standard deviation of the scale of the readings relative to the machine.
     frame: frame of the measured points: "unknown" or "robot".
     body: mounting of a measured body: "unknown", or "plate": its frame is that of the plate.

@@ -3,18 +3,16 @@
 #include <Eigen/Cholesky>
 
 #include "linear_closure.hpp"
+#include "rod_derivative.hpp"
 
 namespace paracal {
 namespace {
 
-/// A column a source error of one limb.
-using LimbColumns = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, static_cast<int>(kMostSources)>;
-
 /// df_ij / dp for the sources of limb i; `sign` is +1 for rod 1 and -1 for rod 2. A point that a source error turns
 /// about an axis moves by axis x lever; the rod shortens by n.(motion at the elbow) and lengthens by n.(motion at the
 /// plate).
-LimbColumns rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow, const Eigen::Matrix3d& rotation,
-                           const Eigen::Vector3d& n, double sign) {
+detail::SourceRow rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow,
+                                 const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n, double sign) {
   const Eigen::Vector3d elbow_half = sign * elbow.half;
   const Eigen::Vector3d elbow_lever = elbow.lever + elbow_half;
   const Eigen::Vector3d plate_half = rotation * (0.5 * sign * limb.plate_width * limb.plate_frame.col(2));
@@ -28,7 +26,7 @@ LimbColumns rod_derivative(const Limb& limb, double joint, const Elbow<double>& 
   };
   const auto plate_turn = [&](const Eigen::Vector3d& axis) { return n.dot(axis.cross(plate_half)); };
 
-  LimbColumns derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
+  detail::SourceRow derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
   const auto at = [&](Source source) -> double& {
     return derivative(static_cast<Eigen::Index>(place_in(limb.actuator, source)));
   };
@@ -57,12 +55,49 @@ LimbColumns rod_derivative(const Limb& limb, double joint, const Elbow<double>& 
   return derivative;
 }
 
-/// The same of a limb with one rod: f = |r + R a - C| - l. All its errors but those of the joint at the plate move its
-/// upper end C by m and shorten f by n.m, or make the rod longer.
-LimbColumns single_rod_derivative(const Limb& limb, double joint, const Eigen::Matrix3d& rotation,
-                                  const Eigen::Vector3d& n) {
+template <int N>
+ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
+  ExactJacobian jacobian;
+  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
+  const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
+  const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
+  if (normal.info() != Eigen::Success) return jacobian;
+  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
+                      detail::kMostRods<N>>
+      residual_to_plate = -normal.solve(linear.jacobian.transpose());
+  const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
+  const int limbs = detail::limbs_of<N>(machine);
+  jacobian.plate.setZero(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
+  int row = 0;
+  for (int i = 0; i < limbs; ++i) {
+    auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
+                                             machine.first_parameter[i + 1] - machine.first_parameter[i]);
+    if (machine.limbs[i].has_one_rod()) {
+      of_limb = residual_to_plate.col(row) *
+                detail::single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[row]);
+      ++row;
+      continue;
+    }
+    if constexpr (N != 6) {
+      for (const double sign : {1.0, -1.0}) {
+        of_limb += residual_to_plate.col(row) *
+                   rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[row], sign);
+        ++row;
+      }
+    }
+  }
+  jacobian.ok = true;
+  return jacobian;
+}
+
+}  // namespace
+
+namespace detail {
+
+SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Matrix3d& rotation,
+                                const Eigen::Vector3d& n) {
   const Elbow<double> elbow = elbow_of(limb, joint);
-  LimbColumns derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
+  SourceRow derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
   const auto column = [&](Source source) { return static_cast<Eigen::Index>(place_in(limb.actuator, source)); };
   const auto at = [&](Source source) -> double& { return derivative(column(source)); };
   const auto turn = [&](const Eigen::Vector3d& axis) { return -n.dot(axis.cross(elbow.lever)); };
@@ -87,42 +122,7 @@ LimbColumns single_rod_derivative(const Limb& limb, double joint, const Eigen::M
   return derivative;
 }
 
-template <int N>
-ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
-  ExactJacobian jacobian;
-  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-  const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
-  if (normal.info() != Eigen::Success) return jacobian;
-  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
-                      detail::kMostRods<N>>
-      residual_to_plate = -normal.solve(linear.jacobian.transpose());
-  const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
-  const int limbs = detail::limbs_of<N>(machine);
-  jacobian.plate.setZero(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
-  int row = 0;
-  for (int i = 0; i < limbs; ++i) {
-    auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
-                                             machine.first_parameter[i + 1] - machine.first_parameter[i]);
-    if (machine.limbs[i].has_one_rod()) {
-      of_limb = residual_to_plate.col(row) *
-                single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[row]);
-      ++row;
-      continue;
-    }
-    if constexpr (N != 6) {
-      for (const double sign : {1.0, -1.0}) {
-        of_limb += residual_to_plate.col(row) *
-                   rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[row], sign);
-        ++row;
-      }
-    }
-  }
-  jacobian.ok = true;
-  return jacobian;
-}
-
-}  // namespace
+}  // namespace detail
 
 ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept {
   return detail::with_limb_count(machine, [&]<int N>() { return differentiate<N>(machine, plate, joints); });

@@ -8,6 +8,7 @@
 
 #include "guides.hpp"
 #include "linear_closure.hpp"
+#include "rod_derivative.hpp"
 
 namespace paracal {
 namespace {
@@ -122,11 +123,6 @@ void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
   }
 }
 
-/// mm of a rod's residual per rad or mm of the joint of its limb.
-double by_joint(const Limb& limb, const Elbow<double>& elbow, std::size_t rod, const Eigen::Vector3d& direction) {
-  return limb.is_strut() ? -limb.gain : -direction.dot(hinge_motion(limb, elbow, rod));
-}
-
 /// The same on any limbs, joints and what the parallelograms hold of the plate sought:
 ///
 ///   J^T (f + J_q dq + J_held dheld) = 0        6 equations; of more unknowns the shortest step
@@ -149,7 +145,7 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
       const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
       for (std::size_t j = 0; j < rod_count(limb); ++j, ++row) {
         system.col(i) += linear.jacobian.row(row).transpose() *
-                         by_joint(limb, elbows[static_cast<std::size_t>(i)], j, linear.direction[row]);
+                         detail::by_joint(limb, elbows[static_cast<std::size_t>(i)], j, linear.direction[row]);
       }
     }
     for (Eigen::Index k = 0; k < 6; ++k) {

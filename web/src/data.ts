@@ -78,6 +78,7 @@ export interface SingleRodOnAnArm {
   base_joint_mm: Vector;
   plate_joint_mm: Vector;
   rod_mm: number;
+  parallelogram_width_mm?: number;
   arm_mm: number;
   axis: Vector;
   arm_at_zero: Vector;
@@ -87,6 +88,7 @@ export interface SingleRodOnARail {
   base_joint_mm: Vector;
   plate_joint_mm: Vector;
   rod_mm: number;
+  parallelogram_width_mm?: number;
   direction: Vector;
   carriage: "ahead" | "behind";
 }
@@ -228,6 +230,7 @@ export interface ErrorSummary {
   rms_height_mm: number | null;
   rms_ball_bar_mm: number | null;
   rms_dial_mm: number | null;
+  rms_joints_mm?: number;
   max_abs_rotation_deg: number | null;
   max_orientation_deg: number | null;
 }
@@ -329,6 +332,7 @@ export interface CalibrationOptions {
   height_sigma_mm: number;
   distance_bias_sigma_mm: number;
   dial_angle_sigma_deg: number | null;
+  joint_sigma?: number;
   plane_slope_sigma_rad: number | null;
   plane_curvature_sigma_per_mm: number | null;
   common: CommonError[];

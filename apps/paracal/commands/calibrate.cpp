@@ -23,6 +23,7 @@ namespace {
 
 struct CalibrateArguments {
   MeasuringOptions measuring;
+  double joint_sigma = 0.0;  ///< deg or mm
   ControllerOptions controller;
   std::string stage = "auto", method = "best", tolerances;
   LimitOptions limits;
@@ -51,6 +52,7 @@ CalibrationOptions calibration_options(const CalibrateArguments& options, const 
                       : options.stage == "fine" ? Stage::fine
                                                 : Stage::automatic;
   calibration.noise = options.measuring.noise();
+  calibration.noise.joint = from_file_unit(joint_unit(robot.actuator()), options.joint_sigma);
   calibration.noise_is_known = options.measuring.sigma_known;
   calibration.frame = options.measuring.frame_kind();
   calibration.body = options.measuring.body_kind();
@@ -153,6 +155,13 @@ void add_calibrate(Command& program, Session& session) {
                           "estimate the machine's errors from measurements; --out saves the calibration (JSON)");
   const auto options = std::make_shared<CalibrateArguments>();
   add_measuring_options(*command, options->measuring);
+  command->heading("Uncertainty of the instrument (one standard deviation)");
+  command
+      ->add_option(
+          "--joint-sigma", options->joint_sigma,
+          "of each joint in the table, deg or mm as there, of a robot with more limbs than degrees of freedom: "
+          "its joints are readings, too; 0: they only say where the plate is")
+      ->check(non_negative());
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);
   add_mount_option(*command, options->reflectors);

@@ -21,6 +21,7 @@ struct SimulateArguments {
   InstrumentOptions instrument;
   PlanningOptions plan;
   std::uint64_t machine = 0;
+  double joint_noise = 0.0;  ///< deg or mm
   io::TableStyle style = {};
 };
 
@@ -123,6 +124,7 @@ void run(const SimulateArguments& options, Session& session) {
   const Measurements plan = plan_of(robot, options, what);
   VirtualInstrument instrument = options.instrument.instrument(what.rotation);
   instrument.mount = what.mount;
+  instrument.joint_noise = from_file_unit(joint_unit(robot.actuator()), options.joint_noise);
   if (options.frame == "random") {
     instrument.frame = random_frame(random);
     if (what.measurand == Measurand::poses) instrument.body = random_body(random);
@@ -165,6 +167,10 @@ void add_simulate(Command& program, Session& session) {
   command->add_option("--frame", options->frame, "frame of the instrument: the robot's, or a random setup")
       ->check(one_of({"robot", "random"}));
   add_instrument_options(*command, options->instrument);
+  command
+      ->add_option("--joint-noise", options->joint_noise,
+                   "of each joint, deg or mm, that a robot with more limbs than degrees of freedom states")
+      ->check(non_negative());
   command->example("Measurements of a machine drawn from the tolerances",
                    "paracal simulate --robot huang2016 --poses plan.csv --noise-mm 0.017 --out simulated.csv");
   command->callback([&session, options] { run(*options, session); });

@@ -33,6 +33,10 @@ struct NoiseModel {
   /// Standard deviation of the angles by which a dial is set up askew, about either axis across it, rad; empty: half a
   /// degree, which is then assumed.
   std::optional<double> dial_angle = {};
+  /// Standard deviation of each joint of a station, rad or mm, where limbs are more than degrees of freedom: by how
+  /// much these joints disagree is then a reading, too. Small against what the instrument reads. 0: joints say where
+  /// the plate is, and no more.
+  double joint = 0.0;
 };
 
 /// W with W^T W = inverse covariance of a point read by the tracker: (1/radial) u u^T + (1/transverse) (I - u u^T).

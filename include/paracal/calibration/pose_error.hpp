@@ -33,6 +33,7 @@ struct PoseErrorSummary {
   double max_volumetric_aligned = 0.0;  ///< mm: largest |dr| after the rigid motion that fits best has been removed
   bool reads_distances = true;          ///< the four above stand for readings; false: lengths alone were read
   std::map<LengthKind, double> rms_lengths = {};  ///< of the kinds that were read, mm
+  std::optional<double> rms_joints = {};          ///< by which joints of spare limbs disagree, mm; empty: not readings
   std::optional<double> max_abs_rotation = {};    ///< of d_phi, rad; empty where no rotation was read
   std::optional<double> max_orientation = {};     ///< by which a body is turned away, rad; empty where none was read
 };

@@ -16,6 +16,7 @@ struct VirtualInstrument {
   double noise = 0.0;                          ///< mm a coordinate, distance or height; no coordinate's with a tracker
   std::optional<TrackerModel> tracker = {};    ///< the instrument stands at the origin of its frame
   double repeatability = 0.0;                  ///< mm a coordinate: the machine comes back somewhere else
+  double joint_noise = 0.0;                    ///< rad or mm, of the joints that a machine with spare limbs states
   int repeats = 1;                             ///< visits of every station
   bool reads_rotation = false;                 ///< a rotary encoder reads phi
   bool reads_orientation = false;              ///< poses of a body are read, not points
@@ -30,7 +31,8 @@ struct VirtualInstrument {
 
 /// Simulated measurements of a machine with these errors, whose controller uses the nominal robot. The instrument
 /// contributes noise, tracker, repeatability, frame, mount, setup and the positions of second reflector and body.
-/// The plan states what is read, and how often.
+/// The plan states what is read, and how often. The joints of a machine with spare limbs do not follow commands that
+/// only the nominal robot can close: they agree near these, and are stated as they are read.
 /// @throws Unreachable when the nominal robot, or the machine itself, does not reach a station; InvalidArgument for a
 /// setup with another number of unknowns.
 Measurements simulate(const Robot& robot, const SourceErrors& errors, Measurements plan,

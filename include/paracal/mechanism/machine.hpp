@@ -32,6 +32,14 @@ struct BasicMachine {
   bool commands_tilt() const { return freedoms.tilt(); }
   /// Limbs more than degrees of freedom: the joints of all must agree.
   std::size_t spare_limbs() const { return limb_count - freedoms.count() - (has_slide() ? 1 : 0); }
+  /// How many numbers their joints say besides where the plate is; none where some limb has two rods, which disagree
+  /// whatever the joints.
+  std::size_t gap_count() const {
+    for (std::size_t i = 0; i < limb_count; ++i) {
+      if (!limbs[i].has_one_rod()) return 0;
+    }
+    return spare_limbs();
+  }
   /// Slide distance s = r_g phi, mm.
   double slide_of(double rotation) const { return pinion_radius * rotation; }
   /// Rotation phi = s / r_g, rad; 0 for a rigid plate.

@@ -66,9 +66,24 @@ void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements,
   calibration.suspects.clear();
 }
 
+/// @throws InvalidArgument where no joints can disagree, or some are not stated.
+void check_joint_readings(const Robot& robot, const std::vector<Station>& stations) {
+  if (robot.nominal().gap_count() == 0) {
+    throw InvalidArgument(fmt::format(
+        "joint sigma: expected a robot with more limbs than degrees of freedom and one rod on each, got {}: "
+        "its joints agree with every dimension",
+        robot.name()));
+  }
+  for (const Station& station : stations) {
+    if (station.believed) continue;
+    throw InvalidArgument(named(station) + ": joint sigma: expected the joints at every pose, got none here");
+  }
+}
+
 }  // namespace
 
 Calibration calibrate(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options) {
+  if (options.noise.joint > 0.0) check_joint_readings(robot, measurements.stations);
   if (!options.diagnose || options.expected) return detail::calibrate_as_given(robot, measurements, options);
   try {
     Calibration calibration = detail::calibrate_as_given(robot, measurements, options);

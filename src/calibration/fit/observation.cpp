@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calibration/readings/joints.hpp"
+#include "kinematics/joint_gaps.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "started.hpp"
@@ -30,6 +32,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
     series->take_columns(nuisance_count_, seeks_scale && options.scale_std > 0.0);
     series_.push_back(std::move(series));
   }
+  if (options.noise.joint > 0.0 && robot.nominal().gap_count() > 0) add_joint_readings();
   for (std::size_t k = 0; k < sought_.size(); ++k) {
     prior_std_(static_cast<Eigen::Index>(k)) = sought_[k].prior_std.value_or(0.0);
   }
@@ -38,6 +41,15 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
   list_stations();
   constexpr std::size_t kMostKept = 5000;  // stations
   keeps_motions_ = joints_.size() <= kMostKept || std::ranges::any_of(groups_, &Group::is_relative);
+}
+
+void Observation::add_joint_readings() {
+  const Machine& nominal = robot_.nominal();
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    gap_bases_.push_back(gap_basis(nominal, forward(nominal, joints_[k], start_of(k)).plate, joints_[k]));
+  }
+  series_.push_back(
+      std::make_unique<JointReadings>(joints_.size(), options_.noise.joint, joint_ratio(nominal.limbs[0])));
 }
 
 std::vector<Eigen::Index> Observation::scale_columns() const {
@@ -132,7 +144,7 @@ void Observation::keep_nominal_derivative() {
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     let_interrupt();
     nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints_[k], start_of(k)).plate));
-    nominal_.back().motions = motions_at(robot_.nominal(), nominal_.back().plate, joints_[k]);
+    nominal_.back().motions = motions_at(robot_.nominal(), nominal_.back().plate, k);
   }
 }
 
@@ -188,8 +200,9 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
       state.derived_at = nominal_[k].derived_at;
       state.motions = nominal_[k].motions;
     } else if (keeps_motions_) {
-      state.motions = motions_at(machine, pose.plate, joints_[k]);
+      state.motions = motions_at(machine, pose.plate, k);
     }
+    if (!gap_bases_.empty()) state.gaps = joint_gaps(machine, pose.plate, joints_[k], gap_bases_[k]).gap;
     if (state.motions && state.motions->jacobian.cols() != source_count()) return nullptr;
   }
   return {answer, &answer->states};
@@ -199,19 +212,33 @@ StationState Observation::state_of(const Machine& machine, const PlateState& pla
   return {plate, machine.rotation_of(plate.slide), &machine, plate.position};
 }
 
-StationMotions Observation::motions_at(const Machine& machine, const PlateState& plate, const Joints& joints) const {
+StationMotions Observation::motions_at(const Machine& machine, const PlateState& plate, std::size_t station) const {
+  const Joints& joints = joints_[station];
   const PlateMotions motions = plate_jacobian(machine, plate, joints, moving_);
   if (motions.cols() == 0) return {};
-  return {motions.leftCols(source_count()), motions.rightCols(static_cast<Eigen::Index>(robot_.limb_count()))};
+  const auto limbs = static_cast<Eigen::Index>(robot_.limb_count());
+  StationMotions all{motions.leftCols(source_count()), motions.rightCols(limbs)};
+  if (gap_bases_.empty()) return all;
+  const Eigen::MatrixXd by_parameter = joint_gaps(machine, plate, joints, gap_bases_[station]).by_parameter;
+  Eigen::MatrixXd gaps(by_parameter.rows(), motions.cols());
+  for (Eigen::Index k = 0; k < gaps.cols(); ++k) {
+    const SoughtSource& one = moving_[static_cast<std::size_t>(k)];
+    gaps.col(k) = by_parameter.col(static_cast<Eigen::Index>(machine.parameter(one.limb, one.source)));
+  }
+  all.gaps = gaps.leftCols(source_count());
+  all.gaps_by_joint = gaps.rightCols(limbs);
+  return all;
 }
 
 const StationMotions& Observation::motions_of(std::size_t station, const StationState& state,
                                               StationMotions& fresh) const {
   if (state.motions) return *state.motions;
-  fresh = motions_at(*state.machine, state.plate, joints_[station]);
+  fresh = motions_at(*state.machine, state.plate, station);
   if (fresh.jacobian.cols() != source_count()) {  // it closes there, but singular: such a reading says nothing
     fresh = {PlateMotions::Zero(7, source_count()),
-             PlateMotions::Zero(7, static_cast<Eigen::Index>(robot_.limb_count()))};
+             PlateMotions::Zero(7, static_cast<Eigen::Index>(robot_.limb_count())),
+             Eigen::MatrixXd::Zero(state.gaps.size(), source_count()),
+             Eigen::MatrixXd::Zero(state.gaps.size(), static_cast<Eigen::Index>(robot_.limb_count()))};
   }
   return fresh;
 }

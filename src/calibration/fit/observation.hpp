@@ -146,12 +146,15 @@ class Observation {
   /// Variances of a reading's rows when the joints may be off, over those when they are not.
   Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations, const ByPlate& by_plate,
                            double joint_std) const;
+  /// Rows by the joints of a station.
+  Eigen::MatrixXd by_joints(const Group& group, const ByPlate& by_plate, const StationMotions& motions) const;
   void check_station(
       std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
       const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
   static StationState state_of(const Machine& machine, const PlateState& plate);
   /// @returns motions of no columns where the machine is singular.
-  StationMotions motions_at(const Machine& machine, const PlateState& plate, const Joints& joints) const;
+  StationMotions motions_at(const Machine& machine, const PlateState& plate, std::size_t station) const;
+  void add_joint_readings();
   ForwardOptions start_of(std::size_t station) const { return starts_.empty() ? ForwardOptions{} : starts_[station]; }
 
   const Robot& robot_;
@@ -163,7 +166,8 @@ class Observation {
   std::vector<SoughtSource> moving_;
   SourceErrors held_;
   std::vector<Joints> joints_;
-  std::vector<ForwardOptions> starts_;  ///< from where the plate is sought; empty: anywhere
+  std::vector<Eigen::MatrixXd> gap_bases_;  ///< of the gaps of the joints at each station, where these are readings
+  std::vector<ForwardOptions> starts_;      ///< from where the plate is sought; empty: anywhere
   /// Derivatives stay with the stations. They are 3 kB where 56 errors are sought, 300 MB of a hundred thousand
   /// stations; taking them again costs less than folding the rows that they go into.
   bool keeps_motions_ = true;

@@ -39,6 +39,11 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
   StationMotions fresh;
   const StationMotions& motions = motions_of(group.station, stations[group.station], fresh);
   auto sources = block.middleCols(nuisance_count_, source_count());
+  if (const double per_gap = series_of(group).per_gap(); per_gap > 0.0) {
+    sources = factor * per_gap * motions.gaps;
+    if (by_joint != nullptr) *by_joint = by_joints(group, by_plate, motions);
+    return;
+  }
   sources.noalias() = by_plate * motions.jacobian;
   if (group.is_relative()) {
     sources.noalias() -= by_plate * stations[group.from].motions->jacobian;
@@ -46,7 +51,14 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
       block = widening(group, stations, by_plate, components_.joint).cwiseSqrt().cwiseInverse().asDiagonal() * block;
     }
   }
-  if (by_joint != nullptr) by_joint->noalias() = by_plate * motions.by_joint;
+  if (by_joint != nullptr) *by_joint = by_joints(group, by_plate, motions);
+}
+
+Eigen::MatrixXd Observation::by_joints(const Group& group, const ByPlate& by_plate,
+                                       const StationMotions& motions) const {
+  const double per_gap = series_of(group).per_gap();
+  if (per_gap == 0.0) return by_plate * motions.by_joint;
+  return per_gap * std::sqrt(group.weight) / noise_factor(group) * motions.gaps_by_joint;
 }
 
 /// Readings that share a station share how far its joints are off; here each has its own.
@@ -54,7 +66,7 @@ Eigen::VectorXd Observation::widening(const Group& group, const std::vector<Stat
                                       const ByPlate& by_plate, double joint_std) const {
   StationMotions fresh;
   const auto squares_at = [&](std::size_t station) -> Eigen::VectorXd {
-    return (by_plate * motions_of(station, stations[station], fresh).by_joint).rowwise().squaredNorm();
+    return by_joints(group, by_plate, motions_of(station, stations[station], fresh)).rowwise().squaredNorm();
   };
   Eigen::VectorXd squares = squares_at(group.station);
   if (group.is_relative()) squares += squares_at(group.from);

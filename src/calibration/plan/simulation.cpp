@@ -15,6 +15,7 @@
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
 namespace {
@@ -34,14 +35,15 @@ Eigen::Vector3d read_point(const VirtualInstrument& instrument, const Eigen::Vec
 /// A machine that is sent to stations and read there.
 class Visits {
  public:
-  Visits(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations,
+  Visits(const Robot& robot, const SourceErrors& errors, std::vector<Station>& stations,
          const VirtualInstrument& instrument, RandomStream& random)
       : machine_(build(robot, errors)), instrument_(instrument), random_(random) {
-    for (const Station& station : stations) {
+    for (Station& station : stations) {
       let_interrupt();
       const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
       if (!pose.ok()) throw Unreachable(named(station) + ": no solution: the machine cannot reach this pose");
       plates_.push_back(pose.plate);
+      if (machine_.spare_limbs() > 0) station.believed = read_joints(station);
     }
   }
 
@@ -73,6 +75,13 @@ class Visits {
   }
 
  private:
+  /// Where the last plate is, joints agree.
+  Joints read_joints(const Station& station) {
+    InverseResult found = inverse(machine_, pose_of(machine_, plates_.back()));
+    if (!found.ok()) throw Unreachable(named(station) + ": no solution: the machine cannot reach this pose");
+    for (double& joint : found.joints) joint += instrument_.joint_noise * random_.normal();
+    return found.joints;
+  }
   /// Where it stands this time.
   Eigen::Vector3d visit(std::size_t station) {
     return plates_[station].position + instrument_.repeatability * normal_vector(random_);

@@ -24,6 +24,7 @@ PoseErrorSummary ErrorTally::finished() const {
   for (const auto& [kind, sum] : lengths) {
     if (sum.count > 0) all.rms_lengths[kind] = sum.root_mean_square();
   }
+  if (joints.count > 0) all.rms_joints = joints.root_mean_square();
   all.reads_distances = distances.count > 0 || all.rms_lengths.empty();
   if (distances.count > 0) all.rms_distance = distances.root_mean_square();
   return all;

@@ -31,6 +31,7 @@ using ByPlate = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, 7, 7>;
 struct StationMotions {
   PlateMotions jacobian;  ///< by the sought sources
   PlateMotions by_joint;  ///< by the joint coordinates: when a joint stands elsewhere than believed
+  Eigen::MatrixXd gaps = {}, gaps_by_joint = {};  ///< how gaps of the joints open, by the same
 };
 
 /// Where the machine stands at one station, and how that changes.
@@ -40,6 +41,7 @@ struct StationState {
   const Machine* machine = nullptr;  ///< which stands there, of the same answer
   Eigen::Vector3d derived_at = {};   ///< where the plate centre was when the motions were taken: here, or at the
                                      ///< nominal machine
+  Eigen::VectorXd gaps = {};         ///< of the joints, see JointGaps; only where they are readings
   std::optional<StationMotions> motions = {};  ///< empty where there are too many stations to keep them all
 };
 
@@ -66,7 +68,7 @@ struct Group {
 };
 
 /// What a standard deviation is of.
-enum class Quantity : std::uint8_t { coordinate, distance, length };
+enum class Quantity : std::uint8_t { coordinate, distance, length, gap };
 
 /// Predicted minus measured, unless said otherwise.
 struct Residual {
@@ -100,7 +102,7 @@ struct ErrorTally {
   };
 
   PoseErrorSummary summary = {};  ///< largest ones so far
-  Sum distances;
+  Sum distances, joints;
   std::map<LengthKind, Sum> lengths;
 
   void widen_rotation(const std::optional<double>& residual);
@@ -145,6 +147,8 @@ class ReadingSeries {
   /// @returns the derivative by the plate's motion at the reading's station, less that at what it is relative to.
   virtual ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const = 0;
   virtual Residual residual(std::size_t index, const Placed& at) const = 0;
+  /// Its rows follow the gaps of the joints at its station, by this much, and not the plate; 0: the plate.
+  virtual double per_gap() const { return 0.0; }
   /// How many of a reading's rows, from the fourth on, are of an orientation.
   virtual Eigen::Index orientation_rows(std::size_t /*index*/) const { return 0; }
 

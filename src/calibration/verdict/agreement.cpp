@@ -129,13 +129,15 @@ std::vector<CheckedReading> checked_readings(const Placement& nominal, const Pla
                                              const Observation& observation, const Placed& at, double joint_std,
                                              const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
   std::vector<CheckedReading> readings;
-  const auto is_listed = [](const auto& series) { return series->quantity() != Quantity::coordinate; };
-  if (std::ranges::none_of(observation.series(), is_listed)) return readings;
+  const auto is_listed = [](const ReadingSeries& series) {
+    return series.quantity() == Quantity::distance || series.quantity() == Quantity::length;
+  };
+  if (std::ranges::none_of(observation.series(), [&](const auto& one) { return is_listed(*one); })) return readings;
   const FollowingSetUp set_up(observation, at.unknowns);
   Eigen::MatrixXd block;
   for (const Group& group : observation.groups()) {
     const ReadingSeries& series = observation.series_of(group);
-    if (series.quantity() == Quantity::coordinate) continue;
+    if (!is_listed(series)) continue;
     const double sigma = observation.sigma_of(group) * observation.noise_factor(group);
     observation.rows(group, at.stations, at.unknowns, block);
     const FollowingSetUp::Left left = set_up.left(block.row(0), covariance);

@@ -135,6 +135,10 @@ std::string residual_lines(const Calibration& calibration) {
                    words(kind).plural, was == before.rms_lengths.end() ? 0.0 : was->second, rms, calibration.readings,
                    calibration.degrees_of_freedom);
   }
+  if (after.rms_joints) {
+    fmt::format_to(out, "  joints of spare limbs disagree, rms: {:.4f} mm before, {:.4f} mm after\n",
+                   before.rms_joints.value_or(0.0), *after.rms_joints);
+  }
   if (calibration.distance_bias) {
     fmt::format_to(out, "  every distance reads {:+.3f} mm too long\n", *calibration.distance_bias);
   }

@@ -37,6 +37,7 @@ void add_readings(const PoseErrorSummary& readings, bool has_points, PoseErrorSu
   widen(all, readings);
   all.reads_distances = has_points || readings.reads_distances;
   all.rms_lengths = readings.rms_lengths;
+  all.rms_joints = readings.rms_joints;
 }
 
 void validate_points(const Robot& robot, const KnownErrors& known, const Measurements& measurements,

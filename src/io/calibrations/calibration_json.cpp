@@ -190,6 +190,7 @@ Json to_json(const PoseErrorSummary& summary) {
     const auto rms = summary.rms_lengths.find(kind.kind);
     json[fmt::format("rms_{}", kind.column)] = rms == summary.rms_lengths.end() ? Json(nullptr) : Json(rms->second);
   }
+  if (summary.rms_joints) json["rms_joints_mm"] = *summary.rms_joints;
   json["max_abs_rotation_deg"] = optional_degrees(summary.max_abs_rotation);
   json["max_orientation_deg"] = optional_degrees(summary.max_orientation);
   return json;

@@ -52,6 +52,10 @@ Json to_json(const CalibrationOptions& options, const Geometry& geometry) {
             {"limit_rotation_deg", optional_degrees(options.limits.rotation)},
             {"outlier_chance", options.outlier_chance},
             {"largest_chance", options.largest_chance}};
+  if (options.noise.joint > 0.0) {
+    const Unit joint = joint_unit(geometry.actuator);
+    json["joint_sigma"] = tidy(to_file_unit(joint, options.noise.joint));
+  }
   if (options.noise.tracker) json["tracker"] = to_json(*options.noise.tracker);
   if (options.tolerances) json["tolerances"] = to_json(*options.tolerances, geometry);
   return json;

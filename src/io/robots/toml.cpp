@@ -254,7 +254,7 @@ std::string plate_toml(const Robot& robot) {
   }
   const Geometry& geometry = robot.geometry();
   if (geometry.limbs.empty() || geometry.freedoms.are_all()) return "";
-  return fmt::format("\n[plate]\nfreedoms = {}\n", freedoms_json(geometry.freedoms).dump());
+  return fmt::format("\n[plate]\n{} = {}\n", "freedoms", freedoms_json(geometry.freedoms).dump());
 }
 
 }  // namespace
