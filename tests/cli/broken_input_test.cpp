@@ -222,7 +222,7 @@ const std::vector<BrokenInput> kRobotFiles{
     robot("tolerance_unknown_key", "e_mm = 1.5", "e_x_mm = 1.5", {"robot.toml:21: ", "tolerances.e_x_mm"}),
     robot("unknown_distribution", "\"normal\"", "\"cauchy\"",
           {"robot.toml:22: ", "\"normal\" or \"uniform\"", "cauchy"}),
-    rigid_robot("rigid_plate_that_rotates", "[0, 0]", "[-90, 90]", {"robot.toml:14: ", "rigid plate", "[-90, 90]"}),
+    rigid_robot("rigid_plate_that_rotates", "[0, 0]", "[-90, 90]", {"robot.toml:14: ", "a plate without a slide", "[-90, 90]"}),
     rigid_robot("rigid_plate_on_four_limbs", "[0, 120, 240]", "[0, 90, 180, 270]",
                 {"robot.toml:8: ", "expected 3 limbs"}),
     {"robot_file_missing", {}, "robot --robot none.toml", kBadInputFile, {"none.toml: ", "No such file"}},

@@ -212,6 +212,29 @@ TEST_P(SpareLimbs, JointsAreReadings) {
   EXPECT_TRUE(named) << testing::PrintToString(wrong.notes) << wrong.brief();
 }
 
+/// Four arms on a plate that three parallelograms would keep level: joints say where it is, and no more.
+TEST(FourArms, AreCalibrated) {
+  const Robot robot = io::read_robot(
+      {"four_arms.toml",
+       "name = \"four_arms\"\n[plate]\nfreedoms = [\"x\", \"y\", \"z\"]\n[[limb]]\nkind = \"arm\"\nrepeat = 4\n"
+       "base_joint_mm = [200, 0, 0]\nplate_joint_mm = [50, 0, 0]\narm_mm = 200\naxis = [0, -1, 0]\n"
+       "arm_at_zero = [1, 0, 0]\nrod_mm = 450\nparallelogram_width_mm = 80\n"
+       "[workspace]\nradius_mm = 80\nheight_mm = 100\ntop_z_mm = -330\n"});
+  EXPECT_FALSE(robot.is_level());
+  EXPECT_EQ(robot.nominal().spare_limbs(), 1u);
+  EXPECT_EQ(robot.nominal().gap_count(), 0u);
+  RandomStream stream(2);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
+  const Measurements read = simulate(robot, truth, candidate_stations(robot, 40, 1), {.noise = 0.017}, stream);
+  const Machine machine = build(robot, truth);
+  for (const Station& station : read.stations) {
+    EXPECT_LT(forward(machine, *station.believed).residual, 0.1) << "what tilt errors strain";
+  }
+  const Calibration found = calibrate(robot, read, with_joints(0.0));
+  EXPECT_TRUE(found.accepted()) << found.brief();
+  EXPECT_LT(found.noise, 0.03);
+}
+
 TEST(JointReadings, AreRefusedWhereNoneCanDisagree) {
   const Robot robot = catalogue::rotary_delta();
   RandomStream stream(1);

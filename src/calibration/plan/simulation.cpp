@@ -77,7 +77,11 @@ class Visits {
  private:
   /// Where the last plate is, joints agree.
   Joints read_joints(const Station& station) {
-    InverseResult found = inverse(machine_, pose_of(machine_, plates_.back()));
+    Pose pose = pose_of(machine_, plates_.back());
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {  // what parallelograms hold is not commanded
+      if (!machine_.freedoms.free[static_cast<std::size_t>(axis) + 3]) pose.tilt(axis) = 0.0;
+    }
+    InverseResult found = inverse(machine_, pose);
     if (!found.ok()) throw Unreachable(named(station) + ": no solution: the machine cannot reach this pose");
     for (double& joint : found.joints) joint += instrument_.joint_noise * random_.normal();
     return found.joints;

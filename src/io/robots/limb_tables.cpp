@@ -171,6 +171,10 @@ Geometry limbs_geometry(Section& root) {
     const std::vector<LimbDescription> copies = repeated(limb);
     limbs.insert(limbs.end(), copies.begin(), copies.end());
   }
+  if (has_slide && std::ranges::any_of(limbs, on_single_rods, &LimbDescription::kind)) {
+    plate->fail(*plate->find("slide_axis"),
+                fmt::format("expected {} and no slide for limbs with one rod", plate->key_path("freedoms")));
+  }
   return geometry_of_limbs(std::move(limbs), freedoms);
 }
 
