@@ -128,7 +128,7 @@ TEST_F(Hexapod, WhatIsNotDoneForItSaysSo) {
     const ProgramResult result = run(std::string(command) + " --robot h.toml");
     EXPECT_EQ(result.exit_code, kWrongUsage) << command << result.err;
     EXPECT_THAT(result.err,
-                testing::AnyOf(HasSubstr("stay level"), HasSubstr("stays level"), HasSubstr("tilt_x"),
+                testing::AnyOf(HasSubstr("stay level"), HasSubstr("keep level"), HasSubstr("tilt_x"),
                                HasSubstr("orientation of this plate is measured"), HasSubstr("for limbs with one rod")))
         << command;
   }
