@@ -432,7 +432,8 @@ TEST_P(TemplateLaw, WhatIsOfLevelPlatesIsRefused) {
   };
   expect_refused([&] { (void)paper_plan(robot, Stage::fine); },
                  "poses by stage: expected a robot whose plate three or four parallelograms keep level");
-  expect_refused([&] { (void)compensator_parameters(robot, {}); }, "compensator: expected a robot whose plate three or four parallelograms keep level");
+  expect_refused([&] { (void)compensator_parameters(robot, {}); },
+                 "compensator: expected a robot whose plate three or four parallelograms keep level");
   expect_refused([&] { (void)allocate(robot, EqualInfluence{}); }, "equal influence: expected a robot whose plate");
   for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware}) {
     expect_refused([&] { (void)pose_corrector(robot, {}, way); }, "way: expected exact for limbs with one rod");
