@@ -1,6 +1,7 @@
 #include "gcode_origin.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace paracal::io {
 namespace {
@@ -11,9 +12,9 @@ constexpr std::size_t kAlongTool = 2;
 
 }  // namespace
 
-GcodeOrigin::GcodeOrigin(const WorkOffsets& offsets, const std::optional<ToolTable>& tools)
+GcodeOrigin::GcodeOrigin(const WorkOffsets& offsets, std::optional<ToolTable> tools)
     : system_(offsets.active),
-      tools_(tools),
+      tools_(std::move(tools)),
       knows_shift_before_(std::ranges::any_of(offsets.systems, [](const auto& one) { return one.has_value(); })) {
   for (std::size_t k = 0; k < systems_.size(); ++k) {
     const auto known = k > 0 ? offsets.systems.at(k - 1) : std::nullopt;

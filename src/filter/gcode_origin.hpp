@@ -19,7 +19,7 @@ namespace paracal::io {
 /// (G55 of a controller nobody has asked, tool 3). Two of the same base differ by what is known.
 class GcodeOrigin {
  public:
-  GcodeOrigin(const WorkOffsets& offsets, const std::optional<ToolTable>& tools);
+  GcodeOrigin(const WorkOffsets& offsets, std::optional<ToolTable> tools);
 
   // What these do to the coordinates of places that are known: what is to be added, or nothing: the place is lost.
   using Change = std::array<std::optional<double>, kAxes>;

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <string_view>
 
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/units.hpp"
@@ -99,22 +100,22 @@ double generous_of_one_rod(Source source, Actuator kind) {
 ///               0.7 mm/m.
 double generous_of_parallelogram(Source source, Actuator kind, double width) {
   if (is_joint_zero(source)) return kind == Actuator::linear ? 3.0 : to_radians(1.5);
-  static const std::map<Source, double> kGenerous{{Source("e_x"), 3.0},
-                                                  {Source("e_y"), 3.0},
-                                                  {Source("e_z"), 3.0},
-                                                  {Source("arm_length"), 0.8},
-                                                  {Source("gain"), 1.0},
-                                                  {Source("alpha0"), to_radians(0.3)},
-                                                  {Source("beta0"), to_radians(0.3)},
-                                                  {Source("rod_mean"), 2.4},
-                                                  {Source("rod_difference"), 0.22e-3},
-                                                  {Source("width_difference"), 0.90e-3},
-                                                  {Source("alpha03"), 0.26e-3},
-                                                  {Source("beta03"), 0.52e-3},
-                                                  {Source("alpha2"), 0.25e-3},
-                                                  {Source("beta2"), 0.84e-3}};
+  static const std::map<std::string_view, double> kGenerous{{"e_x", 3.0},
+                                                            {"e_y", 3.0},
+                                                            {"e_z", 3.0},
+                                                            {"arm_length", 0.8},
+                                                            {"gain", 1.0},
+                                                            {"alpha0", to_radians(0.3)},
+                                                            {"beta0", to_radians(0.3)},
+                                                            {"rod_mean", 2.4},
+                                                            {"rod_difference", 0.22e-3},
+                                                            {"width_difference", 0.90e-3},
+                                                            {"alpha03", 0.26e-3},
+                                                            {"beta03", 0.52e-3},
+                                                            {"alpha2", 0.25e-3},
+                                                            {"beta2", 0.84e-3}};
   const bool over_width = tilts_plate(source) && source.unit() == Unit::mm;
-  return kGenerous.at(source) * (over_width ? width : 1.0);
+  return kGenerous.at(source.name()) * (over_width ? width : 1.0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string_view>
 
 #include "cutting_planes.hpp"
 #include "paracal/error.hpp"
@@ -59,13 +60,13 @@ void check_yield(const AllocationProblem& problem) {
 void check(const AllocationProblem& problem) {
   if (problem.variables.empty()) throw InvalidArgument("allocation: expected a tolerance to choose, got none");
   if (problem.requirements.empty()) throw InvalidArgument("allocation: expected a requirement, got none");
-  std::set<Source> seen;
+  std::set<std::string_view> seen;
   for (const DesignVariable& variable : problem.variables) {
     if (variable.sources.empty())
       throw InvalidArgument("allocation: expected a source error for each variable, got none");
     const std::string what(name(variable.sources.front()));
     for (const Source source : variable.sources) {
-      if (!seen.insert(source).second)
+      if (!seen.insert(source.name()).second)
         throw InvalidArgument(fmt::format("{}: expected one variable for it, got two", name(source)));
     }
     check_curve(variable, what);

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "paracal/error.hpp"
@@ -194,6 +195,126 @@ TEST(StrutFile, RobotsOfArmsDoNotTilt) {
   std::string tilted = arms;
   tilted.replace(tilted.find("top_z_mm"), 0, "tilt_deg = 3\n");
   expect_refused(tilted, "expected nothing for a plate that stays level");
+}
+
+/// The template with its first limb alone, which stands for all.
+std::string repeated(std::string_view kind, std::string_view keys) {
+  std::string text = robot_template(kind).text;
+  const std::size_t first = text.find("\n[[limb]]") + 1, second = text.find("\n[[limb]]", first) + 1;
+  const std::size_t behind = text.find("\n[", text.rfind("\n[[limb]]") + 1);
+  text.erase(second, behind - second);
+  return text.insert(text.find('\n', first) + 1, std::string(keys) + "\n");
+}
+
+/// Dimensions of the template are rounded to 0.001 mm.
+TEST(LimbTables, RepeatedAndMirroredLimbsAreThoseOfTheTemplate) {
+  const Robot whole = read_robot(robot_template("6-rss"));
+  const Robot robot = read_robot({"r.toml", repeated("6-rss", "repeat = 3\nmirrored = true")});
+  const auto& limbs = robot.geometry().limbs;
+  ASSERT_EQ(limbs.size(), 6u);
+  for (const LimbDescription& wanted : whole.geometry().limbs) {
+    EXPECT_TRUE(std::ranges::any_of(limbs, [&](const LimbDescription& one) {
+      const double off = (one.base - wanted.base).norm() + (one.plate - wanted.plate).norm() +
+                         (one.axis - wanted.axis).norm() + (one.at_zero - wanted.at_zero).norm();
+      return off < 0.01;
+    })) << wanted.base.transpose();
+  }
+  EXPECT_EQ(robot_toml(read_robot({"r.toml", robot_toml(robot)})), robot_toml(robot));
+}
+
+TEST(LimbTables, CopiesThatMakeNoSenseAreRefused) {
+  expect_refused(repeated("6-rss", "repeat = 2.5"), "expected a number of limbs from 1 to 8 for limb.repeat, got 2.5");
+  expect_refused(repeated("6-rss", "repeat = 9"), "limb.repeat, got 9");
+  expect_refused(repeated("6-rss", "repeat = 6\nmirrored = true"), "expected 6 to 8 limbs");
+  expect_refused(repeated("6-rss", "repeat = 6\nmirrored = 1"), "limb.mirrored");
+  expect_refused(repeated("hexapod", "parallelogram_width_mm = 60"), "expected an arm or a rail to carry");
+}
+
+constexpr const char* kDelta = R"(name = "rotary_delta"
+[plate]
+freedoms = ["x", "y", "z"]
+[[limb]]
+kind = "arm"
+repeat = 3
+base_joint_mm = [200, 0, 0]
+plate_joint_mm = [45, 0, 0]
+arm_mm = 180
+axis = [0, -1, 0]
+arm_at_zero = [1, 0, 0]
+rod_mm = 400
+parallelogram_width_mm = 80
+[workspace]
+radius_mm = 80
+height_mm = 100
+top_z_mm = -300
+)";
+constexpr const char* kShort = R"(name = "rotary_delta"
+[geometry]
+base_radius_mm = 200
+plate_radius_mm = 45
+arm_mm = 180
+rod_mm = 400
+parallelogram_width_mm = 80
+limb_azimuth_deg = [0, 120, 240]
+actuator = "revolute"
+[workspace]
+radius_mm = 80
+height_mm = 100
+top_z_mm = -300
+)";
+
+/// Limb by limb it is the Delta of the short form: all errors move it alike.
+TEST(LimbTables, ADeltaLimbByLimbIsTheDelta) {
+  const Robot robot = read_robot({"limbs.toml", kDelta}), wanted = read_robot({"short.toml", kShort});
+  EXPECT_TRUE(robot.is_level());
+  ASSERT_EQ(robot.parameters().size(), wanted.parameters().size());
+  test::Random random;
+  const SourceErrors errors = random.errors(wanted, 0.5, 2e-3);
+  const Machine one = build(robot, errors), other = build(wanted, errors);
+  for (int k = 0; k < 100; ++k) {
+    const Pose pose = random.pose(wanted);
+    const Joints joints = inverse(one, pose).joints;
+    EXPECT_LT((joints - inverse(other, pose).joints).norm(), 1e-10);
+    EXPECT_LT((forward(one, joints).plate.position - forward(other, joints).plate.position).norm(), 1e-8);
+  }
+}
+
+TEST(LimbTables, JointsOfTwoUnitsAreRefused) {
+  std::string text = kDelta;
+  text.replace(text.find("repeat = 3"), 10, "repeat = 2");
+  const std::string rail =
+      "[[limb]]\nkind = \"rail\"\nbase_joint_mm = [0, 300, 0]\nplate_joint_mm = [0, 45, 0]\nrod_mm = 400\n"
+      "parallelogram_width_mm = 80\ndirection = [0, 0, 1]\n";
+  expect_refused(text.insert(text.find("[workspace]"), rail), "joint coordinates of one unit");
+}
+
+/// Three parallelograms, or six rods: fewer hold no plate without guides.
+TEST(LimbTables, ParallelogramsWithTooFewRodsAreRefused) {
+  std::string text = kDelta;
+  text.replace(text.find("repeat = 3"), 10, "repeat = 2");
+  const std::string arm =
+      "[[limb]]\nkind = \"arm\"\nbase_joint_mm = [0, 200, 0]\nplate_joint_mm = [0, 45, 0]\nrod_mm = 400\narm_mm = 180\n"
+      "axis = [1, 0, 0]\narm_at_zero = [0, 1, 0]\n";
+  expect_refused(text.insert(text.find("[workspace]"), arm), "expected 6 rods or more");
+}
+
+TEST(ErrorTables, AreReadByTheNumberOfTheirLimb) {
+  const Robot robot = read_robot({"limbs.toml", kDelta});
+  const auto read = [&](const std::string& text) { return read_source_errors({"e.toml", text}, robot.joint_space()); };
+  const SourceErrors errors = read("[[error]]\nlimb = 3\narm_length_mm = 0.5\n[[error]]\nlimb = 1\ne_mm = [1, 2, 3]\n");
+  EXPECT_EQ(errors(2, "arm_length"), 0.5);
+  EXPECT_EQ(errors(0, "e_y"), 2.0);
+  EXPECT_EQ(errors(1, "arm_length"), 0.0);
+  const std::string in_file = std::string(kDelta) + "[[error]]\nlimb = 2\nrod_mean_mm = 0.25\n";
+  EXPECT_EQ(read(in_file)(1, "rod_mean"), 0.25);
+  EXPECT_EQ(read_robot({"limbs.toml", in_file}).intended()(1, "rod_mean"), 0.0);
+  const auto refused = [&](const std::string& text, const char* why) {
+    EXPECT_THAT([&] { (void)read(text); }, ThrowsMessage<InputFileError>(HasSubstr(why)));
+  };
+  refused("[[error]]\nlimb = 4\n", "e.toml:2: expected a limb from 1 to 3");
+  refused("[[error]]\nlimb = 1\n[[error]]\nlimb = 1\n", "e.toml:4: expected each limb once, got limb 1 again");
+  refused("[[error]]\narm_length_mm = 1\n", "limb");
+  refused("[[error]]\nlimb = 1\nplate_mm = [1, 2, 3]\n", "plate_mm");
 }
 
 }  // namespace

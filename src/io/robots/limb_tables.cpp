@@ -162,7 +162,7 @@ std::vector<LimbDescription> repeated(Section& table) {
 
 Geometry limbs_geometry(Section& root) {
   std::optional<Section> plate = root.optional_table("plate");
-  const bool has_slide = plate && plate->find("slide_axis");
+  const bool has_slide = plate && plate->find("slide_axis") != nullptr;
   const PlateFreedoms freedoms = has_slide ? kLevelPlate
                                  : plate   ? freedoms_of(*plate)
                                            : PlateFreedoms{};  // first: limbs may be unknown ones, too
