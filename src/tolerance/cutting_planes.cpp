@@ -70,8 +70,10 @@ Eigen::VectorXd non_negative(const Eigen::MatrixXd& A, const Eigen::VectorXd& b)
 
 }  // namespace
 
-Eigen::VectorXd half_widths_of(const std::vector<double>& x) {
-  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).array().exp();
+Eigen::VectorXd half_widths_of(const std::vector<double>& logarithms) {
+  return Eigen::Map<const Eigen::VectorXd>(logarithms.data(), static_cast<Eigen::Index>(logarithms.size()))
+      .array()
+      .exp();
 }
 
 Objective cost_objective(const AllocationProblem& problem, double unit_cost) {
