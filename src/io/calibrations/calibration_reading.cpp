@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "io/robots/same_robot.hpp"
@@ -65,10 +66,10 @@ ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
 
 /// Every source error once, within what a part can be off.
 void read_parameters(const JsonNode& entries, const Robot& robot, CalibratedMachine& machine) {
-  std::set<std::pair<std::size_t, Source>> seen;
+  std::set<std::pair<std::size_t, std::string_view>> seen;
   for (const JsonNode& entry : entries.entries()) {
     const auto [estimate, is_sought] = read_parameter(entry, robot);
-    if (!seen.insert({estimate.limb, estimate.source}).second) {
+    if (!seen.insert({estimate.limb, name(estimate.source)}).second) {
       entry.refuse(
           fmt::format("expected every error once, got {} of limb {} again", name(estimate.source), estimate.limb + 1));
     }
