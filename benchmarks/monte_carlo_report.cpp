@@ -33,7 +33,7 @@ class Parts {
  public:
   Parts(const TiltTask& task, unsigned threads)
       : response_(task.robot, {task.requirement.characteristic}, task.poses),
-        drawing_(response_.linear(), *task.robot.tolerances()),
+        drawing_(task.robot, response_.linear(), *task.robot.tolerances()),
         errors_(drawing_.matrix().cols(), kChunk),
         square_(Eigen::MatrixXd::Random(kSize, kSize)),
         arena_(static_cast<int>(threads)) {

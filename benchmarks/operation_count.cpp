@@ -4,6 +4,7 @@
 
 #include "floor.hpp"
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/machine_impl.hpp"
 
 namespace paracal::benchmark {

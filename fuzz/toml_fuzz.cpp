@@ -21,7 +21,7 @@ void read(const Input& input) {
       written = io::source_errors_toml(io::read_source_errors(file, joints), joints);
       return must_read([&] { (void)io::read_source_errors({"written.toml", written}, joints); });
     case 2:
-      written = io::tolerances_toml(io::read_tolerances(file, known), known.actuator());
+      written = io::tolerances_toml(io::read_tolerances(file, known), known.geometry());
       return must_read([&] { (void)io::read_tolerances({"written.toml", written}, known); });
     default:
       return (void)io::read_allocation_problem(file, tolerances_of(known), known);
