@@ -60,7 +60,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   if (robot.is_level()) return of_level_plate(robot, known, way, controller);
   if (way == CompensationWay::exact) return of_six_freedoms(robot, known, controller);
   throw InvalidArgument(
-      "way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");
+      "way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
 }
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {

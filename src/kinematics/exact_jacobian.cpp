@@ -67,7 +67,7 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
       residual_to_plate = -normal.solve(linear.jacobian.transpose());
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
   const int limbs = detail::limbs_of<N>(machine);
-  jacobian.plate.setZero(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
+  jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   int row = 0;
   for (int i = 0; i < limbs; ++i) {
     auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
@@ -79,11 +79,12 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
       continue;
     }
     if constexpr (N != 6) {
-      for (const double sign : {1.0, -1.0}) {
-        of_limb += residual_to_plate.col(row) *
-                   rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[row], sign);
-        ++row;
-      }
+      const auto rod = [&](int k, double sign) {
+        return rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[k], sign);
+      };
+      of_limb.noalias() = residual_to_plate.col(row) * rod(row, 1.0);
+      of_limb.noalias() += residual_to_plate.col(row + 1) * rod(row + 1, -1.0);
+      row += 2;
     }
   }
   jacobian.ok = true;

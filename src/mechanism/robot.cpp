@@ -7,11 +7,11 @@
 #include <numbers>
 #include <utility>
 
+#include "described_limbs.hpp"
 #include "paracal/error.hpp"
 #include "paracal/mechanism/machine_impl.hpp"
 #include "paracal/mechanism/plausible.hpp"
 #include "paracal/units.hpp"
-#include "single_rods.hpp"
 #include "singularity.hpp"
 
 namespace paracal {

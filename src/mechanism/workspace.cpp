@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "described_limbs.hpp"
 #include "paracal/error.hpp"
-#include "single_rods.hpp"
 
 namespace paracal {
 

@@ -84,7 +84,8 @@ int component_count(Quantity quantity) {
 std::string_view why_not_asked(const Robot& robot, Characteristic characteristic) {
   if (characteristic.quantity == Quantity::rotation && !robot.slide()) return "expected a robot with a slide";
   if (characteristic.compensated && !robot.is_level()) {
-    return "calibration corrects all errors of limbs with one rod: expected a robot on parallelograms";
+    return "expected a robot whose plate three or four parallelograms keep level: calibration corrects all errors of "
+           "others";
   }
   if (!robot.nominal().has_guides) return {};
   const auto& free = robot.geometry().freedoms.free;

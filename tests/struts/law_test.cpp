@@ -436,7 +436,7 @@ TEST_P(TemplateLaw, WhatIsOfLevelPlatesIsRefused) {
                  "compensator: expected a robot whose plate three or four parallelograms keep level");
   expect_refused([&] { (void)allocate(robot, EqualInfluence{}); }, "equal influence: expected a robot whose plate");
   for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware}) {
-    expect_refused([&] { (void)pose_corrector(robot, {}, way); }, "way: expected exact for limbs with one rod");
+    expect_refused([&] { (void)pose_corrector(robot, {}, way); }, "way: expected exact: the linear methods");
   }
 }
 

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/fit/observation.hpp"
+#include "calibration/fit/sought.hpp"
 #include "kinematics/joint_gaps.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -130,6 +132,33 @@ CalibrationOptions with_joints(double sigma) {
   options.diagnose = false;
   options.noise.joint = sigma;
   return options;
+}
+
+/// The rows by which a joint that stands elsewhere is seen. A gain of its drive moves the gap by 1.5 % otherwise.
+TEST_P(SpareLimbs, RowsFollowTheJoints) {
+  RandomStream stream(1);
+  const SourceErrors truth = draw_errors(robot, tolerances_of(robot), stream);
+  const Measurements read = simulate(robot, truth, plan, {}, stream);
+  const CalibrationOptions options = with_joints(0.005);
+  const auto gap_rows = [&](double by, Eigen::MatrixXd* by_joint) {
+    Measurements moved = read;
+    (*moved.stations[3].believed)(1) += by;
+    detail::Observation observation(robot, moved, options, detail::all_with_priors(robot, options));
+    const Eigen::VectorXd unknowns = *observation.start(truth);
+    const auto states = observation.stations(unknowns);
+    const auto group = std::ranges::find_if(observation.groups(), [&](const detail::Group& one) {
+      return one.station == 3 && observation.series_of(one).quantity() == detail::Quantity::gap;
+    });
+    Eigen::MatrixXd block;
+    observation.rows(*group, *states, unknowns, block, by_joint);
+    return Eigen::VectorXd(block.rightCols<1>());
+  };
+  constexpr double kStep = 1e-3;  // mm
+  Eigen::MatrixXd by_joint;
+  EXPECT_LT(gap_rows(0.0, &by_joint).norm(), 1e-6);
+  const Eigen::VectorXd difference = (gap_rows(kStep, nullptr) - gap_rows(-kStep, nullptr)) / (2.0 * kStep);
+  EXPECT_GT(difference.norm(), 1.0);
+  EXPECT_LT((by_joint.col(1) - difference).norm(), 0.03 * difference.norm());
 }
 
 /// The tolerance, 1e-6 mm or mrad, is the issue's: of what the readings determine.

@@ -46,6 +46,11 @@ void take_selection(const CalibrateArguments& options, CalibrationOptions& calib
 }
 
 CalibrationOptions calibration_options(const CalibrateArguments& options, const Robot& robot) {
+  if (options.joint_sigma > 0.0 && robot.nominal().gap_count() == 0) {
+    throw WrongUsage(
+        "--joint-sigma: expected a robot with more limbs than degrees of freedom and one rod on each, got " +
+        robot.name());
+  }
   CalibrationOptions calibration;
   calibration.method = options.method == "paper" ? Method::paper : Method::best;
   calibration.stage = options.stage == "rough"  ? Stage::rough

@@ -113,7 +113,7 @@ class LargestUncertainty {
 PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
   if (!robot.is_level() && way != "exact") {
     throw WrongUsage(
-        "--way: expected exact for limbs with one rod: the linear methods are for limbs with parallelograms");
+        "--way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
   }
   return pose_corrector(robot, machine.known(), kWays.at(way), machine.controller.computes_with(robot));
 }

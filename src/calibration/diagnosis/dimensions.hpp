@@ -18,10 +18,10 @@ struct Dimension {
   SourceErrors direction = {};  ///< what all limbs have in common per mm or rad that it is larger
 };
 
-/// base_radius_mm, plate_radius_mm, arm_mm, rod_mm; none of limbs with one rod.
+/// base_radius_mm, plate_radius_mm, arm_mm, rod_mm; none of limbs with their own dimensions.
 std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot);
 /// The numbers of the file that errors show: base_radius_mm, plate_radius_mm, arm_mm, rod_mm and limb_azimuth_deg of
-/// each limb; of limbs with one rod their lengths.
+/// each limb; of limbs with their own dimensions the lengths of these.
 std::vector<Dimension> dimensions(const Robot& robot);
 
 /// pinion_radius_mm, of a plate with a slide.

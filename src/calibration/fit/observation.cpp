@@ -143,8 +143,8 @@ void Observation::keep_nominal_derivative() {
   last_stations_.reset();
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     let_interrupt();
-    nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints_[k], start_of(k)).plate));
-    nominal_.back().motions = motions_at(robot_.nominal(), nominal_.back().plate, k);
+    nominal_.push_back(state_of(robot_.nominal(), forward(robot_.nominal(), joints_[k], start_of(k)).plate, k));
+    nominal_.back().motions = motions_at(nominal_.back(), k);
   }
 }
 
@@ -195,36 +195,35 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
     let_interrupt();
     const ForwardResult pose = forward(machine, joints_[k], start_of(k));
     if (!pose.ok()) return nullptr;
-    StationState& state = answer->states.emplace_back(state_of(machine, pose.plate));
+    StationState& state = answer->states.emplace_back(state_of(machine, pose.plate, k));
     if (!nominal_.empty()) {
       state.derived_at = nominal_[k].derived_at;
       state.motions = nominal_[k].motions;
     } else if (keeps_motions_) {
-      state.motions = motions_at(machine, pose.plate, k);
+      state.motions = motions_at(state, k);
     }
-    if (!gap_bases_.empty()) state.gaps = joint_gaps(machine, pose.plate, joints_[k], gap_bases_[k]).gap;
     if (state.motions && state.motions->jacobian.cols() != source_count()) return nullptr;
   }
   return {answer, &answer->states};
 }
 
-StationState Observation::state_of(const Machine& machine, const PlateState& plate) {
-  return {plate, machine.rotation_of(plate.slide), &machine, plate.position};
+StationState Observation::state_of(const Machine& machine, const PlateState& plate, std::size_t station) const {
+  StationState state{plate, machine.rotation_of(plate.slide), &machine, plate.position};
+  if (!gap_bases_.empty()) state.gaps = joint_gaps(machine, plate, joints_[station], gap_bases_[station]);
+  return state;
 }
 
-StationMotions Observation::motions_at(const Machine& machine, const PlateState& plate, std::size_t station) const {
-  const Joints& joints = joints_[station];
-  const PlateMotions motions = plate_jacobian(machine, plate, joints, moving_);
+StationMotions Observation::motions_at(const StationState& state, std::size_t station) const {
+  const PlateMotions motions = plate_jacobian(*state.machine, state.plate, joints_[station], moving_);
   if (motions.cols() == 0) return {};
   const auto limbs = static_cast<Eigen::Index>(robot_.limb_count());
   StationMotions all{motions.leftCols(source_count()), motions.rightCols(limbs)};
   if (gap_bases_.empty()) return all;
-  const Eigen::MatrixXd by_parameter = joint_gaps(machine, plate, joints, gap_bases_[station]).by_parameter;
-  Eigen::MatrixXd gaps(by_parameter.rows(), motions.cols());
-  for (Eigen::Index k = 0; k < gaps.cols(); ++k) {
-    const SoughtSource& one = moving_[static_cast<std::size_t>(k)];
-    gaps.col(k) = by_parameter.col(static_cast<Eigen::Index>(machine.parameter(one.limb, one.source)));
+  std::vector<Eigen::Index> columns;
+  for (const SoughtSource& one : moving_) {
+    columns.push_back(static_cast<Eigen::Index>(state.machine->parameter(one.limb, one.source)));
   }
+  const Eigen::MatrixXd gaps = state.gaps.by_parameter(Eigen::all, columns);
   all.gaps = gaps.leftCols(source_count());
   all.gaps_by_joint = gaps.rightCols(limbs);
   return all;
@@ -233,12 +232,12 @@ StationMotions Observation::motions_at(const Machine& machine, const PlateState&
 const StationMotions& Observation::motions_of(std::size_t station, const StationState& state,
                                               StationMotions& fresh) const {
   if (state.motions) return *state.motions;
-  fresh = motions_at(*state.machine, state.plate, station);
+  fresh = motions_at(state, station);
   if (fresh.jacobian.cols() != source_count()) {  // it closes there, but singular: such a reading says nothing
     fresh = {PlateMotions::Zero(7, source_count()),
              PlateMotions::Zero(7, static_cast<Eigen::Index>(robot_.limb_count())),
-             Eigen::MatrixXd::Zero(state.gaps.size(), source_count()),
-             Eigen::MatrixXd::Zero(state.gaps.size(), static_cast<Eigen::Index>(robot_.limb_count()))};
+             Eigen::MatrixXd::Zero(state.gaps.gap.size(), source_count()),
+             Eigen::MatrixXd::Zero(state.gaps.gap.size(), static_cast<Eigen::Index>(robot_.limb_count()))};
   }
   return fresh;
 }

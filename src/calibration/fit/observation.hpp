@@ -151,9 +151,9 @@ class Observation {
   void check_station(
       std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
       const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  static StationState state_of(const Machine& machine, const PlateState& plate);
+  StationState state_of(const Machine& machine, const PlateState& plate, std::size_t station) const;
   /// @returns motions of no columns where the machine is singular.
-  StationMotions motions_at(const Machine& machine, const PlateState& plate, std::size_t station) const;
+  StationMotions motions_at(const StationState& state, std::size_t station) const;
   void add_joint_readings();
   ForwardOptions start_of(std::size_t station) const { return starts_.empty() ? ForwardOptions{} : starts_[station]; }
 

@@ -39,12 +39,11 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
   StationMotions fresh;
   const StationMotions& motions = motions_of(group.station, stations[group.station], fresh);
   auto sources = block.middleCols(nuisance_count_, source_count());
-  if (const double per_gap = series_of(group).per_gap(); per_gap > 0.0) {
-    sources = factor * per_gap * motions.gaps;
-    if (by_joint != nullptr) *by_joint = by_joints(group, by_plate, motions);
-    return;
+  if (series_of(group).follows_gaps()) {
+    sources.noalias() = by_plate.leftCols(motions.gaps.rows()) * motions.gaps;
+  } else {
+    sources.noalias() = by_plate * motions.jacobian;
   }
-  sources.noalias() = by_plate * motions.jacobian;
   if (group.is_relative()) {
     sources.noalias() -= by_plate * stations[group.from].motions->jacobian;
     if (components_.joint > 0.0) {
@@ -56,9 +55,8 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
 
 Eigen::MatrixXd Observation::by_joints(const Group& group, const ByPlate& by_plate,
                                        const StationMotions& motions) const {
-  const double per_gap = series_of(group).per_gap();
-  if (per_gap == 0.0) return by_plate * motions.by_joint;
-  return per_gap * std::sqrt(group.weight) / noise_factor(group) * motions.gaps_by_joint;
+  if (!series_of(group).follows_gaps()) return by_plate * motions.by_joint;
+  return by_plate.leftCols(motions.gaps_by_joint.rows()) * motions.gaps_by_joint;
 }
 
 /// Readings that share a station share how far its joints are off; here each has its own.

@@ -12,15 +12,15 @@ Group JointReadings::group(std::size_t index) const {
 }
 
 ByPlate JointReadings::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const {
-  const Eigen::VectorXd& gaps = at.stations[index].gaps;
+  const Eigen::VectorXd& gaps = at.stations[index].gaps.gap;
   block.setZero(gaps.size(), at.unknowns.size() + 1);
   block.rightCols<1>() = gaps / sigma_;
-  return ByPlate::Zero(gaps.size(), 7);
+  return ByPlate::Identity(gaps.size(), 7) / sigma_;
 }
 
 /// Root mean square, mm.
 Residual JointReadings::residual(std::size_t index, const Placed& at) const {
-  const Eigen::VectorXd& gaps = at.stations[index].gaps;
+  const Eigen::VectorXd& gaps = at.stations[index].gaps.gap;
   return {Eigen::Matrix<double, 1, 1>(ratio_ * gaps.norm() / std::sqrt(static_cast<double>(gaps.size())))};
 }
 

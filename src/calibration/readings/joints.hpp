@@ -19,7 +19,7 @@ class JointReadings final : public ReadingSeries {
   Group group(std::size_t index) const override;
   double sigma(std::size_t /*index*/) const override { return ratio_ * sigma_; }
   Quantity quantity() const override { return Quantity::gap; }
-  double per_gap() const override { return 1.0 / sigma_; }
+  bool follows_gaps() const override { return true; }
   void take_columns(Eigen::Index& /*next*/, bool /*seeks_scale*/) override {}
   void start(const std::vector<StationState>& /*stations*/, Eigen::VectorXd& /*unknowns*/) override {}
   void add_priors(const Eigen::VectorXd& /*unknowns*/, InformationRoot& /*root*/) const override {}

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "kinematics/joint_gaps.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/prediction.hpp"
@@ -41,7 +42,7 @@ struct StationState {
   const Machine* machine = nullptr;  ///< which stands there, of the same answer
   Eigen::Vector3d derived_at = {};   ///< where the plate centre was when the motions were taken: here, or at the
                                      ///< nominal machine
-  Eigen::VectorXd gaps = {};         ///< of the joints, see JointGaps; only where they are readings
+  JointGaps gaps = {};               ///< only where joints are readings
   std::optional<StationMotions> motions = {};  ///< empty where there are too many stations to keep them all
 };
 
@@ -147,8 +148,8 @@ class ReadingSeries {
   /// @returns the derivative by the plate's motion at the reading's station, less that at what it is relative to.
   virtual ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const = 0;
   virtual Residual residual(std::size_t index, const Placed& at) const = 0;
-  /// Its rows follow the gaps of the joints at its station, by this much, and not the plate; 0: the plate.
-  virtual double per_gap() const { return 0.0; }
+  /// Its rows follow the gaps of the joints at its station, and not the plate: what rows() returns is by these.
+  virtual bool follows_gaps() const { return false; }
   /// How many of a reading's rows, from the fourth on, are of an orientation.
   virtual Eigen::Index orientation_rows(std::size_t /*index*/) const { return 0; }
 

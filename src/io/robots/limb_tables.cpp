@@ -107,7 +107,7 @@ bool define_limbs(const toml::table& document) {
 PlateFreedoms freedoms_of(Section plate) {
   PlateFreedoms freedoms{.free = {}};
   if (!plate.find("freedoms")) {
-    plate.fail(fmt::format("expected {} and no slide for limbs with one rod", plate.key_path("freedoms")));
+    plate.fail(fmt::format("expected {} for limbs with their own dimensions", plate.key_path("freedoms")));
   }
   for (const std::string& name : plate.texts("freedoms")) {
     const auto* coordinate = std::ranges::find(kPlateCoordinates, name);

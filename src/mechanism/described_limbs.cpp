@@ -1,4 +1,4 @@
-#include "single_rods.hpp"
+#include "described_limbs.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to mechanism: what is asked of a plate on limbs with one rod before it is a robot.
+// Private to mechanism: what is asked of limbs with their own dimensions before they are a robot.
 
 #include <optional>
 #include <string>
