@@ -8,11 +8,16 @@
 namespace paracal {
 namespace {
 
+/// A column a source error of a limb with two rods: known when compiling, and so fast.
+constexpr int kOfParallelogram = static_cast<int>(sources_of(Actuator::revolute).size());
+static_assert(sources_of(Actuator::linear).size() == kOfParallelogram);
+using ParallelogramRow = Eigen::Matrix<double, 1, kOfParallelogram>;
+
 /// df_ij / dp for the sources of limb i; `sign` is +1 for rod 1 and -1 for rod 2. A point that a source error turns
 /// about an axis moves by axis x lever; the rod shortens by n.(motion at the elbow) and lengthens by n.(motion at the
 /// plate).
-detail::SourceRow rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow,
-                                 const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n, double sign) {
+ParallelogramRow rod_derivative(const Limb& limb, double joint, const Elbow<double>& elbow,
+                                const Eigen::Matrix3d& rotation, const Eigen::Vector3d& n, double sign) {
   const Eigen::Vector3d elbow_half = sign * elbow.half;
   const Eigen::Vector3d elbow_lever = elbow.lever + elbow_half;
   const Eigen::Vector3d plate_half = rotation * (0.5 * sign * limb.plate_width * limb.plate_frame.col(2));
@@ -26,7 +31,7 @@ detail::SourceRow rod_derivative(const Limb& limb, double joint, const Elbow<dou
   };
   const auto plate_turn = [&](const Eigen::Vector3d& axis) { return n.dot(axis.cross(plate_half)); };
 
-  detail::SourceRow derivative(static_cast<Eigen::Index>(sources_of(limb.actuator).size()));
+  ParallelogramRow derivative;
   const auto at = [&](Source source) -> double& {
     return derivative(static_cast<Eigen::Index>(place_in(limb.actuator, source)));
   };
@@ -70,20 +75,20 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   int row = 0;
   for (int i = 0; i < limbs; ++i) {
-    auto of_limb = jacobian.plate.middleCols(machine.first_parameter[i],
-                                             machine.first_parameter[i + 1] - machine.first_parameter[i]);
-    if (machine.limbs[i].has_one_rod()) {
-      of_limb = residual_to_plate.col(row) *
-                detail::single_rod_derivative(machine.limbs[i], joints(i), rotation, linear.direction[row]);
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Index first = machine.first_parameter[i];
+    if (limb.has_one_rod()) {
+      const detail::SourceRow rod = detail::single_rod_derivative(limb, joints(i), rotation, linear.direction[row]);
+      jacobian.plate.middleCols(first, rod.size()) = residual_to_plate.col(row) * rod;
       ++row;
       continue;
     }
     if constexpr (N != 6) {
-      const auto rod = [&](int k, double sign) {
-        return rod_derivative(machine.limbs[i], joints(i), elbows[i], rotation, linear.direction[k], sign);
-      };
-      of_limb.noalias() = residual_to_plate.col(row) * rod(row, 1.0);
-      of_limb.noalias() += residual_to_plate.col(row + 1) * rod(row + 1, -1.0);
+      Eigen::Matrix<double, 2, kOfParallelogram> rods;
+      rods.row(0) = rod_derivative(limb, joints(i), elbows[i], rotation, linear.direction[row], 1.0);
+      rods.row(1) = rod_derivative(limb, joints(i), elbows[i], rotation, linear.direction[row + 1], -1.0);
+      jacobian.plate.template block<detail::kUnknowns<N>, kOfParallelogram>(0, first) =
+          residual_to_plate.template middleCols<2>(row).lazyProduct(rods);
       row += 2;
     }
   }
