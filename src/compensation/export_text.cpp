@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "embedded.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/version.hpp"
+#include "variants.hpp"
 
 namespace paracal {
 
@@ -76,10 +80,62 @@ std::string remarks(const ExportOrigin& origin, std::string_view begin) {
   return text;
 }
 
+/// The unit of all joints, or of either kind.
+std::string joint_units(const Robot& robot) {
+  const std::vector<Actuator> kinds = kinds_of(robot.geometry());
+  const auto in_mm = [](Actuator kind) { return joint_unit(kind) == Unit::mm; };
+  const auto lengths = std::ranges::count_if(kinds, in_mm);
+  if (lengths == 0) return "rad";
+  return std::cmp_equal(lengths, kinds.size()) ? "mm" : "rad or mm";
+}
+
+/// "six struts", "4 limbs with one or two rods".
+std::string plate_in_words(const Robot& robot) {
+  if (robot.is_level()) return fmt::format("a plate that {} parallelograms keep level", robot.limb_count());
+  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  const std::string plate = freedoms.are_all() ? "a plate" : fmt::format("a plate free in {}", in_words(freedoms));
+  return fmt::format("{} on {} limbs", plate, robot.limb_count());
+}
+
+/// What a variant leaves, and on which poses it was measured.
+std::string worst_in_words(const ExportedMachine& exported) {
+  const double micrometres = 1e3 * exported.worst;
+  const std::string poses = fmt::format("at {} poses of the workspace", kVariantPoses);
+  if (micrometres < 1e-3) return "below 0.001 um " + poses;
+  return fmt::format("at most {:.2g} um {}, against the exact method", micrometres, poses);
+}
+
+std::string method_in_words(const ExportedMachine& exported) {
+  const std::string exact = "inverse of the identified machine with all its errors";
+  if (!exported.searches()) return fmt::format("exact: {}, in closed form", exact);
+  switch (exported.variant) {
+    case ExportVariant::one_step:
+      return "one step: closed form, then one step of the search for the tilt";
+    case ExportVariant::single:
+      return fmt::format("float: closed form in double, then {} steps for the tilt in float", kSingleSteps);
+    default:
+      return fmt::format("exact: {}; at most {} steps for the tilt", exact, closure::kMostSteps);
+  }
+}
+
+/// What one compensation computes, as a sentence.
+std::string operations(const ExportedMachine& exported) {
+  const RecordedMachine& recorded = exported.recorded;
+  OperationCount count;
+  add(count, recorded.closed, recorded, 1);
+  const std::string_view functions = "sines, cosines and arctangents";
+  if (!exported.searches()) return brief(count, functions) + " per call";
+  const int steps = usual_steps(exported.variant);
+  add(count, recorded.answer, recorded, 1);
+  add(count, recorded.step, recorded, static_cast<std::size_t>(steps));
+  const bool varies = exported.variant == ExportVariant::exact;
+  return fmt::format("{} per call with {} steps{}", brief(count, functions), steps, varies ? ", the usual number" : "");
+}
+
 }  // namespace
 
 Values head(const Robot& robot, const ExportOrigin& origin) {
-  const bool in_mm = joint_unit(robot.actuator()) == Unit::mm;
+  const std::string unit = joint_units(robot);
   return {{"PROGRAM", fmt::format("paracal {}", version())},
           {"ROBOT", harmless(robot.name())},
           {"CALIBRATION", harmless(origin.calibration)},
@@ -91,35 +147,65 @@ Values head(const Robot& robot, const ExportOrigin& origin) {
           {"PLAIN_REMARKS", remarks(origin, "")},
           {"LIMBS", std::to_string(robot.limb_count())},
           {"LAST_JOINT", std::to_string(robot.limb_count() - 1)},
-          {"JOINT_UNIT", in_mm ? "mm" : "rad"},
-          {"SHOWN_JOINT_UNIT", in_mm ? "mm" : "deg"},
-          {"JOINT_TOLERANCE", in_mm ? "1.0E-9" : "1.7E-11"},
-          {"SERIES_REACH", decimal(kSeriesReach)},
-          {"MOST_STEPS", std::to_string(kMostSteps)},
-          {"SETTLED", decimal(kSettled<double>)}};
+          {"JOINT_UNIT", unit},
+          {"SHOWN_JOINT_UNIT", unit == "rad"  ? "deg"
+                               : unit == "mm" ? "mm"
+                                              : "deg or mm"},
+          {"SERIES_REACH", decimal(closure::kSeriesReach)},
+          {"MOST_STEPS", std::to_string(closure::kMostSteps)},
+          {"SETTLED", decimal(closure::kSettled<double>)}};
 }
 
-ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors)
-    : parameters(compensator_parameters(robot, errors)),
-      cases(self_test(robot, parameters)),
-      recorded(record(parameters)) {}
-
-std::string operations(const ExportedMachine& machine) {
-  const RecordedMachine& recorded = machine.recorded;
-  OperationCount count;
-  add(count, recorded.level, recorded, 1);
-  if (machine.parameters.tilts_plate == 0) return brief(count, "arctangents") + " per call";
-  add(count, recorded.answer, recorded, 1);
-  add(count, recorded.step, recorded, 4);
-  return fmt::format("{} per call with four steps, the usual number", brief(count, "arctangents"));
+void add_head(const Robot& robot, const ExportedMachine& exported, Values& values) {
+  const std::size_t free = exported.places.size();
+  const bool is_exact = !exported.searches() || exported.variant == ExportVariant::exact;
+  const bool in_mm = joint_units(robot) == "mm";
+  // What a variant leaves, in the poses that are found from joints, and in the joints; arms are longer than 100 mm.
+  const double slack = is_exact ? 0.0 : 4.0 * exported.worst;
+  const double joint_slack = joint_units(robot) == "rad" ? 0.01 * slack : slack;
+  values.emplace_back("PLATE", plate_in_words(robot));
+  values.emplace_back("METHOD", method_in_words(exported));
+  values.emplace_back("WORST", worst_in_words(exported));
+  values.emplace_back("OPERATIONS", operations(exported));
+  values.emplace_back("RATES_ERROR",
+                      exported.searches()
+                          ? fmt::format("of the closed form: within {:.1g} of the largest of a coordinate",
+                                        1.5 * rate_error(robot, exported.machine))
+                          : "exact");
+  values.emplace_back("FREE", std::to_string(free));
+  values.emplace_back("NUMBERS", std::to_string(exported.recorded.numbers.size()));
+  values.emplace_back("LAYOUT", decimal(parameter_set(exported.recorded).layout));
+  values.emplace_back("TESTS", std::to_string(exported.cases.size()));
+  values.emplace_back("AGREEMENT", exported.machine.spare_limbs() == 0 ? decimal(1e-6 + joint_slack)
+                                   : in_mm                             ? "1.0"
+                                                                       : "0.01");
+  values.emplace_back("SMALLEST_STEP", decimal(1e-9 + slack));
+  values.emplace_back("JOINT_TOLERANCE", decimal((in_mm ? 2e-9 : 3.4e-11) + joint_slack));
+  values.emplace_back("POSE_TOLERANCE", decimal(1e-6 + slack));
 }
 
-std::string operations(const Procedure& joints, Actuator actuator) {
-  return brief(joints.count(), swings_arm(actuator) ? "sines, cosines and arctangents" : "sines and cosines") +
-         " per call";
+ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin)
+    : machine(built_for_export(robot, errors)),
+      variant(origin.variant),
+      cases(self_test(robot, machine)),
+      recorded(record(machine)),
+      places(commanded_places(machine)),
+      worst(variant_error(robot, machine, variant)) {}
+
+std::string coordinate_name(const Machine& machine, std::size_t place) {
+  constexpr std::array kNames{"x_mm", "y_mm", "z_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad"};
+  return place == 5 && machine.has_slide() ? "phi_rad" : kNames.at(place);
+}
+
+double coordinate_of(const Machine& machine, const Pose& pose, std::size_t place) {
+  if (place == 5 && machine.has_slide()) return pose.rotation;
+  const auto k = static_cast<Eigen::Index>(place);
+  return k < 3 ? pose.position(k) : pose.tilt(k - 3);
 }
 
 std::string decimal(double value) {
+  constexpr double kNothing = 1e-30;  // rounding's, of a coordinate that is 0: below the range of REAL it is refused
+  if (std::abs(value) < kNothing) value = 0.0;
   std::string text = fmt::format("{}", value);
   const std::size_t exponent = text.find('e');
   if (text.find('.') == std::string::npos) text.insert(std::min(exponent, text.size()), ".0");

@@ -23,17 +23,27 @@ Values head(const Robot& robot, const ExportOrigin& origin);
 
 /// A machine as exports need it.
 struct ExportedMachine {
-  CompensatorParameters<double> parameters;
+  Machine machine;
+  ExportVariant variant;
   std::vector<SelfTestCase> cases;
   RecordedMachine recorded;
+  std::vector<std::size_t> places;  ///< in pose[6] of what can be commanded
+  double worst;                     ///< error of the variant over the workspace, mm
 
-  ExportedMachine(const Robot& robot, const SourceErrors& errors);
+  /// @throws InvalidArgument unless has_compensator(); Unreachable when the centre of the workspace is out of reach.
+  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+
+  bool searches() const { return recorded.state_size > 0; }
 };
 
-/// What one compensation computes, as a sentence.
-std::string operations(const ExportedMachine& machine);
-/// The same of one on limbs with one rod.
-std::string operations(const Procedure& joints, Actuator actuator);
+/// What the head says of a machine and its compensator.
+void add_head(const Robot& robot, const ExportedMachine& exported, Values& values);
+
+/// A commanded coordinate as inputs and pins call it: "x_mm", "tilt_y_rad"; "phi_rad" of a slide.
+std::string coordinate_name(const Machine& machine, std::size_t place);
+
+/// Coordinate k of x, y, z, tilt_x, tilt_y, tilt_z or, of a slide, phi.
+double coordinate_of(const Machine& machine, const Pose& pose, std::size_t place);
 
 /// A number with a decimal point, the fewest digits that give it back.
 std::string decimal(double value);

@@ -69,9 +69,26 @@ Expression sqrt(const Expression& a) {
   return {Operation::square_root, {a}};
 }
 
-Expression sin(const Expression& a) { return {Operation::sine, {a}}; }
+Expression sin(const Expression& a) {
+  if (is_constant(a)) return Expression(std::sin(a->value));
+  return {Operation::sine, {a}};
+}
 
-Expression cos(const Expression& a) { return {Operation::cosine, {a}}; }
+Expression cos(const Expression& a) {
+  if (is_constant(a)) return Expression(std::cos(a->value));
+  return {Operation::cosine, {a}};
+}
+
+ArmDirection<Expression> turn_by(const Expression& angle) {
+  if (is_constant(angle)) return turn_by_any(angle);
+  return {Expression(Operation::turn_cosine, {angle}), Expression(Operation::turn_sine, {angle})};
+}
+
+ClosureDrive drive_of(const ClosureLimb<Expression>& limb) {
+  return static_cast<ClosureDrive>(static_cast<int>(limb.drive->value));
+}
+
+std::size_t rod_count(const ClosureLimb<Expression>& limb) { return static_cast<std::size_t>(limb.rods->value); }
 
 Expression atan2(const Expression& y, const Expression& x) { return {Operation::arctangent, {y, x}}; }
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "paracal/compensation/compensator.hpp"
+#include "paracal/mechanism/machine_closure.hpp"
 
-// A number of compensator.hpp's templates that remembers how it came about: run once on it, they become formulas that a
-// printer of a controller's language writes down (procedure.hpp).
+// A number of machine_closure.hpp's templates that remembers how it came about: run once on it, they become formulas
+// that a printer of a controller's language writes down (procedure.hpp).
 
 namespace paracal::compensation_detail {
 
@@ -78,10 +78,12 @@ Expression atan2(const Expression& y, const Expression& x);
 /// Of a size that is not negative, and signs other than those of zeros.
 Expression copysign(const Expression& size, const Expression& sign);
 
-inline bool runs_on_rail(const CompensatorLimb<Expression>& limb) { return !limb.on_rail.is(0.0); }
+ClosureDrive drive_of(const ClosureLimb<Expression>& limb);
+std::size_t rod_count(const ClosureLimb<Expression>& limb);
 
-inline ArmDirection<Expression> turn_by(const Expression& angle) {
-  return {Expression(Operation::turn_cosine, {angle}), Expression(Operation::turn_sine, {angle})};
-}
+inline ArmDirection<Expression> turn_by_any(const Expression& angle) { return {cos(angle), sin(angle)}; }
+
+/// By functions of the template; of a constant its cosine and sine.
+ArmDirection<Expression> turn_by(const Expression& angle);
 
 }  // namespace paracal::compensation_detail

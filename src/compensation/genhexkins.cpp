@@ -5,7 +5,6 @@
 
 #include "export_text.hpp"
 #include "paracal/error.hpp"
-#include "single_rods.hpp"
 
 namespace paracal {
 namespace {

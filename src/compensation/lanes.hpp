@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <limits>
 
-#include "paracal/compensation/compensator.hpp"
+#include "paracal/mechanism/machine_closure.hpp"
 
-// A number of compensator.hpp's templates that is several: one a lane of a vector register.
+// A number of machine_closure.hpp's templates that is several: one a lane of a vector register.
 
-namespace paracal::compensation_detail {
+namespace paracal::closure {
 
 inline constexpr std::size_t kLanes = 8;
 
@@ -81,8 +81,20 @@ inline Lanes atan2(const Lanes& y, const Lanes& x) {
   return choose(y.values < 0.0, -angle, angle);
 }
 
-/// All lanes hold the same limb.
-inline bool runs_on_rail(const CompensatorLimb<Lanes>& limb) { return limb.on_rail[0] != 0.0; }
+// All lanes hold the same limb.
+inline ClosureDrive drive_of(const ClosureLimb<Lanes>& limb) {
+  return static_cast<ClosureDrive>(static_cast<int>(limb.drive[0]));
+}
+inline std::size_t rod_count(const ClosureLimb<Lanes>& limb) { return static_cast<std::size_t>(limb.rods[0]); }
+
+inline ArmDirection<Lanes> turn_by_any(const Lanes& angle) {
+  ArmDirection<Lanes> turn;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    turn.cosine.set(k, std::cos(angle[k]));
+    turn.sine.set(k, std::sin(angle[k]));
+  }
+  return turn;
+}
 
 /// NaN beyond the reach of the series: such lanes are left to the scalar compensator.
 inline ArmDirection<Lanes> turn_by(const Lanes& angle) {
@@ -90,4 +102,4 @@ inline ArmDirection<Lanes> turn_by(const Lanes& angle) {
   return turn_by_series(near);
 }
 
-}  // namespace paracal::compensation_detail
+}  // namespace paracal::closure

@@ -143,7 +143,7 @@ std::string joint(const Robot& robot, std::size_t number, const Travel& travel, 
 
 std::string joints(const Robot& robot, const SourceErrors& errors) {
   const auto parameters = compensator_parameters<double>(robot, errors);
-  const Joints home = self_test(robot, parameters).front().joints;
+  const Joints home = self_test(robot, build(robot, errors)).front().joints;
   const std::vector<Travel> travels = joint_travels(robot, parameters, home);
   std::string text;
   for (std::size_t i = 0; i < travels.size(); ++i) {

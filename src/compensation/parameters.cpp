@@ -1,50 +1,51 @@
 #include "paracal/compensation/parameters.hpp"
 
+#include <fmt/format.h>
+
+#include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
-#include "paracal/mechanism/level.hpp"
-#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
 
 namespace paracal {
 namespace {
 
-static_assert(kCompensatorLimbs <= kMaxLimbs);
+static_assert(kCompensatorLimbs == kMaxLimbs);
 
-template <typename Scalar>
-CompensatorVector<Scalar> rounded(const Eigen::Vector3d& v) {
-  return {static_cast<Scalar>(v.x()), static_cast<Scalar>(v.y()), static_cast<Scalar>(v.z())};
+/// Bit k of coordinate k that a machine can be commanded to: x, y, z, tilt_x, tilt_y, tilt_z, phi.
+std::uint32_t commanded(const Machine& machine) {
+  std::uint32_t bits = machine.has_slide() ? 1U << 6U : 0U;
+  for (std::size_t k = 0; k < machine.freedoms.free.size(); ++k) {
+    if (machine.freedoms.free.at(k)) bits |= 1U << k;
+  }
+  return bits;
 }
 
-template <typename Scalar>
-CompensatorLimb<Scalar> compensator_limb(const Machine& machine, const Limb& limb) {
-  CompensatorLimb<Scalar> constants;
-  constants.base = rounded<Scalar>(limb.base);
-  constants.radial = rounded<Scalar>(limb.frame.col(0));
-  constants.normal = rounded<Scalar>(limb.frame.col(1));
-  constants.axis = rounded<Scalar>(limb.frame.col(2));
-  constants.plate = rounded<Scalar>(limb.plate);
-  constants.slide = rounded<Scalar>(limb.slide_sign * machine.pinion_radius * machine.slide_axis);
-  constants.elbow_half = rounded<Scalar>(0.5 * limb.elbow_width * limb.elbow_frame.col(2));
-  constants.plate_half = rounded<Scalar>(0.5 * limb.plate_width * limb.plate_frame.col(2));
-  constants.rod = {static_cast<Scalar>(limb.rod[0]), static_cast<Scalar>(limb.rod[1])};
-  constants.arm = static_cast<Scalar>(limb.arm);
-  constants.on_rail = limb.actuator == Actuator::linear ? Scalar(1) : Scalar(0);
-  constants.joint_per_mm = static_cast<Scalar>(1.0 / limb.gain);
-  constants.joint_offset = static_cast<Scalar>(limb.joint_offset);
-  return constants;
+void check_compensated(const Robot& robot) {
+  if (has_compensator(robot)) return;
+  throw InvalidArgument(fmt::format(
+      "compensator: expected no more limbs than degrees of freedom where limbs have two rods, got {}: write "
+      "corrected targets with paracal compensate --targets",
+      robot.name()));
 }
 
 }  // namespace
 
+bool has_compensator(const Robot& robot) { return robot.nominal().spare_limbs() == robot.nominal().gap_count(); }
+
 template <typename Scalar>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors) {
-  check_level(robot, "compensator");
+  check_compensated(robot);
   const Machine identified = build(robot, errors);
   CompensatorParameters<Scalar> parameters;
   parameters.limb_count = static_cast<std::uint32_t>(identified.limb_count);
   parameters.tilts_plate = identified.tilts_plate ? 1 : 0;
+  parameters.is_level = identified.is_level ? 1 : 0;
+  parameters.commanded = commanded(identified);
+  parameters.held_z.fill(identified.freedoms.holds_z() ? static_cast<Scalar>(identified.guided_z) : Scalar(0));
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
-    parameters.identified[i] = compensator_limb<Scalar>(identified, identified.limbs[i]);
-    parameters.nominal[i] = compensator_limb<Scalar>(robot.nominal(), robot.nominal().limbs[i]);
+    parameters.identified[i] = closure_limb<Scalar>(identified, i);
+    parameters.nominal[i] = closure_limb<Scalar>(robot.nominal(), i);
+    if (!identified.is_level) continue;
     const std::span<const Source> own = sources_of(robot.actuator());
     for (std::size_t k = 0; k < own.size(); ++k) {
       const auto error = static_cast<Scalar>(robot.parameter(i, own[k]).lever * errors(i, own[k]));

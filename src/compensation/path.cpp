@@ -17,11 +17,9 @@
 namespace paracal {
 namespace {
 
-using compensation_detail::Arms, compensation_detail::choose, compensation_detail::dot, compensation_detail::kLanes,
-    compensation_detail::Lanes, compensation_detail::sum;
+using closure::Arms, closure::dot, closure::Lanes, closure::sum, closure::kLanes;
 
-using Limb = CompensatorLimb<Lanes>;
-using LaneLimbs = std::array<Limb, kCompensatorLimbs>;
+using LaneLimbs = ClosureLimbs<Lanes, kLevelLimbs>;
 
 Lanes larger(const Lanes& a, const Lanes& b) { return choose(a.values > b.values, a, b); }
 
@@ -33,9 +31,11 @@ bool all(const Lanes::Mask& mask) {
 }
 
 /// The same limbs in every lane.
-LaneLimbs in_lanes(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
-  constexpr std::size_t kNumbers = sizeof(limbs) / sizeof(double);
-  const auto numbers = std::bit_cast<std::array<double, kNumbers>>(limbs);
+LaneLimbs in_lanes(const ClosureLimbs<double, kCompensatorLimbs>& limbs) {
+  ClosureLimbs<double, kLevelLimbs> level;
+  std::ranges::copy_n(limbs.begin(), kLevelLimbs, level.begin());
+  constexpr std::size_t kNumbers = sizeof(level) / sizeof(double);
+  const auto numbers = std::bit_cast<std::array<double, kNumbers>>(level);
   std::array<Lanes, kNumbers> lanes;
   std::ranges::transform(numbers, lanes.begin(), [](double number) { return Lanes(number); });
   return std::bit_cast<LaneLimbs>(lanes);
@@ -46,13 +46,13 @@ struct Nominal {
   LaneLimbs limbs;
   /// From the identified arms to the nominal ones: cos and sin of the offset between them; of rails the ratio of the
   /// gains, and the offset, mm.
-  Arms<Lanes, kCompensatorLimbs> offsets;
+  Arms<Lanes, kLevelLimbs> offsets;
 };
 
 struct Block {
   CompensatorPose<Lanes> pose;
   CompensatorJoints<Lanes> joints;
-  CompensatorVector<Lanes> tilt{};
+  ClosureVector<Lanes> tilt{};
   Lanes::Mask good;                  ///< lanes whose answer stands
   const Nominal* nominal = nullptr;  ///< of which targets are wanted
   CompensatorPose<Lanes> target{};
@@ -63,19 +63,19 @@ struct Block {
 template <std::size_t N>
 Arms<Lanes, N> settle(const LaneLimbs& limbs, const Arms<Lanes, N>& level, Block& block) {
   constexpr int kMaxSteps = 8;
-  auto state = compensation_detail::level_pose(limbs, level);
-  const auto answer = compensation_detail::answer_at(limbs, block.pose, state.arms);
+  closure::TiltedPose<Lanes, N> state{closure::unit_arms(limbs, level)};
+  const auto answer = closure::answer_at(limbs, block.pose, closure::kSlide, state.arms);
   Lanes before(1.0);
   Lanes::Mask settled{};
   for (int count = 0; count < kMaxSteps; ++count) {
     Lanes largest(0.0), sum(0.0);
-    for (const Lanes& change : compensation_detail::step(limbs, block.pose, answer, state)) {
+    for (const Lanes& change : closure::step(limbs, block.pose, closure::kSlide, answer, state)) {
       largest = larger(abs(change), largest);
       sum = sum + change;
     }
     const Lanes::Mask finite = is_finite(sum);
     settled |= finite & (largest.values <= before.values) &
-               ((largest * largest).values <= (Lanes(compensation_detail::kSettled<double>) * before).values);
+               ((largest * largest).values <= (Lanes(closure::kSettled<double>) * before).values);
     if (all(settled | ~finite)) break;
     before = largest;
   }
@@ -87,48 +87,48 @@ Arms<Lanes, N> settle(const LaneLimbs& limbs, const Arms<Lanes, N>& level, Block
 
 /// Where the joints of these arms take the elbows of the nominal robot.
 template <std::size_t N>
-std::array<CompensatorVector<Lanes>, N> nominal_elbows(const Nominal& nominal, const Arms<Lanes, N>& arms) {
-  std::array<CompensatorVector<Lanes>, N> centres;
+std::array<ClosureVector<Lanes>, N> nominal_elbows(const Nominal& nominal, const Arms<Lanes, N>& arms) {
+  std::array<ClosureVector<Lanes>, N> centres;
   for (std::size_t i = 0; i < N; ++i) {
     const auto [c, s] = nominal.offsets[i];
     const auto [cosine, sine] = arms[i];
-    const ArmDirection<Lanes> arm = compensation_detail::runs_on_rail(nominal.limbs[i])
+    const ArmDirection<Lanes> arm = closure::moves_in_mm(nominal.limbs[i])
                                         ? ArmDirection<Lanes>{cosine, c * sine - s}
                                         : ArmDirection<Lanes>{c * cosine + s * sine, c * sine - s * cosine};
-    centres[i] = compensation_detail::elbow_of(nominal.limbs[i], arm).centre;
+    centres[i] = closure::elbow_of(nominal.limbs[i], arm).centre;
   }
   return centres;
 }
 
-Lanes size_of(const CompensatorVector<Lanes>& v) { return larger(larger(abs(v[0]), abs(v[1])), abs(v[2])); }
+Lanes size_of(const ClosureVector<Lanes>& v) { return larger(larger(abs(v[0]), abs(v[1])), abs(v[2])); }
 
 /// A step of Newton's on |r + a_i + phi s_i - C_i| = l_i.
 struct PlateStep {
-  CompensatorVector<Lanes> position{};  ///< mm
-  Lanes phi{0.0};                       ///< rad
-  Lanes gain{0.0};                      ///< how far the plate moves if one rod changes, mm a mm
+  ClosureVector<Lanes> position{};  ///< mm
+  Lanes phi{0.0};                   ///< rad
+  Lanes gain{0.0};                  ///< how far the plate moves if one rod changes, mm a mm
 };
 
 /// @param lever  mm a rad of phi.
 template <std::size_t N>
-PlateStep step_to_rods(const LaneLimbs& limbs, const std::array<CompensatorVector<Lanes>, N>& centres,
-                       const CompensatorVector<Lanes>& position, const Lanes& phi, const Lanes& lever) {
-  using compensation_detail::RodMotion;
+PlateStep step_to_rods(const LaneLimbs& limbs, const std::array<ClosureVector<Lanes>, N>& centres,
+                       const ClosureVector<Lanes>& position, const Lanes& phi, const Lanes& lever) {
+  using closure::RodMotion;
   std::array<RodMotion<Lanes>, N> motions;
   std::array<Lanes, N> excess;
   for (std::size_t i = 0; i < N; ++i) {
-    const auto joint = sum(position, compensation_detail::plate_joint(limbs[i], phi));
+    const auto joint = sum(position, closure::plate_joint(limbs[i], phi));
     const auto rod = sum(joint, centres[i], Lanes(-1.0));
     const Lanes length = sqrt(dot(rod, rod));
-    const auto along = compensation_detail::scaled(rod, Lanes(1.0) / length);
+    const auto along = closure::scaled(rod, Lanes(1.0) / length);
     motions[i] = {along, dot(along, limbs[i].slide)};
     excess[i] = length - limbs[i].rod[0];
   }
   PlateStep step;
-  for (std::size_t i = 0; const RodMotion<Lanes>& dual : compensation_detail::dual_motions(motions)) {
+  for (std::size_t i = 0; const RodMotion<Lanes>& dual : closure::dual_motions(motions)) {
     step.position = sum(step.position, dual.position, -excess[i]);
-    step.phi = step.phi - excess[i++] * dual.phi;
-    step.gain = larger(step.gain, larger(size_of(dual.position), lever * abs(dual.phi)));
+    step.phi = step.phi - excess[i++] * dual.fourth;
+    step.gain = larger(step.gain, larger(size_of(dual.position), lever * abs(dual.fourth)));
   }
   return step;
 }
@@ -142,8 +142,8 @@ void find_target(const Arms<Lanes, N>& arms, Block& block) {
   constexpr double kSettled = 1e-5, kNear = 50.0, kHeld = 20.0;  // mm, mm, mm a mm
   const LaneLimbs& limbs = block.nominal->limbs;
   const auto centres = nominal_elbows<N>(*block.nominal, arms);
-  const CompensatorVector<Lanes> wanted{block.pose.x, block.pose.y, block.pose.z};
-  CompensatorVector<Lanes> position = wanted;
+  const ClosureVector<Lanes> wanted{block.pose.x, block.pose.y, block.pose.z};
+  ClosureVector<Lanes> position = wanted;
   Lanes phi = block.pose.phi;
   const Lanes lever(std::sqrt(dot(limbs[0].slide, limbs[0].slide)[0]));
   Lanes::Mask settled{}, held = ~settled;
@@ -156,18 +156,18 @@ void find_target(const Arms<Lanes, N>& arms, Block& block) {
   }
   const Lanes off = larger(size_of(sum(position, wanted, Lanes(-1.0))), lever * abs(phi - block.pose.phi));
   block.good &= settled & held & (off.values < kNear);
-  block.target = {position[0], position[1], position[2], phi};
+  block.target = {.x = position[0], .y = position[1], .z = position[2], .phi = phi};
 }
 
 template <std::size_t N>
 void solve(const LaneLimbs& limbs, bool tilts_plate, Block& block) {
-  Arms<Lanes, N> arms = compensation_detail::level_arms<N>(limbs, block.pose);
-  if (block.nominal == nullptr) compensation_detail::joints_of(limbs, arms, block.joints);
+  Arms<Lanes, N> arms = closure::closed_arms<N>(limbs, block.pose, closure::LevelPlate{});
+  if (block.nominal == nullptr) closure::joints_of(limbs, arms, block.joints);
   block.good = block.pose.phi.values == (N == 4 ? block.pose.phi : Lanes(0.0)).values;
   if (tilts_plate) {
     arms = settle<N>(limbs, arms, block);
   } else if (block.nominal != nullptr) {
-    arms = compensation_detail::level_pose(limbs, arms).arms;
+    arms = closure::unit_arms(limbs, arms);
   }
   if (block.nominal != nullptr) find_target<N>(arms, block);
   for (std::size_t i = 0; i < N; ++i) block.good &= is_finite(block.joints[i]);
@@ -204,11 +204,11 @@ void solve(const CompensatorParameters<double>& parameters, const LaneLimbs& lim
 /// The nominal robot, and by how much its joints differ from the identified arms.
 Nominal nominal_robot(const CompensatorParameters<double>& parameters) {
   Nominal nominal{in_lanes(parameters.nominal), {}};
-  for (std::size_t i = 0; i < kCompensatorLimbs; ++i) {
-    const CompensatorLimb<double>&is = parameters.identified[i], &meant = parameters.nominal[i];
+  for (std::size_t i = 0; i < kLevelLimbs; ++i) {
+    const ClosureLimb<double>&is = parameters.identified[i], &meant = parameters.nominal[i];
     const double ratio = is.joint_per_mm / meant.joint_per_mm;
     const double offset = ratio * is.joint_offset - meant.joint_offset;
-    nominal.offsets[i] = compensation_detail::runs_on_rail(meant)
+    nominal.offsets[i] = closure::moves_in_mm(meant)
                              ? ArmDirection<Lanes>{Lanes(ratio), Lanes(offset)}
                              : ArmDirection<Lanes>{Lanes(std::cos(offset)), Lanes(std::sin(offset))};
   }
@@ -224,6 +224,13 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
   if (joints.size() != size || statuses.size() != size || (!tilts.empty() && tilts.size() != size)) {
     throw std::invalid_argument("compensate_path: expected joints, statuses and tilts for each pose");
   }
+  if (parameters.is_level == 0) {
+    for (std::size_t k = 0; k < size; ++k) {
+      CompensatorTilt<double>* const tilt = tilts.empty() ? nullptr : &tilts[k];
+      statuses[k] = compensate(parameters, CompensationWay::exact, poses[k], joints[k], tilt);
+    }
+    return;
+  }
   const LaneLimbs limbs = in_lanes(parameters.identified);
   for (std::size_t first = 0; first < size; first += kLanes) {
     Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}};
@@ -237,7 +244,7 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
       }
       joints[at] = {};
       for (std::size_t i = 0; i < parameters.limb_count; ++i) joints[at][i] = block.joints[i][k];
-      if (tilt != nullptr) *tilt = {block.tilt[0][k], block.tilt[1][k]};
+      if (tilt != nullptr) *tilt = {block.tilt[0][k], block.tilt[1][k], block.tilt[2][k]};
       statuses[at] = CompensationStatus::ok;
     }
   }
@@ -246,15 +253,17 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
 void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<std::optional<CompensatorPose<double>>> targets) {
   if (targets.size() != poses.size()) throw std::invalid_argument("nominal_targets: expected a target for each pose");
+  std::ranges::fill(targets, std::nullopt);
+  if (parameters.is_level == 0) return;
   const LaneLimbs limbs = in_lanes(parameters.identified);
   const Nominal nominal = nominal_robot(parameters);
   for (std::size_t first = 0; first < poses.size(); first += kLanes) {
     Block block{.pose = load(poses.subspan(first)), .joints = {}, .tilt = {}, .good = {}, .nominal = &nominal};
     solve(parameters, limbs, block);
+    const ClosurePose<Lanes>& at = block.target;
     for (std::size_t k = 0; k < std::min(kLanes, poses.size() - first); ++k) {
-      targets[first + k].reset();
-      const auto& [x, y, z, phi] = block.target;
-      if (block.good[k] != 0) targets[first + k] = CompensatorPose<double>{x[k], y[k], z[k], phi[k]};
+      if (block.good[k] == 0) continue;
+      targets[first + k] = CompensatorPose<double>{.x = at.x[k], .y = at.y[k], .z = at.z[k], .phi = at.phi[k]};
     }
   }
 }

@@ -1,5 +1,9 @@
 #include "paracal/compensation/pose_correction.hpp"
 
+#include <cmath>
+#include <functional>
+#include <optional>
+
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -7,60 +11,81 @@
 namespace paracal {
 namespace {
 
-PoseCorrector of_level_plate(const Robot& robot, const KnownErrors& known, CompensationWay way,
-                             const Robot& controller) {
-  const Compensator<double> compensator(compensator_parameters(robot, known.errors), way);
-  std::optional<CompensatorCovariance<double>> covariance;
-  if (known.covariance.size() > 0) {
-    covariance = compensator_covariance(robot, known.parameters, known.pose_covariance());
-  }
-  return [=](const Pose& wanted) {
-    const CompensatorPose<double> pose = compensator_pose(wanted);
-    CompensatorJoints<double> joints{};
-    CorrectedPose found;
-    found.status = compensator.compensate(pose, joints, &found.tilt);
-    if (found.status != CompensationStatus::ok) return found;
-    found.joints = compensated_joints(robot, joints);
-    found.target = corrected_target(controller, found.joints, wanted);
-    CompensatorUncertainty<double> U;
-    if (covariance && stated_uncertainty(compensator.parameters(), *covariance, pose, U) == CompensationStatus::ok) {
-      found.uncertainty = {{U.x, U.y, U.z}, U.phi};
-    }
-    return found;
-  };
-}
-
 CompensationStatus status_of(InverseStatus status) {
   if (status == InverseStatus::reached) return CompensationStatus::ok;
   return status == InverseStatus::unreachable ? CompensationStatus::unreachable : CompensationStatus::singular;
 }
 
-PoseCorrector of_six_freedoms(const Robot& robot, const KnownErrors& known, const Robot& controller) {
-  const Eigen::MatrixXd covariance = known.covariance.size() > 0 ? known.pose_covariance() : Eigen::MatrixXd();
-  return [=, actual = build(robot, known.errors), parameters = known.parameters](const Pose& wanted) {
-    CorrectedPose found;
-    found.status = CompensationStatus::not_finite;
-    if (!wanted.position.allFinite() || !wanted.tilt.allFinite()) return found;
+using JointFinder = std::function<CorrectedPose(const Pose& wanted)>;
+
+/// As `inverse --errors` has them.
+JointFinder exact_joints(const Machine& actual) {
+  return [=](const Pose& wanted) {
+    CorrectedPose found{.status = CompensationStatus::not_finite, .joints = {}};
+    if (!wanted.position.allFinite() || !wanted.tilt.allFinite() || !std::isfinite(wanted.rotation)) return found;
     const InverseResult solution = inverse(actual, wanted);
     found.status = status_of(solution.status);
-    if (!solution.ok()) return found;
     found.joints = solution.joints;
-    found.target = corrected_target(controller, found.joints, wanted);
-    if (const auto U = plate_uncertainty(actual, plate_at(actual, wanted), found.joints, parameters, covariance)) {
-      found.uncertainty = {U->head<3>(), 0.0, U->tail<3>()};
-    }
+    found.tilt = {solution.tilt.x(), solution.tilt.y(), solution.tilt.z()};
     return found;
   };
+}
+
+JointFinder linear_joints(const Robot& robot, const SourceErrors& errors, CompensationWay way) {
+  return [=, compensator = Compensator<double>(compensator_parameters(robot, errors), way)](const Pose& wanted) {
+    CompensatorJoints<double> joints{};
+    CorrectedPose found;
+    found.status = compensator.compensate(closure_pose(wanted), joints, &found.tilt);
+    found.joints = compensated_joints(robot, joints);
+    return found;
+  };
+}
+
+using UncertaintyFinder = std::function<std::optional<StatedU>(const Pose& wanted, const Joints& joints)>;
+
+UncertaintyFinder of_level_plate(const Robot& robot, const KnownErrors& known) {
+  return [parameters = compensator_parameters(robot, known.errors),
+          covariance = compensator_covariance(robot, known.parameters, known.pose_covariance())](
+             const Pose& wanted, const Joints&) -> std::optional<StatedU> {
+    CompensatorUncertainty<double> U;
+    if (stated_uncertainty(parameters, covariance, closure_pose(wanted), U) != CompensationStatus::ok) return {};
+    return StatedU{{U.x, U.y, U.z}, U.phi};
+  };
+}
+
+UncertaintyFinder of_any_plate(const Machine& actual, const KnownErrors& known) {
+  return [actual, parameters = known.parameters, covariance = known.pose_covariance()](
+             const Pose& wanted, const Joints& joints) -> std::optional<StatedU> {
+    const auto U = plate_uncertainty(actual, plate_at(actual, wanted), joints, parameters, covariance);
+    if (!U) return {};
+    return StatedU{U->head<3>(), 0.0, U->tail<3>()};
+  };
+}
+
+UncertaintyFinder uncertainty_of(const Robot& robot, const Machine& actual, const KnownErrors& known) {
+  if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
+  return robot.is_level() ? of_level_plate(robot, known) : of_any_plate(actual, known);
 }
 
 }  // namespace
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
                              const Robot& controller) {
-  if (robot.is_level()) return of_level_plate(robot, known, way, controller);
-  if (way == CompensationWay::exact) return of_six_freedoms(robot, known, controller);
-  throw InvalidArgument(
-      "way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
+  if (way != CompensationWay::exact && !robot.is_level()) {
+    throw InvalidArgument(
+        "way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
+  }
+  const Machine actual = build(robot, known.errors);
+  const JointFinder find_joints =
+      way == CompensationWay::exact ? exact_joints(actual) : linear_joints(robot, known.errors, way);
+  const UncertaintyFinder find_uncertainty = uncertainty_of(robot, actual, known);
+  return [=](const Pose& wanted) {
+    CorrectedPose found = find_joints(wanted);
+    if (found.status != CompensationStatus::ok) return found;
+    found.target = corrected_target(controller, found.joints, wanted);
+    found.uncertainty = find_uncertainty(wanted, found.joints);
+    return found;
+  };
 }
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {

@@ -1,150 +1,236 @@
 #include "recording.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <string_view>
 #include <utility>
 
-#include "named_constants.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
 
 namespace paracal::compensation_detail {
 namespace {
 
-using RecordedLimbs = std::array<CompensatorLimb<Expression>, kCompensatorLimbs>;
+using closure::Answer, closure::Arms, closure::RodMotion, closure::TiltedPose, closure::Vector;
+
+template <std::size_t N>
+using RecordedLimbs = ClosureLimbs<Expression, N>;
 using RecordedValues = std::vector<Expression>;
 
-RecordedLimbs named_limbs(const std::array<CompensatorLimb<double>, kCompensatorLimbs>& limbs) {
-  RecordedLimbs result;
-  for (std::size_t i = 0; i < limbs.size(); ++i) {
-    const NamedConstants constants(i);
-    const CompensatorLimb<double>& limb = limbs[i];
-    result[i] = {.base = constants.named("base", limb.base),
-                 .radial = constants.named("radial", limb.radial),
-                 .normal = constants.named("normal", limb.normal),
-                 .axis = constants.named("axis", limb.axis),
-                 .plate = constants.named("plate", limb.plate),
-                 .slide = constants.named("slide", limb.slide),
-                 .elbow_half = constants.named("elbow_half", limb.elbow_half),
-                 .plate_half = constants.named("plate_half", limb.plate_half),
-                 .rod = constants.named("rod", limb.rod),
-                 .arm = constants.named("arm", limb.arm),
-                 .joint_offset = constants.named("joint_offset", limb.joint_offset),
-                 .on_rail = Expression(limb.on_rail),
-                 .joint_per_mm = constants.named("joint_per_mm", limb.joint_per_mm)};
-  }
-  return result;
+Expression input(std::string_view name, std::size_t index) {
+  return Expression(Symbol{.name = name, .limb = -1, .index = static_cast<int>(index)});
 }
 
-/// A rigid plate is asked for no rotation.
-template <std::size_t N>
-CompensatorPose<Expression> asked_pose() {
-  return {input("pose", 0), input("pose", 1), input("pose", 2), N == 4 ? input("pose", 3) : Expression(0.0)};
+/// Constants of one limb under their names; of those that are 0, 1 or -1 much of the arithmetic is not needed.
+class NamedConstants {
+ public:
+  explicit NamedConstants(std::size_t limb) : limb_(static_cast<int>(limb)) {}
+
+  Expression named(std::string_view name, double value, int index = -1) const {
+    constexpr double kNothing = 1e-30;  // what rounding leaves of a zero; single precision still has it
+    if (std::abs(value) < kNothing) return Expression(0.0);
+    if (value == 1.0 || value == -1.0) return Expression(value);
+    return Expression(Symbol{.name = name, .limb = limb_, .index = index, .value = value});
+  }
+
+  template <std::size_t Size>
+  std::array<Expression, Size> named(std::string_view name, const std::array<double, Size>& values) const {
+    std::array<Expression, Size> expressions;
+    for (std::size_t k = 0; k < Size; ++k) expressions[k] = named(name, values[k], static_cast<int>(k));
+    return expressions;
+  }
+
+ private:
+  int limb_;
+};
+
+ClosureLimb<Expression> named_limb(const ClosureLimb<double>& limb, std::size_t number) {
+  const NamedConstants constants(number);
+  return {.base = constants.named("base", limb.base),
+          .radial = constants.named("radial", limb.radial),
+          .normal = constants.named("normal", limb.normal),
+          .axis = constants.named("axis", limb.axis),
+          .plate = constants.named("plate", limb.plate),
+          .slide = constants.named("slide", limb.slide),
+          .elbow_half = constants.named("elbow_half", limb.elbow_half),
+          .plate_half = constants.named("plate_half", limb.plate_half),
+          .rod = constants.named("rod", limb.rod),
+          .arm = constants.named("arm", limb.arm),
+          .joint_offset = constants.named("joint_offset", limb.joint_offset),
+          .joint_per_mm = constants.named("joint_per_mm", limb.joint_per_mm),
+          .drive = Expression(limb.drive),
+          .rods = Expression(limb.rods),
+          .ahead = Expression(limb.ahead)};
+}
+
+ClosurePose<Expression> asked_pose(const Machine& machine) {
+  const std::vector<std::size_t> commanded = commanded_places(machine);
+  const auto coordinate = [&](std::size_t k, bool is_slide = false) {
+    const bool is_asked = std::ranges::count(commanded, k) > 0 && is_slide == (k == 5 && machine.has_slide());
+    if (is_asked) return input("pose", k);
+    return Expression(k == 2 ? machine.guided_z : 0.0);
+  };
+  return {coordinate(0), coordinate(1), coordinate(2), coordinate(5, true),
+          coordinate(3), coordinate(4), coordinate(5)};
 }
 
 // Numbers of a struct in the order in which they are kept as an array: to be read from one and to be written to one.
 
 template <std::size_t N, typename Task>
-void for_each_number(const RecordedLimbs& limbs, TiltedPose<Expression, N>& state, Task&& task) {
+void for_each_number(const RecordedLimbs<N>& limbs, TiltedPose<Expression, N>& state, Task&& task) {
   for (Expression& one : state.tilt) task(one);
   for (Expression& one : state.moved) task(one);
   for (std::size_t i = 0; i < N; ++i) {
-    if (!runs_on_rail(limbs[i])) task(state.arms[i].cosine);
+    if (!closure::moves_in_mm(limbs[i])) task(state.arms[i].cosine);
     task(state.arms[i].sine);
   }
 }
 
 template <std::size_t N, typename Task>
-void for_each_number(const RecordedLimbs&, Answer<Expression, N>& answer, Task&& task) {
+void for_each_number(const RecordedLimbs<N>&, Answer<Expression, N>& answer, Task&& task) {
   const auto each = [&](Vector<Expression>& vector) {
     for (Expression& one : vector) task(one);
   };
   for (RodMotion<Expression>& dual : answer.dual) {
     each(dual.position);
-    if (N == 4) task(dual.phi);
+    if (N == 4) task(dual.fourth);
   }
   for (Vector<Expression>& moment : answer.moment) each(moment);
   for (Expression& one : answer.by_joint) task(one);
   for (Vector<Expression>& row : answer.by_tilt) each(row);
 }
 
-template <typename Struct>
-RecordedValues values_of(const RecordedLimbs& limbs, Struct numbers) {
+template <std::size_t N, typename Struct>
+RecordedValues values_of(const RecordedLimbs<N>& limbs, Struct numbers) {
   RecordedValues values;
-  for_each_number(limbs, numbers, [&](const Expression& one) { values.push_back(one); });
+  for_each_number<N>(limbs, numbers, [&](const Expression& one) { values.push_back(one); });
   return values;
 }
 
-template <typename Struct>
-Struct inputs(const RecordedLimbs& limbs, std::string_view name) {
+template <typename Struct, std::size_t N>
+Struct inputs(const RecordedLimbs<N>& limbs, std::string_view name) {
   Struct numbers{};
   std::size_t index = 0;
-  for_each_number(limbs, numbers, [&](Expression& one) { one = input(name, index++); });
+  for_each_number<N>(limbs, numbers, [&](Expression& one) { one = input(name, index++); });
   return numbers;
 }
 
+/// Cosine of an arm, one of a length: what `for_each_number` leaves out.
 template <std::size_t N>
-Procedure recorded_level(const RecordedLimbs& limbs, bool tilts_plate) {
-  const Arms<Expression, N> arms = level_arms<N>(limbs, asked_pose<N>());
-  CompensatorJoints<Expression> joints;
-  joints_of(limbs, arms, joints);
-  std::vector<Result> results{{"joints", RecordedValues(joints.begin(), joints.begin() + N)}};
-  if (tilts_plate) results.push_back({"state", values_of(limbs, level_pose(limbs, arms))});
-  return Procedure(std::move(results));
-}
-
-template <std::size_t N>
-Procedure recorded_answer(const RecordedLimbs& limbs) {
-  const auto state = inputs<TiltedPose<Expression, N>>(limbs, "state");
-  return Procedure({{"answer", values_of(limbs, answer_at(limbs, asked_pose<N>(), state.arms))}});
-}
-
-template <std::size_t N>
-Procedure recorded_step(const RecordedLimbs& limbs) {
-  auto state = inputs<TiltedPose<Expression, N>>(limbs, "state");
-  const auto answer = inputs<Answer<Expression, N>>(limbs, "answer");
-  const auto changes = step(limbs, asked_pose<N>(), answer, state);
-  return Procedure({{"state", values_of(limbs, state)}, {"changes", RecordedValues(changes.begin(), changes.end())}});
-}
-
-/// n (dX + slide dphi) + B_m dq = 0 for every limb, n the direction of the mean rod, the plate level: errors of the
-/// tilt group change these rows by their own size alone, so Newton's iteration with them still settles quickly.
-template <std::size_t N>
-Procedure recorded_way_back(const RecordedLimbs& limbs) {
-  Arms<Expression, N> arms;
+void complete(const RecordedLimbs<N>& limbs, TiltedPose<Expression, N>& state) {
   for (std::size_t i = 0; i < N; ++i) {
-    const Expression place = place_of(limbs[i], input("joints", i));
-    arms[i] = runs_on_rail(limbs[i]) ? ArmDirection<Expression>{Expression(1.0), place}
-                                     : ArmDirection<Expression>{cos(place), sin(place)};
+    if (closure::moves_in_mm(limbs[i])) state.arms[i].cosine = Expression(1.0);
   }
-  const Answer<Expression, N> answer = answer_at(limbs, asked_pose<N>(), arms);
-  Vector<Expression> position;
-  Expression phi;
-  for (std::size_t i = 0; i < N; ++i) {
-    const Expression by_plate = -(answer.by_joint[i] * input("changes", i));
-    position = sum(position, answer.dual[i].position, by_plate);
-    phi = phi + answer.dual[i].phi * by_plate;
-  }
-  RecordedValues motion(position.begin(), position.end());
-  if (N == 4) motion.push_back(phi);
-  return Procedure({{"motion", std::move(motion)}});
 }
 
+/// One machine of N limbs.
 template <std::size_t N>
-RecordedMachine recorded(const RecordedLimbs& limbs, bool tilts_plate) {
-  const ArmDirection<Expression> turn = turn_by_series(Expression(Symbol{.name = "angle"}));
-  return {.level = recorded_level<N>(limbs, tilts_plate),
-          .answer = recorded_answer<N>(limbs),
-          .step = recorded_step<N>(limbs),
-          .way_back = recorded_way_back<N>(limbs),
-          .turn_cosine = Procedure({{"value", {turn.cosine}}}),
-          .turn_sine = Procedure({{"value", {turn.sine}}}),
-          .state_size = values_of(limbs, TiltedPose<Expression, N>{}).size(),
-          .answer_size = values_of(limbs, Answer<Expression, N>{}).size()};
+class Recorder {
+ public:
+  explicit Recorder(const Machine& machine)
+      : machine_(machine), pose_(asked_pose(machine)), plate_(closure::commanded_plate(pose_)) {
+    for (std::size_t i = 0; i < N; ++i) limbs_[i] = named_limb(closure_limb(machine, i), i);
+    arms_ = closure::closed_arms<N>(limbs_, pose_, plate_);
+  }
+
+  RecordedMachine recorded() const {
+    const ArmDirection<Expression> turn = closure::turn_by_series(Expression(Symbol{.name = "angle"}));
+    RecordedMachine all{.closed = closed(),
+                        .rates = rates(),
+                        .answer = Procedure({}),
+                        .step = Procedure({}),
+                        .turn_cosine = Procedure({{"value", {turn.cosine}}}),
+                        .turn_sine = Procedure({{"value", {turn.sine}}})};
+    if constexpr (N == 3 || N == 4) {
+      if (machine_.tilts_plate) add_search(all);
+    }
+    return all;
+  }
+
+ private:
+  Procedure closed() const {
+    std::array<Expression, N> joints;
+    closure::joints_of(limbs_, arms_, joints);
+    std::vector<Result> results{{"joints", RecordedValues(joints.begin(), joints.end())}};
+    if constexpr (N == 3 || N == 4) {
+      if (machine_.tilts_plate) results.push_back({"state", values_of<N>(limbs_, level_state())});
+    }
+    return Procedure(std::move(results));
+  }
+
+  Procedure rates() const {
+    RecordedValues values;
+    const Arms<Expression, N> arms = closure::unit_arms(limbs_, arms_);
+    for (const auto& row : closure::joint_rates<N>(limbs_, pose_, plate_, arms)) {
+      for (const std::size_t k : commanded_places(machine_)) {
+        values.push_back(row[k == 5 && machine_.has_slide() ? 6 : k]);
+      }
+    }
+    return Procedure({{"rates", std::move(values)}});
+  }
+
+  TiltedPose<Expression, N> level_state() const { return {closure::unit_arms(limbs_, arms_)}; }
+
+  void add_search(RecordedMachine& all) const {
+    const std::size_t fourth = fourth_coordinate(machine_);
+    auto state = inputs<TiltedPose<Expression, N>, N>(limbs_, "state");
+    complete<N>(limbs_, state);
+    const auto found = closure::answer_at(limbs_, pose_, fourth, state.arms);
+    all.answer = Procedure({{"answer", values_of<N>(limbs_, found)}});
+    const auto answer = inputs<Answer<Expression, N>, N>(limbs_, "answer");
+    const auto changes = closure::step(limbs_, pose_, fourth, answer, state);
+    all.step = Procedure(
+        {{"state", values_of<N>(limbs_, state)}, {"changes", RecordedValues(changes.begin(), changes.end())}});
+    all.state_size = values_of<N>(limbs_, state).size();
+    all.answer_size = values_of<N>(limbs_, answer).size();
+  }
+
+  const Machine& machine_;
+  ClosurePose<Expression> pose_;
+  closure::TurnedPlate<Expression> plate_;
+  RecordedLimbs<N> limbs_;
+  Arms<Expression, N> arms_;
+};
+
+std::vector<Symbol> numbers_of(const RecordedMachine& recorded) {
+  std::set<Symbol> used;
+  for (const Procedure* one : {&recorded.closed, &recorded.rates, &recorded.answer, &recorded.step}) {
+    used.merge(one->symbols());
+  }
+  std::vector<Symbol> numbers;
+  std::ranges::copy_if(used, std::back_inserter(numbers), [](const Symbol& symbol) { return symbol.limb >= 0; });
+  std::ranges::stable_sort(numbers, {}, &Symbol::limb);
+  return numbers;
+}
+
+template <std::size_t N = kMaxLimbs>
+RecordedMachine record_limbs(const Machine& machine) {
+  if constexpr (N > 1) {
+    if (machine.limb_count < N) return record_limbs<N - 1>(machine);
+  }
+  return Recorder<N>(machine).recorded();
 }
 
 }  // namespace
 
-RecordedMachine record(const CompensatorParameters<double>& parameters) {
-  const RecordedLimbs limbs = named_limbs(parameters.identified);
-  const bool tilts_plate = parameters.tilts_plate != 0;
-  return parameters.limb_count == 4 ? recorded<4>(limbs, tilts_plate) : recorded<3>(limbs, tilts_plate);
+std::size_t place_of_number(const std::vector<Symbol>& numbers, const Symbol& symbol) {
+  return static_cast<std::size_t>(std::ranges::find(numbers, symbol) - numbers.begin());
+}
+
+std::vector<std::size_t> commanded_places(const Machine& machine) {
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < machine.freedoms.free.size(); ++k) {
+    if (machine.freedoms.free.at(k) || (k == 5 && machine.has_slide())) places.push_back(k);
+  }
+  return places;
+}
+
+RecordedMachine record(const Machine& machine) {
+  RecordedMachine recorded = record_limbs(machine);
+  recorded.numbers = numbers_of(recorded);
+  return recorded;
 }
 
 }  // namespace paracal::compensation_detail

@@ -1,6 +1,5 @@
 #include "paracal/kinematics/inverse.hpp"
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "guides.hpp"
 #include "linear_closure.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
 #include "rod_derivative.hpp"
 
 namespace paracal {
@@ -85,50 +85,29 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   return result;
 }
 
-/// Newton on joints and tilt, position and slide held on the pose, until the closure is at its least-squares answer:
-///
-///   J^T (f + J_q dq + J_tilt dtilt) = 0        N + 3 equations in N + 3 unknowns
-template <int N>
+/// From the closed form, which is known to reach, to the balance of the rods (machine_closure.hpp).
+template <std::size_t N>
 void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
-  constexpr int kMaxIterations = 20;
-  constexpr double kTolerance = 4e-9;  // mm at the elbows, of the last step: converges linearly at about 1e-5 a step
-  const double ratio = joint_ratio(machine.limbs[0]);
-  PlateState plate;
-  plate.position = pose.position;
-  plate.slide = machine.slide_of(pose.rotation);
-  result.status = InverseStatus::not_converged;
-  while (result.iterations < kMaxIterations) {
-    const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, result.joints);
-    const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-    detail::NormalMatrix<N> system;  // J^T (J_q, J_tilt); joint i acts on the two rods of limb i
-    for (int i = 0; i < N; ++i) {
-      const Limb& limb = machine.limbs[i];
-      system.col(i).setZero();
-      for (int row = 2 * i; row < 2 * i + 2; ++row) {
-        const Eigen::Vector3d motion = hinge_motion(limb, elbows[i], static_cast<std::size_t>(row % 2));
-        system.col(i) -= linear.jacobian.row(row).transpose() * linear.direction[row].dot(motion);
-      }
-    }
-    system.template rightCols<3>() = linear.jacobian.transpose().lazyProduct(linear.jacobian.template rightCols<3>());
-    const detail::Unknowns<N> step = -system.partialPivLu().solve(linear.gradient());
-    result.joints += step.template head<N>();
-    plate.tilt += step.template tail<3>();
-    ++result.iterations;
-    const double joint_step = ratio * step.template head<N>().cwiseAbs().maxCoeff();
-    if (!std::isfinite(joint_step)) return;
-    if (joint_step < kTolerance) {
-      result.status = InverseStatus::reached;
-      return;
-    }
-  }
+  ClosureLimbs<double, N> limbs;
+  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb(machine, i);
+  const ClosurePose<double> commanded = closure_pose(pose);
+  const closure::Arms<double, N> arms =
+      machine.is_level ? closure::closed_arms<N>(limbs, commanded, closure::LevelPlate{})
+                       : closure::closed_arms<N>(limbs, commanded, closure::commanded_plate(commanded));
+  ClosureVector<double> tilt{};
+  closure::joints_of(limbs, arms, result.joints);
+  result.iterations = closure::settle(limbs, commanded, fourth_coordinate(machine), arms, result.joints, tilt);
+  result.status = result.iterations > 0 ? InverseStatus::reached : InverseStatus::not_converged;
+  result.tilt = {tilt[0], tilt[1], tilt[2]};
 }
 
-/// The same on any limbs, joints and what the parallelograms hold of the plate sought:
+/// The same with more limbs than degrees of freedom, by Newton's method on joints and what the parallelograms hold of
+/// the plate:
 ///
 ///   J^T (f + J_q dq + J_held dheld) = 0        6 equations; of more unknowns the shortest step
 ///
 /// so that forward kinematics of these joints are the pose, whatever errors tilt the plate.
-void settle_any(const Machine& machine, const Pose& pose, InverseResult& result) {
+void settle_spare(const Machine& machine, const Pose& pose, InverseResult& result) {
   constexpr int kMaxIterations = 20, kMost = kMaxLimbs + 6;
   constexpr double kTolerance = 4e-9;  // mm, of the last step
   using System = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMost>;
@@ -179,10 +158,10 @@ InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
     result.status = InverseStatus::unreachable;
   }
   if (!result.ok() || !machine.tilts_plate) return result;
-  if (machine.is_level) {
-    detail::with_pair_count(machine.limb_count, [&]<int N>() { settle<N>(machine, pose, result); });
+  if (machine.spare_limbs() > 0 || machine.limb_count > 4) {
+    settle_spare(machine, pose, result);
   } else {
-    settle_any(machine, pose, result);
+    machine.limb_count == 3 ? settle<3>(machine, pose, result) : settle<4>(machine, pose, result);
   }
   return result;
 }

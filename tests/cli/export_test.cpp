@@ -21,7 +21,8 @@ using testing::HasSubstr;
 const std::string kKernel = R"(#include "compensator.h"
 int self_test(void) { return paracal_self_test(); }
 int joints_of(const double pose[4], double joints[4]) {
-  return paracal_compensate(pose[0], pose[1], pose[2], pose[3], joints, 0);
+  const double all[6] = {pose[0], pose[1], pose[2], 0.0, 0.0, pose[3]};
+  return paracal_compensate(all, joints, 0);
 }
 )";
 
@@ -89,16 +90,16 @@ TEST_P(C99Export, GivesTheLibrarysJoints) {
 TEST_P(C99Export, LinksFromCpp) {
   folder.write("first.cpp",
                "#include \"compensator.h\"\n#include <cmath>\n"
-               "int other(const double pose[4], double joints[4]);\n"
-               "int main() {\n  const double pose[4] = {0.0, 0.0, -900.0, std::sqrt(0.04)};\n"
+               "int other(const double pose[6], double joints[4]);\n"
+               "int main() {\n  const double pose[6] = {0.0, 0.0, -900.0, 0.0, 0.0, std::sqrt(0.04)};\n"
                "  double a[4] = {0.0}, b[4] = {1.0};\n"
-               "  if (paracal_compensate(pose[0], pose[1], pose[2], pose[3], a, NULL) != PARACAL_OK) return 1;\n"
+               "  if (paracal_compensate(pose, a, NULL) != PARACAL_OK) return 1;\n"
                "  return other(pose, b) != 0 || a[3] < b[3] || a[3] > b[3] || paracal_self_test() != 0;\n}\n");
   folder.write("second.cpp",
                "#include <cmath>\n#include \"compensator.h\"\n"
-               "int other(const double pose[4], double joints[4]);\n"
-               "int other(const double pose[4], double joints[4]) {\n"
-               "  return paracal_compensate(pose[0], pose[1], pose[2], pose[3], joints, NULL);\n}\n");
+               "int other(const double pose[6], double joints[4]);\n"
+               "int other(const double pose[6], double joints[4]) {\n"
+               "  return paracal_compensate(pose, joints, NULL);\n}\n");
   for (const char* standard : {"c++98", "c++20"}) {
     const std::string compile = fmt::format(
         "{} -x c++ -std={} -pedantic -Wall -Wextra -Wshadow -Wconversion -Wold-style-cast -Werror first.cpp second.cpp "

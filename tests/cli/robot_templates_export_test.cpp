@@ -87,11 +87,11 @@ int main(void) {
   if (paracal_apart(joints, found) == paracal_apart(joints, found)) return 17;
   joints[1] = 7.0;
   pose[3] = never / never;
-  if (paracal_compensate(pose, joints) != PARACAL_NOT_FINITE || joints[0] != 7.0) return 11;
+  if (paracal_compensate(pose, joints, 0) != PARACAL_NOT_FINITE || joints[0] != 7.0) return 11;
   if (paracal_forward(joints, pose) != PARACAL_NOT_FINITE) return 12;
   pose[3] = 0.0;
   pose[2] += 5000.0;
-  if (paracal_compensate(pose, joints) == PARACAL_UNREACHABLE) {
+  if (paracal_compensate(pose, joints, 0) == PARACAL_UNREACHABLE) {
     if (joints[0] != 7.0) return 16;
   } else {  /* struts, which reach anything; but not so unlike each other */
     for (k = 0; k < PARACAL_LIMBS; ++k) joints[k] = k == 0 ? 5000.0 : -400.0;
@@ -99,7 +99,7 @@ int main(void) {
   }
   while (scanf("%lf %lf %lf %lf %lf %lf", &pose[0], &pose[1], &pose[2], &pose[3], &pose[4], &pose[5]) == 6) {
     double away = 0.0;
-    if (paracal_compensate(pose, joints) != PARACAL_OK) return 14;
+    if (paracal_compensate(pose, joints, 0) != PARACAL_OK) return 14;
     for (k = 0; k < 6; ++k) found[k] = paracal_tests[0].pose[k];
     if (paracal_forward(joints, found) != PARACAL_OK) return 15;
     for (k = 0; k < 6; ++k) away = paracal_abs(found[k] - pose[k]) > away ? paracal_abs(found[k] - pose[k]) : away;

@@ -58,6 +58,35 @@ TEST_F(ParameterBufferTest, FallsBackToTheNominalRobot) {
   EXPECT_TRUE(same(reader.latest(), without_errors(machine)));
 }
 
+/// Joints go in equal parts, wherever the plate moves meanwhile, and a publication during a change waits.
+TEST_F(ParameterBufferTest, ChangesInEqualParts) {
+  constexpr std::uint32_t kCycles = 4;
+  ChangingCompensator<double> changing(buffer, kCycles);
+  const auto exact = [](const Parameters& parameters, const CompensatorPose<double>& pose) {
+    CompensatorJoints<double> joints{};
+    EXPECT_EQ(compensate(parameters, CompensationWay::exact, pose, joints), CompensationStatus::ok);
+    return joints;
+  };
+  Parameters later = machine;
+  later.identified[0].arm += 1.0;
+  buffer.publish(machine);
+  for (std::uint32_t k = 1; k <= 2 * kCycles + 1; ++k) {
+    const CompensatorPose<double> pose{.x = 10.0 * k, .y = -50.0, .z = -900.0, .phi = 0.1};
+    CompensatorJoints<double> joints{};
+    ASSERT_EQ(changing.compensate(pose, joints), CompensationStatus::ok);
+    if (k == 2) buffer.publish(later);
+    const bool is_second = k > kCycles;
+    const auto from = exact(is_second ? machine : buffer.nominal(), pose),
+               to = exact(is_second ? later : machine, pose);
+    const double share = std::min(1.0, static_cast<double>(is_second ? k - kCycles : k) / kCycles);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(joints[i], from[i] + share * (to[i] - from[i]), 1e-14) << k;
+    EXPECT_EQ(changing.is_changing(), k % kCycles != 0 && k < 2 * kCycles);
+  }
+  CompensatorJoints<double> kept{7.0};
+  EXPECT_EQ(changing.compensate({.x = 0.0, .y = 0.0, .z = -5000.0}, kept), CompensationStatus::unreachable);
+  EXPECT_EQ(kept[0], 7.0);
+}
+
 /// One thread publishes as fast as it can, two others read: never a mixture, never an older one after a newer one.
 TEST_F(ParameterBufferTest, IsNeverTorn) {
 #ifdef PARACAL_SANITIZED

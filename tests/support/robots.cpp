@@ -1,11 +1,14 @@
 #include "support/robots.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/units.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test {
 
@@ -68,6 +71,9 @@ Robot robot_named(std::string_view name) {
   if (name == "inclined_rails") return Robot(inclined_rails());
   if (name == "boxed") return Robot(boxed());
   if (name == "levelled") return Robot(levelled());
+  if (name == "mixed_limbs" || name == "seven_struts") {
+    return io::read_robot(io::read_file(source_folder() / fmt::format("samples/{}.toml", name)));
+  }
   const std::vector<std::string> templates = io::robot_templates();
   if (std::ranges::find(templates, name) != templates.end()) return io::read_robot(io::robot_template(name));
   return catalogue::find(name);

@@ -16,7 +16,7 @@
 
 #include "interruption.hpp"
 #include "output_folder.hpp"
-#include "paracal/compensation/export.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/io/file.hpp"
 #include "program.hpp"
 #include "session.hpp"

@@ -20,19 +20,18 @@ struct ExportArguments {
   std::string calibration;
   std::string target;
   ControllerOptions controller = {};
+  std::string variant = "exact";
   std::optional<std::string> folder = {};  ///< of a whole configuration; without it the exported text alone
   FilterOptions filter;
 };
 
-/// A target that is a text made of the calibration alone.
-struct TextTarget {
-  std::string (*write)(const Robot&, const SourceErrors&, const ExportOrigin&);
-  bool for_six_freedoms = true;  ///< it knows plates with six freedoms
-};
-const std::map<std::string, TextTarget> kTexts{{"c99", {c99_header}},
-                                               {"linuxcnc", {linuxcnc_component}},
-                                               {"st", {.write = structured_text, .for_six_freedoms = false}},
-                                               {"genhexkins", {genhexkins}}};
+/// Targets that are texts made of the calibration alone.
+using WriteText = std::string(const Robot&, const SourceErrors&, const ExportOrigin&);
+const std::map<std::string, WriteText*> kTexts{
+    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}, {"genhexkins", genhexkins}};
+
+const std::map<std::string, ExportVariant> kVariants{
+    {"exact", ExportVariant::exact}, {"one-step", ExportVariant::one_step}, {"float", ExportVariant::single}};
 
 /// What joints depend on: who computed those of the calibration, and joints to compare.
 struct JointTruth {
@@ -60,7 +59,7 @@ struct JointTruth {
 
 void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
                  const JointTruth& truth, Session& session) {
-  const std::string text = kTexts.at(target).write(robot, errors, origin);
+  const std::string text = kTexts.at(target)(robot, errors, origin);
   if (!session.json()) return session.print(text);
   io::Json json{{"target", target}};
   json.update(io::to_json(robot, origin));
@@ -99,19 +98,16 @@ void export_configuration(const OutputFolder& folder, const Robot& robot, const 
 void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, const JointTruth& truth,
                  Session& session) {
   const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
+  const ExportedSet set = exported_set(robot, errors);
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));
   truth.add_to(json);
   json.update(io::to_json(parameters));
-  for (const SelfTestCase& wanted : self_test(robot, parameters)) {
-    json["self_test"].push_back(io::to_json(wanted, robot.actuator()));
+  json["set"] = {{"names", set.names}, {"numbers", set.set}};
+  for (const SelfTestCase& wanted : self_test(robot, build(robot, errors))) {
+    json["self_test"].push_back(io::to_json(wanted, robot.actuator(), robot.commands_tilt()));
   }
   session.print_json(json);
-}
-
-bool knows_robot(const ExportArguments& options) {
-  const auto text = kTexts.find(options.target);
-  return !options.folder && text != kTexts.end() && text->second.for_six_freedoms;
 }
 
 /// What --config asks for.
@@ -131,10 +127,16 @@ std::optional<OutputFolder> configuration_folder(const ExportArguments& options,
 void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  if (!knows_robot(options)) require_level(robot, folder ? "export --config" : "export --target " + options.target);
+  if (options.target == "gcode" || options.target == "csv") require_level(robot, "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const SourceErrors& errors = machine.errors;
+  if (options.variant != "exact" && (options.target == "genhexkins" || !kTexts.contains(options.target))) {
+    throw WrongUsage(fmt::format("--variant: expected with --target c99, linuxcnc or st, got {}", options.target));
+  }
+  if (options.variant == "float" && options.target == "st") {
+    throw WrongUsage("--variant float: expected with --target c99 or linuxcnc, got st: use one-step");
+  }
   ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
                       .sha256 = io::sha256(file),
                       .date = io::utc(now())};
@@ -148,6 +150,7 @@ void run(const ExportArguments& options, Session& session) {
         "--input, --origin, --start, --chord-mm, --dialect, --work-offsets, --tools, --harmless, --harmless-words, "
         "--in-place, --partial, --check and --header: expected only with --target gcode or csv");
   }
+  origin.variant = kVariants.at(options.variant);
   const JointTruth truth{robot, controller};
   origin.remarks = truth.remarks();
   if (folder) return export_configuration(*folder, robot, errors, origin, truth, session);
@@ -185,6 +188,11 @@ void add_export(Command& program, Session& session) {
           "table with corrected targets")
       ->required()
       ->check(one_of({"c99", "linuxcnc", "st", "genhexkins", "json", "gcode", "csv"}));
+  command
+      ->add_option("--variant", options->variant,
+                   "c99, linuxcnc, st: how the tilt of a plate on parallelograms is found: exact; one-step, in bounded "
+                   "time; float, for controllers that compute with float; each states its largest error")
+      ->check(one_of({"exact", "one-step", "float"}));
   command
       ->add_choice(
           "--config", [options](const std::string& folder) { options->folder = folder; },

@@ -99,18 +99,61 @@ class ParameterReader {
 
   /// To be called once per cycle; copies only after a new publication. Real-time: yes, wait-free.
   const CompensatorParameters<Scalar>& latest() noexcept {
-    std::uint32_t number = 0;
-    if (buffer_->published() != seen_ && buffer_->copy(fresh_, number)) {
-      current_ = fresh_;
-      seen_ = number;
-    }
+    (void)refresh();
     return current_;
   }
+
+  /// The same. @returns whether the copy is a new one.
+  bool refresh() noexcept {
+    std::uint32_t number = 0;
+    if (buffer_->published() == seen_ || !buffer_->copy(fresh_, number)) return false;
+    current_ = fresh_;
+    seen_ = number;
+    return true;
+  }
+
+  const CompensatorParameters<Scalar>& current() const noexcept { return current_; }
 
  private:
   const ParameterBuffer<Scalar>* buffer_;
   CompensatorParameters<Scalar> current_, fresh_{};
   std::uint32_t seen_ = 0;
+};
+
+/// The control thread's compensator when parameters change while the machine moves. After a publication its joints go
+/// in equal parts, one per cycle, from those of the old parameters to those of the new ones: no jump. A publication
+/// during a change waits for its end.
+template <typename Scalar>
+class ChangingCompensator {
+ public:
+  /// @param cycles  of a change; 1: at once.
+  ChangingCompensator(const ParameterBuffer<Scalar>& buffer, std::uint32_t cycles) noexcept
+      : reader_(buffer), used_(buffer.nominal()), cycles_(cycles < 1 ? 1 : cycles) {}
+
+  /// compensate() by the exact method, once per cycle. Real-time: yes; twice the time during a change.
+  [[nodiscard]] CompensationStatus compensate(const CompensatorPose<Scalar>& pose, CompensatorJoints<Scalar>& joints,
+                                              CompensatorTilt<Scalar>* tilt = nullptr) noexcept {
+    if (left_ == 0 && reader_.refresh()) left_ = cycles_;
+    if (left_ == 0) return paracal::compensate(used_, CompensationWay::exact, pose, joints, tilt);
+    CompensatorJoints<Scalar> from{}, to{};
+    CompensatorTilt<Scalar> remaining;
+    CompensationStatus status = paracal::compensate(used_, CompensationWay::exact, pose, from);
+    if (status != CompensationStatus::ok) return status;
+    status = paracal::compensate(reader_.current(), CompensationWay::exact, pose, to, &remaining);
+    if (status != CompensationStatus::ok) return status;
+    if (--left_ == 0) used_ = reader_.current();
+    const Scalar share = static_cast<Scalar>(left_) / static_cast<Scalar>(cycles_);
+    for (std::size_t i = 0; i < joints.size(); ++i) joints[i] = to[i] + share * (from[i] - to[i]);
+    if (tilt != nullptr) *tilt = remaining;
+    return status;
+  }
+
+  bool is_changing() const noexcept { return left_ > 0; }
+
+ private:
+  ParameterReader<Scalar> reader_;
+  CompensatorParameters<Scalar> used_;
+  std::uint32_t cycles_, left_ = 0;
 };
 
 }  // namespace paracal

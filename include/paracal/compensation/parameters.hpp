@@ -6,13 +6,18 @@
 
 #include "paracal/compensation/stated_uncertainty.hpp"
 #include "paracal/kinematics/error_model.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal {
 
+/// False for a robot with more limbs than degrees of freedom that has limbs of two rods: their joints are only found by
+/// least squares.
+bool has_compensator(const Robot& robot);
+
 /// Parameters of the compensator for a machine with these (identified) errors, mm and rad, rounded to Scalar last.
-/// @throws InvalidArgument for a plate with six degrees of freedom, whose joints inverse() has in closed form.
+/// @throws InvalidArgument unless has_compensator().
 /// Instantiated for double and float. Real-time: no; compute them before the control thread needs them.
 template <typename Scalar = double>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors);
@@ -43,8 +48,7 @@ CompensatorCovariance<double> compensator_covariance(const Robot& robot, const s
 /// A pose of the library for the compensator.
 template <typename Scalar = double>
 CompensatorPose<Scalar> compensator_pose(const Pose& pose) {
-  return {static_cast<Scalar>(pose.position.x()), static_cast<Scalar>(pose.position.y()),
-          static_cast<Scalar>(pose.position.z()), static_cast<Scalar>(pose.rotation)};
+  return closure_pose<Scalar>(pose);
 }
 
 /// Compensated joints for the library.

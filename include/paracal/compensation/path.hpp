@@ -13,7 +13,7 @@ namespace paracal {
 ///
 /// The code is that of compensator.hpp, so each pose gets the status of `compensate` and its joints within 1e-12 rad
 /// (rounding by fused multiply-adds and a separate arctangent). Poses without a solution in the lanes are
-/// passed to `compensate`.
+/// passed to `compensate`, and so are all poses of machines whose plate does not stay level.
 ///
 /// @param poses     mm, rad, in {O}.
 /// @param joints    rad; each written if its status is ok, else unchanged.
@@ -28,7 +28,8 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
 /// with the joints that bring the identified machine to each pose. They agree with corrected_target within 1e-9 mm and
 /// rad in the workspace, within 1e-7 mm far outside.
 ///
-/// @param targets  one per pose; nothing if the lanes find none: the pose is out of reach, rods hardly hold the plate
+/// @param targets  one per pose; nothing if the lanes find none: the machine does not stay level, the pose is out of
+/// reach, rods hardly hold the plate
 ///                 there, or the target is farther than 50 mm away. corrected_target may still find one.
 /// @throws std::invalid_argument  when the sizes differ.
 void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,

@@ -31,10 +31,9 @@ struct [[nodiscard]] CorrectedPose {
 /// Corrects poses of one machine. It owns copies of its inputs; threads may share it.
 using PoseCorrector = std::function<CorrectedPose(const Pose& wanted)>;
 
-/// By the compensator if the plate stays level, by the inverse kinematics of the machine with its errors if it has six
-/// degrees of freedom.
+/// By the inverse kinematics of the machine with its errors; linear methods by the compensator.
 /// @param controller  its nominal inverse takes the targets.
-/// @throws InvalidArgument for a linear method and a plate with six degrees of freedom: they are for level plates.
+/// @throws InvalidArgument for a linear method and a plate that does not stay level.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
                              const Robot& controller);
 /// The same for a controller that computes with that robot.

@@ -14,7 +14,7 @@ inline constexpr std::size_t kCompensatorErrors = 14;
 /// assumed to be known. Computed by compensator_covariance (parameters.hpp).
 template <typename Scalar>
 using CompensatorCovariance =
-    std::array<std::array<Scalar, kCompensatorLimbs * kCompensatorErrors>, kCompensatorLimbs * kCompensatorErrors>;
+    std::array<std::array<Scalar, kLevelLimbs * kCompensatorErrors>, kLevelLimbs * kCompensatorErrors>;
 
 /// U = 2 standard deviations of the machine's pose, in {O}: mm, and rad (0 for a rigid plate).
 template <typename Scalar>
@@ -40,7 +40,7 @@ std::array<RodMotion<Scalar>, 2 * N> pose_by_group(const CompensatorParameters<S
     for (std::size_t i = 0; i < N; ++i) {
       const Scalar rod = -dot(limbs[i].A_de, tilt[j]);
       through_tilt.position = sum(through_tilt.position, dual[i].position, rod);
-      through_tilt.phi += rod * dual[i].phi;
+      through_tilt.fourth += rod * dual[i].fourth;
     }
   }
   return by_group;
@@ -75,7 +75,7 @@ CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& param
   const auto add = [&](std::size_t one, std::size_t other, Scalar product) {
     const RodMotion<Scalar>&a = by_group[one], &b = by_group[other];
     for (std::size_t k = 0; k < 3; ++k) variance[k] += a.position[k] * b.position[k] * product;
-    variance[3] += a.phi * b.phi * product;
+    variance[3] += a.fourth * b.fourth * product;
   };
   for (std::size_t i = 0; i < N; ++i) {
     const std::size_t row = i * kCompensatorErrors, tilt_row = row + 8;
@@ -95,8 +95,8 @@ CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& param
 
 }  // namespace compensation_detail
 
-/// U of a pose. It changes slowly with the pose, and a call takes longer than the compensation itself: call it when
-/// needed, not in each cycle.
+/// U of a pose of a machine that stays level; others are unreachable for the linear model. It changes slowly with the
+/// pose, and a call takes longer than the compensation itself: call it when needed, not in each cycle.
 ///
 /// @param pose         mm, rad, in {O}.
 /// @param uncertainty  written if the status is ok, else unchanged.
@@ -106,7 +106,7 @@ template <typename Scalar>
                                                     const CompensatorCovariance<Scalar>& covariance,
                                                     const CompensatorPose<Scalar>& pose,
                                                     CompensatorUncertainty<Scalar>& uncertainty) noexcept {
-  if (const CompensationStatus status = compensation_detail::asked(parameters, pose);
+  if (const CompensationStatus status = compensation_detail::asked(parameters, CompensationWay::linear, pose);
       status != CompensationStatus::ok) {
     return status;
   }

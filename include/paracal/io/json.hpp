@@ -7,6 +7,7 @@
 #include "paracal/batch/batch.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/validation.hpp"
+#include "paracal/compensation/compensator.hpp"
 #include "paracal/compensation/export.hpp"
 #include "paracal/compensation/self_test.hpp"
 #include "paracal/io/file.hpp"
@@ -83,7 +84,7 @@ Json to_json(const Robot& robot, const ExportOrigin& origin);
 Json to_json(const CompensatorParameters<double>& parameters);
 
 /// {pose: {x_mm, y_mm, z_mm, phi_deg}, joints_deg: [q1, ...]}; joints_mm for rails.
-Json to_json(const SelfTestCase& wanted, Actuator actuator);
+Json to_json(const SelfTestCase& wanted, Actuator actuator, bool tilts = false);
 
 /// x_mm, y_mm, z_mm, phi_deg
 /// @param tilts  with tilt_x_deg, tilt_y_deg, tilt_z_deg, for a plate with six degrees of freedom.

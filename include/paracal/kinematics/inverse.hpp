@@ -19,7 +19,8 @@ struct [[nodiscard]] InverseResult {
   Joints joints;  ///< rad or mm, to command
   int unreachable_limb =
       -1;  ///< first limb that cannot reach the pose, from 0; -1 if the plate cannot have this rotation or tilt
-  int iterations = 0;  ///< 0: closed form
+  int iterations = 0;                              ///< 0: closed form
+  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();  ///< that errors leave and no joint can remove, rad
 
   bool ok() const { return status == InverseStatus::reached; }
 };
@@ -27,9 +28,9 @@ struct [[nodiscard]] InverseResult {
 /// Joint coordinates that bring the plate centre and the rotation to a pose, elbows outward, carriages above the plate.
 ///
 /// Closed form (solve_joint) limb by limb on struts, and when no source error tilts the plate: the parallelograms then
-/// stay perfect and only the centre lines count. With tilt errors the closed form starts a Newton iteration on the
-/// exact closure. forward(machine, inverse(machine, pose)) then returns the pose; the tilt cannot be
-/// corrected.
+/// stay perfect and only the centre lines count. With tilt errors the closed form starts a search for the balance of
+/// the rods (mechanism/machine_closure.hpp). forward(machine, inverse(machine, pose)) then returns the pose; the tilt
+/// cannot be corrected.
 ///
 /// Real-time: yes (no allocation, no exception, bounded loop).
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept;

@@ -1,32 +1,40 @@
-/* Compensator of one machine, written by $PROGRAM$. Do not edit: export again.
+/* Compensator of one machine, $PLATE$, written by $PROGRAM$. Do not edit: export again.
  *
  *   robot        $ROBOT$
  *   calibration  $CALIBRATION$
  *   SHA-256      $SHA256$
  *   date         $DATE$$C_REMARKS$
- *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame: origin at the base centre, z up
- *   method       exact: inverse of the identified machine with all its errors
+ *   units        mm and rad, joints in $JOINT_UNIT$; poses in the base frame, z up: x, y, z of the plate's origin, then
+ *                $TURN_WORDS$
+ *   method       $METHOD$
+ *   error        $WORST$
  *   operations   $OPERATIONS$
  *
  * Use:
  *
  *   double joints[PARACAL_LIMBS] = {where the machine stands, $JOINT_UNIT$};
- *   in every cycle: if (paracal_compensate(x, y, z, phi, joints, NULL) != PARACAL_OK) stop on the path;
+ *   const double pose[6] = {$POSE_WORDS$};
+ *   in every cycle: if (paracal_compensate(pose, joints, NULL) != PARACAL_OK) stop on the path;
  *   joints then keep the last valid values
  *
  * At start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares them.
- * Present pose: paracal_forward(joints, pose) gives the pose of the joints.
+ * Present pose: paracal_forward(joints, pose) gives the pose of the joints, near the pose that it is given;
+ * paracal_home(pose) gives a first one.
+ * Speeds: paracal_jacobian(pose, rates) gives d joints / d pose: speed of joint i = sum of rates[PARACAL_FREE i + k]
+ * times the speed of the coordinate at place paracal_places[k] of the pose.
+ * New numbers of a later calibration without a new program: paracal_start, paracal_change, paracal_cycle.
  *
- * C99 and C++, freestanding, no state, no allocation, bounded time. It needs sqrt, sin, cos and atan2 from a library.
+ * C99 and C++, freestanding, no state of its own, no allocation, bounded time. It needs the functions declared below from
+ * a library.
  *
  * MISRA C:2012 as checked by cppcheck's add-on, except 2.5 (macros for the including program), 15.5 (early return for a
- * pose without solution) and 21.2 (the four functions above, declared if there is no math.h).
+ * pose without solution) and 21.2 (functions of the library, declared if there is no math.h).
  */
 #ifndef PARACAL_COMPENSATOR_H
 #define PARACAL_COMPENSATOR_H
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error "unreachable poses are detected by non-finite numbers: compile without -ffinite-math-only"
+#error "poses without solution are detected by non-finite numbers: compile without -ffinite-math-only"
 #endif
 
 #include <stddef.h>
@@ -37,7 +45,7 @@ double sqrt(double x);
 double sin(double x);
 double cos(double x);
 double atan2(double y, double x);
-#endif
+$SINGLE_FUNCTIONS$#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -47,160 +55,201 @@ extern "C" {
 #define PARACAL_CALIBRATION_SHA256 "$SHA256$"
 #define PARACAL_DATE "$DATE$"
 #define PARACAL_LIMBS $LIMBS$
-#define PARACAL_ON_RAILS $ON_RAILS$ /* 0: the joints rotate arms; 1: carriages run on rails */
-#define PARACAL_TILTS_PLATE $TILTS_PLATE$ /* 1: with errors of the parallelograms, the closed form is refined */
+#define PARACAL_FREE $FREE$ /* coordinates of a pose that can be commanded */
+#define PARACAL_NUMBERS $NUMBERS$
+#define PARACAL_SET $SET$ /* numbers, layout and sum of a later calibration */
+#define PARACAL_LAYOUT $LAYOUT$
 
 /* What functions return. */
 #define PARACAL_OK 0
-#define PARACAL_UNREACHABLE 1 /* an arm and its rods do not meet there, or a rigid plate should turn */
-#define PARACAL_NOT_FINITE 2  /* the pose contains NaN or infinity */
+#define PARACAL_UNREACHABLE 1 /* a limb cannot reach the pose, or the plate cannot be commanded there */
+#define PARACAL_NOT_FINITE 2  /* the pose, or a joint, is NaN or infinity */
 #define PARACAL_SINGULAR 3    /* the limbs do not hold the plate there */
+#define PARACAL_REFUSED 4     /* a set of numbers that is not complete, or of another export */
+#define PARACAL_BUSY 5        /* the last change is not over */
 
-/* One limb with its errors [huang2016, Eq. (1)]. */
-struct paracal_limb {
-  double base[3];       /* b_i, in the base frame */
-  double radial[3];     /* u_0, v_0, w_0: directions there */
-  double normal[3];
-  double axis[3];
-  double plate[3];      /* a_i, in the plate frame */
-  double slide[3];      /* its motion per rad of phi */
-  double elbow_half[3]; /* half the short sides: along u_1, v_1, w_0 */
-  double plate_half[3]; /* and in the plate frame */
-  double rod[2];
-  double arm;
-  double joint_offset;
-  double joint_per_mm; /* of a carriage: mm of the joint coordinate per mm of travel */
-};
+/* Where in a pose the commanded coordinates stand; what cannot be commanded must be as here, within 1e-6. */
+static const int paracal_places[PARACAL_FREE] = {$PLACES$};
+static const int paracal_is_held[6] = {$IS_HELD$};
+static const double paracal_held[6] = {$HELD$};
 
-static const struct paracal_limb paracal_limbs[PARACAL_LIMBS] = {
-$LIMB_CONSTANTS$};
+/* The machine's numbers, errors included, mm and directions; 0 and 1 are omitted. */
+struct paracal_numbers {
+  double exact[PARACAL_NUMBERS];
+$SINGLE_MEMBER$};
+
+static const struct paracal_numbers paracal_identified = {{
+$EXACT_NUMBERS$}$SINGLE_NUMBERS$};
 
 /* Both are false for NaN. */
 static inline int paracal_is_finite(double value) { return (value - value) == 0.0; }
 static inline double paracal_abs(double value) { return (value < 0.0) ? -value : value; }
 
-$STATE_DEFINED$/* The code without loops below was generated from the library's formulas (compensator.hpp) without this machine's
- * zeros. Joints for a level plate; NaN if the pose is out of reach. */
-static inline void paracal_level(const double pose[4], double joints[PARACAL_LIMBS]$STATE_PARAMETER$) {
-  const struct paracal_limb* const limb = paracal_limbs;
-$LEVEL$}
+$STATE_DEFINED$/* The code without loops below was generated from the library's formulas (machine_closure.hpp) without this machine's
+ * zeros. Joints in closed form; NaN if the pose is out of reach. */
+static inline void paracal_closed(const double p[PARACAL_NUMBERS], const double pose[6],
+                                  double joints[PARACAL_LIMBS]$STATE_PARAMETER$) {
+$CLOSED$}
 
-/* The largest difference of two sets of joints. */
-static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b[PARACAL_LIMBS]) {
-  double largest = 0.0;
-  int i;
-  for (i = 0; i < PARACAL_LIMBS; ++i) {
-    if (!(paracal_abs(a[i] - b[i]) <= largest)) { largest = paracal_abs(a[i] - b[i]); }
+/* d joints / d pose, a row a limb. */
+static inline void paracal_rates(const double p[PARACAL_NUMBERS], const double pose[6],
+                                 double rates[PARACAL_LIMBS * PARACAL_FREE]) {
+$RATES$}
+
+$SEARCH$/* PARACAL_OK if the plate can be commanded to a pose. */
+static inline int paracal_check(const double pose[6]) {
+  int k;
+  for (k = 0; k < 6; ++k) {
+    if (!paracal_is_finite(pose[k])) { return PARACAL_NOT_FINITE; }
   }
-  return largest;
+  for (k = 0; k < 6; ++k) {
+    if ((paracal_is_held[k] != 0) && (paracal_abs(pose[k] - paracal_held[k]) > 1.0E-6)) { return PARACAL_UNREACHABLE; }
+  }
+  return PARACAL_OK;
 }
 
-/* The motion of the plate, mm and rad, for small changes of the joints. */
-static inline void paracal_way_back(const double pose[4], const double joints[PARACAL_LIMBS],
-                                    const double changes[PARACAL_LIMBS], double motion[PARACAL_LIMBS]) {
-  const struct paracal_limb* const limb = paracal_limbs;
-$WAY_BACK$}
-
-/* Joint coordinates ($JOINT_UNIT$) that bring the plate centre to x, y, z (mm) and the end-effector to phi (rad; 0 for a
- * rigid plate). joints_$JOINT_UNIT$, and tilt_rad where it is not NULL (the tilt about x and y that remains), are written
- * if the result is PARACAL_OK, else unchanged. */
-static inline int paracal_compensate(double x_mm, double y_mm, double z_mm, double phi_rad,
-                                     double joints_$JOINT_UNIT$[PARACAL_LIMBS], double tilt_rad[2]) {
-  const double pose[4] = {x_mm, y_mm, z_mm, phi_rad};
-  double joints[PARACAL_LIMBS];
+/* paracal_compensate with other numbers. */
+static inline int paracal_compensate_with(const struct paracal_numbers* numbers, const double pose[6],
+                                          double joints[PARACAL_LIMBS], double plate[6]) {
+  double found[PARACAL_LIMBS];
   int i;
-#if PARACAL_TILTS_PLATE
-  double state[PARACAL_STATE];
-#endif
-  for (i = 0; i < 4; ++i) {
-    if (!paracal_is_finite(pose[i])) { return PARACAL_NOT_FINITE; }
-  }
-#if PARACAL_LIMBS == 3
-  if ((phi_rad < 0.0) || (phi_rad > 0.0)) { return PARACAL_UNREACHABLE; }
-#endif
-#if PARACAL_TILTS_PLATE
-  paracal_level(pose, joints, state);
-#else
-  paracal_level(pose, joints);
-#endif
+  const int status = paracal_check(pose);
+$STATE$  if (status != PARACAL_OK) { return status; }
+  paracal_closed(numbers->exact, pose, found$STATE_ARGUMENT$);
   for (i = 0; i < PARACAL_LIMBS; ++i) {
-    if (!paracal_is_finite(joints[i])) { return PARACAL_UNREACHABLE; }
+    if (!paracal_is_finite(found[i])) { return PARACAL_UNREACHABLE; }
   }
-#if PARACAL_TILTS_PLATE
-  if (paracal_settle(pose, state) != PARACAL_OK) { return PARACAL_SINGULAR; }
-  for (i = 0; i < PARACAL_LIMBS; ++i) {
-    joints[i] += state[3 + i];
-    if (!paracal_is_finite(joints[i])) { return PARACAL_SINGULAR; }
+$SETTLE$  for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = found[i]; }
+  if (plate != NULL) {
+    for (i = 0; i < 6; ++i) { plate[i] = (paracal_is_held[i] != 0) ? paracal_held[i] : pose[i]; }
+$PLATE_TILT$  }
+  return PARACAL_OK;
+}
+
+/* Joint coordinates ($JOINT_UNIT$) that bring the plate to a pose (mm, rad). They are written if the result is PARACAL_OK,
+ * else unchanged; so is plate, where it is not NULL: x, y, z and the three tilts that the plate then has$PLATE_REMARK$. */
+static inline int paracal_compensate(const double pose[6], double joints[PARACAL_LIMBS], double plate[6]) {
+  return paracal_compensate_with(&paracal_identified, pose, joints, plate);
+}
+
+/* d joints / d pose of paracal_compensate, $RATES_ERROR$. Written if the result is PARACAL_OK. */
+static inline int paracal_jacobian(const double pose[6], double rates[PARACAL_LIMBS * PARACAL_FREE]) {
+  double found[PARACAL_LIMBS * PARACAL_FREE];
+  double joints[PARACAL_LIMBS];
+  int k;
+  const int status = paracal_compensate(pose, joints, NULL);
+  if (status != PARACAL_OK) { return status; }
+  paracal_rates(paracal_identified.exact, pose, found);
+  for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) {
+    if (!paracal_is_finite(found[k])) { return PARACAL_SINGULAR; }
   }
-#endif
-  for (i = 0; i < PARACAL_LIMBS; ++i) { joints_$JOINT_UNIT$[i] = joints[i]; }
-  if (tilt_rad != NULL) {
-#if PARACAL_TILTS_PLATE
-    tilt_rad[0] = state[0];
-    tilt_rad[1] = state[1];
-#else
-    tilt_rad[0] = 0.0;
-    tilt_rad[1] = 0.0;
-#endif
-  }
+  for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) { rates[k] = found[k]; }
   return PARACAL_OK;
 }
 
 /* Poses, and their joints computed by the library. */
 struct paracal_test {
-  double pose[4];
+  double pose[6];
   double joints[PARACAL_LIMBS];
 };
 
 static const struct paracal_test paracal_tests[$TESTS$] = {
 $TEST_VECTOR$};
 
-/* The pose (mm, rad) of the identified machine with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
- * Newton's method from `pose`, or from the centre of the workspace if `pose` is out of reach. At most 50 steps; a step is
- * halved if it leaves the reach or does not reduce the joint error. `pose` is written if the result is PARACAL_OK, else
- * unchanged. */
-static inline int paracal_forward(const double joints_$JOINT_UNIT$[PARACAL_LIMBS], double pose[4]) {
-  double at[4];
-  double next[4];
+/* The centre of the workspace: a start if no better pose is known. From there paracal_forward finds the poses of the
+ * self-test and usually every pose of the workspace; otherwise it returns an error. */
+static inline void paracal_home(double pose[6]) {
+  int k;
+  for (k = 0; k < 6; ++k) { pose[k] = paracal_tests[0].pose[k]; }
+}
+
+/* The root of the sum of squares of the differences; not finite if a joint is not. */
+static inline double paracal_apart(const double a[PARACAL_LIMBS], const double b[PARACAL_LIMBS]) {
+  double squares = 0.0;
+  int i;
+  for (i = 0; i < PARACAL_LIMBS; ++i) { squares += (a[i] - b[i]) * (a[i] - b[i]); }
+  return sqrt(squares);
+}
+
+/* The motion of the commanded coordinates that changes the joints so, by least squares: rates^T rates x = rates^T changes,
+ * by elimination. x replaces the first of the changes. */
+static inline int paracal_solve(const double rates[PARACAL_LIMBS * PARACAL_FREE], double changes[PARACAL_LIMBS]) {
+  double normal[PARACAL_FREE][PARACAL_FREE + 1];
+  int row;
+  int column;
+  int k;
+  for (row = 0; row < PARACAL_FREE; ++row) {
+    for (column = 0; column <= PARACAL_FREE; ++column) {
+      normal[row][column] = 0.0;
+      for (k = 0; k < PARACAL_LIMBS; ++k) {
+        normal[row][column] += rates[(PARACAL_FREE * k) + row] *
+                               ((column < PARACAL_FREE) ? rates[(PARACAL_FREE * k) + (column % PARACAL_FREE)] : changes[k]);
+      }
+    }
+  }
+  for (column = 0; column < PARACAL_FREE; ++column) {
+    if (!(normal[column][column] > 0.0)) { return PARACAL_SINGULAR; }
+    for (row = column + 1; row < PARACAL_FREE; ++row) {
+      const double share = normal[row][column] / normal[column][column];
+      for (k = column; k <= PARACAL_FREE; ++k) { normal[row][k] -= share * normal[column][k]; }
+    }
+  }
+  for (row = PARACAL_FREE - 1; row >= 0; --row) {
+    double rest = normal[row][PARACAL_FREE];
+    for (k = row + 1; k < PARACAL_FREE; ++k) { rest -= normal[row][k] * changes[k]; }
+    changes[row] = rest / normal[row][row];
+    if (!paracal_is_finite(changes[row])) { return PARACAL_SINGULAR; }
+  }
+  return PARACAL_OK;
+}
+
+/* paracal_forward with other numbers. */
+static inline int paracal_forward_with(const struct paracal_numbers* numbers, const double wanted[PARACAL_LIMBS],
+                                       double pose[6]) {
+  double at[6];
+  double next[6];
   double joints[PARACAL_LIMBS];
-  double changes[PARACAL_LIMBS];
-  double motion[PARACAL_LIMBS];
+  double rates[PARACAL_LIMBS * PARACAL_FREE];
+  double step[PARACAL_LIMBS];
   double fraction = 1.0;
   double apart;
   int count;
   int k;
+  for (k = 0; k < 6; ++k) {
+    if (!paracal_is_finite(pose[k])) { return PARACAL_NOT_FINITE; }
+    at[k] = (paracal_is_held[k] != 0) ? paracal_held[k] : pose[k];
+  }
   for (k = 0; k < PARACAL_LIMBS; ++k) {
-    motion[k] = 0.0;
-    if (!paracal_is_finite(joints_$JOINT_UNIT$[k])) { return PARACAL_NOT_FINITE; }
+    if (!paracal_is_finite(wanted[k])) { return PARACAL_NOT_FINITE; }
+    step[k] = 0.0;
   }
-  for (k = 0; k < 4; ++k) { at[k] = pose[k]; }
-  if (paracal_compensate(at[0], at[1], at[2], at[3], joints, NULL) != PARACAL_OK) {
-    for (k = 0; k < 4; ++k) { at[k] = paracal_tests[0].pose[k]; }
-    if (paracal_compensate(at[0], at[1], at[2], at[3], joints, NULL) != PARACAL_OK) { return PARACAL_SINGULAR; }
+  if (paracal_compensate_with(numbers, at, joints, NULL) != PARACAL_OK) {
+    paracal_home(at);
+    if (paracal_compensate_with(numbers, at, joints, NULL) != PARACAL_OK) { return PARACAL_SINGULAR; }
   }
-  apart = paracal_apart(joints_$JOINT_UNIT$, joints);
+  apart = paracal_apart(wanted, joints);
   for (count = 0; count < 50; ++count) {
     double largest = 0.0;
     double next_apart;
     int result;
     if (fraction >= 1.0) {
-      for (k = 0; k < PARACAL_LIMBS; ++k) { changes[k] = joints_$JOINT_UNIT$[k] - joints[k]; }
-      paracal_way_back(at, joints, changes, motion);
+      paracal_rates(numbers->exact, at, rates);
+      for (k = 0; k < PARACAL_LIMBS; ++k) { step[k] = wanted[k] - joints[k]; }
+      if (paracal_solve(rates, step) != PARACAL_OK) { return PARACAL_SINGULAR; }
     }
-    for (k = 0; k < 4; ++k) { next[k] = at[k]; }
-    for (k = 0; k < PARACAL_LIMBS; ++k) {
-      next[k] = at[k] + (fraction * motion[k]);
-      if (!paracal_is_finite(next[k])) { return PARACAL_SINGULAR; }
-      if (paracal_abs(fraction * motion[k]) > largest) { largest = paracal_abs(fraction * motion[k]); }
+    for (k = 0; k < 6; ++k) { next[k] = at[k]; }
+    for (k = 0; k < PARACAL_FREE; ++k) {
+      next[paracal_places[k]] = at[paracal_places[k]] + (fraction * step[k]);
+      if (paracal_abs(fraction * step[k]) > largest) { largest = paracal_abs(fraction * step[k]); }
     }
-    result = paracal_compensate(next[0], next[1], next[2], next[3], joints, NULL);
-    next_apart = paracal_apart(joints_$JOINT_UNIT$, joints);
-    if ((result == PARACAL_OK) && ((next_apart < apart) || (largest < 1.0E-9))) {
+    result = paracal_compensate_with(numbers, next, joints, NULL);
+    next_apart = paracal_apart(wanted, joints);
+    if ((result == PARACAL_OK) && ((next_apart < apart) || (largest < $SMALLEST_STEP$))) {
       apart = next_apart;
       fraction = 1.0;
-      for (k = 0; k < 4; ++k) { at[k] = next[k]; }
-      if (largest < 1.0E-9) {
-        for (k = 0; k < 4; ++k) { pose[k] = at[k]; }
+      for (k = 0; k < 6; ++k) { at[k] = next[k]; }
+      if ((largest < $SMALLEST_STEP$) && (apart < $AGREEMENT$)) {
+        for (k = 0; k < 6; ++k) { pose[k] = at[k]; }
         return PARACAL_OK;
       }
     } else {
@@ -210,22 +259,101 @@ static inline int paracal_forward(const double joints_$JOINT_UNIT$[PARACAL_LIMBS
   return PARACAL_UNREACHABLE;
 }
 
-/* 0: every joint agrees within $JOINT_TOLERANCE$ $JOINT_UNIT$, and the pose of the joints within 1e-6 mm. Otherwise the number,
- * from 1, of the first pose that does not. */
+/* The pose (mm, rad) of the identified machine with these joints ($JOINT_UNIT$): the inverse of paracal_compensate, by
+ * Newton's method from `pose`, in the assembly mode of `pose`: give the last pose, or a commanded one nearby. At most 50
+ * steps; a step is halved if it leaves the reach or does not reduce the joint error. `pose` is written if the result is
+ * PARACAL_OK, else unchanged. */
+static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pose[6]) {
+  return paracal_forward_with(&paracal_identified, wanted, pose);
+}
+
+/* A machine whose numbers may change while it runs. All three functions below belong to one thread. */
+struct paracal_machine {
+  struct paracal_numbers set[2];
+  long cycles; /* of the change that goes on; 0: none does */
+  long left;
+  int used;
+};
+
+/* Begins with the numbers of this file. */
+static inline void paracal_start(struct paracal_machine* machine) {
+  machine->set[0] = paracal_identified;
+  machine->set[1] = paracal_identified;
+  machine->cycles = 0;
+  machine->left = 0;
+  machine->used = 0;
+}
+
+/* Begins a change to the numbers of a later calibration, over so many cycles (1: at once). The set comes from the key
+ * `set` of the export for the target json. It is copied, then its copy is checked: one that is not complete, or that has
+ * another layout, is refused and changes nothing. */
+static inline int paracal_change(struct paracal_machine* machine, const double set[PARACAL_SET], long cycles) {
+  struct paracal_numbers* const next = &machine->set[1 - machine->used];
+  const double layout = set[PARACAL_NUMBERS];
+  const double stated = set[PARACAL_NUMBERS + 1];
+  double sum = layout;
+  double size = layout;
+  double weight = 0.0;
+  int is_whole = 1;
+  int k;
+  if (machine->cycles != 0) { return PARACAL_BUSY; }
+  for (k = 0; k < PARACAL_NUMBERS; ++k) {
+    next->exact[k] = set[k];
+$SINGLE_COPY$    weight += 1.0;
+    sum += weight * next->exact[k];
+    size += weight * paracal_abs(next->exact[k]);
+    if (!(paracal_abs(next->exact[k]) > 0.0)) { is_whole = 0; }
+  }
+  if (!(paracal_abs(layout - PARACAL_LAYOUT) < 0.5) || !(paracal_abs(sum - stated) <= (1.0E-13 * size)) ||
+      (is_whole == 0) || (cycles < 1)) {
+    return PARACAL_REFUSED;
+  }
+  machine->cycles = cycles;
+  machine->left = cycles;
+  return PARACAL_OK;
+}
+
+/* paracal_compensate, once in a cycle. During a change the joints go from the old to the new ones in equal parts. */
+static inline int paracal_cycle(struct paracal_machine* machine, const double pose[6], double joints[PARACAL_LIMBS],
+                                double plate[6]) {
+  double now[PARACAL_LIMBS];
+  double next[PARACAL_LIMBS];
+  int status = paracal_compensate_with(&machine->set[machine->used], pose, now, plate);
+  int i;
+  if ((status == PARACAL_OK) && (machine->cycles != 0)) {
+    status = paracal_compensate_with(&machine->set[1 - machine->used], pose, next, NULL);
+    if (status == PARACAL_OK) {
+      machine->left -= 1;
+      for (i = 0; i < PARACAL_LIMBS; ++i) {
+        now[i] = next[i] + (((double)machine->left / (double)machine->cycles) * (now[i] - next[i]));
+      }
+      if (machine->left == 0) {
+        machine->cycles = 0;
+        machine->used = 1 - machine->used;
+      }
+    }
+  }
+  if (status == PARACAL_OK) {
+    for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = now[i]; }
+  }
+  return status;
+}
+
+/* 0: every joint agrees within $JOINT_TOLERANCE$ ($JOINT_UNIT$), and the pose found from the centre of the workspace within
+ * $POSE_TOLERANCE$ mm and rad. Otherwise the number, from 1, of the first pose that does not. */
 static inline int paracal_self_test(void) {
   int k;
   int i;
   for (k = 0; k < $TESTS$; ++k) {
     const struct paracal_test* const test = &paracal_tests[k];
     double joints[PARACAL_LIMBS];
-    double pose[4] = {0.0, 0.0, 0.0, 0.0};
-    if (paracal_compensate(test->pose[0], test->pose[1], test->pose[2], test->pose[3], joints, NULL) != PARACAL_OK) {
-      return k + 1;
-    }
-    if (paracal_apart(joints, test->joints) >= $JOINT_TOLERANCE$) { return k + 1; }
+    double pose[6];
+    if (paracal_compensate(test->pose, joints, NULL) != PARACAL_OK) { return k + 1; }
+    if (!(paracal_apart(joints, test->joints) < $JOINT_TOLERANCE$)) { return k + 1; }
+    paracal_home(pose);
     if (paracal_forward(joints, pose) != PARACAL_OK) { return k + 1; }
-    for (i = 0; i < 4; ++i) {
-      if (!(paracal_abs(pose[i] - test->pose[i]) < 1.0E-6)) { return k + 1; }
+    for (i = 0; i < 6; ++i) {
+      if (!(paracal_abs(pose[i] - test->pose[i]) < $POSE_TOLERANCE$)) { return k + 1; }
     }
   }
   return 0;

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <array>
+
 #include "io/tables/names.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
@@ -8,10 +10,13 @@
 namespace paracal::io {
 namespace {
 
-Json limb_json(const CompensatorLimb<double>& limb) {
-  const bool on_rail = limb.on_rail != 0.0;
-  const Unit unit = joint_unit(on_rail ? Actuator::linear : Actuator::revolute);
-  Json json{{"base_mm", limb.base},
+Json limb_json(const ClosureLimb<double>& limb) {
+  constexpr std::array kDrives{"arm", "rail", "strut"};
+  const bool in_mm = closure::moves_in_mm(limb);
+  const Unit unit = in_mm ? Unit::mm : Unit::rad;
+  Json json{{"drive", kDrives.at(static_cast<std::size_t>(closure::drive_of(limb)))},
+            {"rods", closure::rod_count(limb)},
+            {"base_mm", limb.base},
             {"radial", limb.radial},
             {"normal", limb.normal},
             {"axis", limb.axis},
@@ -21,9 +26,10 @@ Json limb_json(const CompensatorLimb<double>& limb) {
             {"plate_half_mm", limb.plate_half},
             {"rod_mm", limb.rod},
             {"arm_mm", limb.arm},
-            {"on_rail", on_rail},
+            {"on_rail", closure::drive_of(limb) == ClosureDrive::rail},
+            {"ahead", limb.ahead > 0.0},
             {fmt::format("joint_offset_{}", file_unit(unit)), to_file_unit(unit, limb.joint_offset)}};
-  if (on_rail) json["joint_per_mm"] = limb.joint_per_mm;
+  if (in_mm) json["joint_per_mm"] = limb.joint_per_mm;
   return json;
 }
 
@@ -39,6 +45,11 @@ Json to_json(const Robot& robot, const ExportOrigin& origin) {
 
 Json to_json(const CompensatorParameters<double>& parameters) {
   const auto of_limbs = [&](const auto& values) { return std::span(values).first(parameters.limb_count); };
+  if (parameters.is_level == 0) {
+    return {{"tilts_plate", parameters.tilts_plate != 0},
+            {"identified", json_array(of_limbs(parameters.identified), limb_json)},
+            {"nominal", json_array(of_limbs(parameters.nominal), limb_json)}};
+  }
   return {{"tilts_plate", parameters.tilts_plate != 0},
           {"identified", json_array(of_limbs(parameters.identified), limb_json)},
           {"nominal", json_array(of_limbs(parameters.nominal), limb_json)},
@@ -58,10 +69,10 @@ Json to_json(const Pose& pose, bool tilts) {
   return json;
 }
 
-Json to_json(const SelfTestCase& wanted, Actuator actuator) {
+Json to_json(const SelfTestCase& wanted, Actuator actuator, bool tilts) {
   const Unit unit = joint_unit(actuator);
   const auto in_unit = [&](double joint) { return to_file_unit(unit, joint); };
-  return {{"pose", to_json(wanted.pose)},
+  return {{"pose", to_json(wanted.pose, tilts)},
           {fmt::format("joints_{}", file_unit(unit)), json_array(wanted.joints, in_unit)}};
 }
 

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "paracal/mechanism/machine.hpp"
+#include "paracal/mechanism/machine_closure.hpp"
+
+namespace paracal {
+
+template <typename Scalar>
+ClosureVector<Scalar> closure_vector(const Eigen::Vector3d& v) {
+  return {static_cast<Scalar>(v.x()), static_cast<Scalar>(v.y()), static_cast<Scalar>(v.z())};
+}
+
+inline ClosureDrive closure_drive(Actuator actuator) {
+  if (swings_arm(actuator)) return ClosureDrive::arm;
+  return runs_on_rail(actuator) ? ClosureDrive::rail : ClosureDrive::strut;
+}
+
+/// A limb of a machine as its closure needs it, rounded to Scalar last. Real-time: yes.
+template <typename Scalar = double>
+ClosureLimb<Scalar> closure_limb(const Machine& machine, std::size_t number) {
+  const Limb& limb = machine.limbs[number];
+  const auto rounded = [](const Eigen::Vector3d& v) { return closure_vector<Scalar>(v); };
+  const ClosureDrive drive = closure_drive(limb.actuator);
+  ClosureLimb<Scalar> closure;
+  closure.base = rounded(limb.base);
+  closure.radial = rounded(limb.frame.col(0));
+  closure.normal = rounded(limb.frame.col(1));
+  closure.axis = rounded(limb.frame.col(2));
+  closure.plate = rounded(limb.plate);
+  closure.slide = rounded(limb.slide_sign * machine.pinion_radius * machine.slide_axis);
+  closure.rod = {static_cast<Scalar>(limb.rod[0]), static_cast<Scalar>(limb.rod[1])};
+  closure.arm = static_cast<Scalar>(limb.arm);
+  closure.joint_offset = static_cast<Scalar>(limb.joint_offset + (limb.is_strut() ? limb.rod[0] : 0.0));
+  closure.joint_per_mm = static_cast<Scalar>(1.0 / limb.gain);
+  closure.drive = static_cast<Scalar>(static_cast<int>(drive));
+  closure.ahead = static_cast<Scalar>(limb.ahead);
+  if (limb.has_one_rod()) {
+    closure.rods = Scalar(1);
+  } else {
+    closure.elbow_half = rounded(0.5 * limb.elbow_width * limb.elbow_frame.col(2));
+    closure.plate_half = rounded(0.5 * limb.plate_width * limb.plate_frame.col(2));
+  }
+  return closure;
+}
+
+/// What can be commanded besides x, y and z on limbs with two rods: one angle of the plate, or its slide.
+inline std::size_t fourth_coordinate(const Machine& machine) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (machine.freedoms.free[3 + k]) return k;
+  }
+  return closure::kSlide;
+}
+
+template <typename Scalar = double>
+ClosurePose<Scalar> closure_pose(const Pose& pose) {
+  return {static_cast<Scalar>(pose.position.x()), static_cast<Scalar>(pose.position.y()),
+          static_cast<Scalar>(pose.position.z()), static_cast<Scalar>(pose.rotation),
+          static_cast<Scalar>(pose.tilt.x()),     static_cast<Scalar>(pose.tilt.y()),
+          static_cast<Scalar>(pose.tilt.z())};
+}
+
+}  // namespace paracal

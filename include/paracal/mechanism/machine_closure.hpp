@@ -1,0 +1,525 @@
+#pragma once
+
+// How a machine closes, once: the library's inverse with errors (kinematics/inverse.hpp), the compensator of a
+// controller (compensation/compensator.hpp) and all exports are these lines, over double, float, the lanes of a vector
+// register, or formulas that are printed for another language. They need only the standard library and
+// limb_closure.hpp. Real-time: yes (noexcept, no allocation, no exception, no unbounded loop).
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "paracal/mechanism/limb_closure.hpp"
+
+namespace paracal {
+
+template <typename Scalar>
+using ClosureVector = std::array<Scalar, 3>;
+
+/// What a joint moves. A ClosureLimb holds it as a number.
+enum class ClosureDrive : std::uint8_t {
+  arm,    ///< C = b + L u_1, u_1 = cos(th) u_0 + sin(th) v_0,  th = q + joint_offset
+  rail,   ///< C = b - L u_0 + s v_0,                           s = q / joint_per_mm + joint_offset
+  strut,  ///< C = b, a rod of the length                       s = q / joint_per_mm + joint_offset
+};
+
+/// One limb of a machine, errors included [huang2016, Eq. (1)]: one rod, or two side by side, from the elbow C to the
+/// plate joint; mm, in the base frame {O} unless said otherwise. Plain numbers without padding.
+template <typename Scalar>
+struct ClosureLimb {
+  ClosureVector<Scalar> base{};                      ///< b_i
+  ClosureVector<Scalar> radial{}, normal{}, axis{};  ///< u_0, v_0, w_0: columns of R_0
+  ClosureVector<Scalar> plate{};                     ///< a_i, in {O'}
+  ClosureVector<Scalar> slide{};                     ///< mu_i r_g shat, in {O'}: motion of A_i per rad of phi
+  ClosureVector<Scalar> elbow_half{};                ///< (c_c / 2) R_2 e_3, along u_1, v_1, w_0; 0 for one rod
+  ClosureVector<Scalar> plate_half{};                ///< (c_a / 2) R_3 e_3, in {O'}; 0 for one rod
+  std::array<Scalar, 2> rod{};                       ///< l_1, l_2; equal for one rod
+  Scalar arm{};                                      ///< L_i
+  Scalar joint_offset{};                             ///< rad, or mm of travel or length
+  Scalar joint_per_mm = Scalar(1);  ///< of rails and struts: mm of the joint coordinate per mm, 1 / gain
+  Scalar drive{};                   ///< a ClosureDrive
+  Scalar rods = Scalar(2);          ///< 1 or 2
+  Scalar ahead = Scalar(1);         ///< +1: the carriage is ahead of the plate joint, -1: behind it
+};
+
+template <typename Scalar, std::size_t N>
+using ClosureLimbs = std::array<ClosureLimb<Scalar>, N>;
+
+/// A commanded pose: O' in {O}, mm; phi of an end-effector on a slide, rad; tilts of a plate that can be turned, rad:
+/// R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
+template <typename Scalar>
+struct ClosurePose {
+  Scalar x{}, y{}, z{};
+  Scalar phi{};
+  Scalar tilt_x{}, tilt_y{}, tilt_z{};
+};
+
+namespace closure {
+
+template <typename Scalar>
+using Vector = ClosureVector<Scalar>;
+
+template <typename Scalar>
+Scalar dot(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <typename Scalar>
+Vector<Scalar> cross(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// a + factor b
+template <typename Scalar>
+Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b, Scalar factor = Scalar(1)) noexcept {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+
+template <typename Scalar>
+Vector<Scalar> scaled(const Vector<Scalar>& a, Scalar factor) noexcept {
+  return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// x a + y b + z c
+template <typename Scalar>
+Vector<Scalar> combination(const Vector<Scalar>& weights, const Vector<Scalar>& a, const Vector<Scalar>& b,
+                           const Vector<Scalar>& c) noexcept {
+  const auto [x, y, z] = weights;
+  return {x * a[0] + y * b[0] + z * c[0], x * a[1] + y * b[1] + z * c[1], x * a[2] + y * b[2] + z * c[2]};
+}
+
+template <typename Scalar, std::size_t Size>
+bool all_finite(const std::array<Scalar, Size>& values, std::size_t count = Size) noexcept {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::isfinite(values[k])) return false;
+  }
+  return true;
+}
+
+/// Rows of the inverse of a symmetric matrix; not finite if it is singular.
+template <typename Scalar>
+std::array<Vector<Scalar>, 3> inverse_of_symmetric(const std::array<Vector<Scalar>, 3>& rows) noexcept {
+  std::array<Vector<Scalar>, 3> inverse;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector<Scalar> normal = cross(rows[(k + 1) % 3], rows[(k + 2) % 3]);
+    inverse[k] = scaled(normal, Scalar(1) / dot(normal, rows[k]));
+  }
+  return inverse;
+}
+
+/// cos and sin by their series, to 3e-17 for angles within 0.1 rad.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by_series(Scalar angle) noexcept {
+  const Scalar one(1), u = angle * angle;
+  const auto part = [&](double of) { return u * Scalar(1.0 / of); };  // divisions are slow on small controllers
+  return {one - part(2.0) * (one - part(12.0) * (one - part(30.0) * (one - part(56.0)))),
+          angle * (one - part(6.0) * (one - part(20.0) * (one - part(42.0) * (one - part(72.0)))))};
+}
+
+inline constexpr double kSeriesReach = 0.1;  ///< rad
+
+/// cos and sin of an angle that is nearly always small.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
+  if (std::abs(angle) <= Scalar(kSeriesReach)) return turn_by_series(angle);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+template <typename Scalar>
+ClosureDrive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
+  return static_cast<ClosureDrive>(static_cast<int>(limb.drive));
+}
+
+template <typename Scalar>
+std::size_t rod_count(const ClosureLimb<Scalar>& limb) noexcept {
+  return static_cast<std::size_t>(limb.rods);
+}
+
+/// Its coordinate is a length, not an angle.
+template <typename Scalar>
+bool moves_in_mm(const ClosureLimb<Scalar>& limb) noexcept {
+  return drive_of(limb) != ClosureDrive::arm;
+}
+
+/// cos and sin of an angle of any size.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by_any(const Scalar& angle) noexcept {
+  return {std::cos(angle), std::sin(angle)};
+}
+
+/// R of the plate, and the axes about which its three angles turn it: dR p = axis x R p d(tilt).
+template <typename Scalar>
+struct TurnedPlate : PlateColumns<Scalar> {
+  std::array<Vector<Scalar>, 3> axes;
+
+  Vector<Scalar> turned(const Vector<Scalar>& v) const noexcept { return combination(v, this->x, this->y, this->z); }
+};
+
+/// @param x, y, z  cos and sin of the three angles.
+template <typename Scalar>
+TurnedPlate<Scalar> turned_plate(const ArmDirection<Scalar>& x, const ArmDirection<Scalar>& y,
+                                 const ArmDirection<Scalar>& z) noexcept {
+  const PlateColumns<Scalar> columns = plate_columns(x, y, z);
+  const Scalar zero(0);
+  return {columns, {Vector<Scalar>{Scalar(1), zero, zero}, {zero, x.cosine, x.sine}, columns.z}};
+}
+
+/// The plate turned as commanded.
+template <typename Scalar>
+TurnedPlate<Scalar> commanded_plate(const ClosurePose<Scalar>& pose) noexcept {
+  return turned_plate(turn_by_any(pose.tilt_x), turn_by_any(pose.tilt_y), turn_by_any(pose.tilt_z));
+}
+
+/// The plate that stays level: no turn is computed.
+struct LevelPlate {
+  template <typename Scalar>
+  const Vector<Scalar>& turned(const Vector<Scalar>& v) const noexcept {
+    return v;
+  }
+};
+
+/// a_i + phi mu_i r_g shat: the plate joint from O', in {O'}.
+template <typename Scalar>
+Vector<Scalar> plate_joint(const ClosureLimb<Scalar>& limb, const Scalar& phi) noexcept {
+  return sum(limb.plate, limb.slide, phi);
+}
+
+/// Position of the drive at one mean rod length from the plate joint, d from b_i.
+template <typename Scalar>
+ArmDirection<Scalar> close_limb(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
+  using std::sqrt;
+  const ClosureDrive drive = drive_of(limb);
+  if (drive == ClosureDrive::strut) return {Scalar(1), sqrt(dot(d, d))};
+  const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
+  const Scalar radial = dot(d, limb.radial), normal = dot(d, limb.normal);
+  if (drive == ClosureDrive::arm) return close_triangle(ArmReach<Scalar>{radial, normal, dot(d, d), limb.arm, rod});
+  const Scalar travel = close_on_rail(RailReach<Scalar>{radial, limb.ahead * normal, dot(d, limb.axis), limb.arm, rod});
+  return {Scalar(1), limb.ahead * travel};
+}
+
+/// The elbow (of a rail the carriage, of a strut its base joint) in {O}: its centre C and the directions fixed to its
+/// short side.
+template <typename Scalar>
+struct ClosedElbow {
+  Vector<Scalar> u1, v1, centre;
+};
+
+/// @param arm  of unit length.
+template <typename Scalar>
+ClosedElbow<Scalar> elbow_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
+  const ClosureDrive drive = drive_of(limb);
+  if (drive == ClosureDrive::strut) return {limb.radial, limb.normal, limb.base};
+  if (drive == ClosureDrive::rail) {
+    return {limb.radial, limb.normal, sum(sum(limb.base, limb.radial, -limb.arm), limb.normal, arm.sine)};
+  }
+  const Vector<Scalar> u1 = sum(scaled(limb.radial, arm.cosine), limb.normal, arm.sine);
+  const Vector<Scalar> v1 = sum(scaled(limb.normal, arm.cosine), limb.radial, -arm.sine);
+  return {u1, v1, sum(limb.base, u1, limb.arm)};
+}
+
+/// How the tension |A - C| - l of a rod along n grows with the joint, mm per rad or mm.
+template <typename Scalar>
+Scalar rod_by_joint(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& n, const Vector<Scalar>& v1) noexcept {
+  switch (drive_of(limb)) {
+    case ClosureDrive::arm:
+      return -dot(n, v1) * limb.arm;
+    case ClosureDrive::rail:
+      return -dot(n, v1) * (Scalar(1) / limb.joint_per_mm);
+    default:
+      return -(Scalar(1) / limb.joint_per_mm);
+  }
+}
+
+template <typename Scalar, std::size_t N>
+using Arms = std::array<ArmDirection<Scalar>, N>;
+
+/// Closed form of all limbs at a pose, the plate turned as commanded. All triangles come before the first arctangent,
+/// so the short chains of arithmetic of the limbs overlap.
+template <std::size_t N, typename Scalar, std::size_t Size, typename Plate>
+Arms<Scalar, N> closed_arms(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
+                            const Plate& plate) noexcept {
+  const Vector<Scalar> position{pose.x, pose.y, pose.z};
+  Arms<Scalar, N> arms;
+  for (std::size_t i = 0; i < N; ++i) {
+    const Vector<Scalar> joint_at_plate = sum(position, plate.turned(plate_joint(limbs[i], pose.phi)));
+    arms[i] = close_limb(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
+  }
+  return arms;
+}
+
+/// Position of the arm, rad, or of the carriage, mm, for a joint coordinate.
+template <typename Scalar>
+Scalar place_of(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
+  return (moves_in_mm(limb) ? joint / limb.joint_per_mm : joint) + limb.joint_offset;
+}
+
+/// Joint coordinates to command for arms in these directions.
+template <typename Scalar, std::size_t N, std::size_t Size, typename Joints>
+void joints_of(const ClosureLimbs<Scalar, Size>& limbs, const Arms<Scalar, N>& arms, Joints& joints) noexcept {
+  using std::atan2;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [c, s] = arms[i];
+    joints[i] = moves_in_mm(limbs[i]) ? (s - limbs[i].joint_offset) * limbs[i].joint_per_mm
+                                      : atan2(s, c) - limbs[i].joint_offset;
+  }
+}
+
+/// Arms of unit length.
+template <typename Scalar, std::size_t N, std::size_t Size>
+Arms<Scalar, N> unit_arms(const ClosureLimbs<Scalar, Size>& limbs, const Arms<Scalar, N>& arms) noexcept {
+  using std::sqrt;
+  Arms<Scalar, N> unit;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [c, s] = arms[i];
+    const Scalar scale = moves_in_mm(limbs[i]) ? Scalar(1) : Scalar(1) / sqrt(c * c + s * s);
+    unit[i] = {c * scale, s * scale};
+  }
+  return unit;
+}
+
+/// Change of all joints by the pose: x, y, z, tilt_x, tilt_y, tilt_z, phi; rad or mm per mm or rad.
+template <typename Scalar>
+using JointRates = std::array<Scalar, 7>;
+
+/// From n . d(plate joint) + rod_by_joint dq = 0 for every limb, the mean rod along n. Exact for limbs of one rod. For
+/// two, errors of the tilt group change it by their own size.
+/// @param arms  of unit length.
+template <std::size_t N, typename Scalar, std::size_t Size, typename Turned>
+std::array<JointRates<Scalar>, N> joint_rates(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
+                                              const Turned& plate, const Arms<Scalar, N>& arms) noexcept {
+  std::array<JointRates<Scalar>, N> rates;
+  for (std::size_t i = 0; i < N; ++i) {
+    const ClosedElbow<Scalar> elbow = elbow_of(limbs[i], arms[i]);
+    const Vector<Scalar> lever = plate.turned(plate_joint(limbs[i], pose.phi));
+    const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, lever), elbow.centre, Scalar(-1));
+    // The length of the rod cancels, but for a strut, whose length is the joint's.
+    const Scalar length = drive_of(limbs[i]) == ClosureDrive::strut ? arms[i].sine : Scalar(1);
+    const Vector<Scalar> along = scaled(rod, Scalar(-1) / (length * rod_by_joint(limbs[i], rod, elbow.v1)));
+    const Vector<Scalar> moment = cross(lever, along);
+    rates[i] = {along[0],
+                along[1],
+                along[2],
+                dot(plate.axes[0], moment),
+                dot(plate.axes[1], moment),
+                dot(plate.axes[2], moment),
+                dot(along, plate.turned(limbs[i].slide))};
+  }
+  return rates;
+}
+
+// Limbs of two rods. They keep the plate from turning about some axes, and their errors turn it: the plate then stands
+// where its rods, as springs of tension f = |rod| - l, are in balance (J^T f = 0, J = df / d(plate)). At a commanded
+// pose the joints and the held angles are sought, from the closed form on: as many limbs as coordinates are commanded.
+
+/// Arms and plate during the search; position, slide and commanded angles of the plate stay on the pose.
+template <typename Scalar, std::size_t N>
+struct TiltedPose {
+  Arms<Scalar, N> arms;           ///< of unit length
+  std::array<Scalar, N> moved{};  ///< changes of the joints since the closed form, rad or mm
+  Vector<Scalar> tilt{};          ///< away from the commanded one, rad
+};
+
+/// The fourth coordinate that is commanded besides x, y and z: an angle of the plate (0, 1, 2), or the slide, if any.
+inline constexpr std::size_t kSlide = 3;
+
+/// The plate with angles that errors of two rods leave, all small, and a commanded one.
+template <typename Scalar>
+TurnedPlate<Scalar> plate_at(const ClosurePose<Scalar>& pose, std::size_t fourth, const Vector<Scalar>& tilt) noexcept {
+  const std::array commanded{pose.tilt_x, pose.tilt_y, pose.tilt_z};
+  const auto about = [&](std::size_t k) { return k == fourth ? turn_by_any(commanded[k]) : turn_by(tilt[k]); };
+  return turned_plate(about(0), about(1), about(2));
+}
+
+/// Load of the rods on the plate.
+template <typename Scalar>
+struct Pull {
+  Vector<Scalar> force{}, moment{};
+  Scalar fourth{};
+};
+
+/// Components along the axes about which the plate's angles turn it; of a plate that stays level along x, y and z.
+template <typename Scalar>
+Vector<Scalar> about_axes(std::size_t fourth, const TurnedPlate<Scalar>& plate, const Vector<Scalar>& v) noexcept {
+  if (fourth == kSlide) return v;
+  return {dot(plate.axes[0], v), dot(plate.axes[1], v), dot(plate.axes[2], v)};
+}
+
+template <typename Scalar, std::size_t N, std::size_t Size>
+Pull<Scalar> pull_of_rods(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
+                          const TiltedPose<Scalar, N>& state) noexcept {
+  using std::sqrt;
+  const TurnedPlate<Scalar> plate = plate_at(pose, fourth, state.tilt);
+  Pull<Scalar> pull;
+  for (std::size_t i = 0; i < N; ++i) {
+    const ClosureLimb<Scalar>& limb = limbs[i];
+    const ClosedElbow<Scalar> elbow = elbow_of(limb, state.arms[i]);
+    const Vector<Scalar> elbow_half = combination(limb.elbow_half, elbow.u1, elbow.v1, limb.axis);
+    const Vector<Scalar> centre = plate.turned(plate_joint(limb, pose.phi));
+    const Vector<Scalar> plate_half = plate.turned(limb.plate_half);
+    const Vector<Scalar> mean_rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow.centre, Scalar(-1));
+    const Vector<Scalar> half_rod = sum(plate_half, elbow_half, Scalar(-1));
+    Vector<Scalar> both{};
+    for (std::size_t j = 0; j < rod_count(limb); ++j) {
+      const Scalar side = j == 0 ? Scalar(1) : Scalar(-1);
+      const Vector<Scalar> rod = sum(mean_rod, half_rod, side);
+      const Scalar length = sqrt(dot(rod, rod));
+      const Scalar tight = drive_of(limb) == ClosureDrive::strut ? state.arms[i].sine : limb.rod[j];
+      const Vector<Scalar> tension = scaled(rod, (length - tight) / length);
+      both = sum(both, tension);
+      pull.moment = sum(pull.moment, cross(sum(centre, plate_half, side), tension));
+    }
+    pull.force = sum(pull.force, both);
+    if (fourth == kSlide) pull.fourth = pull.fourth + dot(plate.turned(limb.slide), both);
+  }
+  pull.moment = about_axes(fourth, plate, pull.moment);
+  if (fourth != kSlide) pull.fourth = pull.moment[fourth];
+  return pull;
+}
+
+/// Change of a limb's mean rod by motions of the plate: n by its position, and by the fourth coordinate (mm per rad).
+/// The dual has the same form: the motion of the plate if only this limb's rod changes by 1 mm.
+template <typename Scalar>
+struct RodMotion {
+  Vector<Scalar> position{};
+  Scalar fourth{};
+};
+
+template <typename Scalar>
+std::array<RodMotion<Scalar>, 3> dual_motions(const std::array<RodMotion<Scalar>, 3>& m) noexcept {
+  std::array<RodMotion<Scalar>, 3> dual;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector<Scalar> normal = cross(m[(i + 1) % 3].position, m[(i + 2) % 3].position);
+    dual[i] = {scaled(normal, Scalar(1) / dot(normal, m[i].position)), Scalar(0)};
+  }
+  return dual;
+}
+
+template <typename Scalar>
+std::array<RodMotion<Scalar>, 4> dual_motions(const std::array<RodMotion<Scalar>, 4>& m) noexcept {
+  std::array<RodMotion<Scalar>, 4> dual;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& [a, alpha] = m[(i + 1) % 4];
+    const auto& [b, beta] = m[(i + 2) % 4];
+    const auto& [c, gamma] = m[(i + 3) % 4];
+    const Vector<Scalar> bc = cross(b, c);
+    const Vector<Scalar> position = sum(sum(scaled(bc, alpha), cross(c, a), beta), cross(a, b), gamma);
+    const Scalar fourth = -dot(a, bc);
+    const Scalar scale = Scalar(1) / (dot(position, m[i].position) + fourth * m[i].fourth);
+    dual[i] = {scaled(position, scale), fourth * scale};
+  }
+  return dual;
+}
+
+/// Response of arms and plate to a pull, with parallel rods in each limb: J^T (f + J_q dq + J_tilt dtilt) = 0 then
+/// splits into the commanded coordinates, by their limbs, and the held angles. (The short sides of two rods are
+/// parallel to an axis about which the plate can be commanded: else its angle could not change.) Computed once, for the
+/// closed form. Errors of the tilt group change it by their own size, so each step leaves about a thousandth of the
+/// error.
+template <typename Scalar, std::size_t N>
+struct Answer {
+  std::array<RodMotion<Scalar>, N> dual;
+  std::array<Vector<Scalar>, N> moment;   ///< plate joint x n, about the axes of the angles
+  std::array<Scalar, N> by_joint;         ///< change of the rods by the joint, mm per rad or mm
+  std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n; 0 for a commanded angle
+};
+
+template <typename Scalar, std::size_t N, std::size_t Size>
+Answer<Scalar, N> answer_at(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
+                            std::size_t fourth, const Arms<Scalar, N>& arms) noexcept {
+  using std::sqrt;
+  const TurnedPlate<Scalar> plate = plate_at(pose, fourth, Vector<Scalar>{Scalar(0), Scalar(0), Scalar(0)});
+  Answer<Scalar, N> answer;
+  std::array<RodMotion<Scalar>, N> motions;
+  std::array<Vector<Scalar>, 3> tilt{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const ClosureLimb<Scalar>& limb = limbs[i];
+    const ClosedElbow<Scalar> elbow = elbow_of(limb, arms[i]);
+    const Vector<Scalar> centre = plate.turned(plate_joint(limb, pose.phi));
+    const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, centre), elbow.centre, Scalar(-1));
+    const Vector<Scalar> n = scaled(rod, Scalar(1) / sqrt(dot(rod, rod)));
+    answer.moment[i] = about_axes(fourth, plate, cross(centre, n));
+    motions[i] = {n, fourth == kSlide ? dot(n, plate.turned(limb.slide)) : answer.moment[i][fourth]};
+    answer.by_joint[i] = rod_by_joint(limb, n, elbow.v1);
+    const Vector<Scalar> h = about_axes(fourth, plate, cross(plate.turned(limb.plate_half), n));
+    for (std::size_t k = 0; k < 3; ++k) tilt[k] = sum(tilt[k], h, Scalar(2) * h[k]);
+  }
+  answer.dual = dual_motions(motions);
+  for (std::size_t k = 0; fourth != kSlide && k < 3; ++k) {
+    tilt[fourth][k] = tilt[k][fourth] = k == fourth ? Scalar(1) : Scalar(0);
+  }
+  answer.by_tilt = inverse_of_symmetric(tilt);
+  if (fourth != kSlide) answer.by_tilt[fourth] = {Scalar(0), Scalar(0), Scalar(0)};
+  return answer;
+}
+
+/// Moves an arm, a carriage or a strut by a change of its joint.
+template <typename Scalar>
+ArmDirection<Scalar> moved_by(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
+                              const Scalar& change) noexcept {
+  if (moves_in_mm(limb)) return {arm.cosine, arm.sine + change / limb.joint_per_mm};
+  const auto [c, s] = turn_by(change);
+  return {arm.cosine * c - arm.sine * s, arm.sine * c + arm.cosine * s};
+}
+
+/// One step towards balance.
+/// @returns rotations of each arm (of the rods for a length) and of the plate, rad.
+template <typename Scalar, std::size_t N, std::size_t Size>
+std::array<Scalar, N + 3> step(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
+                               std::size_t fourth, const Answer<Scalar, N>& answer,
+                               TiltedPose<Scalar, N>& state) noexcept {
+  const Pull<Scalar> pull = pull_of_rods(limbs, pose, fourth, state);
+  std::array<Scalar, N> both;  // change of the sum of a limb's rods
+  Vector<Scalar> moment = pull.moment;
+  for (std::size_t i = 0; i < N; ++i) {
+    both[i] = -(dot(answer.dual[i].position, pull.force) + answer.dual[i].fourth * pull.fourth);
+    moment = sum(moment, answer.moment[i], both[i]);
+  }
+  const Vector<Scalar> tilt =
+      scaled(combination(moment, answer.by_tilt[0], answer.by_tilt[1], answer.by_tilt[2]), Scalar(-1));
+  state.tilt = sum(state.tilt, tilt);
+  std::array<Scalar, N + 3> changes;
+  for (std::size_t i = 0; i < N; ++i) {
+    const Scalar change = (both[i] * (Scalar(1) / limbs[i].rods) - dot(answer.moment[i], tilt)) / answer.by_joint[i];
+    state.arms[i] = moved_by(limbs[i], state.arms[i], change);
+    state.moved[i] = state.moved[i] + change;
+    changes[i] = moves_in_mm(limbs[i]) ? change / limbs[i].rod[0] : change;
+  }
+  for (std::size_t k = 0; k < 3; ++k) changes[N + k] = tilt[k];
+  return changes;
+}
+
+/// Largest remaining error, rad: each further step would be smaller by the ratio of the last two.
+template <typename Scalar>
+inline constexpr Scalar kSettled = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
+
+inline constexpr int kMostSteps = 20;  ///< usually three or four
+
+/// From the closed form to the balance of the rods.
+/// @param arms    the closed form; N is 3, or 4 with a fourth coordinate.
+/// @param joints  of the closed form; of the balance when it is found.
+/// @returns steps; 0 when it is not found, at singular poses.
+template <std::size_t N, typename Scalar, std::size_t Size, typename Joints>
+int settle(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
+           const Arms<Scalar, N>& arms, Joints& joints, Vector<Scalar>& tilt) noexcept {
+  TiltedPose<Scalar, N> state{unit_arms(limbs, arms)};
+  const Answer<Scalar, N> answer = answer_at(limbs, pose, fourth, state.arms);
+  Scalar before(1);
+  for (int count = 1; count <= kMostSteps; ++count) {
+    const std::array<Scalar, N + 3> changes = step(limbs, pose, fourth, answer, state);
+    if (!all_finite(changes)) return 0;
+    Scalar largest{};
+    for (const Scalar change : changes) largest = std::abs(change) > largest ? std::abs(change) : largest;
+    if (largest <= before && largest * largest <= kSettled<Scalar> * before) {
+      for (std::size_t i = 0; i < N; ++i) joints[i] += state.moved[i];
+      tilt = state.tilt;
+      return count;
+    }
+    before = largest;
+  }
+  return 0;
+}
+
+}  // namespace closure
+}  // namespace paracal

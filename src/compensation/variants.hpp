@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "paracal/compensation/export.hpp"
+#include "paracal/mechanism/machine.hpp"
+#include "recording.hpp"
+
+namespace paracal::compensation_detail {
+
+inline constexpr int kSingleSteps =
+    2;  ///< of the search in float: what rounding leaves is then larger than what is left to seek
+inline constexpr int kVariantPoses = 1000;  ///< at which the error of a variant is measured
+
+/// Steps of the search for the tilt: of the exact method the usual number.
+int usual_steps(ExportVariant variant);
+
+/// The largest distance of the plate from the commanded position, and of the slide, mm, with joints that a variant
+/// finds: at kVariantPoses poses drawn from the workspace.
+double variant_error(const Robot& robot, const Machine& machine, ExportVariant variant);
+
+/// The largest difference of the rates of the closed form from those of the exact method, relative to the largest of
+/// their coordinate.
+double rate_error(const Robot& robot, const Machine& machine);
+
+/// The machine with these errors.
+/// @throws InvalidArgument unless has_compensator().
+Machine built_for_export(const Robot& robot, const SourceErrors& errors);
+
+/// The numbers of a machine in the order of an export, so that a controller can take those of a later calibration:
+/// numbers, then a number of their layout, then
+///
+///   sum = layout + 1 numbers[0] + 2 numbers[1] + ...
+struct ParameterSet {
+  std::vector<std::string> names;
+  std::vector<double> numbers;
+  double layout, sum;
+};
+ParameterSet parameter_set(const RecordedMachine& recorded);
+
+}  // namespace paracal::compensation_detail
