@@ -1,16 +1,18 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <numbers>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "export_text.hpp"
 #include "paracal/compensation/export.hpp"
-#include "paracal/compensation/parameters.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal {
@@ -18,136 +20,188 @@ namespace {
 
 using namespace compensation_detail;
 
-/// A coordinate's way: mm or rad.
-struct Travel {
-  double lowest, highest;
-
-  void reach(double coordinate) {
-    lowest = std::min(lowest, coordinate);
-    highest = std::max(highest, coordinate);
-  }
-};
-
 /// Sample speed of a joint, and what its limits leave beside its travel; mm or deg.
 struct JointSample {
-  std::string_view type, name, rises;
+  std::string_view type, name, positive;
   double margin, speed;
 };
 
-constexpr JointSample kArm{"ANGULAR", "arm", "the arm's end rises", 1.0, 180.0};
-constexpr JointSample kRail{"LINEAR", "carriage", "the carriage rises", 5.0, 500.0};
+/// The limbs stand in the robot file one by one, with the directions of their drives.
+bool is_described(const Robot& robot) { return !robot.geometry().limbs.empty(); }
 
-constexpr double kLinearSpeed = 500.0, kTurningSpeed = 360.0;  // mm/s, deg/s
+JointSample joint_sample(const Robot& robot, Actuator limb) {
+  if (limb == Actuator::strut) return {"LINEAR", "strut", "a longer strut", 5.0, 500.0};
+  const bool described = is_described(robot);
+  if (swings_arm(limb)) {
+    return {"ANGULAR", "arm",
+            described ? "right-handed about the arm's `axis` in the robot file" : "upwards: the arm's end rises", 1.0,
+            180.0};
+  }
+  return {"LINEAR", "carriage",
+          described ? "along the rail's `direction` in the robot file" : "upwards: the carriage rises", 5.0, 500.0};
+}
 
-JointSample joint_sample(const Robot& robot) { return robot.actuator() == Actuator::linear ? kRail : kArm; }
+std::vector<JointSample> joint_samples(const Robot& robot) {
+  std::vector<JointSample> samples;
+  for (const Actuator limb : kinds_of(robot.geometry())) samples.push_back(joint_sample(robot, limb));
+  return samples;
+}
+
+/// "carriage or strut": what the samples say, each once.
+std::string alternatives(const std::vector<JointSample>& samples, std::string_view JointSample::*said) {
+  std::vector<std::string_view> words;
+  for (const JointSample& one : samples) {
+    if (std::ranges::find(words, one.*said) == words.end()) words.push_back(one.*said);
+  }
+  return fmt::format("{}", fmt::join(words, " or "));
+}
 
 /// A joint as LinuxCNC shows it.
-double shown_joint(const Robot& robot, double joint) {
-  return robot.actuator() == Actuator::linear ? joint : to_degrees(joint);
+double shown_joint(const Robot& robot, double joint) { return to_file_unit(joint_unit(robot.actuator()), joint); }
+
+// ---- Axes: coordinates of the plate, 0 to 2 its place and 3 to 5 its angles
+
+constexpr std::string_view kLetters = "XYZABC";
+
+/// Those that the robot moves.
+std::vector<int> axes_of(const Robot& robot) {
+  std::vector<int> axes;
+  for (int k = 0; k < 6; ++k) {
+    if (robot.geometry().freedoms.free.at(k) || (k == 5 && robot.slide())) axes.push_back(k);
+  }
+  return axes;
 }
 
-std::optional<CompensatorJoints<double>> joints_at(const CompensatorParameters<double>& parameters, const Pose& pose) {
-  CompensatorJoints<double> joints{};
-  const auto status = compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints);
-  return status == CompensationStatus::ok ? std::optional(joints) : std::nullopt;
+double& coordinate(const Robot& robot, Pose& pose, int axis) {
+  if (axis < 3) return pose.position[axis];
+  return robot.slide() ? pose.rotation : pose.tilt[axis - 3];
 }
 
-/// Calls take(pose, joints) on circles at the ends of the workspace, as far as the machine reaches. While rods hang
-/// down a joint rises with the plate, so extremes lie there, where a rod is square to them or at their rims.
-void on_the_ends(const Robot& robot, const CompensatorParameters<double>& parameters, const auto& take) {
-  constexpr int kCircles = 16, kPointsPerCircle = 72;
-  for (int circle = 0; circle <= kCircles; ++circle) {
-    for (const Pose& pose : robot.workspace().rim(kPointsPerCircle, static_cast<double>(circle) / kCircles)) {
-      if (const auto joints = joints_at(parameters, pose)) take(pose, *joints);
+/// The ends of an axis, mm or deg.
+std::array<double, 2> ends(const Robot& robot, int axis) {
+  const Workspace& whole = robot.workspace();
+  if (axis < 3) return {whole.bounds().min()[axis], whole.bounds().max()[axis]};
+  if (robot.slide()) return {to_degrees(whole.min_rotation), to_degrees(whole.max_rotation)};
+  const double tilt = to_degrees(whole.tilt_about(axis - 3));
+  return {-tilt, tilt};
+}
+
+constexpr double kLinearSpeed = 500.0;  // mm/s
+
+/// deg/s; tilts go a few degrees only.
+double turning_speed(const Robot& robot) { return robot.geometry().freedoms.tilt() ? 45.0 : 360.0; }
+
+// ---- What the workspace asks of joints
+
+/// The plate at the centre, turned and tilted as far as it goes.
+std::vector<Pose> attitudes(const Workspace& whole) {
+  const double middle = 0.5 * (whole.min_rotation + whole.max_rotation);
+  std::vector<Pose> all;
+  for (const double rotation : std::set{whole.min_rotation, middle, whole.max_rotation}) {
+    for (const Eigen::Vector3d& tilt : whole.tilts()) all.push_back({whole.centre(), rotation, tilt});
+  }
+  return all;
+}
+
+/// Edges of the wall, where most joints have their extremes, and layers between: a level rod has one there.
+std::vector<double> depths(const Workspace& whole) {
+  constexpr int kLayers = 4;
+  std::vector<double> all = whole.edge_depths();
+  for (int k = 1; k < whole.layers(kLayers); ++k) all.push_back(static_cast<double>(k) / kLayers);
+  return all;
+}
+
+/// Calls take(pose, joints) on circles in all layers of the workspace, as far as the machine reaches.
+void everywhere(const Robot& robot, const Machine& machine, const auto& take) {
+  constexpr int kCircles = 16, kPoints = 72;
+  const Workspace& whole = robot.workspace();
+  const std::vector<Pose> poses = attitudes(whole);
+  for (const double depth : depths(whole)) {
+    for (int k = 0; k < (kCircles + 1) * kPoints; ++k) {
+      const double share = static_cast<double>(k / kPoints) / kCircles;
+      const Eigen::Vector3d place = whole.at(share, 2.0 * std::numbers::pi * (k % kPoints) / kPoints, depth);
+      for (Pose pose : poses) {
+        pose.position = place;
+        if (const InverseResult found = inverse(machine, pose); found.ok()) take(pose, found.joints);
+      }
     }
   }
 }
 
-/// What the workspace asks of each joint.
-std::vector<Travel> joint_travels(const Robot& robot, const CompensatorParameters<double>& parameters,
-                                  const Joints& home) {
-  std::vector<Travel> travels;
-  for (const double joint : home) travels.push_back({joint, joint});
-  on_the_ends(robot, parameters, [&](const Pose&, const CompensatorJoints<double>& joints) {
-    for (std::size_t i = 0; i < travels.size(); ++i) travels[i].reach(joints[i]);
-  });
-  return travels;
-}
-
-/// The joint that moves fastest while the plate moves and turns as fast as it may, in whatever direction, deg/s or
-/// mm/s: |dq/dr| v + |dq/dphi| w.
-double fastest_joint(const Robot& robot, const CompensatorParameters<double>& parameters) {
+/// Speeds of the joints while the plate moves as fast as it may, in whatever direction, and turns about all axes:
+/// |dq/dr| v + sum |dq/dangle| w.
+Joints fastest_at(const Robot& robot, const Machine& machine, const Pose& pose, const Joints& joints) {
   constexpr double kStep = 0.01;  // mm and, for a lever of 100 mm, 1e-4 rad
   constexpr double kTurn = 1e-4;  // rad
-  double fastest = 0.0;
-  on_the_ends(robot, parameters, [&](const Pose& pose, const CompensatorJoints<double>& joints) {
-    Eigen::Matrix3Xd by_place = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(robot.limb_count()));
-    Eigen::VectorXd by_turn = Eigen::VectorXd::Zero(by_place.cols());
-    for (int axis = 0; axis < 4; ++axis) {
-      Pose moved = pose;
-      axis < 3 ? moved.position[axis] += kStep : moved.rotation += robot.slide() ? kTurn : 0.0;
-      const auto there = joints_at(parameters, moved);
-      for (Eigen::Index i = 0; there && i < by_place.cols(); ++i) {
-        const double change = (*there)[static_cast<std::size_t>(i)] - joints[static_cast<std::size_t>(i)];
-        axis < 3 ? by_place(axis, i) = change / kStep : by_turn[i] = change / kTurn;
-      }
-    }
-    const Eigen::VectorXd speeds =
-        kLinearSpeed * by_place.colwise().norm().transpose() + to_radians(kTurningSpeed) * by_turn.cwiseAbs();
-    fastest = std::max(fastest, shown_joint(robot, speeds.maxCoeff()));
+  Joints square = Joints::Zero(joints.size()), by_turns = square;
+  for (const int axis : axes_of(robot)) {
+    const double step = axis < 3 ? kStep : kTurn;
+    Pose moved = pose;
+    coordinate(robot, moved, axis) += step;
+    const InverseResult there = inverse(machine, moved);
+    if (!there.ok()) continue;
+    const Joints change = (there.joints - joints) / step;
+    axis < 3 ? square += change.cwiseAbs2() : by_turns += change.cwiseAbs();
+  }
+  return kLinearSpeed * square.cwiseSqrt() + to_radians(turning_speed(robot)) * by_turns;
+}
+
+/// rad or mm, per s.
+struct JointDemand {
+  Joints home, lowest, highest, fastest;
+};
+
+JointDemand joint_demand(const Robot& robot, const Machine& machine) {
+  const Joints home = inverse(machine, {robot.workspace().centre()}).joints;
+  JointDemand demand{home, home, home, Joints::Zero(home.size())};
+  everywhere(robot, machine, [&](const Pose& pose, const Joints& joints) {
+    demand.lowest = demand.lowest.cwiseMin(joints);
+    demand.highest = demand.highest.cwiseMax(joints);
+    demand.fastest = demand.fastest.cwiseMax(fastest_at(robot, machine, pose, joints));
   });
-  return fastest;
+  return demand;
 }
 
 /// By how much the sample speeds of the axes are reduced so that no joint is asked for more than its own; two digits.
-double share_of_speeds(const Robot& robot, const SourceErrors& errors) {
-  const double share = joint_sample(robot).speed / fastest_joint(robot, compensator_parameters<double>(robot, errors));
-  return std::min(1.0, std::floor(100.0 * share) / 100.0);
+double share_of_speeds(const Robot& robot, const JointDemand& demand) {
+  const double speed = joint_sample(robot, robot.actuator()).speed;  // all joints have one unit
+  const double share = speed / shown_joint(robot, demand.fastest.maxCoeff());
+  const double digits = std::pow(10.0, std::max(2.0, 1.0 - std::floor(std::log10(share))));
+  return std::min(1.0, std::floor(digits * share) / digits);
 }
+
+// ---- Texts
 
 /// As people type it.
 std::string number(double value) { return fmt::format("{:.12g}", value); }
 
 Values speed(double value) { return {{"SPEED", number(value)}, {"ACCELERATION", number(10.0 * value)}}; }
 
-std::string axis(char letter, const Travel& travel, double sample_speed) {
-  Values values = speed(sample_speed);
-  values.emplace_back("LETTER", std::string(1, letter));
-  values.emplace_back("LOWEST", number(travel.lowest));
-  values.emplace_back("HIGHEST", number(travel.highest));
-  return filled_template("linuxcnc_axis.ini", values);
-}
-
 std::string axes(const Robot& robot, double share) {
-  const Workspace& whole = robot.workspace();
-  const Eigen::AlignedBox3d bounds = whole.bounds();
-  const double linear = share * kLinearSpeed;
   std::string text;
-  for (int k = 0; k < 3; ++k) {
-    text += axis(static_cast<char>('X' + k), {bounds.min()[k], bounds.max()[k]}, linear);
+  for (const int axis : axes_of(robot)) {
+    const auto [lowest, highest] = ends(robot, axis);
+    Values values = speed(share * (axis < 3 ? kLinearSpeed : turning_speed(robot)));
+    values.emplace_back("LETTER", kLetters.substr(static_cast<std::size_t>(axis), 1));
+    values.emplace_back("LOWEST", number(lowest));
+    values.emplace_back("HIGHEST", number(highest));
+    text += filled_template("linuxcnc_axis.ini", values);
   }
-  if (!robot.slide()) return text;
-  return text + axis('C', {to_degrees(whole.min_rotation), to_degrees(whole.max_rotation)}, share * kTurningSpeed);
+  return text;
 }
 
-std::string joint(const Robot& robot, std::size_t number, const Travel& travel, double home) {
-  const JointSample sample = joint_sample(robot);
-  Values values = speed(sample.speed);
-  values.emplace_back("JOINT", std::to_string(number));
-  values.emplace_back("TYPE", sample.type);
-  values.emplace_back("LOWEST", fmt::format("{:.3f}", shown_joint(robot, travel.lowest) - sample.margin));
-  values.emplace_back("HIGHEST", fmt::format("{:.3f}", shown_joint(robot, travel.highest) + sample.margin));
-  values.emplace_back("HOME", decimal(shown_joint(robot, home)));
-  return filled_template("linuxcnc_joint.ini", values);
-}
-
-std::string joints(const Robot& robot, const SourceErrors& errors) {
-  const auto parameters = compensator_parameters<double>(robot, errors);
-  const Joints home = self_test(robot, build(robot, errors)).front().joints;
-  const std::vector<Travel> travels = joint_travels(robot, parameters, home);
+std::string joints(const Robot& robot, const JointDemand& demand) {
+  const std::vector<JointSample> samples = joint_samples(robot);
   std::string text;
-  for (std::size_t i = 0; i < travels.size(); ++i) {
-    text += joint(robot, i, travels[i], home(static_cast<Eigen::Index>(i)));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto shown = [&](const Joints& joint) { return shown_joint(robot, joint(static_cast<Eigen::Index>(i))); };
+    Values values = speed(samples[i].speed);
+    values.emplace_back("JOINT", std::to_string(i));
+    values.emplace_back("TYPE", samples[i].type);
+    values.emplace_back("LOWEST", fmt::format("{:.3f}", shown(demand.lowest) - samples[i].margin));
+    values.emplace_back("HIGHEST", fmt::format("{:.3f}", shown(demand.highest) + samples[i].margin));
+    values.emplace_back("HOME", decimal(shown(demand.home)));
+    text += filled_template("linuxcnc_joint.ini", values);
   }
   return text;
 }
@@ -160,21 +214,95 @@ std::string motor_loops(const Robot& robot) {
   return text;
 }
 
-/// Places in the workspace, mm, and a turn to both sides where the plate has one.
-void add_places(const Robot& robot, Values& values) {
+void add_speeds(const Robot& robot, double share, Values& values) {
+  const double linear = share * kLinearSpeed, turning = share * turning_speed(robot);
+  values.emplace_back("LINEAR_SPEED", number(linear));
+  values.emplace_back("LINEAR_ACCELERATION", number(10.0 * linear));
+  values.emplace_back("TURNING_SPEED", number(turning));
+  values.emplace_back("TURNING_ACCELERATION", number(10.0 * turning));
+  values.emplace_back("DEFAULT_SPEED", number(std::min(100.0, linear)));
+  values.emplace_back("DEFAULT_TURNING_SPEED", number(std::min(45.0, turning)));
+}
+
+/// Half of the way about each angle, to both sides.
+std::string turns(const Robot& robot) {
+  std::string text;
+  for (const int axis : axes_of(robot)) {
+    if (axis < 3) continue;
+    const auto [lowest, highest] = ends(robot, axis);
+    text += fmt::format("G1 {0}{1}\nG1 {0}{2}\nG0 {0}0\n", kLetters[static_cast<std::size_t>(axis)],
+                        number(0.5 * highest), number(0.5 * lowest));
+  }
+  return text;
+}
+
+/// Places in the workspace, mm, and turns to both sides where the plate has some.
+void add_motions(const Robot& robot, Values& values) {
   const Workspace& workspace = robot.workspace();
   const Eigen::Vector3d centre = workspace.centre();
   const double quarter = 0.25 * std::min(workspace.half_width(0), workspace.half_width(1));
-  values.emplace_back("FLOOR", number(workspace.bounds().min().z()));
+  const bool has_z = !robot.geometry().freedoms.holds_z();
   values.emplace_back("CENTRE_X", number(centre.x()));
   values.emplace_back("CENTRE_Y", number(centre.y()));
-  values.emplace_back("CENTRE_Z", number(centre.z()));
-  values.emplace_back("ABOVE", number(centre.z() + 0.25 * workspace.height));
+  values.emplace_back("IN_CENTRE_Z", has_z ? ", Z " + number(centre.z()) : "");
+  values.emplace_back("AT_CENTRE_Z", has_z ? " Z" + number(centre.z()) : "");
+  values.emplace_back("AT_ABOVE", has_z ? " Z" + number(centre.z() + 0.25 * workspace.height) : "");
   values.emplace_back("QUARTER", number(quarter));
   values.emplace_back("AT_QUARTER", number(centre.x() + quarter));
-  const std::string turn = fmt::format("G1 C{}\nG1 C{}\nG0 C0\n", number(0.5 * to_degrees(workspace.max_rotation)),
-                                       number(0.5 * to_degrees(workspace.min_rotation)));
-  values.emplace_back("TURN", robot.slide() ? turn : "");
+  values.emplace_back("TURN", turns(robot));
+}
+
+/// What README.md calls G54.
+std::string frame_in_words(const Robot& robot) {
+  const Eigen::AlignedBox3d bounds = robot.workspace().bounds();
+  std::string text = is_described(robot) ? "that of the robot file, z up" : "origin at the centre of the base, z up";
+  if (robot.geometry().freedoms.holds_z()) return text;
+  if (bounds.max().z() <= 0.0) text += ", so Z is negative";
+  if (bounds.min().z() >= 0.0) text += ", so Z is positive";
+  return text;
+}
+
+/// "- A is tilt_x, B is tilt_y: the plate is turned by R = Rot(x, A) Rot(y, B).\n"
+std::string tilts_in_words(const Robot& robot) {
+  if (!robot.geometry().freedoms.tilt()) return "";
+  std::vector<std::string> tilts, rotations;
+  for (const int axis : axes_of(robot)) {
+    if (axis < 3) continue;
+    const char letter = kLetters[static_cast<std::size_t>(axis)];
+    tilts.push_back(fmt::format("{} is {}", letter, kPlateCoordinates.at(static_cast<std::size_t>(axis))));
+    rotations.push_back(fmt::format("Rot({}, {})", "xyz"[axis - 3], letter));
+  }
+  return fmt::format("- {}: the plate is turned by R = {}.\n", fmt::join(tilts, ", "), fmt::join(rotations, " "));
+}
+
+/// What there is of Z: a level to count from, and tools, or nothing.
+void add_tools(const Robot& robot, Values& values) {
+  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  const bool above = robot.nominal().side > 0.0, has_z = !freedoms.holds_z();
+  const double floor = has_z ? robot.workspace().bounds().min().z() : 0.0;
+  const std::string tip = fmt::format("50 mm {}", above ? "above" : "below");
+  const std::string table = fmt::format("- G55 {} the lowest level of the workspace: its Z 0 is Z {} of G54.\n",
+                                        above ? "counts from" : "is a table at", number(floor));
+  const std::string tools = fmt::format(
+      "`T2 M6 G43` programs the tip of a tool {} it. Enter your tool lengths in\n  `tool.tbl`, {}.{}", tip,
+      above ? "upwards negative" : "downwards positive",
+      freedoms.free[3] || freedoms.free[4] ? " LinuxCNC adds them along Z, also while the plate is tilted." : "");
+  const std::string no_tools = fmt::format(
+      "The robot does not move Z: leave tool lengths at 0.\n- A motor for Z, as of a pen, is joint {0}. Add Z to "
+      "COORDINATES, 1 to JOINTS, [AXIS_Z], [JOINT_{0}],\n  and a `net joint-{0}` in `paracal.hal`.",
+      robot.limb_count());
+  values.emplace_back("FLOOR", number(floor));
+  values.emplace_back("TABLE", has_z ? table : "");
+  values.emplace_back("TOOL", has_z ? tools : no_tools);
+  values.emplace_back("TOOLS",
+                      has_z ? fmt::format("T2 P2 Z{} ;a tool with its tip {} the plate\n", above ? -50 : 50, tip) : "");
+  values.emplace_back("PLATE_POINT", is_described(robot) ? "plate's origin" : "plate centre");
+}
+
+std::string coordinates(const Robot& robot) {
+  std::string letters;
+  for (const int axis : axes_of(robot)) letters += kLetters[static_cast<std::size_t>(axis)];
+  return letters;
 }
 
 /// Files of the configuration, and their templates.
@@ -189,23 +317,23 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kFiles{{{"README.md
 
 std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, const SourceErrors& errors,
                                                           const ExportOrigin& origin) {
-  const JointSample sample = joint_sample(robot);
-  Values values = head(robot, origin);
-  values.emplace_back("COORDINATES", robot.slide() ? "XYZC" : "XYZ");
-  const double share = share_of_speeds(robot, errors);
-  values.emplace_back("AXES", axes(robot, share));
-  values.emplace_back("LINEAR_SPEED", number(share * kLinearSpeed));
-  values.emplace_back("LINEAR_ACCELERATION", number(10.0 * share * kLinearSpeed));
-  values.emplace_back("TURNING_SPEED", number(share * kTurningSpeed));
-  values.emplace_back("TURNING_ACCELERATION", number(10.0 * share * kTurningSpeed));
-  values.emplace_back("DEFAULT_SPEED", number(std::min(100.0, share * kLinearSpeed)));
-  values.emplace_back("JOINTS", joints(robot, errors));
-  values.emplace_back("LOOPS", motor_loops(robot));
-  values.emplace_back("MARGIN", number(sample.margin));
-  values.emplace_back("JOINT_NAME", sample.name);
-  values.emplace_back("RISES", sample.rises);
-  add_places(robot, values);
   std::map<std::string, std::string> files{{"paracal_kins.comp", linuxcnc_component(robot, errors, origin)}};
+  const JointDemand demand = joint_demand(robot, build(robot, errors));
+  const double share = share_of_speeds(robot, demand);
+  const std::vector<JointSample> samples = joint_samples(robot);
+  Values values = head(robot, origin);
+  values.emplace_back("COORDINATES", coordinates(robot));
+  values.emplace_back("AXES", axes(robot, share));
+  values.emplace_back("JOINTS", joints(robot, demand));
+  values.emplace_back("LOOPS", motor_loops(robot));
+  values.emplace_back("MARGIN", number(samples[0].margin));
+  values.emplace_back("JOINT_NAME", alternatives(samples, &JointSample::name));
+  values.emplace_back("POSITIVE", alternatives(samples, &JointSample::positive));
+  values.emplace_back("FRAME", frame_in_words(robot));
+  values.emplace_back("TILTS", tilts_in_words(robot));
+  add_speeds(robot, share, values);
+  add_motions(robot, values);
+  add_tools(robot, values);
   for (const auto& [name, from] : kFiles) files.emplace(name, filled_template(from, values));
   return files;
 }
