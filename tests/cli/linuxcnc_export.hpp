@@ -16,6 +16,7 @@
 
 #include "broken_input.hpp"
 #include "exported.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test {
 
@@ -62,6 +63,17 @@ class LinuxcncExport : public Export {
     const int code = shell(fmt::format("{} --install {}.comp > halcompile.log 2>&1", PARACAL_HALCOMPILE, component));
     if (code == 0) module = read_text(place);
     return code;
+  }
+
+  /// Lets LinuxCNC run programs of the configuration's folder; with none of them it homes.
+  nlohmann::json seen_while_running(const std::string& programs) const {
+    const std::string ini =
+        replaced(folder.read("machine/paracal.ini"), "DISPLAY = axis", "DISPLAY = ./linuxcnc_trial.py -- " + programs);
+    folder.write("machine/paracal.ini", replaced(ini, "KINEMATICS = paracal_kins", "KINEMATICS = paracal_trial"));
+    std::filesystem::copy(source_folder() / "tests/cli/linuxcnc_trial.py", folder.path() / "machine");
+    EXPECT_EQ(in_hal("DISPLAY= timeout -k 10 120 linuxcnc -r machine/paracal.ini > linuxcnc.log 2>&1 < /dev/null"), 0);
+    EXPECT_TRUE(exists(folder.path() / "machine/result.json")) << folder.read("linuxcnc.log");
+    return nlohmann::json::parse(folder.read("machine/result.json"));
   }
 
   int halrun() const { return in_hal("timeout 120 halrun trial.hal > halrun.log 2>&1"); }

@@ -169,17 +169,6 @@ class LinuxcncMachine : public LinuxcncExport, public testing::WithParamInterfac
     folder.write("machine/" + name, fmt::format("G21 G90 G17 G94 F20000\nG54 G49 {}\nM2\n", blocks));
   }
 
-  /// Lets LinuxCNC run programs of the configuration's folder; with none of them it homes.
-  json seen_while_running(const std::string& programs) const {
-    const std::string ini =
-        replaced(folder.read("machine/paracal.ini"), "DISPLAY = axis", "DISPLAY = ./linuxcnc_trial.py -- " + programs);
-    folder.write("machine/paracal.ini", replaced(ini, "KINEMATICS = paracal_kins", "KINEMATICS = paracal_trial"));
-    std::filesystem::copy(source_folder() / "tests/cli/linuxcnc_trial.py", folder.path() / "machine");
-    EXPECT_EQ(in_hal("DISPLAY= timeout -k 10 120 linuxcnc -r machine/paracal.ini > linuxcnc.log 2>&1 < /dev/null"), 0);
-    EXPECT_TRUE(exists(folder.path() / "machine/result.json")) << folder.read("linuxcnc.log");
-    return json::parse(folder.read("machine/result.json"));
-  }
-
   /// Where the joints of the library are for these poses, against where LinuxCNC had them.
   void expect_joints(const json& found, const std::vector<PoseNumbers>& poses) const {
     const json expected = library_joints(poses, GetParam());
