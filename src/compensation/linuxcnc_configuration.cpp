@@ -20,24 +20,28 @@ namespace {
 
 using namespace compensation_detail;
 
-/// Sample speed of a joint, and what its limits leave beside its travel; mm or deg.
-struct JointSample {
-  std::string_view type, name, positive;
-  double margin, speed;
-};
-
 /// The limbs stand in the robot file one by one, with the directions of their drives.
 bool is_described(const Robot& robot) { return !robot.geometry().limbs.empty(); }
 
+/// Sample speed of a joint, and what its limits leave beside its travel; mm or deg.
+struct JointSample {
+  Unit unit;
+  std::string_view name, positive;
+  double margin, speed;
+
+  /// As LinuxCNC shows it.
+  double shown(double joint) const { return to_file_unit(unit, joint); }
+};
+
 JointSample joint_sample(const Robot& robot, Actuator limb) {
-  if (limb == Actuator::strut) return {"LINEAR", "strut", "a longer strut", 5.0, 500.0};
+  if (limb == Actuator::strut) return {Unit::mm, "strut", "a longer strut", 5.0, 500.0};
   const bool described = is_described(robot);
   if (swings_arm(limb)) {
-    return {"ANGULAR", "arm",
+    return {Unit::rad, "arm",
             described ? "right-handed about the arm's `axis` in the robot file" : "upwards: the arm's end rises", 1.0,
             180.0};
   }
-  return {"LINEAR", "carriage",
+  return {Unit::mm, "carriage",
           described ? "along the rail's `direction` in the robot file" : "upwards: the carriage rises", 5.0, 500.0};
 }
 
@@ -47,21 +51,22 @@ std::vector<JointSample> joint_samples(const Robot& robot) {
   return samples;
 }
 
-/// "carriage or strut": what the samples say, each once.
-std::string alternatives(const std::vector<JointSample>& samples, std::string_view JointSample::*said) {
-  std::vector<std::string_view> words;
+/// "carriage or strut": what is said of the samples, each once.
+std::string alternatives(const std::vector<JointSample>& samples, const auto& said) {
+  std::vector<std::string> words;
   for (const JointSample& one : samples) {
-    if (std::ranges::find(words, one.*said) == words.end()) words.push_back(one.*said);
+    const std::string word(said(one));
+    if (std::ranges::find(words, word) == words.end()) words.push_back(word);
   }
   return fmt::format("{}", fmt::join(words, " or "));
 }
 
-/// A joint as LinuxCNC shows it.
-double shown_joint(const Robot& robot, double joint) { return to_file_unit(joint_unit(robot.actuator()), joint); }
-
 // ---- Axes: coordinates of the plate, 0 to 2 its place and 3 to 5 its angles
 
-constexpr std::string_view kLetters = "XYZABC";
+char letter(int axis) { return "XYZABC"[axis]; }
+
+/// Guides hold z of other plates.
+bool moves_z(const Robot& robot) { return !robot.geometry().freedoms.holds_z(); }
 
 /// Those that the robot moves.
 std::vector<int> axes_of(const Robot& robot) {
@@ -164,10 +169,14 @@ JointDemand joint_demand(const Robot& robot, const Machine& machine) {
 
 /// By how much the sample speeds of the axes are reduced so that no joint is asked for more than its own; two digits.
 double share_of_speeds(const Robot& robot, const JointDemand& demand) {
-  const double speed = joint_sample(robot, robot.actuator()).speed;  // all joints have one unit
-  const double share = speed / shown_joint(robot, demand.fastest.maxCoeff());
+  const std::vector<JointSample> samples = joint_samples(robot);
+  double share = 1.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double asked = samples[i].shown(demand.fastest(static_cast<Eigen::Index>(i)));
+    share = std::min(share, samples[i].speed / asked);
+  }
   const double digits = std::pow(10.0, std::max(2.0, 1.0 - std::floor(std::log10(share))));
-  return std::min(1.0, std::floor(digits * share) / digits);
+  return std::floor(digits * share) / digits;
 }
 
 // ---- Texts
@@ -182,7 +191,7 @@ std::string axes(const Robot& robot, double share) {
   for (const int axis : axes_of(robot)) {
     const auto [lowest, highest] = ends(robot, axis);
     Values values = speed(share * (axis < 3 ? kLinearSpeed : turning_speed(robot)));
-    values.emplace_back("LETTER", kLetters.substr(static_cast<std::size_t>(axis), 1));
+    values.emplace_back("LETTER", std::string(1, letter(axis)));
     values.emplace_back("LOWEST", number(lowest));
     values.emplace_back("HIGHEST", number(highest));
     text += filled_template("linuxcnc_axis.ini", values);
@@ -194,16 +203,25 @@ std::string joints(const Robot& robot, const JointDemand& demand) {
   const std::vector<JointSample> samples = joint_samples(robot);
   std::string text;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto shown = [&](const Joints& joint) { return shown_joint(robot, joint(static_cast<Eigen::Index>(i))); };
+    const auto shown = [&](const Joints& all) { return samples[i].shown(all(static_cast<Eigen::Index>(i))); };
     Values values = speed(samples[i].speed);
     values.emplace_back("JOINT", std::to_string(i));
-    values.emplace_back("TYPE", samples[i].type);
+    values.emplace_back("TYPE", samples[i].unit == Unit::mm ? "LINEAR" : "ANGULAR");
     values.emplace_back("LOWEST", fmt::format("{:.3f}", shown(demand.lowest) - samples[i].margin));
     values.emplace_back("HIGHEST", fmt::format("{:.3f}", shown(demand.highest) + samples[i].margin));
     values.emplace_back("HOME", decimal(shown(demand.home)));
     text += filled_template("linuxcnc_joint.ini", values);
   }
   return text;
+}
+
+/// What the texts say of the joints.
+void add_joints(const Robot& robot, Values& values) {
+  const std::vector<JointSample> all = joint_samples(robot);
+  const auto add = [&](std::string_view key, const auto& said) { values.emplace_back(key, alternatives(all, said)); };
+  add("MARGIN", [](const JointSample& one) { return fmt::format("{} {}", one.margin, file_unit(one.unit)); });
+  add("COUNTED", [](const JointSample& one) { return fmt::format("{} of the {}", file_unit(one.unit), one.name); });
+  add("POSITIVE", [](const JointSample& one) { return one.positive; });
 }
 
 std::string motor_loops(const Robot& robot) {
@@ -230,8 +248,7 @@ std::string turns(const Robot& robot) {
   for (const int axis : axes_of(robot)) {
     if (axis < 3) continue;
     const auto [lowest, highest] = ends(robot, axis);
-    text += fmt::format("G1 {0}{1}\nG1 {0}{2}\nG0 {0}0\n", kLetters[static_cast<std::size_t>(axis)],
-                        number(0.5 * highest), number(0.5 * lowest));
+    text += fmt::format("G1 {0}{1}\nG1 {0}{2}\nG0 {0}0\n", letter(axis), number(0.5 * highest), number(0.5 * lowest));
   }
   return text;
 }
@@ -241,12 +258,12 @@ void add_motions(const Robot& robot, Values& values) {
   const Workspace& workspace = robot.workspace();
   const Eigen::Vector3d centre = workspace.centre();
   const double quarter = 0.25 * std::min(workspace.half_width(0), workspace.half_width(1));
-  const bool has_z = !robot.geometry().freedoms.holds_z();
+  const auto if_z = [&](const char* before, double z) { return moves_z(robot) ? before + number(z) : ""; };
   values.emplace_back("CENTRE_X", number(centre.x()));
   values.emplace_back("CENTRE_Y", number(centre.y()));
-  values.emplace_back("IN_CENTRE_Z", has_z ? ", Z " + number(centre.z()) : "");
-  values.emplace_back("AT_CENTRE_Z", has_z ? " Z" + number(centre.z()) : "");
-  values.emplace_back("AT_ABOVE", has_z ? " Z" + number(centre.z() + 0.25 * workspace.height) : "");
+  values.emplace_back("IN_CENTRE_Z", if_z(", Z ", centre.z()));
+  values.emplace_back("AT_CENTRE_Z", if_z(" Z", centre.z()));
+  values.emplace_back("AT_ABOVE", if_z(" Z", centre.z() + 0.25 * workspace.height));
   values.emplace_back("QUARTER", number(quarter));
   values.emplace_back("AT_QUARTER", number(centre.x() + quarter));
   values.emplace_back("TURN", turns(robot));
@@ -256,7 +273,7 @@ void add_motions(const Robot& robot, Values& values) {
 std::string frame_in_words(const Robot& robot) {
   const Eigen::AlignedBox3d bounds = robot.workspace().bounds();
   std::string text = is_described(robot) ? "that of the robot file, z up" : "origin at the centre of the base, z up";
-  if (robot.geometry().freedoms.holds_z()) return text;
+  if (!moves_z(robot)) return text;
   if (bounds.max().z() <= 0.0) text += ", so Z is negative";
   if (bounds.min().z() >= 0.0) text += ", so Z is positive";
   return text;
@@ -268,40 +285,32 @@ std::string tilts_in_words(const Robot& robot) {
   std::vector<std::string> tilts, rotations;
   for (const int axis : axes_of(robot)) {
     if (axis < 3) continue;
-    const char letter = kLetters[static_cast<std::size_t>(axis)];
-    tilts.push_back(fmt::format("{} is {}", letter, kPlateCoordinates.at(static_cast<std::size_t>(axis))));
-    rotations.push_back(fmt::format("Rot({}, {})", "xyz"[axis - 3], letter));
+    tilts.push_back(fmt::format("{} is {}", letter(axis), kPlateCoordinates.at(axis)));
+    rotations.push_back(fmt::format("Rot({}, {})", "xyz"[axis - 3], letter(axis)));
   }
   return fmt::format("- {}: the plate is turned by R = {}.\n", fmt::join(tilts, ", "), fmt::join(rotations, " "));
 }
 
-/// What there is of Z: a level to count from, and tools, or nothing.
+/// Levels and tools, where the robot moves Z; tools hang from a plate below the base, and stand on one above.
 void add_tools(const Robot& robot, Values& values) {
   const PlateFreedoms& freedoms = robot.geometry().freedoms;
-  const bool above = robot.nominal().side > 0.0, has_z = !freedoms.holds_z();
-  const double floor = has_z ? robot.workspace().bounds().min().z() : 0.0;
-  const std::string tip = fmt::format("50 mm {}", above ? "above" : "below");
-  const std::string table = fmt::format("- G55 {} the lowest level of the workspace: its Z 0 is Z {} of G54.\n",
-                                        above ? "counts from" : "is a table at", number(floor));
-  const std::string tools = fmt::format(
-      "`T2 M6 G43` programs the tip of a tool {} it. Enter your tool lengths in\n  `tool.tbl`, {}.{}", tip,
-      above ? "upwards negative" : "downwards positive",
-      freedoms.free[3] || freedoms.free[4] ? " LinuxCNC adds them along Z, also while the plate is tilted." : "");
-  const std::string no_tools = fmt::format(
-      "The robot does not move Z: leave tool lengths at 0.\n- A motor for Z, as of a pen, is joint {0}. Add Z to "
-      "COORDINATES, 1 to JOINTS, [AXIS_Z], [JOINT_{0}],\n  and a `net joint-{0}` in `paracal.hal`.",
-      robot.limb_count());
-  values.emplace_back("FLOOR", number(floor));
-  values.emplace_back("TABLE", has_z ? table : "");
-  values.emplace_back("TOOL", has_z ? tools : no_tools);
-  values.emplace_back("TOOLS",
-                      has_z ? fmt::format("T2 P2 Z{} ;a tool with its tip {} the plate\n", above ? -50 : 50, tip) : "");
+  const bool above = robot.nominal().side > 0.0, has_z = moves_z(robot);
+  const bool tilts = freedoms.free[3] || freedoms.free[4];
+  const std::string beside = above ? "above" : "below";
+  const std::string tool = fmt::format("T2 P2 Z{} ;a tool with its tip 50 mm {} the plate\n", above ? -50 : 50, beside);
   values.emplace_back("PLATE_POINT", is_described(robot) ? "plate's origin" : "plate centre");
+  values.emplace_back("FLOOR", has_z ? number(robot.workspace().bounds().min().z()) : "0");
+  values.emplace_back("LEVEL", above ? "counts from" : "is a table at");
+  values.emplace_back("BESIDE", beside);
+  values.emplace_back("LENGTHS", above ? "upwards negative" : "downwards positive");
+  values.emplace_back("TILTED", tilts ? " LinuxCNC adds them along Z, however the plate is tilted." : "");
+  values.emplace_back("TOOLS", has_z ? tool : "");
+  values.emplace_back("OF_TOOLS", filled_template(has_z ? "linuxcnc_tools.md" : "linuxcnc_no_tools.md", values));
 }
 
 std::string coordinates(const Robot& robot) {
   std::string letters;
-  for (const int axis : axes_of(robot)) letters += kLetters[static_cast<std::size_t>(axis)];
+  for (const int axis : axes_of(robot)) letters += letter(axis);
   return letters;
 }
 
@@ -320,15 +329,12 @@ std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, co
   std::map<std::string, std::string> files{{"paracal_kins.comp", linuxcnc_component(robot, errors, origin)}};
   const JointDemand demand = joint_demand(robot, build(robot, errors));
   const double share = share_of_speeds(robot, demand);
-  const std::vector<JointSample> samples = joint_samples(robot);
   Values values = head(robot, origin);
   values.emplace_back("COORDINATES", coordinates(robot));
   values.emplace_back("AXES", axes(robot, share));
   values.emplace_back("JOINTS", joints(robot, demand));
   values.emplace_back("LOOPS", motor_loops(robot));
-  values.emplace_back("MARGIN", number(samples[0].margin));
-  values.emplace_back("JOINT_NAME", alternatives(samples, &JointSample::name));
-  values.emplace_back("POSITIVE", alternatives(samples, &JointSample::positive));
+  add_joints(robot, values);
   values.emplace_back("FRAME", frame_in_words(robot));
   values.emplace_back("TILTS", tilts_in_words(robot));
   add_speeds(robot, share, values);

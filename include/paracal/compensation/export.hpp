@@ -55,8 +55,8 @@ std::string genhexkins(const Robot& robot, const SourceErrors& errors, const Exp
 
 /// An example configuration of LinuxCNC with that component: the files of a folder by name, with INI, HAL, tools, work
 /// offsets, a program and README.md. Its motors are loops in HAL. Joints are homed with the plate at the centre of the
-/// workspace. Their limits are the joint range of the whole workspace with the identified machine, plus 1 deg (5 mm on
-/// rails) on each side. Speeds are examples.
+/// workspace. Their limits are the joint range of the whole workspace with the identified machine, plus 1 deg (5 mm of
+/// carriages and struts) on each side. Speeds are examples.
 /// @throws as c99_header.
 std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, const SourceErrors& errors,
                                                           const ExportOrigin& origin);
