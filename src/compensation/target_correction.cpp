@@ -10,16 +10,19 @@
 
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/compensation/path.hpp"
+#include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
 
 namespace {
 
 /// The machine's parameters with the controller's robot as the nominal one, which the exact way does not use.
-CompensatorParameters<double> parameters_for(const Robot& robot, const SourceErrors& errors, const Robot& controller) {
+std::optional<Compensator<double>> compensator_for(const Robot& robot, const SourceErrors& errors,
+                                                   const Robot& controller) {
+  if (!robot.is_level()) return std::nullopt;
   CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   parameters.nominal = compensator_parameters(controller, {}).nominal;
-  return parameters;
+  return Compensator<double>(parameters);
 }
 
 }  // namespace
@@ -28,7 +31,20 @@ TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& error
     : TargetCorrection(robot, errors, robot) {}
 
 TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller)
-    : robot_(robot), controller_(controller), compensator_(parameters_for(robot, errors, controller)) {}
+    : robot_(robot),
+      controller_(controller),
+      machine_(build(robot, errors)),
+      compensator_(compensator_for(robot, errors, controller)) {}
+
+std::optional<Joints> TargetCorrection::joints(const Pose& wanted) const {
+  if (compensator_) {
+    CompensatorJoints<double> joints{};
+    if (compensator_->compensate(compensator_pose(wanted), joints) != CompensationStatus::ok) return std::nullopt;
+    return compensated_joints(robot_, joints);
+  }
+  const InverseResult found = inverse(machine_, wanted);
+  return found.ok() ? std::optional(found.joints) : std::nullopt;
+}
 
 std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
   std::optional<Pose> target;
@@ -37,23 +53,26 @@ std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
 }
 
 void TargetCorrection::correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const {
+  if (!compensator_) {
+    std::ranges::transform(wanted, targets.begin(), [this](const Pose& one) { return by_itself(one); });
+    return;
+  }
   std::vector<CompensatorPose<double>> poses(wanted.size());
   std::ranges::transform(wanted, poses.begin(), compensator_pose<double>);
   std::vector<std::optional<CompensatorPose<double>>> found(wanted.size());
-  nominal_targets(compensator_.parameters(), poses, found);
+  nominal_targets(compensator_->parameters(), poses, found);
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     if (found[k]) {
       targets[k] = Pose{{found[k]->x, found[k]->y, found[k]->z}, found[k]->phi};
     } else {
-      targets[k] = by_itself(wanted[k], poses[k]);
+      targets[k] = by_itself(wanted[k]);
     }
   }
 }
 
-std::optional<Pose> TargetCorrection::by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const {
-  CompensatorJoints<double> joints{};
-  if (compensator_.compensate(pose, joints) != CompensationStatus::ok) return std::nullopt;
-  return corrected_target(controller_, compensated_joints(robot_, joints), wanted);
+std::optional<Pose> TargetCorrection::by_itself(const Pose& wanted) const {
+  const std::optional<Joints> found = joints(wanted);
+  return found ? corrected_target(controller_, *found, wanted) : std::nullopt;
 }
 
 void TargetCorrection::targets(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets,

@@ -16,7 +16,7 @@ namespace paracal::io {
 /// No controller has as many tools.
 inline constexpr double kMostTool = 1e6;
 
-inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'C'};
+inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'A', 'B', 'C'};
 
 /// A letter and what follows it.
 struct GcodeWord {

@@ -46,7 +46,7 @@ struct DialectTraits {
   bool defines_in_steps = false;        ///< G91 G10 L2 adds, or may
   bool runs_as_written = false;         ///< codes of a line in the order of its words, not in that of RS-274
   bool counts_without_points = false;   ///< lengths without a decimal point are numbers of smallest steps
-  bool feeds_all_axes = false;          ///< F counts along C, too, deg as mm
+  bool feeds_all_axes = false;          ///< F counts along A, B and C, too, deg as mm
 };
 
 DialectTraits traits_of(GcodeDialect dialect);

@@ -24,12 +24,12 @@ std::size_t system_of(int tenths) {
 }  // namespace
 
 double GcodeModes::in_mm(std::size_t axis, const GcodeWord& word) const {
-  return word.value * (axis == kRotation ? 1.0 : *mm_per_unit_);
+  return word.value * (axis >= kFirstTurn ? 1.0 : *mm_per_unit_);
 }
 
 GcodeOrigin::Stated GcodeModes::in_mm(const Axes& axes) const {
   GcodeOrigin::Stated stated;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (axes.word[axis] != nullptr) stated[axis] = in_mm(axis, *axes.word[axis]);
   }
   return stated;
@@ -37,11 +37,11 @@ GcodeOrigin::Stated GcodeModes::in_mm(const Axes& axes) const {
 
 /// Places into the frame that holds from now on.
 void GcodeModes::carry(const GcodeOrigin::Change& change, Loss loss) {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (!place_[axis]) continue;
     if (change[axis]) {
       *place_[axis] += *change[axis];
-    } else if (axis != kRotation || rotation_ == Rotation::stated) {
+    } else if (rotations_[axis] == Rotation::stated) {
       place_[axis].reset();
       lost_[axis] = loss;
     }
@@ -50,7 +50,7 @@ void GcodeModes::carry(const GcodeOrigin::Change& change, Loss loss) {
 
 void GcodeModes::move_origin(const Axes& axes) {
   std::array<bool, kAxes> moved{};
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) moved[axis] = axes.count == 0 || axes.word[axis] != nullptr;
+  for (const std::size_t axis : robot_axes_.moved()) moved[axis] = axes.count == 0 || axes.word[axis] != nullptr;
   carry(origin_.move(moved), Loss::origin);
 }
 
@@ -72,7 +72,9 @@ void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
     throw RefusedProgram(kDefinition, kDefine);
   }
   GcodeOrigin::Stated stated = in_mm(axes);
-  if (axis_count_ < kAxes) stated[kRotation] = 0.0;
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    if (!robot_axes_.moves(axis)) stated[axis] = 0.0;
+  }
   carry(origin_.define_system(static_cast<std::size_t>(system->value), stated), Loss::origin);
 }
 
@@ -93,7 +95,7 @@ void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   if (!mm_per_unit_ || axes.has_flag || axes.has_doubt || axes.count == 0) return move_origin(axes);
   bool is_known = origin_.is_fixed();
   const GcodeOrigin::Change shift = origin_.shift();
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     is_known &= axes.word[axis] == nullptr || (place_[axis] && shift[axis]);
   }
   request.calls_here = is_known;
@@ -101,7 +103,7 @@ void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   const GcodeOrigin::Stated stated = in_mm(axes);
   carry(origin_.call(place_, stated), Loss::origin);
   if (origin_.is_fixed()) return;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {  // the frame begins here
+  for (const std::size_t axis : robot_axes_.moved()) {  // the frame begins here
     if (stated[axis]) place_[axis] = *stated[axis] + origin_.shift()[axis].value_or(0.0);
   }
 }
@@ -203,7 +205,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       for (const GcodeWord& word : block.words) {
         if (word.letter == 'E') extruder_.call(word);
       }
-      if (axes.count == 0 && block.has_letter("ABCEUVW")) return;
+      if (axes.count == 0 && (block.has_letter("E") || block.has_letter(other_axes_))) return;
       return call_here_or_shift(axes, request);
     case Effect::no_shift:
       return carry(origin_.drop_shift(), Loss::origin);

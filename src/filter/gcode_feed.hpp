@@ -11,7 +11,7 @@
 namespace paracal::io {
 
 /// What a program says of its feed. F counts along X, Y and Z, in the unit in force; of a line along which these rest,
-/// along C, in deg [linuxcnc, feed rate].
+/// along A, B and C, in deg [linuxcnc, feed rate].
 class GcodeFeed {
  public:
   enum class Mode : std::uint8_t { unknown, per_time, inverse_time };

@@ -16,11 +16,11 @@ namespace {
 
 class Gcode : public TargetFormat {
  public:
-  Gcode(std::string name, std::size_t axis_count, const GcodeOptions& options)
+  Gcode(std::string name, const RobotAxes& axes, const GcodeOptions& options)
       : name_(std::move(name)),
         doubts_lengths_(traits_of(options.dialect).counts_without_points),
         has_tools_(options.tools.has_value()),
-        modes_(axis_count, options) {
+        modes_(axes, options) {
     for (const std::string& one : options.harmless) harmless_.push_back(upper_case(one));
   }
 
@@ -36,9 +36,14 @@ class Gcode : public TargetFormat {
   }
   std::vector<std::string> assumed() const override {
     std::vector<std::string> sentences;
-    if (modes_.took_rotation_as_zero()) sentences.emplace_back("C stays at 0 deg, because the program never states it");
-    if (modes_.took_rotation_of_systems_as_zero()) {
-      sentences.emplace_back("C is 0 in coordinate systems that G10 L2 defines without C");
+    for (std::size_t axis = kFirstTurn; axis < kAxes; ++axis) {
+      const char turn = kAxisLetters[axis];
+      if (modes_.took_as_zero(axis)) {
+        sentences.push_back(fmt::format("{} stays at 0 deg, because the program never states it", turn));
+      }
+      if (modes_.took_as_zero_in_systems(axis)) {
+        sentences.push_back(fmt::format("{0} is 0 in coordinate systems that G10 L2 defines without {0}", turn));
+      }
     }
     if (modes_.took_no_shift_before())
       sentences.emplace_back("no G92 is active before the program (else give --work-offsets)");
@@ -101,9 +106,9 @@ class Gcode : public TargetFormat {
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                            const GcodeOptions& options) {
   LineReader lines(in);
-  Gcode gcode(in.name, correction.robot().limb_count(), options);  // as many axes as limbs
-  return filter(lines, out, gcode, correction,
-                {.origin = options.origin, .chord = options.chord, .threads = options.threads});
+  Gcode gcode(in.name, RobotAxes(correction.robot()), options);
+  const RobotAxes axes(correction.robot(), options.origin);
+  return filter(lines, out, gcode, correction, {.axes = axes, .chord = options.chord, .threads = options.threads});
 }
 
 }  // namespace paracal::io

@@ -7,22 +7,30 @@ namespace {
 
 constexpr std::string_view kMacro = "a macro (give --harmless NAME if it changes no position, origin or mode)";
 constexpr std::string_view kOptional = "block delete (/)";
-constexpr std::string_view kLateRotation = "C is stated after motions for which 0 was assumed (give --start)";
+/// Of A, B and C.
+constexpr std::array<std::string_view, 3> kLateRotations{
+    "A is stated after motions for which 0 was assumed (give --start)",
+    "B is stated after motions for which 0 was assumed (give --start)",
+    "C is stated after motions for which 0 was assumed (give --start)"};
 
 }  // namespace
 
-GcodeModes::GcodeModes(std::size_t axis_count, const GcodeOptions& options)
-    : axis_count_(axis_count),
+GcodeModes::GcodeModes(const RobotAxes& axes, const GcodeOptions& options)
+    : robot_axes_(axes),
       traits_(traits_of(options.dialect)),
       feed_(traits_.feeds_all_axes, traits_.is_printer),
       extruder_(traits_.extruder),
       origin_(options.offsets, options.tools) {
   passed_.fill(true);
-  if (!options.start && axis_count == kAxes) rotation_ = Rotation::unstated;
+  rotations_.fill(Rotation::stated);
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    if (!axes.moves(axis)) other_axes_ += kAxisLetters[axis];
+    if (!options.start && axis >= kFirstTurn && axes.moves(axis)) rotations_[axis] = Rotation::unstated;
+  }
   lose_all(Loss::unstated);
   if (!options.start) return;
-  const AxisValues start = place_of(*options.start, Eigen::Vector3d::Zero());
-  for (std::size_t axis = 0; axis < axis_count; ++axis) place_[axis] = start[axis];
+  const AxisValues start = axes.place_of(*options.start);
+  for (const std::size_t axis : axes.moved()) place_[axis] = start[axis];
 }
 
 /// Macros of printers restore what they change, or leave a printer on which no print works: absolute, in mm.
@@ -40,25 +48,27 @@ void GcodeModes::forget() {
 }
 
 void GcodeModes::lose(const Axes& axes) {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (axes.word[axis] == nullptr) continue;
     place_[axis].reset();
     lost_[axis] = Loss::passed;
   }
 }
 
-/// A C that no line states stays where it is.
+/// An A, B or C that no line states stays where it is.
 void GcodeModes::lose_all(Loss loss) {
   place_.fill(std::nullopt);
   lost_.fill(loss);
-  if (rotation_ != Rotation::stated) place_[kRotation] = 0.0;
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    if (rotations_[axis] != Rotation::stated) place_[axis] = 0.0;
+  }
 }
 
 GcodeModes::Axes GcodeModes::axes_of(const GcodeBlock& block) const {
   Axes axes;
   for (const GcodeWord& word : block.words) {
     const auto axis = static_cast<std::size_t>(std::ranges::find(kAxisLetters, word.letter) - kAxisLetters.begin());
-    if (axis >= axis_count_) continue;
+    if (axis >= kAxes || !robot_axes_.moves(axis)) continue;
     axes.has_duplicate |= axes.word[axis] != nullptr;
     axes.has_flag |= word.kind == GcodeWord::Kind::flag || word.kind == GcodeWord::Kind::text;
     axes.has_number |= word.kind == GcodeWord::Kind::number;
@@ -90,7 +100,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
       break;
   }
   const Axes axes = axes_of(block);
-  const std::string_view late = take_rotation(axes);
+  const std::string_view late = take_rotations(axes);
   if (block.is_optional) return take_optional(block, axes, target);
   Request request = apply_codes(block, axes);
   if (request.is_macro) return take_macro();
@@ -115,13 +125,16 @@ std::string_view GcodeModes::take_macro() {
   return kMacro;
 }
 
-/// The first C of a program: what it was before is not known.
-std::string_view GcodeModes::take_rotation(const Axes& axes) {
-  if (rotation_ == Rotation::stated || axes.word[kRotation] == nullptr) return {};
-  const bool is_late = rotation_ == Rotation::taken_as_zero;
-  rotation_ = Rotation::stated;
-  place_[kRotation].reset();
-  return is_late ? kLateRotation : std::string_view();
+/// The first A, B or C of a program: what it was before is not known.
+std::string_view GcodeModes::take_rotations(const Axes& axes) {
+  std::string_view late;
+  for (std::size_t axis = kFirstTurn; axis < kAxes; ++axis) {
+    if (rotations_[axis] == Rotation::stated || axes.word[axis] == nullptr) continue;
+    if (rotations_[axis] == Rotation::taken_as_zero) late = kLateRotations[axis - kFirstTurn];
+    rotations_[axis] = Rotation::stated;
+    place_[axis].reset();
+  }
+  return late;
 }
 
 /// The operator decides whether it counts.

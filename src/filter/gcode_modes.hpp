@@ -47,8 +47,8 @@ class RefusedProgram : public std::runtime_error {
 /// Modal state of a program. What a line does not let know for certain is unknown until the program states it again.
 class GcodeModes {
  public:
-  /// @param axis_count  3: X, Y, Z; 4: and C.
-  GcodeModes(std::size_t axis_count, const GcodeOptions& options);
+  /// @param axes  of the robot, in the program's frame.
+  GcodeModes(const RobotAxes& axes, const GcodeOptions& options);
 
   /// Takes the next block.
   /// @param target  gets what it states, if that is known in all axes.
@@ -59,9 +59,9 @@ class GcodeModes {
   /// A line that cannot be read may have done anything but move the origin.
   void forget();
 
-  bool took_rotation_of_systems_as_zero() const { return origin_.takes_rotation_as_zero(); }
-  /// Whether targets were stated while C never was: it is taken as 0.
-  bool took_rotation_as_zero() const { return rotation_ == Rotation::taken_as_zero; }
+  bool took_as_zero_in_systems(std::size_t axis) const { return origin_.takes_as_zero(axis); }
+  /// Whether targets were stated while this one of A, B and C never was: it is taken as 0.
+  bool took_as_zero(std::size_t axis) const { return rotations_[axis] == Rotation::taken_as_zero; }
   bool took_no_shift_before() const { return origin_.takes_no_shift_before(); }
   bool took_tool_as_given() const { return origin_.takes_tool_as_given(); }
   /// Whether targets rely on G90 and G21 that a macro may have changed.
@@ -119,7 +119,7 @@ class GcodeModes {
   void define_system(const GcodeBlock& block, const Axes& axes);
   void lose(const Axes& axes);
   void lose_all(Loss loss);
-  std::string_view take_rotation(const Axes& axes);
+  std::string_view take_rotations(const Axes& axes);
   std::string_view take_macro();
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target);
   std::string_view move(const GcodeBlock& block, const Axes& axes, Request& request, TargetLine& target);
@@ -128,6 +128,7 @@ class GcodeModes {
   std::string_view why_special(const GcodeBlock& block, const Request& request, Motion motion, TargetLine& target);
   std::string_view take_turns(const GcodeBlock& block, ArcWords& words) const;
   std::string_view why_unknown(const Places& from, Motion motion) const;
+  bool turns_tool(const TargetPath& path) const;
   void call_here(const Axes& axes, TargetLine& target);
   std::string_view add_arc(const GcodeBlock& block, const Request& request, bool is_clockwise, TargetPath& path) const;
   void state(const Axes& axes, const Request& request, TargetLine& target) const;
@@ -137,7 +138,8 @@ class GcodeModes {
   static bool is_arc(Motion motion) { return motion == Motion::clockwise || motion == Motion::anticlockwise; }
   bool moves_at_feed(Motion motion) const { return motion != Motion::rapid || traits_.is_printer; }
 
-  std::size_t axis_count_;
+  RobotAxes robot_axes_;
+  std::string other_axes_ = "UVW";  ///< letters of axes that the robot does not move
   DialectTraits traits_;
   Motion motion_ = Motion::none;
   Distance distance_ = Distance::absolute;
@@ -147,10 +149,10 @@ class GcodeModes {
   GcodeFeed feed_;
   Extruder extruder_;
   GcodeOrigin origin_;
-  Places place_ = {};                 ///< last stated, mm and deg, in the frame of the first target
-  std::array<Loss, kAxes> lost_{};    ///< why a place is not known
-  std::array<bool, kAxes> passed_{};  ///< stated by a line that was passed through
-  Rotation rotation_ = Rotation::stated;
+  Places place_ = {};                        ///< last stated, mm and deg, in the frame of the first target
+  std::array<Loss, kAxes> lost_{};           ///< why a place is not known
+  std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
+  std::array<Rotation, kAxes> rotations_{};  ///< of A, B and C; of others always stated
   std::optional<int> prepared_tool_ = {}, tool_ = {};
   bool has_moved_ = false;            ///< a block has asked for a motion
   bool arcs_are_lines_ = false;       ///< the controller may be in another motion mode than the program

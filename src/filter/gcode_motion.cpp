@@ -13,6 +13,9 @@ constexpr std::string_view kMotors = "a motion of single motors or up to an ends
 constexpr std::string_view kRestorePoint = "a motion relative to a saved position, or with a rounded corner (R)";
 constexpr std::string_view kMCode = "axis words of an M code";
 constexpr std::string_view kModes = "a motion whose mode is unknown (G0 or G1, G90, G20 or G21)";
+constexpr std::string_view kHeldPlane = "an arc in a plane in which the robot does not move (G18, G19)";
+constexpr std::string_view kTurnedTool = "a tool length (G43) while the plate tilts",
+                           kPlateAlone = "let the post-processor compute the path of the plate, without G43";
 constexpr std::string_view kPlane = "an arc whose plane (G17) or kind of centre (G91.1) is unknown";
 constexpr std::string_view kArcStart = "an arc from an unknown position";
 constexpr std::string_view kOtherOrigin = "another origin than at the first corrected target (give --work-offsets)";
@@ -76,7 +79,7 @@ std::string_view GcodeModes::find_shift(Request& request, Motion motion) const {
       (motion == Motion::rapid || motion == Motion::straight) && distance_ == Distance::absolute;
   if (request.in_machine && !may_be_in_machine) return kOtherOrigin;
   const GcodeOrigin::Change shift = request.in_machine ? origin_.shift_of_machine() : origin_.shift();
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (!shift[axis]) return !request.in_machine && origin_.is_other_tool() ? kOtherTool : kOtherOrigin;
     request.shift[axis] = *shift[axis];
   }
@@ -104,7 +107,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
   target.passed = passed_;
   target.divided = divided(block, request, motion == Motion::rapid);
   const bool is_incremental = distance_ == Distance::incremental;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     const GcodeWord* const word = axes.word[axis];
     if (word == nullptr) continue;
     place_[axis].reset();
@@ -116,33 +119,49 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
   }
   std::string_view passed = axes.has_doubt ? kWithoutPoint : why_unknown(from, motion);
   if (passed.empty()) {
-    for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+    for (const std::size_t axis : robot_axes_.moved()) {
       target.path.to[axis] = *place_[axis];
       target.path.from[axis] = from[axis].value_or(*place_[axis]);
     }
-    target.starts_known = std::all_of(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(axis_count_),
-                                      [](const auto& place) { return place.has_value(); });
+    target.starts_known =
+        std::ranges::all_of(robot_axes_.moved(), [&](std::size_t axis) { return from[axis].has_value(); });
     if (is_arc(motion)) passed = add_arc(block, request, motion == Motion::clockwise, target.path);
   }
   if (!passed.empty()) {
     if (is_incremental) lose(axes);
     return passed;
   }
+  if (turns_tool(target.path)) throw RefusedProgram(kTurnedTool, kPlateAlone);
   state(axes, request, target);
   passed_.fill(false);
   origin_.fix();
-  if (rotation_ == Rotation::unstated) rotation_ = Rotation::taken_as_zero;
+  for (Rotation& rotation : rotations_) {
+    if (rotation == Rotation::unstated) rotation = Rotation::taken_as_zero;
+  }
   arcs_are_lines_ |= target.path.is_arc();
   trusted_macros_ |= relies_on_macro_;
   return {};
 }
 
 std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) const {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : sentence_of(lost_[axis], axis);
     if (is_arc(motion) && !from[axis]) return kArcStart;
   }
-  return is_arc(motion) && !(normal_ && centre_is_place_) ? kPlane : std::string_view();
+  if (!is_arc(motion)) return {};
+  if (!normal_ || !centre_is_place_) return kPlane;
+  const bool is_held = !robot_axes_.moves((*normal_ + 1) % 3) || !robot_axes_.moves((*normal_ + 2) % 3);
+  return is_held ? kHeldPlane : std::string_view();
+}
+
+/// A controller adds a tool's offset along its own axes; the tool goes elsewhere where the plate tilts about another.
+bool GcodeModes::turns_tool(const TargetPath& path) const {
+  for (std::size_t about = 0; robot_axes_.tilt_plate() && about < 3; ++about) {
+    const std::size_t turn = kFirstTurn + about;
+    if (path.from[turn] == 0.0 && path.to[turn] == 0.0) continue;
+    if (origin_.has_tool_along((about + 1) % 3) || origin_.has_tool_along((about + 2) % 3)) return true;
+  }
+  return false;
 }
 
 void GcodeModes::state(const Axes& axes, const Request& request, TargetLine& target) const {
@@ -151,7 +170,7 @@ void GcodeModes::state(const Axes& axes, const Request& request, TargetLine& tar
   target.mm_per_unit = *mm_per_unit_;
   target.shift = request.shift;
   target.is_incremental = distance_ == Distance::incremental;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     const GcodeWord* const word = axes.word[axis];
     if (word == nullptr) continue;
     target.stated[axis] = number_of(*word);
@@ -164,7 +183,7 @@ void GcodeModes::call_here(const Axes& axes, TargetLine& target) {
   target.kind = TargetLine::Kind::here;
   target.mm_per_unit = *mm_per_unit_;
   target.passed = passed_;
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : robot_axes_.moved()) {
     if (place_[axis]) target.path.from[axis] = target.path.to[axis] = *place_[axis];
     if (axes.word[axis] != nullptr) target.stated[axis] = number_of(*axes.word[axis]);
   }

@@ -6,7 +6,7 @@
 namespace paracal::io {
 namespace {
 
-constexpr GcodeOrigin::Change kUnchanged{0.0, 0.0, 0.0, 0.0};
+constexpr GcodeOrigin::Change kUnchanged{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 constexpr int kToolBase = 1'000'000;  ///< and on: lengths of tools that no table has, far from other bases
 constexpr std::size_t kAlongTool = 2;
 
@@ -24,6 +24,12 @@ GcodeOrigin::GcodeOrigin(const WorkOffsets& offsets, std::optional<ToolTable> to
   now_[kSystem] = systems_[system_];
   if (offsets.is_shifted) now_[kShift].fill(unknown());
   if (tools_) first_[kTool] = Offsets{};  // the table has all of their lengths
+}
+
+GcodeOrigin::Offsets GcodeOrigin::all_unknown() {
+  Offsets offsets;
+  offsets.fill(unknown());
+  return offsets;
 }
 
 std::optional<double> GcodeOrigin::difference(const Offset& one, const Offset& other) {
@@ -49,13 +55,13 @@ GcodeOrigin::Change GcodeOrigin::define_system(std::size_t number, const Stated&
   const std::size_t index = number == 0 ? system_ : number;
   Offsets& system = systems_.at(index);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
-    const bool is_zero = axis == kRotation && !stated[axis] && system[axis].base != 0;
-    takes_rotation_as_zero_ |= is_zero;
+    const bool is_zero = axis >= kFirstTurn && !stated[axis] && system[axis].base != 0;
+    taken_as_zero_[axis] |= is_zero;
     if (stated[axis] || is_zero) system[axis] = {0, stated[axis].value_or(0.0)};
   }
   if (index == system_) return set(kSystem, system);
   // What was in force at power-on may be this one.
-  return system_ == 0 ? set(kSystem, Offsets{unknown(), unknown(), unknown(), unknown()}) : kUnchanged;
+  return system_ == 0 ? set(kSystem, all_unknown()) : kUnchanged;
 }
 
 std::optional<GcodeOrigin::Change> GcodeOrigin::take_length_of(std::optional<int> tool) {

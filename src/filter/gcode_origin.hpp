@@ -30,7 +30,7 @@ class GcodeOrigin {
   Change choose_system(std::size_t number, bool begins);
   /// G10 L2.
   /// @param number  of the system; 0: the one in force.
-  /// @param stated  in the machine. A C of which nothing is known is 0.
+  /// @param stated  in the machine. An A, B or C of which nothing is known is 0.
   Change define_system(std::size_t number, const Stated& stated);
   /// G43 of a tool; without a table its length along Z is not known.
   /// @param tool  nothing: that which is in the spindle, which the program has not said.
@@ -61,8 +61,11 @@ class GcodeOrigin {
   /// Whether it is the tool's length alone that is not known.
   bool is_other_tool() const;
 
-  /// Whether systems were defined without C.
-  bool takes_rotation_as_zero() const { return takes_rotation_as_zero_; }
+  /// Whether the tool in force has, or may have, an offset along X, Y or Z.
+  bool has_tool_along(std::size_t axis) const { return !(now_[kTool][axis] == Offset{}); }
+
+  /// Whether systems were defined without this one of A, B and C.
+  bool takes_as_zero(std::size_t axis) const { return taken_as_zero_[axis]; }
   /// Whether lengths of tools are taken to be along Z alone, and part of the program's origin.
   bool takes_tool_as_given() const { return takes_tool_as_given_; }
 
@@ -83,6 +86,7 @@ class GcodeOrigin {
   static std::optional<double> difference(const Offset& one, const Offset& other);
   Change set(Part part, const Offsets& offsets);
   Offset unknown() { return {++bases_, 0.0}; }
+  Offsets all_unknown();
 
   std::array<Offsets, WorkOffsets::kSystems + 1> systems_{};  ///< before them that of power-on, if another
   std::size_t system_;
@@ -90,7 +94,8 @@ class GcodeOrigin {
   std::array<Offsets, kParts> now_{};
   std::array<std::optional<Offsets>, kParts> first_{};  ///< of the first target
   int bases_ = 0;                                       ///< those below stand for something already
-  bool takes_rotation_as_zero_ = false, takes_tool_as_given_ = false;
+  std::array<bool, kAxes> taken_as_zero_{};
+  bool takes_tool_as_given_ = false;
   bool knows_shift_before_, takes_no_shift_before_ = false;
 };
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kForeignTurns = "an arc with P, whose meaning depends on the firmware (give --dialect)";
 constexpr std::string_view kNumbered = "a line to divide with a checksum";
 constexpr std::string_view kOtherAxes =
-    "a line to divide that also moves other axes (A, B, U, V, W; C of a plate that does not turn)";
+    "a line to divide that also moves other axes (U, V, W; Z, A, B, C if the robot does not move along or about them)";
 constexpr std::string_view kExtrusion = "a line to divide while the extrusion mode is unknown (state M82 or M83)";
 
 constexpr std::string_view kCentreLetters = "IJK";
@@ -52,7 +52,7 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
   const std::optional<ExtrusionOfLine> extrusion = takes_output(block) ? ExtrusionOfLine{} : extruder_.move(block);
   line.extrusion = extrusion.value_or(ExtrusionOfLine{});
   if (block.checksum_at != 0) line.hindrance = kNumbered;
-  if (block.has_letter(axis_count_ < kAxes ? "ABCUVW" : "ABUVW")) line.hindrance = kOtherAxes;
+  if (block.has_letter(other_axes_)) line.hindrance = kOtherAxes;
   if (!extrusion) line.hindrance = kExtrusion;
   const std::string_view of_arc = shares_turns(block) ? "IJKR" : "IJKRP";
   std::size_t arc_words = 0;
@@ -69,7 +69,7 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
 /// A line that relies on the mode of an arc that has become lines.
 void GcodeModes::restate_arc(const GcodeBlock& block, const Request& request, bool is_left, TargetLine& target) const {
   if (!arcs_are_lines_ || request.motion || !is_arc(motion_) || request.takes_axes) return;
-  if (!block.has_letter("XYZCIJKR")) return;
+  if (!block.has_letter("XYZABCIJKR")) return;
   if (is_left && target.kind == TargetLine::Kind::none) target.kind = TargetLine::Kind::left;
   target.restated = motion_ == Motion::clockwise ? "2" : "3";
 }

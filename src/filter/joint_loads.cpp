@@ -5,27 +5,24 @@
 #include <cmath>
 #include <functional>
 
-#include "paracal/compensation/parameters.hpp"
-
 namespace paracal::io {
 
 std::optional<JointLoad> JointLoads::load_of(const TargetLine& line, double seconds) const {
-  std::array<CompensatorJoints<double>, kSteps + 1> joints{};
+  std::array<Joints, kSteps + 1> joints;
   for (int k = 0; k <= kSteps; ++k) {
-    const Pose pose = pose_at(line.path.at(static_cast<double>(k) / kSteps), origin_);
-    const auto status =
-        correction_.compensator().compensate(compensator_pose(pose), joints[static_cast<std::size_t>(k)]);
-    if (status != CompensationStatus::ok) return std::nullopt;
+    const auto found = correction_.joints(axes_.pose_at(line.path.at(static_cast<double>(k) / kSteps)));
+    if (!found) return std::nullopt;
+    joints[static_cast<std::size_t>(k)] = *found;
   }
   const double per_step = kSteps / seconds;
   JointLoad hardest{.line = line.number};
-  for (std::size_t i = 0; i < correction_.robot().limb_count(); ++i) {
-    JointLoad load{.line = line.number, .joint = i + 1};
+  for (Eigen::Index i = 0; i < joints[0].size(); ++i) {
+    JointLoad load{.line = line.number, .joint = static_cast<std::size_t>(i) + 1};
     for (std::size_t k = 0; k < kSteps; ++k) {
-      const double step = joints[k + 1][i] - joints[k][i];
+      const double step = joints[k + 1](i) - joints[k](i);
       load.speed = std::max(load.speed, std::abs(step) * per_step);
       if (k == 0) continue;
-      const double change = step - (joints[k][i] - joints[k - 1][i]);
+      const double change = step - (joints[k](i) - joints[k - 1](i));
       load.acceleration = std::max(load.acceleration, std::abs(change) * per_step * per_step);
     }
     load.of_limit = std::max(load.speed / limits_->speed, load.acceleration / limits_->acceleration);

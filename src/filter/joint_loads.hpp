@@ -15,8 +15,8 @@ namespace paracal::io {
 /// Ramps and corners between blocks belong to the controller.
 class JointLoads {
  public:
-  JointLoads(const TargetCorrection& correction, const Eigen::Vector3d& origin, FilterSummary& summary)
-      : correction_(correction), origin_(origin), summary_(summary), limits_(correction.robot().joint_limits()) {}
+  JointLoads(const TargetCorrection& correction, const RobotAxes& axes, FilterSummary& summary)
+      : correction_(correction), axes_(axes), summary_(summary), limits_(correction.robot().joint_limits()) {}
 
   /// A corrected block. One that does not move at a known feed from a known place asks for nothing known.
   void add(const TargetLine& line);
@@ -28,7 +28,7 @@ class JointLoads {
   std::optional<JointLoad> load_of(const TargetLine& line, double seconds) const;
 
   const TargetCorrection& correction_;
-  const Eigen::Vector3d& origin_;
+  const RobotAxes& axes_;
   FilterSummary& summary_;
   std::optional<JointLimits> limits_;
 };

@@ -16,8 +16,8 @@ constexpr std::string_view kTooFine = "a line of more than 10000 pieces (increas
 constexpr std::uint32_t kMostPieces = 10'000;
 
 constexpr double kSagittaShare = 0.9;      ///< of the chord; the rest is the correction's
-constexpr double kLever = 100.0;           ///< mm from the axis of C
-constexpr double kFreeTurn = 1.0;          ///< deg of C without a look at how the correction bends
+constexpr double kLever = 100.0;           ///< mm from the axes of A, B and C
+constexpr double kFreeTurn = 1.0;          ///< deg of these without a look at how the correction bends
 constexpr double kCurvatureMargin = 10.0;  ///< the sharpest bend is not among the samples
 constexpr double kSampleStep = 20.0;       ///< mm
 constexpr std::size_t kPlacesAtOnce = std::size_t{1} << 16U;
@@ -33,17 +33,18 @@ AxisValues correction_of(const AxisValues& target, const AxisValues& wanted) {
 double bend(const AxisValues& start, const AxisValues& at, const AxisValues& end, double t) {
   AxisValues off;
   for (std::size_t axis = 0; axis < kAxes; ++axis) off[axis] = at[axis] - (start[axis] + t * (end[axis] - start[axis]));
-  return std::max(std::hypot(off[0], off[1], off[2]), kLever * std::abs(to_radians(off[kRotation])));
+  const double turned = std::abs(off[3]) + std::abs(off[4]) + std::abs(off[5]);
+  return std::max(std::hypot(off[0], off[1], off[2]), kLever * to_radians(turned));
 }
 
 /// Places of the workspace, its axis and its rims, in the frame of paths.
-std::vector<AxisValues> samples(const Robot& robot, const Eigen::Vector3d& origin) {
+std::vector<AxisValues> samples(const Robot& robot, const RobotAxes& axes) {
   std::vector<Pose> poses = robot.workspace().rim(8);
   std::ranges::copy(robot.workspace().rim(8, 0.5), std::back_inserter(poses));
   poses.push_back({robot.workspace().centre(), 0.0});
   std::vector<AxisValues> places;
   places.reserve(poses.size());
-  for (const Pose& pose : poses) places.push_back(place_of(pose, origin));
+  for (const Pose& pose : poses) places.push_back(axes.place_of(pose));
   return places;
 }
 
@@ -52,8 +53,9 @@ std::vector<AxisValues> samples(const Robot& robot, const Eigen::Vector3d& origi
 ///   bend <= K l^2 / 8,   K = max |c(p + h) - 2 c(p) + c(p - h)| / |h|^2
 double straight_length(const TargetCorrection& correction, const FilterSettings& settings) {
   std::vector<AxisValues> places;
-  for (const AxisValues& place : samples(correction.robot(), settings.origin)) {
-    for (std::size_t axis = 0; axis < kRotation; ++axis) {
+  for (const AxisValues& place : samples(correction.robot(), settings.axes)) {
+    for (const std::size_t axis : settings.axes.moved()) {
+      if (axis >= kFirstTurn) break;
       AxisValues before = place, after = place;
       before[axis] -= kSampleStep;
       after[axis] += kSampleStep;
@@ -96,12 +98,12 @@ std::vector<std::optional<AxisValues>> corrected(const TargetCorrection& correct
                                                  std::span<const AxisValues> places) {
   std::vector<Pose> wanted;
   wanted.reserve(places.size());
-  for (const AxisValues& place : places) wanted.push_back(pose_at(place, settings.origin));
+  for (const AxisValues& place : places) wanted.push_back(settings.axes.pose_at(place));
   std::vector<std::optional<Pose>> poses(places.size());
   correction.targets(wanted, poses, settings.threads);
   std::vector<std::optional<AxisValues>> targets(places.size());
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if (poses[k]) targets[k] = place_of(*poses[k], settings.origin);
+    if (poses[k]) targets[k] = settings.axes.place_of(*poses[k]);
   }
   return targets;
 }
@@ -127,8 +129,7 @@ PathDivision::Cut PathDivision::cut_arc(const TargetLine& line) const {
 /// @param pieces  as which the line is short enough not to be looked at for its length.
 bool PathDivision::may_bend(const TargetLine& line, std::uint32_t pieces) const {
   return settings_.chord > 0.0 && line.starts_known &&
-         (line.path.length() > pieces * straight_length_ ||
-          std::abs(line.path.to[kRotation] - line.path.from[kRotation]) > kFreeTurn);
+         (line.path.length() > pieces * straight_length_ || line.path.turned() > kFreeTurn);
 }
 
 std::vector<PathDivision::Cut> PathDivision::cut(std::span<const TargetLine> lines) const {

@@ -23,7 +23,7 @@ std::vector<std::optional<AxisValues>> corrected(const TargetCorrection& correct
 ///
 ///   max over t of |c(t) - ((1 - t) c(0) + t c(1))|,
 ///
-/// turns of C counted at 100 mm from its axis. Both together stay within the chord.
+/// turns of A, B and C counted at 100 mm from their axes. Both together stay within the chord.
 class PathDivision {
  public:
   PathDivision(const TargetCorrection& correction, const FilterSettings& settings);

@@ -54,8 +54,7 @@ bool split(std::string_view line, std::vector<Field>& fields) {
 
 class PoseTable : public TargetFormat {
  public:
-  PoseTable(std::string name, const Robot& robot)
-      : name_(std::move(name)), robot_(robot), has_slide_(robot.slide().has_value()) {}
+  PoseTable(std::string name, const Robot& robot) : name_(std::move(name)), robot_(robot), axes_(robot) {}
 
   std::string_view read(std::string_view text, TargetLine& target) override {
     const std::size_t mark = target.number == 1 && text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
@@ -99,10 +98,13 @@ class PoseTable : public TargetFormat {
 
   void read_header(std::string_view line, std::int64_t number) {
     const PoseColumns& columns = find(line, number, kCommandedPose.x) ? kCommandedPose : kPlainPose;
-    const std::array names{columns.x, columns.y, columns.z, columns.phi};
+    const auto& [tilt_x, tilt_y, tilt_z] = columns.tilt;
+    const std::string_view about_z = axes_.tilt_plate() ? tilt_z : columns.phi;
+    const std::array names{columns.x, columns.y, columns.z, tilt_x, tilt_y, about_z};
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      if (!axes_.moves(axis) && names[axis] != columns.phi) continue;
       columns_[axis] = find(line, number, names[axis]);
-      if (columns_[axis] || (axis == kRotation && !has_slide_)) continue;
+      if (columns_[axis] || !axes_.moves(axis)) continue;
       fail(number, fmt::format("expected a column \"{}\", got {}", names[axis], line));
     }
     column_count_ = fields_.size();
@@ -116,7 +118,7 @@ class PoseTable : public TargetFormat {
       const std::optional<double> value = finite_number(field.of(text));
       if (!value) return kNoNumber;
       target.path.to[axis] = *value;
-      if (axis != kRotation || has_slide_) target.stated[axis] = {field.begin, field.end, *value};
+      if (axes_.moves(axis)) target.stated[axis] = {field.begin, field.end, *value};
     }
     target.kind = TargetLine::Kind::target;
     return {};
@@ -124,7 +126,7 @@ class PoseTable : public TargetFormat {
 
   std::string name_;
   const Robot& robot_;
-  bool has_slide_;
+  RobotAxes axes_;
   std::size_t column_count_ = 0;  ///< 0: the header has not come yet
   std::array<std::optional<std::size_t>, kAxes> columns_ = {};
   std::vector<Field> fields_;
@@ -136,7 +138,7 @@ FilterSummary filter_pose_table(const TextStream& in, const TextSink& out, const
                                 unsigned threads) {
   PoseTable table(in.name, correction.robot());
   LineReader lines(in);
-  return filter(lines, out, table, correction, {.threads = threads});
+  return filter(lines, out, table, correction, {.axes = RobotAxes(correction.robot()), .threads = threads});
 }
 
 }  // namespace paracal::io

@@ -22,6 +22,9 @@ constexpr std::size_t kTargetsAtOnce = std::size_t{1} << 15U;
 
 bool is_within(const Workspace& workspace, const Pose& pose) {
   constexpr double kSlack = 1e-6;  // mm and rad
+  for (int about = 0; about < 3; ++about) {
+    if (std::abs(pose.tilt(about)) > workspace.tilt_about(about) + kSlack) return false;
+  }
   return workspace.contains(pose.position, kSlack) && pose.rotation <= workspace.max_rotation + kSlack &&
          pose.rotation >= workspace.min_rotation - kSlack;
 }
@@ -29,12 +32,12 @@ bool is_within(const Workspace& workspace, const Pose& pose) {
 /// What is told of a program as a whole.
 class TargetAccount {
  public:
-  TargetAccount(const Robot& robot, const Eigen::Vector3d& origin, FilterSummary& summary)
-      : workspace_(robot.workspace()), origin_(origin), summary_(summary) {}
+  TargetAccount(const Robot& robot, const RobotAxes& axes, FilterSummary& summary)
+      : workspace_(robot.workspace()), axes_(axes), summary_(summary) {}
 
   void add(const TargetLine& line, const AxisValues& target) {
     ++summary_.corrected;
-    const CorrectedTarget one{line.number, pose_at(line.path.to, origin_), pose_at(target, origin_)};
+    const CorrectedTarget one{line.number, axes_.pose_at(line.path.to), axes_.pose_at(target)};
     if (!is_within(workspace_, one.wanted) && summary_.outside++ == 0) summary_.first_outside = line.number;
     auto& farthest = summary_.farthest;
     if (farthest.size() == kFarthest && one.distance() <= farthest.back().distance()) return;
@@ -47,14 +50,14 @@ class TargetAccount {
   static constexpr std::size_t kFarthest = 10;
 
   const Workspace& workspace_;
-  const Eigen::Vector3d& origin_;
+  const RobotAxes& axes_;
   FilterSummary& summary_;
 };
 
 /// What all lines of a stream share.
 struct Filtering {
   Filtering(const TargetCorrection& with, const FilterSettings& how, const TextSink& to)
-      : correction(with), settings(how), division(with, how), out(to), writer(text, with.robot().limb_count()) {}
+      : correction(with), settings(how), division(with, how), out(to), writer(text, how.axes.moved()) {}
 
   void flush() {
     if (!text.empty()) out(std::exchange(text, {}));
@@ -65,10 +68,10 @@ struct Filtering {
   PathDivision division;
   const TextSink& out;
   std::string text = {};
-  TargetWriter writer;  ///< of as many axes as limbs
+  TargetWriter writer;
   FilterSummary summary = {};
-  TargetAccount account{correction.robot(), settings.origin, summary};
-  JointLoads loads{correction, settings.origin, summary};
+  TargetAccount account{correction.robot(), settings.axes, summary};
+  JointLoads loads{correction, settings.axes, summary};
   PassedTally tally = {};
 };
 

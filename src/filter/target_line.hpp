@@ -44,13 +44,13 @@ struct FeedOfLine {
   enum class Rule : std::uint8_t { unknown, per_time, inverse_time };
   Rule rule = Rule::unknown;
   bool is_governed = false;           ///< the line moves at feed
-  bool counts_all_axes = false;       ///< F counts along C, too, deg as mm
+  bool counts_all_axes = false;       ///< F counts along A, B and C, too, deg as mm
   bool is_stated_by_motions = false;  ///< F alone is no line: G1 F600
   std::optional<double> value = {};   ///< in force for the program, in the unit of the line
   StatedNumber stated = {};
 
-  /// What F counts of a motion: its length in mm, or how far C turns where X, Y and Z rest, in deg; of both the whole
-  /// where all axes count.
+  /// What F counts of a motion: its length in mm, or how far A, B and C turn where X, Y and Z rest, in deg; of both the
+  /// whole where all axes count.
   double counted(double along, double turned, double mm_per_unit) const {
     constexpr double kAtRest = 1e-6;  // mm: for controllers this is no motion
     const double length = along / mm_per_unit;
@@ -106,11 +106,10 @@ struct TargetLine {
   FeedOfLine feed = {};
   DividedLine divided = {};
 
-  double turned() const { return std::abs(path.to[kRotation] - path.from[kRotation]); }
   /// How long it takes at its feed; nothing where that is not known.
   std::optional<double> seconds() const {
     constexpr double kMinute = 60.0;  // s
-    const double length = feed.counted(path.length(), turned(), mm_per_unit);
+    const double length = feed.counted(path.length(), path.turned(), mm_per_unit);
     const bool is_known = feed.is_governed && starts_known && feed.value && *feed.value > 0.0 && length > 0.0;
     if (!is_known) return std::nullopt;
     return kMinute * (feed.rule == FeedOfLine::Rule::inverse_time ? 1.0 : length) / *feed.value;
@@ -137,8 +136,8 @@ class TargetFormat {
 };
 
 struct FilterSettings {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of paths in {O}, mm
-  double chord = 0.0;                                ///< mm; 0: straight lines are not divided
+  RobotAxes axes;
+  double chord = 0.0;  ///< mm; 0: straight lines are not divided
   unsigned threads = 0;
 };
 

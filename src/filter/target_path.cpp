@@ -7,13 +7,36 @@
 
 namespace paracal::io {
 
-Pose pose_at(const AxisValues& place, const Eigen::Vector3d& origin) {
-  return {origin + Eigen::Vector3d(place[0], place[1], place[2]), to_radians(place[kRotation])};
+RobotAxes::RobotAxes(const Robot& robot, const Eigen::Vector3d& origin)
+    : freedoms_(robot.nominal().freedoms),
+      guided_z_(robot.nominal().guided_z),
+      origin_(origin),
+      is_moved_(freedoms_.free) {
+  is_moved_.back() |= robot.slide().has_value();
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    if (is_moved_[axis]) moved_.push_back(axis);
+  }
 }
 
-AxisValues place_of(const Pose& pose, const Eigen::Vector3d& origin) {
-  const Eigen::Vector3d r = pose.position - origin;
-  return {r.x(), r.y(), r.z(), to_degrees(pose.rotation)};
+Pose RobotAxes::pose_at(const AxisValues& place) const {
+  Pose pose{origin_ + Eigen::Vector3d(place[0], place[1], place[2])};
+  if (freedoms_.holds_z()) pose.position.z() = guided_z_;
+  for (Eigen::Index about = 0; about < 3; ++about) {
+    const std::size_t axis = kFirstTurn + static_cast<std::size_t>(about);
+    if (freedoms_.free[axis]) pose.tilt(about) = to_radians(place[axis]);
+  }
+  if (is_moved_.back() && !freedoms_.free.back()) pose.rotation = to_radians(place.back());
+  return pose;
+}
+
+AxisValues RobotAxes::place_of(const Pose& pose) const {
+  const Eigen::Vector3d r = pose.position - origin_;
+  const double about_z = freedoms_.free.back() ? pose.tilt.z() : pose.rotation;
+  AxisValues place{r.x(), r.y(), r.z(), to_degrees(pose.tilt.x()), to_degrees(pose.tilt.y()), to_degrees(about_z)};
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    if (!is_moved_[axis]) place[axis] = 0.0;
+  }
+  return place;
 }
 
 AxisValues TargetPath::at(double t) const {
@@ -31,12 +54,14 @@ AxisValues TargetPath::at(double t) const {
 
 double TargetPath::length() const {
   double squares = 0.0;
-  for (std::size_t axis = 0; axis < kRotation; ++axis) {
+  for (std::size_t axis = 0; axis < kFirstTurn; ++axis) {
     if (is_arc() && (axis == arc.plane[0] || axis == arc.plane[1])) continue;
     squares += (to[axis] - from[axis]) * (to[axis] - from[axis]);
   }
   const double around = is_arc() ? std::abs(arc.sweep) * std::max(arc.start_radius, arc.end_radius) : 0.0;
   return std::sqrt(squares + around * around);
 }
+
+double TargetPath::turned() const { return std::hypot(to[3] - from[3], to[4] - from[4], to[5] - from[5]); }
 
 }  // namespace paracal::io

@@ -4,20 +4,41 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
-#include "paracal/mechanism/pose.hpp"
+#include "paracal/filter/target_filter.hpp"
+#include "paracal/mechanism/robot.hpp"
 
 namespace paracal::io {
 
-inline constexpr std::size_t kAxes = 4;
-inline constexpr std::size_t kRotation = 3;  ///< C, phi; before it X, Y, Z
+/// Coordinates as files state them.
+using AxisValues = ProgramAxes;
+inline constexpr std::size_t kAxes = std::tuple_size_v<AxisValues>;
+inline constexpr std::size_t kFirstTurn = 3;  ///< A, B, C; before them X, Y, Z
 
-/// Coordinates as files state them: x, y, z and phi, mm and deg.
-using AxisValues = std::array<double, kAxes>;
+/// The axes that a robot moves, and the poses in {O} that their places are. X, Y and Z move the plate, A, B and C tilt
+/// it; C turns an end-effector. Files state other axes, too: a pen that is lifted along Z above a plate in a plane.
+class RobotAxes {
+ public:
+  /// @param origin  of places in {O}, mm.
+  explicit RobotAxes(const Robot& robot, const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
-/// A place and the pose that it is in {O}; `origin` of places in {O}, mm.
-Pose pose_at(const AxisValues& place, const Eigen::Vector3d& origin);
-AxisValues place_of(const Pose& pose, const Eigen::Vector3d& origin);
+  const std::vector<std::size_t>& moved() const { return moved_; }
+  bool moves(std::size_t axis) const { return is_moved_[axis]; }
+  bool tilt_plate() const { return freedoms_.tilt(); }
+
+  /// Other axes than those that are moved do not count.
+  Pose pose_at(const AxisValues& place) const;
+  /// 0 along other axes.
+  AxisValues place_of(const Pose& pose) const;
+
+ private:
+  PlateFreedoms freedoms_;
+  double guided_z_;
+  Eigen::Vector3d origin_;
+  std::array<bool, kAxes> is_moved_;
+  std::vector<std::size_t> moved_;
+};
 
 /// A turn about an axis of the frame, in the plane of two others, mm and rad. Its radius may change evenly from end to
 /// end: what the rounding of a centre leaves.
@@ -39,6 +60,8 @@ struct TargetPath {
   AxisValues at(double t) const;
   /// mm of X, Y and Z.
   double length() const;
+  /// deg of A, B and C, as controllers count them together.
+  double turned() const;
 };
 
 }  // namespace paracal::io

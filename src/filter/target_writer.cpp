@@ -17,8 +17,8 @@ int decimals_of(std::string_view number) {
   return static_cast<int>(std::min<std::size_t>(exponent - point - 1, 99));
 }
 
-/// How many decimals a number gets: as many as it had, at least what 0.1 um needs (for phi at 500 mm from its axis), at
-/// most what a correction is worth.
+/// How many decimals a number gets: as many as it had, at least what 0.1 um needs (for angles at 500 mm from their
+/// axis), at most what a correction is worth.
 struct Decimals {
   int least, most;
 
@@ -32,13 +32,13 @@ constexpr double kSameTime = 0.01;  ///< a feed is stated anew where a block wou
 constexpr int kDigitsOfFeed = 5;    ///< far more than the time of a block needs
 
 Decimals decimals_for(std::size_t axis, double mm_per_unit) {
-  if (axis == kRotation) return {5, 7};
+  if (axis >= kFirstTurn) return {5, 7};
   return mm_per_unit == 1.0 ? Decimals{4, 7} : Decimals{6, 8};
 }
 
 constexpr std::array kPower{1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
-double unit_of(std::size_t axis, const TargetLine& line) { return axis == kRotation ? 1.0 : line.mm_per_unit; }
+double unit_of(std::size_t axis, const TargetLine& line) { return axis >= kFirstTurn ? 1.0 : line.mm_per_unit; }
 
 std::string_view text_of(std::string_view text, const StatedNumber& number) {
   return text.substr(number.begin, number.end - number.begin);
@@ -112,7 +112,7 @@ struct TargetWriter::Piece {
 
 std::size_t TargetWriter::write(std::string_view text, std::string_view end, const TargetLine& line,
                                 std::span<const AxisValues> targets) {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) told_[axis] = held(axis, line);
+  for (const std::size_t axis : axes_) told_[axis] = held(axis, line);
   if (line.path.is_arc() && changes_nothing(line, targets)) {
     const std::size_t added = restore_feed(end, line);
     out_ += text;
@@ -131,7 +131,7 @@ std::size_t TargetWriter::write(std::string_view text, std::string_view end, con
 }
 
 void TargetWriter::call(std::string_view text, const TargetLine& line) {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : axes_) {
     const StatedNumber& number = line.stated[axis];
     told_[axis] = held(axis, line);
     if (!number.is_stated()) continue;
@@ -165,7 +165,8 @@ std::size_t TargetWriter::pass(std::string_view text, std::string_view end, cons
     end_edit();
   }
   apply(text, line);
-  for (std::size_t axis = 0; axis < axis_count_ && line.kind == TargetLine::Kind::target; ++axis) {
+  for (const std::size_t axis : axes_) {
+    if (line.kind != TargetLine::Kind::target) break;
     told_[axis] = held(axis, line);
     if (!line.stated[axis].is_stated()) continue;
     told_[axis] = line.is_incremental ? told_[axis] + (line.path.to[axis] - line.path.from[axis]) : line.path.to[axis];
@@ -179,7 +180,7 @@ double TargetWriter::held(std::size_t axis, const TargetLine& line) const {
 
 /// Of an arc: so it may stay one.
 bool TargetWriter::changes_nothing(const TargetLine& line, std::span<const AxisValues> targets) const {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : axes_) {
     const int decimals = decimals_for(axis, line.mm_per_unit).least;
     const auto is_same = [&](double one, double other) {
       return !differs(one / unit_of(axis, line), other / unit_of(axis, line), decimals);
@@ -223,7 +224,7 @@ void TargetWriter::drop_arc(const TargetLine& line) {
 }
 
 void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target) {
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : axes_) {
     const StatedNumber& number = line.stated[axis];
     const Decimals limits = decimals_for(axis, line.mm_per_unit);
     const double value = as_stated(axis, target[axis], told_[axis], line);
@@ -245,12 +246,10 @@ void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, cons
   }
 }
 
-/// What F counts: mm or inch along X, Y and Z, else deg of C; all of them alike for some.
+/// What F counts: mm or inch along X, Y and Z, else deg of A, B and C; all of them alike for some.
 double TargetWriter::length_of(const AxisValues& from, const AxisValues& to, const TargetLine& line) const {
   const TargetPath straight{.from = from, .to = to};
-  const double along = straight.length(),
-               turned = axis_count_ == kAxes ? std::abs(to[kRotation] - from[kRotation]) : 0.0;
-  return line.feed.counted(along, turned, line.mm_per_unit);
+  return line.feed.counted(straight.length(), straight.turned(), line.mm_per_unit);
 }
 
 /// The feed with which a piece takes its share of the block's time; nothing where that is not known.
@@ -260,7 +259,7 @@ std::optional<double> TargetWriter::feed_of(const TargetLine& line, const Piece&
   const auto count = static_cast<double>(piece.count);
   if (feed.rule == FeedOfLine::Rule::inverse_time)
     return feed.value ? std::optional(*feed.value * count) : std::nullopt;
-  const double before = feed.counted(line.path.length(), line.turned(), line.mm_per_unit);
+  const double before = feed.counted(line.path.length(), line.path.turned(), line.mm_per_unit);
   const double after = length_of(from, told_, line);
   if (before == 0.0 || after == 0.0) return feed.value;
   const double ratio = after * count / before;
@@ -326,7 +325,7 @@ void TargetWriter::append_piece(std::string_view text, const TargetLine& line, c
   const AxisValues from = told_;
   out_ += in_case_of('G', line);
   out_ += line.divided.is_rapid ? '0' : '1';
-  for (std::size_t axis = 0; axis < axis_count_; ++axis) {
+  for (const std::size_t axis : axes_) {
     if (!is_moved(axis, piece.target, line)) continue;
     append_word(out_, kAxisLetters[axis], line);
     const double value = as_stated(axis, piece.target[axis], told_[axis], line);

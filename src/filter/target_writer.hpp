@@ -16,7 +16,7 @@ namespace paracal::io {
 /// state; in the frame of paths, which no G92 moves.
 class TargetWriter {
  public:
-  TargetWriter(std::string& out, std::size_t axis_count) : out_(out), axis_count_(axis_count) {}
+  TargetWriter(std::string& out, std::span<const std::size_t> axes) : out_(out), axes_(axes) {}
 
   /// @param text  without its end.
   /// @param end  of the line; between the lines that it becomes another stands where it is empty.
@@ -59,7 +59,7 @@ class TargetWriter {
   bool is_moved(std::size_t axis, const AxisValues& target, const TargetLine& line) const;
 
   std::string& out_;
-  std::size_t axis_count_;
+  std::span<const std::size_t> axes_;  ///< that the robot moves
   AxisValues told_{};
   std::optional<double> told_feed_ = {};  ///< nothing: that which the program has stated
   bool has_unknown_feed_ = false;

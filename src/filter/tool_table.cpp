@@ -49,7 +49,7 @@ ToolTable read_tool_table(const TextFile& file) {
           file.name, number,
           fmt::format("expected a tool as in LinuxCNC's table (T1 P1 Z50.2), got {}", quoted(std::string(line))));
     }
-    std::array<double, 4> offset{};
+    ProgramAxes offset{};
     for (std::size_t axis = 0; axis < offset.size(); ++axis) {
       if (const GcodeWord* const word = block.word(kAxisLetters.at(axis))) offset.at(axis) = word->value;
     }

@@ -14,7 +14,6 @@ namespace paracal::io {
 namespace {
 
 constexpr int kShifted = 5210, kActive = 5220, kFirstSystem = 5220, kBetweenSystems = 20, kTurn = 10;
-constexpr std::array kAxisNumbers{1, 2, 3, 6};  // X, Y, Z, C
 
 using Parameters = std::map<int, double>;
 
@@ -52,10 +51,10 @@ WorkOffsets read_work_offsets(const TextFile& file) {
   bool has_any = false;
   for (std::size_t k = 0; k < WorkOffsets::kSystems; ++k) {
     const int base = kFirstSystem + kBetweenSystems * static_cast<int>(k);
-    std::array<double, 4> offset{};
+    ProgramAxes offset{};
     bool is_known = value(base + kTurn).value_or(0.0) == 0.0;
     for (std::size_t axis = 0; axis < offset.size(); ++axis) {
-      const std::optional<double> stated = value(base + kAxisNumbers[axis]);
+      const std::optional<double> stated = value(base + 1 + static_cast<int>(axis));
       is_known &= stated.has_value();
       has_any |= stated.has_value();
       offset[axis] = stated.value_or(0.0);

@@ -526,8 +526,8 @@ TEST_F(GcodeLines, WorkOffsetsComeFromLinuxcncsFile) {
   const WorkOffsets offsets = read_work_offsets(file(text));
   EXPECT_EQ(offsets.active, 2U);
   EXPECT_FALSE(offsets.is_shifted);
-  EXPECT_EQ(offsets.systems[0], (std::array{0.0, 0.0, 0.0, 0.0}));
-  EXPECT_EQ(offsets.systems[1], (std::array{1.0, 2.0, 3.0, 6.0}));
+  EXPECT_EQ(offsets.systems[0], ProgramAxes{});
+  EXPECT_EQ(offsets.systems[1], (ProgramAxes{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}));
   EXPECT_FALSE(offsets.systems[2]);
   std::string turned = text;
   turned.replace(turned.find("5250\t0"), 6, "5250\t9");

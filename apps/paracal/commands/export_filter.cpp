@@ -22,14 +22,25 @@ void require_finite(const char* option, const std::vector<double>& numbers) {
   }
 }
 
+/// Of --start: x, y, z and phi, or the tilts of the plate.
+Pose start_pose(const std::vector<double>& numbers, const Robot& robot) {
+  const bool tilts = robot.commands_tilt();
+  if (numbers.size() != 3 && numbers.size() != (tilts ? 6 : 4)) {
+    throw WrongUsage(fmt::format("--start: expected X,Y,Z or X,Y,Z,{} for {}, got {} numbers", tilts ? "A,B,C" : "PHI",
+                                 robot.name(), numbers.size()));
+  }
+  Pose start{{numbers[0], numbers[1], numbers[2]}};
+  if (numbers.size() == 4) start.rotation = to_radians(numbers[3]);
+  if (numbers.size() == 6) start.tilt = {to_radians(numbers[3]), to_radians(numbers[4]), to_radians(numbers[5])};
+  return start;
+}
+
 io::GcodeOptions gcode_options(const FilterOptions& options, const Robot& robot) {
   require_finite("--origin", options.origin);
   require_finite("--start", options.start);
   io::GcodeOptions gcode{.origin = robot.controller_origin()};
   if (const auto& r = options.origin; !r.empty()) gcode.origin = {r[0], r[1], r[2]};
-  if (const auto& r = options.start; !r.empty()) {
-    gcode.start = Pose{{r[0], r[1], r[2]}, r.size() > 3 ? to_radians(r[3]) : 0.0};
-  }
+  if (!options.start.empty()) gcode.start = start_pose(options.start, robot);
   if (options.chord_mm) gcode.chord = *options.chord_mm;
   gcode.harmless = options.harmless;
   if (!options.harmless_words.empty()) {
@@ -72,18 +83,25 @@ struct TargetTest {
 
 std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
   std::vector<TargetTest> tests;
-  for (const SelfTestCase& wanted : self_test(correction.robot(), correction.compensator().parameters())) {
+  const auto joints = [&](const Pose& pose) { return correction.joints(pose); };
+  for (const SelfTestCase& wanted : self_test(correction.robot(), joints)) {
     if (const std::optional<Pose> target = correction.target(wanted.pose)) tests.push_back({wanted, *target});
   }
   return tests;
 }
 
-io::Json tests_json(const std::vector<TargetTest>& tests, Actuator actuator) {
+io::Json tests_json(const std::vector<TargetTest>& tests, const Robot& robot) {
   return io::json_array(tests, [&](const TargetTest& test) {
-    io::Json json = io::to_json(test.wanted, actuator);
-    json["target"] = io::to_json(test.target);
+    io::Json json = io::to_json(test.wanted, robot.actuator());
+    json["pose"] = io::to_json(test.wanted.pose, robot.commands_tilt());
+    json["target"] = io::to_json(test.target, robot.commands_tilt());
     return json;
   });
+}
+
+/// phi, or the tilts of a plate that tilts, rad.
+std::vector<double> turns_of(const Pose& pose, bool tilts) {
+  return tilts ? std::vector{pose.tilt.x(), pose.tilt.y(), pose.tilt.z()} : std::vector{pose.rotation};
 }
 
 std::vector<std::string> header_lines(const Robot& robot, const ExportOrigin& origin,
@@ -94,11 +112,14 @@ std::vector<std::string> header_lines(const Robot& robot, const ExportOrigin& or
       fmt::format("calibration {}", harmless(origin.calibration)),
       fmt::format("SHA-256 {}", origin.sha256),
       fmt::format("date {}", origin.date),
-      "self-test in mm and deg, robot frame: x y z phi commanded = sent to the controller",
+      fmt::format("self-test in mm and deg, robot frame: x y z {} commanded = sent to the controller",
+                  robot.commands_tilt() ? "tilt_x tilt_y tilt_z" : "phi"),
   };
-  const auto text = [](const Pose& pose) {
+  const auto text = [&](const Pose& pose) {
     const Eigen::Vector3d& r = pose.position;
-    return fmt::format("{:.4f} {:.4f} {:.4f} {:.5f}", r.x(), r.y(), r.z(), to_degrees(pose.rotation));
+    std::string numbers = fmt::format("{:.4f} {:.4f} {:.4f}", r.x(), r.y(), r.z());
+    for (const double turn : turns_of(pose, robot.commands_tilt())) numbers += fmt::format(" {:.5f}", to_degrees(turn));
+    return numbers;
   };
   for (const auto& [wanted, target] : tests) lines.push_back(text(wanted.pose) + " = " + text(target));
   return lines;
@@ -146,22 +167,23 @@ io::Json passed_json(const io::PassedThrough& one) {
   return {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}};
 }
 
-io::Json target_json(const io::CorrectedTarget& one) {
+io::Json target_json(const io::CorrectedTarget& one, bool tilts) {
   return {{"line", one.line},
-          {"wanted", io::to_json(one.wanted)},
-          {"target", io::to_json(one.target)},
+          {"wanted", io::to_json(one.wanted, tilts)},
+          {"target", io::to_json(one.target, tilts)},
           {"distance_mm", one.distance()}};
 }
 
-io::Json summary_json(const io::FilterSummary& summary, Actuator actuator) {
+io::Json summary_json(const io::FilterSummary& summary, const Robot& robot) {
+  const auto farthest_json = [&](const io::CorrectedTarget& one) { return target_json(one, robot.commands_tilt()); };
   return {{"lines", summary.lines},
           {"corrected", summary.corrected},
           {"lines_added", summary.added},
           {"passed", io::json_array(summary.passed, passed_json)},
           {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
-          {"farthest", io::json_array(summary.farthest, target_json)},
+          {"farthest", io::json_array(summary.farthest, farthest_json)},
           {"joints_over_limit", {{"count", summary.over_limit}, {"first_line", summary.first_over_limit}}},
-          {"hardest_blocks", loads_json(summary, actuator)},
+          {"hardest_blocks", loads_json(summary, robot.actuator())},
           {"assumed", summary.assumed}};
 }
 
@@ -201,16 +223,22 @@ std::string summary_text(const std::string& name, const io::FilterSummary& summa
   return text;
 }
 
-std::string farthest_text(const io::FilterSummary& summary) {
-  std::string text = "largest corrections, robot frame, mm and deg:\n";
-  text += fmt::format("{:>8} {:>10} {:>10} {:>10} {:>9} {:>10} {:>10} {:>10} {:>9} {:>8}\n", "line", "x", "y", "z",
-                      "phi", "sent x", "sent y", "sent z", "sent phi", "moved");
+std::string farthest_text(const io::FilterSummary& summary, bool tilts) {
+  std::string text = "largest corrections, robot frame, mm and deg:\n    line";
+  for (const char* sent : {"", "sent "}) {
+    for (const char* name : {"x", "y", "z"}) text += fmt::format(" {:>10}", std::string(sent) + name);
+    for (const char* name : tilts ? std::vector{"A", "B", "C"} : std::vector{"phi"}) {
+      text += fmt::format(" {:>9}", std::string(sent) + name);
+    }
+  }
+  text += "    moved\n";
   for (const io::CorrectedTarget& one : summary.farthest) {
-    const Eigen::Vector3d &r = one.wanted.position, &t = one.target.position;
-    text +=
-        fmt::format("{:>8} {:>10.4f} {:>10.4f} {:>10.4f} {:>9.4f} {:>10.4f} {:>10.4f} {:>10.4f} {:>9.4f} {:>8.4f}\n",
-                    one.line, r.x(), r.y(), r.z(), to_degrees(one.wanted.rotation), t.x(), t.y(), t.z(),
-                    to_degrees(one.target.rotation), one.distance());
+    text += fmt::format("{:>8}", one.line);
+    for (const Pose& pose : {one.wanted, one.target}) {
+      for (const double place : pose.position) text += fmt::format(" {:>10.4f}", place);
+      for (const double turn : turns_of(pose, tilts)) text += fmt::format(" {:>9.4f}", to_degrees(turn));
+    }
+    text += fmt::format(" {:>8.4f}\n", one.distance());
   }
   return text;
 }
@@ -256,13 +284,13 @@ std::string hardest_text(const io::FilterSummary& summary, Actuator actuator) {
   return text;
 }
 
-std::string checked_text(const std::string& name, const io::FilterSummary& summary, Actuator actuator) {
+std::string checked_text(const std::string& name, const io::FilterSummary& summary, const Robot& robot) {
   std::string text = summary_text(name, summary);
   if (is_refused(summary)) {
     text += "without --partial this file is refused, because not every working target can be corrected\n";
   }
-  if (!summary.hardest.empty()) text += hardest_text(summary, actuator);
-  return summary.farthest.empty() ? text : text + farthest_text(summary);
+  if (!summary.hardest.empty()) text += hardest_text(summary, robot.actuator());
+  return summary.farthest.empty() ? text : text + farthest_text(summary, robot.commands_tilt());
 }
 
 }  // namespace
@@ -301,12 +329,12 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
   }
   io::Json json{{"target", target}, {"input", in.name}};
   json.update(io::to_json(robot, origin));
-  json.update(summary_json(summary, robot.actuator()));
+  json.update(summary_json(summary, robot));
   json["refused"] = is_refused(summary);
   json["origin_mm"] = {gcode.origin.x(), gcode.origin.y(), gcode.origin.z()};
-  json["self_test"] = tests_json(tests, robot.actuator());
+  json["self_test"] = tests_json(tests, robot);
   if (options.check) {
-    session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary, robot.actuator()));
+    session.json() ? session.print_json(json) : session.print(checked_text(in.name, summary, robot));
   } else if (session.json()) {
     session.print_summary(json_text(json));
   } else {

@@ -26,7 +26,7 @@ inline constexpr std::array<std::pair<std::string_view, io::GcodeDialect>, 5> kD
 struct FilterOptions {
   std::string input;                ///< empty or "-": standard input
   std::vector<double> origin = {};  ///< x, y, z, mm
-  std::vector<double> start = {};   ///< x, y, z, phi, mm and deg
+  std::vector<double> start = {};   ///< x, y, z and phi or three tilts, mm and deg
   bool header = false;
   bool partial = false;  ///< what cannot be corrected stays as it is; without it the whole file is refused
   bool check = false;    ///< nothing is written but what would happen

@@ -13,7 +13,8 @@ namespace paracal {
 ///
 ///   target = forward(nominal, q),   q = exact inverse of the identified machine at the commanded pose
 ///
-/// The controller computes the joints inverse(nominal, target), which bring the machine to the commanded pose.
+/// The controller computes the joints inverse(nominal, target), which bring the machine to the commanded pose. With
+/// spare limbs they are nearest to q: no controller of a nominal robot commands joints that disagree.
 class TargetCorrection {
  public:
   TargetCorrection(const Robot& robot, const SourceErrors& errors);
@@ -21,7 +22,9 @@ class TargetCorrection {
   TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller);
 
   const Robot& robot() const { return robot_; }
-  const Compensator<double>& compensator() const { return compensator_; }
+
+  /// q; nothing if the machine cannot reach the pose or is singular there.
+  std::optional<Joints> joints(const Pose& wanted) const;
 
   /// @returns nothing if the machine cannot reach the pose or is singular there, or if the nominal robot does not close
   /// with its joints.
@@ -34,10 +37,11 @@ class TargetCorrection {
 
  private:
   void correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const;
-  std::optional<Pose> by_itself(const Pose& wanted, const CompensatorPose<double>& pose) const;
+  std::optional<Pose> by_itself(const Pose& wanted) const;
 
   Robot robot_, controller_;
-  Compensator<double> compensator_;
+  Machine machine_;
+  std::optional<Compensator<double>> compensator_;  ///< of a plate that stays level: faster
 };
 
 }  // namespace paracal

@@ -66,11 +66,14 @@ struct FilterSummary {
   }
 };
 
+/// Numbers for the axes of a program: X, Y, Z in mm and A, B, C in deg.
+using ProgramAxes = std::array<double, 6>;
+
 /// Origins of a controller's work coordinate systems in its machine coordinates.
 struct WorkOffsets {
   static constexpr std::size_t kSystems = 9;  ///< G54 to G59, G59.1 to G59.3
-  /// X, Y, Z in mm and C in deg; nothing if unknown.
-  std::array<std::optional<std::array<double, 4>>, kSystems> systems = {};
+  /// Nothing if unknown.
+  std::array<std::optional<ProgramAxes>, kSystems> systems = {};
   std::size_t active = 0;   ///< before the first line, from 1; 0: unknown
   bool is_shifted = false;  ///< G92 is active before the first line, or that is unknown
 
@@ -82,8 +85,8 @@ struct WorkOffsets {
 /// @throws InputFileError for any other line, or implausible values.
 WorkOffsets read_work_offsets(const TextFile& file);
 
-/// Offsets of tools by their numbers: X, Y, Z in mm and C in deg.
-using ToolTable = std::map<int, std::array<double, 4>>;
+/// Offsets of tools by their numbers.
+using ToolTable = std::map<int, ProgramAxes>;
 
 /// LinuxCNC's tool table (tool.tbl), in mm: T1 P1 Z50.2 D6 ;comment. Axes that are not stated are 0.
 /// @throws InputFileError for other lines, and for a repeated tool.
@@ -120,19 +123,20 @@ struct GcodeOptions {
   unsigned threads = 0;  ///< of the correction; 0: one per core. The text does not depend on it.
 };
 
-/// G-code (RS-274, RepRap) with X, Y, Z and C (phi, deg) of its motions G0 to G3 replaced by the corrected target. Arcs
-/// become chords, lines with a curved correction are divided, and F is restated if a block would take a different time.
-/// Everything else stays byte for byte. Lines that cannot be corrected with certainty are unchanged and counted; see
+/// G-code (RS-274, RepRap) with the axes of its motions G0 to G3 replaced by the corrected target: X, Y, Z, the tilts
+/// A, B, C of the plate, or C of an end-effector (phi), as far as the robot moves them. Arcs become chords, lines with
+/// a curved correction are divided, and F is restated if a block would take a different time. Everything else stays
+/// byte for byte. Lines that cannot be corrected with certainty are unchanged and counted; see
 /// docs/part-programs-reference.md. Memory does not grow with the file.
 /// @throws InputFileError when `in` cannot be read to its end, and with the line for code that a filter must not
 /// change: O words, parameters, expressions, canned cycles, rotated, scaled or offset paths, offsets set in the
-/// program.
+/// program, a tool length while the plate tilts.
 FilterSummary filter_gcode(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                            const GcodeOptions& options = {});
 
 /// A pose table (CSV) with the numbers of its pose columns replaced by the corrected target; everything else stays byte
 /// for byte. A row with more or fewer fields than the header, or without finite numbers, is unchanged and counted.
-/// @throws InputFileError when the header lacks the columns of a pose; for a robot with a slide also phi.
+/// @throws InputFileError when the header lacks a column of what the robot moves.
 /// @throws InputFileError also when `in` cannot be read to its end.
 FilterSummary filter_pose_table(const TextStream& in, const TextSink& out, const TargetCorrection& correction,
                                 unsigned threads = 0);
