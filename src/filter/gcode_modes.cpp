@@ -130,7 +130,7 @@ std::string_view GcodeModes::take_rotations(const Axes& axes) {
   std::string_view late;
   for (std::size_t axis = kFirstTurn; axis < kAxes; ++axis) {
     if (rotations_[axis] == Rotation::stated || axes.word[axis] == nullptr) continue;
-    if (rotations_[axis] == Rotation::taken_as_zero) late = kLateRotations[axis - kFirstTurn];
+    if (late.empty() && rotations_[axis] == Rotation::taken_as_zero) late = kLateRotations[axis - kFirstTurn];
     rotations_[axis] = Rotation::stated;
     place_[axis].reset();
   }

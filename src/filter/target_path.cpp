@@ -25,7 +25,7 @@ Pose RobotAxes::pose_at(const AxisValues& place) const {
     const std::size_t axis = kFirstTurn + static_cast<std::size_t>(about);
     if (freedoms_.free[axis]) pose.tilt(about) = to_radians(place[axis]);
   }
-  if (is_moved_.back() && !freedoms_.free.back()) pose.rotation = to_radians(place.back());
+  if (!freedoms_.free.back()) pose.rotation = to_radians(place.back());
   return pose;
 }
 

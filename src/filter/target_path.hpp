@@ -27,7 +27,7 @@ class RobotAxes {
   bool moves(std::size_t axis) const { return is_moved_[axis]; }
   bool tilt_plate() const { return freedoms_.tilt(); }
 
-  /// Other axes than those that are moved do not count.
+  /// Guides hold z and tilts wherever other axes are; a rotation that a plate cannot have stays, and is out of reach.
   Pose pose_at(const AxisValues& place) const;
   /// 0 along other axes.
   AxisValues place_of(const Pose& pose) const;
