@@ -6,6 +6,7 @@
 
 #include "broken_input.hpp"
 #include "calibrated_machine.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test::export_filter_test {
 namespace {
@@ -389,6 +390,151 @@ TEST_F(ExportFilter, ARigidPlateKeepsC) {
   const ProgramResult result = folder.run(kGcode + " --robot rotary_delta");
   EXPECT_EQ(result.exit_code, kDone) << result.err;
   EXPECT_THAT(result.out, HasSubstr(" C30\n"));
+}
+
+// ---- robots whose plate tilts, stays in a plane or has limbs to spare
+
+struct AnyRobot {
+  const char* name;  ///< of a template, or of a sample
+  const char* parameters;
+  const char* letters;                     ///< of the axes that it moves
+  std::vector<std::vector<double>> poses;  ///< mm and deg
+  bool has_spare_limbs = false;
+};
+
+class ExportFilterOfAnyRobot : public testing::TestWithParam<AnyRobot> {
+ protected:
+  ProgramResult run(const std::string& command) const { return folder.run(words(command)); }
+  static const char* column_of(char letter) {
+    constexpr std::array kColumns{"x_mm", "y_mm", "z_mm", "tilt_x_deg", "tilt_y_deg", "tilt_z_deg"};
+    return kColumns.at(std::string_view("XYZABC").find(letter));
+  }
+
+  void SetUp() override {
+    const std::filesystem::path sample = source_folder() / "samples" / fmt::format("{}.toml", GetParam().name);
+    const bool is_sample = std::filesystem::exists(sample);
+    folder.write("r.toml",
+                 is_sample ? read_text(sample) : run(fmt::format("robot --template {}", GetParam().name)).out);
+    folder.write("c.json", fmt::format(R"({{"accepted": true, "parameters": {}, "robot": {}}})", GetParam().parameters,
+                                       run("robot --robot r.toml --json").out));
+    std::string program, table = "pose";
+    for (const char letter : letters) table += fmt::format(",{}", column_of(letter));
+    for (const std::vector<double>& pose : GetParam().poses) {
+      program += "G0";
+      table += "\np" + std::to_string(&pose - GetParam().poses.data());
+      for (std::size_t k = 0; k < letters.size(); ++k) {
+        program += fmt::format(" {}{:.7f}", letters[k], pose.at(k));
+        table += fmt::format(",{:.7f}", pose.at(k));
+      }
+      program += "\n";
+    }
+    folder.write("part.ngc", program);
+    folder.write("poses.csv", table + "\n");
+  }
+
+  json compensated() const { return json_of(run("compensate --calibration c.json --poses poses.csv --json")); }
+  static const json& joints_of(const json& result) {
+    return result.at(result.contains("joints_mm") ? "joints_mm" : "joints_deg");
+  }
+
+  const std::string letters = GetParam().letters;
+  const std::string gcode = "export --calibration c.json --target gcode --input part.ngc";
+  const TemporaryFolder folder;
+};
+
+TEST_P(ExportFilterOfAnyRobot, ProgramsAndTablesHoldTheTargetsOfCompensate) {
+  const json expected = compensated();
+  const ProgramResult program = run(gcode + " --out out.ngc"),
+                      table = run("export --calibration c.json --target csv --input poses.csv --out out.csv");
+  ASSERT_EQ(program.exit_code, kDone) << program.err;
+  ASSERT_EQ(table.exit_code, kDone) << table.err;
+  const std::string told = folder.read("out.ngc");
+  const char* at = told.c_str();
+  for (const json& target : expected.at("targets")) {
+    for (const char letter : letters) {
+      const json held = target.contains(column_of(letter)) ? target.at(column_of(letter)) : json(0.0);
+      at = std::strchr(at, letter);
+      ASSERT_NE(at, nullptr);
+      EXPECT_NEAR(std::strtod(at + 1, nullptr), held.get<double>(), 1e-7) << letter;
+    }
+  }
+  if (GetParam().has_spare_limbs) return;  // no pose has these joints
+  const json joints = json_of(run("inverse --robot r.toml --poses out.csv --json"));
+  for (std::size_t k = 0; k < GetParam().poses.size(); ++k) {
+    for (std::size_t i = 0; i < joints_of(joints)[k].size(); ++i) {
+      EXPECT_NEAR(joints_of(joints)[k][i].get<double>(), joints_of(expected)[k][i].get<double>(), 1e-6);
+    }
+  }
+}
+
+TEST_P(ExportFilterOfAnyRobot, WhatIsSaidHasTheTiltsOfTheRobot) {
+  const bool tilts = letters.find_first_of("ABC") != std::string::npos;
+  const json checked = json_of(run(gcode + " --check --json"));
+  for (const json& pose : {checked["farthest"][0]["wanted"], checked["farthest"][0]["target"],
+                           checked["self_test"][0]["pose"], checked["self_test"].back()["target"]}) {
+    EXPECT_EQ(pose.contains("tilt_z_deg"), tilts);
+  }
+  EXPECT_THAT(run(gcode + " --check").out, HasSubstr(tilts ? "sent C    moved\n" : "sent phi    moved\n"));
+  const std::string with_header = run(gcode + " --header").out;
+  EXPECT_THAT(with_header, HasSubstr(tilts ? " x y z tilt_x tilt_y tilt_z commanded" : " x y z phi commanded"));
+  EXPECT_TRUE(with_header.ends_with(run(gcode).out));
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, ExportFilterOfAnyRobot,
+                         testing::Values(AnyRobot{"hexapod",
+                                                  R"([{"name": "plate_x", "limb": 1, "value": 0.4, "unit": "mm"},
+                                 {"name": "zero", "limb": 2, "value": -0.5, "unit": "mm"}])",
+                                                  "XYZABC",
+                                                  {{0, 0, 500, 0, 0, 0}, {20, -30, 520, 4, -5, 6}}},
+                                         AnyRobot{"five-bar",
+                                                  R"([{"name": "zero", "limb": 1, "value": 0.2, "unit": "deg"},
+                                 {"name": "rod_length", "limb": 2, "value": -0.3, "unit": "mm"}])",
+                                                  "XY",
+                                                  {{0, 0}, {20, -10}}},
+                                         AnyRobot{"planar_belts",
+                                                  R"([{"name": "zero", "limb": 1, "value": 0.2, "unit": "mm"},
+                                 {"name": "rod_length", "limb": 2, "value": -0.3, "unit": "mm"}])",
+                                                  "XYC",
+                                                  {{0, 0, 0}, {10, -20, 5}},
+                                                  true},
+                                         AnyRobot{"mixed_limbs",
+                                                  R"([{"name": "theta_offset", "limb": 1, "value": 0.1, "unit": "deg"},
+                                 {"name": "rod_length", "limb": 4, "value": -0.3, "unit": "mm"}])",
+                                                  "XYZB",
+                                                  {{0, 0, -380, 0}, {30, 20, -400, 4}}}),
+                         [](const auto& one) { return std::string(one.param.letters); });
+
+class ExportFilterOfAHexapod : public ExportFilterOfAnyRobot {};
+INSTANTIATE_TEST_SUITE_P(
+    Robots, ExportFilterOfAHexapod,
+    testing::Values(AnyRobot{
+        "hexapod", R"([{"name": "zero", "limb": 2, "value": -0.5, "unit": "mm"}])", "XYZABC", {{0, 0, 450, 5, 0, 0}}}),
+    [](const auto& one) { return std::string(one.param.letters); });
+
+TEST_P(ExportFilterOfAHexapod, AToolLengthOnATiltedPlateIsRefused) {
+  folder.write("part.ngc", "G43 H1\n" + folder.read("part.ngc"));
+  folder.write("tool.tbl", "T1 P1 Z50\n");
+  for (const char* option : {"", " --tools tool.tbl", " --partial"}) {
+    const ProgramResult result = run(gcode + option);
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_EQ(result.err,
+              "paracal: part.ngc:2: expected motions, arcs, planes, units, offsets, tools and feeds, got a tool length "
+              "(G43) while the plate tilts; let the post-processor compute the path of the plate, without G43\n");
+  }
+  folder.write("tool.tbl", "T1 P1 Z0\n");
+  EXPECT_EQ(run(gcode + " --tools tool.tbl").exit_code, kDone);
+}
+
+TEST_P(ExportFilterOfAHexapod, AStartHasTilts) {
+  folder.write("part.ngc", "G1 X5\n");
+  const ProgramResult stated = run(gcode + " --start 0,0,500,1,2,3");
+  EXPECT_EQ(stated.exit_code, kDone) << stated.err;
+  EXPECT_THAT(stated.out, HasSubstr(" B1.99"));
+  EXPECT_EQ(run(gcode + " --start 0,0,500").exit_code, kDone);
+  const ProgramResult wrong = run(gcode + " --start 0,0,500,1");
+  EXPECT_EQ(wrong.exit_code, kWrongUsage);
+  EXPECT_THAT(wrong.err, HasSubstr("--start: expected X,Y,Z or X,Y,Z,A,B,C for hexapod, got 4 numbers"));
+  EXPECT_EQ(run(gcode + " --start 0,0,500,1,2").exit_code, kWrongUsage);
 }
 
 // ---- the compensator's parameters
