@@ -306,6 +306,22 @@ TEST_F(Tilting, FeedsCountAnglesWherePlacesRest) {
   EXPECT_NEAR(minutes, std::hypot(3.0, 4.0) / 100.0, 0.02 * 0.05);
 }
 
+TEST_F(Tilting, JointLoadsAreThoseOfTheTilt) {
+  RobotDescription described = robot.description();
+  described.joint_limits = {1.0, 1e9};
+  const TargetCorrection limited(Robot(described), errors_of(robot));
+  const Filtered result = filtered_gcode(kStart + "G1 A6 F360\n", limited);  // a second
+  ASSERT_THAT(result.summary.hardest, SizeIs(1));
+  double fastest = 0.0;
+  constexpr int kSteps = 400;
+  const auto joints = [&](int k) { return *limited.joints({{0, 0, 500}, 0.0, {to_radians(6.0 * k / kSteps), 0, 0}}); };
+  for (int k = 0; k < kSteps; ++k) {
+    fastest = std::max(fastest, kSteps * (joints(k + 1) - joints(k)).cwiseAbs().maxCoeff());
+  }
+  EXPECT_NEAR(result.summary.hardest.front().speed / fastest, 1.0, 0.05);
+  EXPECT_EQ(result.summary.over_limit, 1);
+}
+
 /// A controller adds lengths along its Z, wherever the plate points.
 TEST_F(Tilting, AToolLengthOnATiltedPlateIsRefused) {
   const auto refusal = [&](const std::string& text, const GcodeOptions& options = {}) {
