@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "paracal/units.hpp"
 
 namespace paracal::io {
 
-RobotAxes::RobotAxes(const Robot& robot, const Eigen::Vector3d& origin)
+RobotAxes::RobotAxes(const Robot& robot, Eigen::Vector3d origin)
     : freedoms_(robot.nominal().freedoms),
       guided_z_(robot.nominal().guided_z),
-      origin_(origin),
+      origin_(std::move(origin)),
       is_moved_(freedoms_.free) {
   is_moved_.back() |= robot.slide().has_value();
   for (std::size_t axis = 0; axis < kAxes; ++axis) {

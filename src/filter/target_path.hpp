@@ -21,7 +21,7 @@ inline constexpr std::size_t kFirstTurn = 3;  ///< A, B, C; before them X, Y, Z
 class RobotAxes {
  public:
   /// @param origin  of places in {O}, mm.
-  explicit RobotAxes(const Robot& robot, const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
+  explicit RobotAxes(const Robot& robot, Eigen::Vector3d origin = Eigen::Vector3d::Zero());
 
   const std::vector<std::size_t>& moved() const { return moved_; }
   bool moves(std::size_t axis) const { return is_moved_[axis]; }
