@@ -52,7 +52,7 @@ struct Call {
 
   Call(const Task& task, const SourceErrors& errors, CompensationWay way)
       : compensator(compensator_parameters<Scalar>(task.robot, errors), way) {
-    for (const Pose& pose : task.poses) poses.push_back(compensator_pose<Scalar>(pose));
+    for (const Pose& pose : task.poses) poses.push_back(closure_pose<Scalar>(pose));
   }
   void operator()(std::size_t k) {
     keep(compensator.compensate(poses[k], joints));
@@ -70,7 +70,7 @@ Pass each_pose(One one) {
 /// U of each pose, whatever the covariance.
 Pass uncertainty_pass(const Task& task) {
   std::vector<CompensatorPose<double>> poses;
-  for (const Pose& pose : task.poses) poses.push_back(compensator_pose(pose));
+  for (const Pose& pose : task.poses) poses.push_back(closure_pose(pose));
   CompensatorCovariance<double> covariance{};
   for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k][k] = 1e-6;
   return [parameters = compensator_parameters(task.robot, task.errors), poses,
@@ -86,7 +86,7 @@ Pass uncertainty_pass(const Task& task) {
 /// All poses of the task by one call, in the lanes of vector registers.
 Pass path_pass(const Task& task, const SourceErrors& errors) {
   std::vector<CompensatorPose<double>> poses;
-  for (const Pose& pose : task.poses) poses.push_back(compensator_pose(pose));
+  for (const Pose& pose : task.poses) poses.push_back(closure_pose(pose));
   return [parameters = compensator_parameters(task.robot, errors), poses,
           joints = std::vector<CompensatorJoints<double>>(kPoses),
           statuses = std::vector<CompensationStatus>(kPoses)]() mutable {
@@ -299,7 +299,7 @@ Left left_over(const Task& task, const Way& way) {
     const auto parameters = compensator_parameters(task.robot, known_of(errors, way.known));
     for (const Pose& pose : task.poses) {
       CompensatorJoints<double> joints{};
-      if (compensate(parameters, way.way, compensator_pose(pose), joints) != CompensationStatus::ok) continue;
+      if (compensate(parameters, way.way, closure_pose(pose), joints) != CompensationStatus::ok) continue;
       left.add(machine, pose, forward(machine, compensated_joints(task.robot, joints)).plate);
     }
   }

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Pose pose = fuzz::within(machine.described.workspace(), fuzz::numbers_of(data + 2));
   CompensatorJoints<double> joints{};
   const CompensationStatus status =
-      compensate(machine.parameters, CompensationWay::exact, compensator_pose<double>(pose), joints);
+      compensate(machine.parameters, CompensationWay::exact, closure_pose<double>(pose), joints);
   machine.require_as_inverse(pose, status, joints);
   return 0;
 }

@@ -21,7 +21,7 @@ Path path_of(const Workspace& workspace, std::uint8_t outside, const std::uint8_
     const Numbers numbers = numbers_of(data);
     const bool is_within = (outside >> (path.poses.size() % 8) & 1) == 0;
     path.is_within.push_back(is_within);
-    path.poses.push_back(is_within ? compensator_pose<double>(within(workspace, numbers))
+    path.poses.push_back(is_within ? closure_pose<double>(within(workspace, numbers))
                                    : CompensatorPose<double>{numbers.x, numbers.y, numbers.z, numbers.phi});
   }
   return path;

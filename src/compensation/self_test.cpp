@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"
 
@@ -20,23 +19,6 @@ std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine) 
     const InverseResult found = inverse(machine, pose);
     if (found.ok()) {
       cases.push_back({pose, found.joints});
-    } else if (cases.empty()) {
-      throw Unreachable("the calibrated machine does not reach the centre of its workspace");
-    }
-  }
-  return cases;
-}
-
-std::vector<SelfTestCase> self_test(const Robot& robot, const CompensatorParameters<double>& parameters) {
-  std::vector<Pose> poses{{robot.workspace().centre(), 0.0}};
-  std::ranges::copy(robot.workspace().rim(3), std::back_inserter(poses));
-  std::vector<SelfTestCase> cases;
-  cases.reserve(poses.size());
-  for (const Pose& pose : poses) {
-    CompensatorJoints<double> joints{};
-    const CompensationStatus status = compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints);
-    if (status == CompensationStatus::ok) {
-      cases.push_back({pose, compensated_joints(robot, joints)});
     } else if (cases.empty()) {
       throw Unreachable("the calibrated machine does not reach the centre of its workspace");
     }

@@ -16,13 +16,13 @@ namespace paracal {
 
 namespace {
 
-/// The machine's parameters with the controller's robot as the nominal one, which the exact way does not use.
-std::optional<Compensator<double>> compensator_for(const Robot& robot, const SourceErrors& errors,
-                                                   const Robot& controller) {
+/// Of a plate that stays level: the machine's parameters with the controller's robot as the nominal one.
+std::optional<CompensatorParameters<double>> level_parameters(const Robot& robot, const SourceErrors& errors,
+                                                              const Robot& controller) {
   if (!robot.is_level()) return std::nullopt;
   CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   parameters.nominal = compensator_parameters(controller, {}).nominal;
-  return Compensator<double>(parameters);
+  return parameters;
 }
 
 }  // namespace
@@ -34,14 +34,9 @@ TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& error
     : robot_(robot),
       controller_(controller),
       machine_(build(robot, errors)),
-      compensator_(compensator_for(robot, errors, controller)) {}
+      level_(level_parameters(robot, errors, controller)) {}
 
 std::optional<Joints> TargetCorrection::joints(const Pose& wanted) const {
-  if (compensator_) {
-    CompensatorJoints<double> joints{};
-    if (compensator_->compensate(compensator_pose(wanted), joints) != CompensationStatus::ok) return std::nullopt;
-    return compensated_joints(robot_, joints);
-  }
   const InverseResult found = inverse(machine_, wanted);
   return found.ok() ? std::optional(found.joints) : std::nullopt;
 }
@@ -53,14 +48,14 @@ std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {
 }
 
 void TargetCorrection::correct(std::span<const Pose> wanted, std::span<std::optional<Pose>> targets) const {
-  if (!compensator_) {
+  if (!level_) {
     std::ranges::transform(wanted, targets.begin(), [this](const Pose& one) { return by_itself(one); });
     return;
   }
   std::vector<CompensatorPose<double>> poses(wanted.size());
-  std::ranges::transform(wanted, poses.begin(), compensator_pose<double>);
+  std::ranges::transform(wanted, poses.begin(), closure_pose<double>);
   std::vector<std::optional<CompensatorPose<double>>> found(wanted.size());
-  nominal_targets(compensator_->parameters(), poses, found);
+  nominal_targets(*level_, poses, found);
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     if (found[k]) {
       targets[k] = Pose{{found[k]->x, found[k]->y, found[k]->z}, found[k]->phi};

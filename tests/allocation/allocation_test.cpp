@@ -54,7 +54,7 @@ TEST_P(AllocationLaw, CompensationDoesNotAllocate) {
     EXPECT_EQ(count([&] {
                 buffer.publish(parameters);
                 const CompensationStatus status =
-                    compensate(reader.latest(), way, compensator_pose(pose), compensated, &tilt);
+                    compensate(reader.latest(), way, closure_pose(pose), compensated, &tilt);
                 good = good && status == CompensationStatus::ok;
               }),
               0u);

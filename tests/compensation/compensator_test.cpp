@@ -65,7 +65,7 @@ TEST_P(CompensatorLaw, ExactLeavesNothing) {
   for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
     CompensatorJoints<double> joints{};
     CompensatorTilt<double> tilt{};
-    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints, &tilt),
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, closure_pose(pose), joints, &tilt),
               CompensationStatus::ok);
     const ForwardResult actual = forward(machine, compensated_joints(robot, joints));
     ASSERT_TRUE(actual.ok());
@@ -85,7 +85,7 @@ TEST_P(CompensatorLaw, ExactIsTheInverseOfTheMachine) {
   double worst = 0.0;
   for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
     CompensatorJoints<double> joints{};
-    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints), CompensationStatus::ok);
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, closure_pose(pose), joints), CompensationStatus::ok);
     const InverseResult expected = inverse(machine, pose);
     ASSERT_TRUE(expected.ok());
     worst = std::max(worst, (compensated_joints(robot, joints) - expected.joints).cwiseAbs().maxCoeff());
@@ -99,7 +99,7 @@ TEST_P(CompensatorLaw, LinearWaysLeaveLittle) {
   for_each_pose([&](const Machine& machine, const auto& parameters, const SourceErrors&, const Pose& pose) {
     const auto left_by = [&](const auto& machine_parameters, CompensationWay way) {
       CompensatorJoints<double> joints{};
-      EXPECT_EQ(compensate(machine_parameters, way, compensator_pose(pose), joints), CompensationStatus::ok);
+      EXPECT_EQ(compensate(machine_parameters, way, closure_pose(pose), joints), CompensationStatus::ok);
       return remainder_of(machine, pose, forward(machine, compensated_joints(robot, joints)).plate).position;
     };
     uncompensated = std::max(uncompensated, left_by(without_errors(parameters), CompensationWay::exact));
@@ -126,8 +126,8 @@ TEST_P(CompensatorLaw, TheTiltAwareRemainderIsOfSecondOrder) {
     const auto off = [&](const SourceErrors& errors) {
       const auto parameters = compensator_parameters(robot, errors);
       CompensatorJoints<double> exact{}, linear{};
-      EXPECT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), exact), CompensationStatus::ok);
-      EXPECT_EQ(compensate(parameters, CompensationWay::tilt_aware, compensator_pose(pose), linear),
+      EXPECT_EQ(compensate(parameters, CompensationWay::exact, closure_pose(pose), exact), CompensationStatus::ok);
+      EXPECT_EQ(compensate(parameters, CompensationWay::tilt_aware, closure_pose(pose), linear),
                 CompensationStatus::ok);
       return (compensated_joints(robot, exact) - compensated_joints(robot, linear)).norm();
     };
@@ -149,8 +149,8 @@ TEST_P(CompensatorLaw, FloatIsGoodToMicrometres) {
         const Pose pose = random.pose(robot);
         CompensatorJoints<double> expected{};
         CompensatorJoints<float> joints{};
-        ASSERT_EQ(compensate(fine, way, compensator_pose(pose), expected), CompensationStatus::ok);
-        ASSERT_EQ(compensate(coarse, way, compensator_pose<float>(pose), joints), CompensationStatus::ok);
+        ASSERT_EQ(compensate(fine, way, closure_pose(pose), expected), CompensationStatus::ok);
+        ASSERT_EQ(compensate(coarse, way, closure_pose<float>(pose), joints), CompensationStatus::ok);
         for (std::size_t i = 0; i < robot.limb_count(); ++i) {
           worst = std::max(worst, std::abs(static_cast<double>(joints[i]) - expected[i]) / unit_size);
         }
@@ -168,7 +168,7 @@ TEST_P(CompensatorLaw, WithoutErrorsEveryWayIsTheNominalInverse) {
     for (const CompensationWay way : {CompensationWay::exact, CompensationWay::tilt_aware, CompensationWay::linear}) {
       CompensatorJoints<double> joints{};
       CompensatorTilt<double> tilt{1.0, 1.0};
-      ASSERT_EQ(Compensator(parameters, way).compensate(compensator_pose(pose), joints, &tilt), CompensationStatus::ok);
+      ASSERT_EQ(Compensator(parameters, way).compensate(closure_pose(pose), joints, &tilt), CompensationStatus::ok);
       EXPECT_LE((compensated_joints(robot, joints) - inverse(robot.nominal(), pose).joints).cwiseAbs().maxCoeff(),
                 1e-14);
       EXPECT_EQ(std::pair(tilt.eps_x, tilt.eps_y), std::pair(0.0, 0.0));
@@ -182,7 +182,7 @@ TEST_P(CompensatorLaw, TheTargetsNominalInverseGivesTheJoints) {
   for (int k = 0; k < 100; ++k) {
     CompensatorJoints<double> joints{};
     const Pose pose = random.pose(robot);
-    ASSERT_EQ(compensate(parameters, CompensationWay::exact, compensator_pose(pose), joints), CompensationStatus::ok);
+    ASSERT_EQ(compensate(parameters, CompensationWay::exact, closure_pose(pose), joints), CompensationStatus::ok);
     const Joints corrected = compensated_joints(robot, joints);
     const std::optional<Pose> target = corrected_target(robot, corrected, pose);
     ASSERT_TRUE(target);
@@ -222,7 +222,7 @@ TEST_P(CompensatorLaw, TheStatedUncertaintyIsThePredictions) {
     const auto parameters = compensator_parameters(robot, known.errors);
     const auto covariance = compensator_covariance(robot, known.parameters, known.covariance);
     for (int k = 0; k < 20; ++k) {
-      const CompensatorPose<double> pose = compensator_pose(random.pose(robot));
+      const CompensatorPose<double> pose = closure_pose(random.pose(robot));
       CompensatorJoints<double> joints{};
       CompensatorUncertainty<double> stated;
       ASSERT_EQ(compensate(parameters, CompensationWay::exact, pose, joints), CompensationStatus::ok);
@@ -292,7 +292,7 @@ TEST_P(CompensatorLaw, APathIsItsPoses) {
       const auto parameters = compensator_parameters(robot, errors_of(number));
       std::vector<CompensatorPose<double>> poses;
       for (std::size_t k = 0; k < size; ++k) {
-        poses.push_back(compensator_pose(random.pose(robot)));
+        poses.push_back(closure_pose(random.pose(robot)));
         if (k % 11 == 3) poses.back().x = k % 2 == 0 ? -5000.0 : std::nan("");
         if (k % 13 == 4) poses.back().phi = 0.3;
       }
@@ -320,7 +320,7 @@ TEST_P(CompensatorLaw, TargetsInLanesAreOfTheRightAssemblyMode) {
     const auto parameters = compensator_parameters(robot, errors_of(number));
     std::vector<CompensatorPose<double>> poses;
     for (int k = 0; k < test::machines({.claim = 20'000, .quick = 1000}); ++k) {
-      poses.push_back(compensator_pose(random.pose(robot)));
+      poses.push_back(closure_pose(random.pose(robot)));
       poses.back().x *= random.uniform(0.0, 3.0);
       poses.back().y *= random.uniform(0.0, 3.0);
       poses.back().z *= random.uniform(0.0, 1.5);
@@ -350,7 +350,7 @@ TEST_P(CompensatorLaw, TargetsInLanesAreThoseOfTheNominalRobot) {
     const auto parameters = compensator_parameters(robot, errors_of(number));
     std::vector<CompensatorPose<double>> poses;
     for (int k = 0; k < 1003; ++k) {
-      poses.push_back(compensator_pose(random.pose(robot)));
+      poses.push_back(closure_pose(random.pose(robot)));
       if (k % 11 == 3) poses.back().x = k % 2 == 0 ? -5000.0 : std::nan("");
       if (k % 13 == 4) poses.back().phi += 0.3;
       if (k % 5 == 2) poses.back().x *= 1.0 + 0.2 * static_cast<double>(engine() % 10);  // towards the singular
@@ -397,7 +397,7 @@ TEST_P(CompensatorLaw, DoubtfulTargetsAreNotTakenFromLanes) {
   far(0, "theta_offset") += robot.actuator() == Actuator::linear ? 120.0 : 0.25;
   const Pose home{robot.workspace().centre(), 0.0};
   std::vector<std::optional<CompensatorPose<double>>> one(1);
-  nominal_targets(compensator_parameters(robot, far), std::vector{compensator_pose(home)}, one);
+  nominal_targets(compensator_parameters(robot, far), std::vector{closure_pose(home)}, one);
   EXPECT_FALSE(one.front());
   const TargetCorrection correction(robot, far);
   const std::optional<Joints> joints = correction.joints(home);
@@ -460,7 +460,7 @@ TEST_P(CompensatorLaw, RandomBitsInAPathAreJudgedAsAlone) {
   std::vector<CompensatorPose<double>> poses(
       static_cast<std::size_t>(test::machines({.claim = 20'000, .quick = 2000})));
   for (CompensatorPose<double>& pose : poses) {
-    pose = compensator_pose(random.pose(robot));
+    pose = closure_pose(random.pose(robot));
     for (double* one : {&pose.x, &pose.y, &pose.z, &pose.phi}) {
       if (engine() % 8 == 0) *one = std::bit_cast<double>(engine());
     }

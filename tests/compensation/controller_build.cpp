@@ -16,9 +16,12 @@ template class paracal::ParameterBuffer<double>;
 template class paracal::ParameterBuffer<float>;
 template class paracal::ParameterReader<double>;
 template class paracal::ParameterReader<float>;
+template class paracal::ChangingCompensator<double>;
+template class paracal::ChangingCompensator<float>;
 
 using Compensator = paracal::Compensator<double>;
-static_assert(noexcept(std::declval<const Compensator&>().compensate({}, std::declval<std::array<double, 4>&>())));
+static_assert(
+    noexcept(std::declval<const Compensator&>().compensate({}, std::declval<paracal::CompensatorJoints<double>&>())));
 static_assert(noexcept(paracal::stated_uncertainty(std::declval<const paracal::CompensatorParameters<float>&>(),
                                                    std::declval<const paracal::CompensatorCovariance<float>&>(), {},
                                                    std::declval<paracal::CompensatorUncertainty<float>&>())));

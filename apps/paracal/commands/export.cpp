@@ -127,7 +127,6 @@ std::optional<OutputFolder> configuration_folder(const ExportArguments& options,
 void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  if (options.target == "gcode" || options.target == "csv") require_level(robot, "export --target " + options.target);
   const io::TextFile file = input_file(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const SourceErrors& errors = machine.errors;

@@ -83,8 +83,7 @@ struct TargetTest {
 
 std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
   std::vector<TargetTest> tests;
-  const auto joints = [&](const Pose& pose) { return correction.joints(pose); };
-  for (const SelfTestCase& wanted : self_test(correction.robot(), joints)) {
+  for (const SelfTestCase& wanted : self_test(correction.robot(), correction.machine())) {
     if (const std::optional<Pose> target = correction.target(wanted.pose)) tests.push_back({wanted, *target});
   }
   return tests;
@@ -92,8 +91,7 @@ std::vector<TargetTest> target_tests(const TargetCorrection& correction) {
 
 io::Json tests_json(const std::vector<TargetTest>& tests, const Robot& robot) {
   return io::json_array(tests, [&](const TargetTest& test) {
-    io::Json json = io::to_json(test.wanted, robot.actuator());
-    json["pose"] = io::to_json(test.wanted.pose, robot.commands_tilt());
+    io::Json json = io::to_json(test.wanted, robot.actuator(), robot.commands_tilt());
     json["target"] = io::to_json(test.target, robot.commands_tilt());
     return json;
   });

@@ -45,12 +45,6 @@ CompensatorCovariance<double> compensator_covariance(const Robot& robot, const s
   return scaled;
 }
 
-/// A pose of the library for the compensator.
-template <typename Scalar = double>
-CompensatorPose<Scalar> compensator_pose(const Pose& pose) {
-  return closure_pose<Scalar>(pose);
-}
-
 /// Compensated joints for the library.
 Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints);
 

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "paracal/compensation/compensator.hpp"
 #include "paracal/mechanism/robot.hpp"
 
 namespace paracal {
@@ -16,6 +15,5 @@ struct SelfTestCase {
 /// The centre of the workspace and its rims, in all tilts, as far as the machine reaches them.
 /// @throws Unreachable when it does not reach the centre.
 std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine);
-std::vector<SelfTestCase> self_test(const Robot& robot, const CompensatorParameters<double>& parameters);
 
 }  // namespace paracal

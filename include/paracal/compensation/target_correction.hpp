@@ -22,6 +22,7 @@ class TargetCorrection {
   TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller);
 
   const Robot& robot() const { return robot_; }
+  const Machine& machine() const { return machine_; }
 
   /// q; nothing if the machine cannot reach the pose or is singular there.
   std::optional<Joints> joints(const Pose& wanted) const;
@@ -41,7 +42,7 @@ class TargetCorrection {
 
   Robot robot_, controller_;
   Machine machine_;
-  std::optional<Compensator<double>> compensator_;  ///< of a plate that stays level: faster
+  std::optional<CompensatorParameters<double>> level_;  ///< of a plate that stays level: faster
 };
 
 }  // namespace paracal
