@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Counts the instructions of one call of an exported C header on a Cortex-M4F and a Cortex-M7, and compares the joints with the program's: cortex.sh [PRESET]. It needs
+# the packages of the group `cortex` (tools/setup.sh cortex). The processors are qemu's, which counts instructions, not cycles: the same on each machine.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# board of qemu, processor, floating-point unit, most instructions of a call (mean of the poses), largest error of the joints (rad), options of the export
+readonly kLimits='mps2-an500 cortex-m7 fpv5-d16 7000 1e-12
+mps2-an386 cortex-m4 fpv4-sp-d16 400000 1e-12'
+
+export LC_ALL=C
+program=$PWD/build/${1:-ci}/bin/paracal main=$PWD/tests/cortex/main.c measured=$PWD/samples/measured.csv
+for needed in "$program" arm-none-eabi-gcc qemu-system-arm; do command -v "$needed" >/dev/null || { echo "cortex: expected $needed, got none" >&2; exit 1; }; done
+mkdir -p build/cortex
+cd build/cortex
+"$program" calibrate --measurements "$measured" --stage fine --out calibration.json >/dev/null  # no error is zero, so the header has every term
+awk 'function part(step) { return n * step % 1 }  # of a range, evenly spread over the poses
+  BEGIN {
+    print "x_mm,y_mm,z_mm,phi_deg"
+    while (++n <= 100) {
+      r = 500 * sqrt(part(0.856675)); angle = 6.283185 * part(0.733892)
+      printf "%.3f,%.3f,%.3f,%.3f\n", r * cos(angle), r * sin(angle), -763 - 250 * part(0.628707), 360 * part(0.538597) - 180
+    }
+  }' >poses.csv
+"$program" compensate --calibration calibration.json --poses poses.csv --out joints.csv
+sed '/^#/d' joints.csv | paste -d , poses.csv - | awk -F , 'NR > 1 {
+  deg = atan2(0, -1) / 180
+  printf "{{%s, %s, %s, 0.0, 0.0, %.17g}, {%.17g, %.17g, %.17g, %.17g}},\n", $1, $2, $3, $4 * deg, $6 * deg, $7 * deg, $8 * deg, $9 * deg
+}' >cases.h
+
+failed=0
+while read -r board processor unit most error options; do
+  # shellcheck disable=SC2086  # the options
+  "$program" export --calibration calibration.json --target c99 $options --out compensator.h >/dev/null
+  # -fbuiltin: a square root may be one instruction, as in a program with math.h. The vectors stand where the processor looks for them, below newlib's program.
+  arm-none-eabi-gcc "-mcpu=$processor" "-mfpu=$unit" -mfloat-abi=hard -O2 -std=c99 -ffreestanding -fbuiltin -Wall -Wextra -Wconversion -Wdouble-promotion -Werror \
+    -I. "$main" --specs=rdimon.specs -Wl,--section-start=.vectors=0 -lm -o program.elf
+  # Its exit code says nothing: the processor has no operating system.
+  said=$(timeout 300 qemu-system-arm -M "$board" -icount shift=0 -display none -serial none -monitor none -semihosting-config enable=on,target=native \
+    -kernel program.elf </dev/null || true)
+  name="$processor, ${options:-exact}"
+  if awk -v most="$most" -v error="$error" '{ good = $2 == "instructions" && $1 <= most + 0 && $10 <= error + 0 } END { exit !good }' <<<"$said"; then
+    echo "$name: $said"
+  else
+    echo "cortex: $name: expected at most $most instructions a call and $error rad, got ${said:-nothing}" >&2
+    failed=1
+  fi
+done <<<"$kLimits"
+exit "$failed"
