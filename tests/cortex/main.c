@@ -19,7 +19,7 @@ static volatile uint32_t* const sys_tick = (volatile uint32_t*)0xE000E010U; /* c
 
 /* noipa: called as from another file, so that no call is moved or left out. */
 static __attribute__((noipa)) int compensate(const double pose[6], double joints[PARACAL_LIMBS]) {
-  return paracal_compensate(pose[0], pose[1], pose[2], pose[5], joints, NULL);
+  return paracal_compensate(pose, joints, NULL);
 }
 
 static __attribute__((noipa)) int nothing(const double pose[6], double joints[PARACAL_LIMBS]) {
