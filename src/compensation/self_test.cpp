@@ -2,17 +2,34 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numbers>
 
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
+namespace {
+
+/// The tilts in turn, one per place: all of them at each place would be hundreds.
+std::vector<Pose> tilted_rims(const Workspace& workspace) {
+  constexpr std::size_t kFewest = 7;
+  const std::vector<Eigen::Vector3d> tilts = workspace.tilts();
+  const std::size_t count = std::max(kFewest, tilts.size());
+  std::vector<Pose> poses;
+  poses.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double azimuth = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(count);
+    poses.push_back({workspace.at(1.0, azimuth, k % 2 == 0 ? 0.0 : 1.0), 0.0, tilts[k % tilts.size()]});
+  }
+  return poses;
+}
+
+}  // namespace
 
 std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine) {
-  std::vector<Pose> poses{{robot.workspace().centre(), 0.0}};
-  std::ranges::copy(robot.workspace().rim(3), std::back_inserter(poses));
-  const std::vector<Eigen::Vector3d> tilts = robot.workspace().tilts();
-  for (std::size_t k = 1; k < poses.size() && !tilts.empty(); ++k) poses[k].tilt = tilts[k % tilts.size()];
+  const Workspace& workspace = robot.workspace();
+  std::vector<Pose> poses{{workspace.centre(), 0.0}};
+  std::ranges::copy(robot.is_level() ? workspace.rim(3) : tilted_rims(workspace), std::back_inserter(poses));
   std::vector<SelfTestCase> cases;
   cases.reserve(poses.size());
   for (const Pose& pose : poses) {
