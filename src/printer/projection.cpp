@@ -10,6 +10,7 @@
 #include "numerics/distributions.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 struct Place {
   JointDrops drops{};
   Eigen::Vector3d above_bed;
+  Eigen::Vector3d by_robot;  ///< the same in the robot's frame
 };
 
 /// A point of the robot's frame in the bed's: turned by the bed's small slopes, z from the bed.
@@ -60,7 +62,7 @@ std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geo
         if (!drops) continue;
         const ForwardResult taken = forward(machine, known.printer.joints_at(*drops));
         if (!taken.ok()) continue;
-        places.push_back({*drops, above(known.bed, taken.plate.position)});
+        places.push_back({*drops, above(known.bed, taken.plate.position), taken.plate.position});
       }
     }
   }
@@ -115,11 +117,10 @@ Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const Del
     grid.machine(here) = place.above_bed;
     grid.geometry(here) = *one;
     grid.than(here) = *other;
-    const Eigen::Vector3d p = forward(machine, joints).plate.position;
-    grid.by_errors.middleRows<3>(at) = by_errors(known, p, jacobian);
+    grid.by_errors.middleRows<3>(at) = by_errors(known, place.by_robot, jacobian);
     if (from == CountedFrom::bed && known.bow.is_sought()) {
-      grid.machine(at + 2) -= known.bow.edge * known.bow.share_at(p);
-      grid.by_errors(at + 2, 3) = -known.bow.share_at(p);
+      grid.machine(at + 2) -= known.bow.edge * known.bow.share_at(place.by_robot);
+      grid.by_errors(at + 2, 3) = -known.bow.share_at(place.by_robot);
     }
     grid.motions.middleRows<3>(at) << 1.0, 0.0, -other->y(), 0.0, 1.0, other->x(), 0.0, 0.0, 0.0;
     at += 3;
@@ -131,33 +132,21 @@ Grid grid_of(const KnownPrinter& known, const DeltaGeometry& geometry, const Del
 }
 
 DeltaAccuracy accuracy_at(const std::vector<Place>& places, const DeltaGeometry& geometry) {
-  std::vector<Eigen::Vector3d> believed, actual;
+  std::vector<Eigen::Vector3d> believed, actual;  // along the bed
+  std::vector<double> rise;
   for (const Place& place : places) {
     const auto p = nozzle(geometry, place.drops);
     if (!p) continue;
-    believed.push_back(*p);
-    actual.push_back(place.above_bed);
+    believed.emplace_back(p->x(), p->y(), 0.0);
+    actual.emplace_back(place.above_bed.x(), place.above_bed.y(), 0.0);
+    rise.push_back(p->z() - place.above_bed.z());
   }
   DeltaAccuracy accuracy;
-  const auto count = static_cast<double>(believed.size());
-  if (believed.empty()) return accuracy;
-  // Shift and turn in the plane: the turn that fits best, and the mean of what it leaves.
-  double sine = 0.0, cosine = 0.0;
-  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < believed.size(); ++k) {
-    from += believed[k] / count;
-    to += actual[k] / count;
-  }
-  for (std::size_t k = 0; k < believed.size(); ++k) {
-    const Eigen::Vector3d b = believed[k] - from, a = actual[k] - to;
-    cosine += b.x() * a.x() + b.y() * a.y();
-    sine += b.x() * a.y() - b.y() * a.x();
-  }
-  const Eigen::AngleAxisd turn(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
-  for (std::size_t k = 0; k < believed.size(); ++k) {
-    Eigen::Vector3d left = turn * (believed[k] - from) - (actual[k] - to);
-    left.z() = believed[k].z() - actual[k].z();
-    const double absolute = (believed[k] - actual[k]).norm(), shape = left.norm();
+  const auto count = static_cast<double>(rise.size());
+  const RigidMotion motion = rise.empty() ? RigidMotion{} : rigid_fit(believed, actual);
+  for (std::size_t k = 0; k < rise.size(); ++k) {
+    const double absolute = std::hypot((believed[k] - actual[k]).norm(), rise[k]);
+    const double shape = std::hypot((motion(believed[k]) - actual[k]).norm(), rise[k]);
     accuracy.absolute_rms += absolute * absolute / count;
     accuracy.shape_rms += shape * shape / count;
     accuracy.absolute_max = std::max(accuracy.absolute_max, absolute);
