@@ -7,51 +7,32 @@
 #include <initializer_list>
 
 #include "paracal/error.hpp"
-#include "paracal/mechanism/limb.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "paracal/mechanism/machine_impl.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal {
 namespace {
 
-bool is_linear(const DeltaGeometry& g) { return g.actuator == Actuator::linear; }
+/// Of the closure of one tower, (|end - elbow|^2 - rod^2) / 2 = 0, the end kept.
+struct TowerDerivative {
+  Eigen::Vector3d rod;  ///< from the elbow to the end: the derivative by the end
+  DeltaNumbers numbers = DeltaNumbers::Zero();
+  double joint = 0.0;
+};
 
-Eigen::Vector3d towards(double angle) { return {std::cos(angle), std::sin(angle), 0.0}; }
-
-Eigen::Vector3d elbow(const DeltaGeometry& g, std::size_t i, double joint) {
-  const Eigen::Vector3d u = towards(g.tower_angle[i]), up = Eigen::Vector3d::UnitZ();
-  if (is_linear(g)) return g.radius * u + joint * up;
-  return (g.radius + g.arm[i] * std::cos(joint)) * u + (g.shoulder[i] + g.arm[i] * std::sin(joint)) * up;
-}
-
-/// d elbow / d joint
-Eigen::Vector3d elbow_by_joint(const DeltaGeometry& g, std::size_t i, double joint) {
-  if (is_linear(g)) return Eigen::Vector3d::UnitZ();
-  return g.arm[i] * (std::cos(joint) * Eigen::Vector3d::UnitZ() - std::sin(joint) * towards(g.tower_angle[i]));
-}
-
-/// d elbow / d numbers, the joint kept.
-NozzleJacobian elbow_by_numbers(const DeltaGeometry& g, std::size_t i, double joint) {
-  const auto tower = static_cast<Eigen::Index>(i);
-  const Eigen::Vector3d u = towards(g.tower_angle[i]), up = Eigen::Vector3d::UnitZ();
-  NozzleJacobian by = NozzleJacobian::Zero();
-  by.col(DeltaNumber::radius) = u;
-  if (i < 2) by.col(DeltaNumber::angle + tower) = up.cross(elbow(g, i, joint));
-  if (is_linear(g)) return by;
-  by.col(DeltaNumber::shoulder) = up;
-  by.col(DeltaNumber::arm + tower) = std::cos(joint) * u + std::sin(joint) * up;
+TowerDerivative tower_derivative(const Limb& limb, Eigen::Index tower, double joint, const Eigen::Vector3d& end) {
+  const Elbow<double> elbow = elbow_of(limb, joint);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), rod = end - elbow.joint[0];
+  TowerDerivative by{.rod = rod, .joint = -rod.dot(hinge_motion(limb, elbow, 0))};
+  by.numbers(DeltaNumber::radius) = -rod.dot(limb.frame.col(0));
+  if (tower < 2) by.numbers(DeltaNumber::angle + tower) = -rod.dot(up.cross(elbow.joint[0]));
+  by.numbers(DeltaNumber::rod + tower) = -limb.rod[0];
+  if (runs_on_rail(limb.actuator)) return by;
+  by.numbers(DeltaNumber::shoulder) = -rod.z();
+  by.numbers(DeltaNumber::arm + tower) = -rod.dot(elbow.arm);
   return by;
-}
-
-/// Joint of one tower that holds the end of its rod at a point.
-double joint_to(const DeltaGeometry& g, std::size_t i, const Eigen::Vector3d& place) {
-  const Eigen::Vector3d u = towards(g.tower_angle[i]);
-  const double out = place.dot(u) - g.radius, across = u.x() * place.y() - u.y() * place.x();
-  const double rod = g.rod[i] * g.rod[i] - across * across;  // squared, seen from the side
-  if (is_linear(g)) return place.z() + std::sqrt(rod - out * out);
-  const double up = place.z() - g.shoulder[i], diameter = 2.0 * g.arm[i];
-  const double reach = out * out + up * up + g.arm[i] * g.arm[i] - rod;
-  const ArmDirection<double> direction = outward_direction(diameter * out, diameter * up, reach);
-  return std::atan2(direction.sine, direction.cosine);
 }
 
 double height_weight(const DeltaReadings& readings) {
@@ -104,22 +85,44 @@ double reach(const DeltaGeometry& geometry) {
   return geometry.radius + std::ranges::max(geometry.arm) + std::ranges::max(geometry.rod);
 }
 
+Machine machine_of(const DeltaGeometry& geometry) {
+  const bool linear = geometry.actuator == Actuator::linear;
+  Machine machine{};
+  machine.limb_count = 3;
+  machine.freedoms = kLevelPlate;
+  machine.has_guides = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Limb& limb = machine.limbs[i];
+    limb.actuator = linear ? Actuator::carriage : Actuator::crank;
+    limb.frame = detail::nominal_frame(geometry.tower_angle[i]);
+    limb.base = geometry.radius * limb.frame.col(0);
+    limb.plate.setZero();
+    limb.rod.fill(geometry.rod[i]);
+    if (!linear) {
+      limb.base.z() = geometry.shoulder[i];
+      limb.arm = geometry.arm[i];
+    }
+    limb.joint_offset = solve_joint(limb, {0.0, 0.0, geometry.endstop[i]}).joint;
+  }
+  return machine;
+}
+
 std::array<double, 3> homed_joints(const DeltaGeometry& geometry) {
-  std::array<double, 3> homed{};
-  for (std::size_t i = 0; i < 3; ++i) homed[i] = joint_to(geometry, i, {0.0, 0.0, geometry.endstop[i]});
-  return homed;
+  const Machine machine = machine_of(geometry);
+  return {machine.limbs[0].joint_offset, machine.limbs[1].joint_offset, machine.limbs[2].joint_offset};
 }
 
 std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::Vector3d& place) {
-  JointDrops drops = homed_joints(geometry);
-  for (std::size_t i = 0; i < 3; ++i) drops[i] -= joint_to(geometry, i, place);
-  const bool reached = std::ranges::all_of(drops, [](double drop) { return std::isfinite(drop); });
-  return reached ? std::optional(drops) : std::nullopt;
+  const InverseResult reached = inverse(machine_of(geometry), {place});
+  if (!reached.ok()) return std::nullopt;
+  return JointDrops{-reached.joints(0), -reached.joints(1), -reached.joints(2)};
 }
 
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed) {
-  const Eigen::Vector3d from = elbow(geometry, tower, homed);
-  return from.z() - std::sqrt(geometry.rod[tower] * geometry.rod[tower] - from.head<2>().squaredNorm());
+  Limb limb = machine_of(geometry).limbs[tower];
+  limb.joint_offset = homed;
+  const Eigen::Vector3d from = elbow_of(limb, 0.0).joint[0];
+  return from.z() - std::sqrt(limb.rod[0] * limb.rod[0] - from.head<2>().squaredNorm());
 }
 
 DeltaNumbers numbers_of(const DeltaGeometry& g) {
@@ -143,46 +146,31 @@ DeltaGeometry with_numbers(DeltaGeometry geometry, const DeltaNumbers& numbers) 
   return geometry;
 }
 
-NozzleJacobian nozzle_jacobian(const DeltaGeometry& g, const JointDrops& drops, const Eigen::Vector3d& place) {
-  Eigen::Matrix3d directions;
+NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& drops, const Eigen::Vector3d& place) {
+  const Machine machine = machine_of(geometry);
+  Eigen::Matrix3d rods;
   NozzleJacobian right;
-  const std::array<double, 3> homed = homed_joints(g);
   for (std::size_t i = 0; i < 3; ++i) {
+    const Limb& limb = machine.limbs[i];
     const auto row = static_cast<Eigen::Index>(i);
-    // The homed joint holds the rod's end at (0, 0, endstop), whatever the numbers are.
-    const Eigen::Vector3d end(0.0, 0.0, g.endstop[i]), rod = end - elbow(g, i, homed[i]);
-    DeltaNumbers homed_by = -elbow_by_numbers(g, i, homed[i]).transpose() * rod;
-    homed_by(DeltaNumber::endstop + row) += rod.z();
-    homed_by(DeltaNumber::rod + row) -= g.rod[i];
-    homed_by /= rod.dot(elbow_by_joint(g, i, homed[i]));
-    const double joint = homed[i] - drops[i];
-    const Eigen::Vector3d d = place - elbow(g, i, joint);
-    directions.row(row) = d;
-    right.row(row) = d.transpose() * elbow_by_numbers(g, i, joint);
-    right.row(row) += d.dot(elbow_by_joint(g, i, joint)) * homed_by.transpose();
-    right(row, DeltaNumber::rod + row) += g.rod[i];
+    const TowerDerivative at = tower_derivative(limb, row, -drops[i], place);
+    TowerDerivative homed = tower_derivative(limb, row, 0.0, {0.0, 0.0, geometry.endstop[i]});
+    homed.numbers(DeltaNumber::endstop + row) = homed.rod.z();
+    rods.row(row) = at.rod;
+    right.row(row) = at.joint / homed.joint * homed.numbers - at.numbers;  // whatever moves, it stays closed when homed
   }
-  return directions.inverse() * right;
+  return rods.inverse() * right;
 }
 
 std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const JointDrops& drops) {
-  const std::array<double, 3> homed = homed_joints(geometry);
-  const Eigen::Vector3d a = elbow(geometry, 0, homed[0] - drops[0]), b = elbow(geometry, 1, homed[1] - drops[1]),
-                        c = elbow(geometry, 2, homed[2] - drops[2]);
-  // In the plane of the elbows: ex towards b, ey in the plane, ez its normal.
-  const Eigen::Vector3d ab = b - a, ac = c - a;
-  const double base = ab.norm();
-  const Eigen::Vector3d ex = ab / base;
-  const double i = ex.dot(ac);
-  const Eigen::Vector3d across = ac - i * ex;
-  const double j = across.norm();
-  const Eigen::Vector3d ey = across / j, ez = ex.cross(ey);
-  const auto square = [&](std::size_t k) { return geometry.rod[k] * geometry.rod[k]; };
-  const double x = (square(0) - square(1) + base * base) / (2.0 * base);
-  const double y = (square(0) - square(2) + i * i + j * j - 2.0 * i * x) / (2.0 * j);
-  const double z = std::sqrt(square(0) - x * x - y * y);
-  const Eigen::Vector3d p = a + x * ex + y * ey + (ez.z() > 0.0 ? -z : z) * ez;
-  return p.allFinite() ? std::optional(p) : std::nullopt;
+  constexpr double kFlat = 1e-9;  // volume between unit vectors along the rods: towers in one place hold nothing
+  const Machine machine = machine_of(geometry);
+  const Joints joints = -Eigen::Vector3d::Map(drops.data());
+  const ForwardResult found = forward(machine, joints, {.step_tolerance = 1e-6, .max_residual = 1e-6});
+  const Eigen::Vector3d& p = found.plate.position;
+  Eigen::Matrix3d rods;
+  for (Eigen::Index i = 0; i < 3; ++i) rods.col(i) = (p - elbow_of(machine.limbs[i], joints(i)).joint[0]).normalized();
+  return found.ok() && std::abs(rods.determinant()) > kFlat ? std::optional(p) : std::nullopt;
 }
 
 DeltaBasis firmware_basis(Actuator actuator, bool with_distances) {

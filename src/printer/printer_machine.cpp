@@ -24,8 +24,9 @@ bool reaches_all_around(const DeltaGeometry& geometry, double radius, double z) 
 /// From the bed to half the height of the homed nozzle, most of as far out as the printer goes all around.
 Workspace workspace_of(const DeltaGeometry& geometry, double homed, double print_radius) {
   constexpr double kSmaller = 0.95, kUsed = 0.9, kLeast = 1.0;
+  constexpr double kWithin = 1.0 - 1e-12;  // of a rod stretched out: rounding does not decide
   const double height = 0.5 * homed;
-  double radius = *std::ranges::min_element(geometry.rod) - geometry.radius;
+  double radius = kWithin * std::ranges::min(geometry.rod) - geometry.radius;
   while (radius > kLeast &&
          !(reaches_all_around(geometry, radius, 0.0) && reaches_all_around(geometry, radius, height))) {
     radius *= kSmaller;
@@ -47,22 +48,22 @@ Geometry design_of(const DeltaGeometry& geometry) {
 
 /// What makes limbs that are alike the firmware's: the design of mean lengths, its shoulders at the height `origin`.
 SourceErrors differences(const DeltaGeometry& geometry, const Geometry& design, double origin, const Joints& homed) {
-  const std::array<double, 3> joints = homed_joints(geometry);
+  const Machine firmware = machine_of(geometry);
   SourceErrors errors;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double angle = geometry.tower_angle[i], intended = design.limb_azimuth[i];
-    const double radius = design.base_radius - design.plate_radius;
-    errors(i, "e_x") = geometry.radius * std::cos(angle) - radius * std::cos(intended);
-    errors(i, "e_y") = geometry.radius * std::sin(angle) - radius * std::sin(intended);
-    errors(i, "rod_mean") = geometry.rod[i] - design.rod;
-    errors(i, "theta_offset") = joints[i] - homed[static_cast<Eigen::Index>(i)];
+    const Limb& limb = firmware.limbs[i];
+    const double intended = design.limb_azimuth[i], radius = design.base_radius - design.plate_radius;
+    errors(i, "e_x") = limb.base.x() - radius * std::cos(intended);
+    errors(i, "e_y") = limb.base.y() - radius * std::sin(intended);
+    errors(i, "rod_mean") = limb.mean_rod() - design.rod;
+    errors(i, "theta_offset") = limb.joint_offset - homed[static_cast<Eigen::Index>(i)];
     if (geometry.actuator == Actuator::linear) {
       errors(i, "theta_offset") -= origin;
       continue;
     }
-    errors(i, "beta0") = angle - intended;  // the arm swings in the tower's plane
-    errors(i, "e_z") = geometry.shoulder[i] - origin;
-    errors(i, "arm_length") = geometry.arm[i] - design.arm;
+    errors(i, "beta0") = geometry.tower_angle[i] - intended;  // the arm swings in the tower's plane
+    errors(i, "e_z") = limb.base.z() - origin;
+    errors(i, "arm_length") = limb.arm - design.arm;
   }
   return errors;
 }

@@ -15,7 +15,7 @@ namespace {
 using test::klipper_sets;
 using test::KlipperSet;
 
-/// The firmware's model is the library's with perfect towers, written down once more.
+/// Two maps of a firmware's numbers: to one rod a tower, and to the pairs of rods that are calibrated.
 TEST(DeltaGeometry, NozzleIsWhereTheMachineIs) {
   for (const KlipperSet& set : klipper_sets()) {
     const PrinterMachine printer = printer_machine(set.geometry);
@@ -63,11 +63,14 @@ TEST(DeltaGeometry, DerivativesAreDifferences) {
   }
 }
 
-TEST(DeltaGeometry, ArmsThatDoNotMeetHaveNoNozzle) {
+TEST(DeltaGeometry, ArmsThatDoNotMeetInOnePointHaveNoNozzle) {
   const DeltaGeometry geometry{
       .radius = 100, .tower_angle = {3.7, 5.8, 1.6}, .rod = {200, 200, 200}, .endstop = {300, 300, 300}};
   EXPECT_TRUE(nozzle(geometry, {100, 100, 100}));
   EXPECT_FALSE(nozzle(geometry, {100, 100, 700}));
+  DeltaGeometry twice = geometry;
+  twice.tower_angle[1] = twice.tower_angle[0];
+  EXPECT_FALSE(nozzle(twice, {100, 100, 100})) << "any point of a circle";
 }
 
 /// The optimum that SciPy finds of the same cost, on every set; and never a cost above the saved one.

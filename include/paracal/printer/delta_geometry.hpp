@@ -5,19 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "paracal/mechanism/source_errors.hpp"
+#include "paracal/mechanism/machine.hpp"
 #include "paracal/numerics/least_squares.hpp"
 
 namespace paracal {
 
 /// Parameters of a delta printer in its firmware: perfect joints, one rod per tower. Mm and rad, in the firmware's
-/// frame: z up, 0 on the bed, tower C at its angle by definition.
-///
-///   tower i    stands in the direction u_i = (cos a_i, sin a_i, 0)
-///   elbow i    linear: a carriage, radius u_i + q_i e_z
-///              rotary: the end of an arm, (radius + arm_i cos q_i) u_i + (shoulder_i + arm_i sin q_i) e_z
-///   nozzle     the lower point one rod_i away from all three elbows
-///   q_i        homed_i - drop_i, homed_i: the joint that holds the rod's end at (0, 0, endstop_i)
+/// frame: z up, 0 on the bed, tower C at its angle by definition. machine_of() makes a robot of them.
 struct DeltaGeometry {
   Actuator actuator = Actuator::linear;
   double radius = 0.0;  ///< from the nozzle, at the centre, to a carriage's joints or to a shoulder
@@ -27,6 +21,13 @@ struct DeltaGeometry {
   std::array<double, 3> arm{};       ///< of rotary deltas only
   std::array<double, 3> shoulder{};  ///< likewise: heights of the motor axes above the bed, less the effector's
 };
+
+/// The robot of these parameters, in the firmware's frame: three limbs with one rod each, which hold the nozzle.
+///
+///   base i    radius u_i, of arms + shoulder_i e_z;  u_i = (cos, sin, 0) of tower_angle_i
+///   frame i   columns u_i, e_z, u_i x e_z;  the plate joint is the nozzle
+///   joint i   -drop_i; joint_offset_i: the homed joint, which holds the rod's end at (0, 0, endstop_i)
+Machine machine_of(const DeltaGeometry& geometry);
 
 /// Largest distance of the nozzle from the centre, mm: all parts end to end.
 double reach(const DeltaGeometry& geometry);
@@ -49,7 +50,8 @@ std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::V
 /// The endstop for a homed joint of one tower; NaN if its rod does not reach the centre.
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed);
 
-/// Nozzle position computed by the firmware. Empty if the three spheres have no common point.
+/// Nozzle position computed by the firmware: forward() of the robot. Empty if the three spheres have no common point,
+/// or more than two, and where forward() does not settle, above rods that are nearly level.
 std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const JointDrops& drops);
 
 /// The numbers of a geometry: endstops A B C, angles A and B, radius, rods A B C, height of all shoulders (their mean),
@@ -64,11 +66,11 @@ DeltaGeometry with_numbers(DeltaGeometry geometry, const DeltaNumbers& numbers);
 /// Directions in the numbers that a fit may change. One column each.
 using DeltaBasis = Eigen::Matrix<double, DeltaNumber::count, Eigen::Dynamic, 0, DeltaNumber::count, DeltaNumber::count>;
 
-/// d nozzle / d numbers, from
+/// d nozzle / d numbers, from the closure of the rods, d_i from elbow i to the nozzle p,
 ///
-///   \f[ (p - c_i).dp = (p - c_i).dc_i + rod_i d(rod_i) \f]
+///   \f[ d_i.dp = d_i.dc_i + rod_i d(rod_i) \f]
 ///
-/// with elbow i at c_i, which moves with its number and with homed_i.
+/// with elbow i at c_i, which moves with the numbers of its limb and with its homed joint.
 /// @param place  nozzle(geometry, drops).
 using NozzleJacobian = Eigen::Matrix<double, 3, DeltaNumber::count>;
 NozzleJacobian nozzle_jacobian(const DeltaGeometry& geometry, const JointDrops& drops, const Eigen::Vector3d& place);
