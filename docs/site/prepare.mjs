@@ -27,7 +27,7 @@ const guides = {
     "Reports": "docs/report.md",
   },
   "Controls engineer": {
-    "Controllers": "docs/controllers.md", "Part programs": "docs/part-programs.md",
+    "Controllers": "docs/controllers.md", "Controller code": "docs/controllers-reference.md", "Part programs": "docs/part-programs.md",
     "Codes of part programs": "docs/part-programs-reference.md", "Hexapods": "docs/hexapods.md",
   },
   "Printer owner": { "Printers": "docs/printers.md", "Printer tests": "docs/printers-reference.md", "Live page": "docs/live-page.md" },

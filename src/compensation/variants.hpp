@@ -9,7 +9,7 @@
 namespace paracal::compensation_detail {
 
 inline constexpr int kSingleSteps =
-    2;  ///< of the search in float: what rounding leaves is then larger than what is left to seek
+    2;  ///< of the search in float: what rounding leaves is then larger than what is left to find
 inline constexpr int kVariantPoses = 1000;  ///< at which the error of a variant is measured
 
 /// Steps of the search for the tilt: of the exact method the usual number.

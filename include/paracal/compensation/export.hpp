@@ -10,7 +10,7 @@
 
 namespace paracal {
 
-/// How exports seek the tilt of a plate on limbs with two rods. Other limbs close in closed form: always exact.
+/// How exports find the tilt of a plate on limbs with two rods. Other limbs close in closed form: always exact.
 enum class ExportVariant : std::uint8_t {
   exact,     ///< until it converges
   one_step,  ///< one step: bounded time, less code to run

@@ -311,7 +311,7 @@ std::array<JointRates<Scalar>, N> joint_rates(const ClosureLimbs<Scalar, Size>& 
 
 // Limbs of two rods. They keep the plate from turning about some axes, and their errors turn it: the plate then stands
 // where its rods, as springs of tension f = |rod| - l, are in balance (J^T f = 0, J = df / d(plate)). At a commanded
-// pose the joints and the held angles are sought, from the closed form on: as many limbs as coordinates are commanded.
+// pose the joints and the held angles are found from the closed form on: as many limbs as coordinates are commanded.
 
 /// Arms and plate during the search; position, slide and commanded angles of the plate stay on the pose.
 template <typename Scalar, std::size_t N>
