@@ -85,23 +85,28 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
   return result;
 }
 
-/// From the closed form, which is known to reach, to the balance of the rods (machine_closure.hpp).
+/// The closed form, and from there, where it reaches what can be commanded, to the balance of the rods
+/// (machine_closure.hpp).
 template <std::size_t N>
-void settle(const Machine& machine, const Pose& pose, InverseResult& result) {
+InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool can_be_commanded) {
   ClosureLimbs<double, N> limbs;
   for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb(machine, i);
   const ClosurePose<double> commanded = closure_pose(pose);
   const closure::Arms<double, N> arms =
       machine.is_level ? closure::closed_arms<N>(limbs, commanded, closure::LevelPlate{})
                        : closure::closed_arms<N>(limbs, commanded, closure::commanded_plate(commanded));
-  ClosureVector<double> tilt{};
+  InverseResult result{.status = InverseStatus::reached, .joints = Joints(N)};
   closure::joints_of(limbs, arms, result.joints);
+  for (std::size_t i = 0; i < N; ++i) take(result, i, solution(result.joints(static_cast<Eigen::Index>(i))));
+  if (!result.ok() || !can_be_commanded) return result;
+  ClosureVector<double> tilt{};
   result.iterations = closure::settle(limbs, commanded, fourth_coordinate(machine), arms, result.joints, tilt);
-  result.status = result.iterations > 0 ? InverseStatus::reached : InverseStatus::not_converged;
   result.tilt = {tilt[0], tilt[1], tilt[2]};
+  if (result.iterations == 0) result.status = InverseStatus::not_converged;
+  return result;
 }
 
-/// The same with more limbs than degrees of freedom, by Newton's method on joints and what the parallelograms hold of
+/// With more limbs than degrees of freedom, by Newton's method on joints and what the parallelograms hold of
 /// the plate:
 ///
 ///   J^T (f + J_q dq + J_held dheld) = 0        6 equations; of more unknowns the shortest step
@@ -152,17 +157,19 @@ void settle_spare(const Machine& machine, const Pose& pose, InverseResult& resul
 }  // namespace
 
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
-  InverseResult result = machine.is_level ? level_inverse(machine, pose) : closed_inverse(machine, pose);
   const bool turns = pose.rotation != 0.0, leans = machine.is_level && !pose.tilt.isZero(0.0);
-  if ((!machine.has_slide() && turns) || leans || !detail::is_free(machine, pose)) {
-    result.status = InverseStatus::unreachable;
-  }
-  if (!result.ok() || !machine.tilts_plate) return result;
-  if (machine.spare_limbs() > 0 || machine.limb_count > 4) {
-    settle_spare(machine, pose, result);
+  const bool can_be_commanded = (machine.has_slide() || !turns) && !leans && detail::is_free(machine, pose);
+  const bool is_balanced = machine.tilts_plate && machine.spare_limbs() == 0;
+  InverseResult result;
+  if (is_balanced && machine.limb_count == 3) {
+    result = balanced_inverse<3>(machine, pose, can_be_commanded);
+  } else if (is_balanced && machine.limb_count == 4) {
+    result = balanced_inverse<4>(machine, pose, can_be_commanded);
   } else {
-    machine.limb_count == 3 ? settle<3>(machine, pose, result) : settle<4>(machine, pose, result);
+    result = machine.is_level ? level_inverse(machine, pose) : closed_inverse(machine, pose);
+    if (result.ok() && can_be_commanded && machine.tilts_plate) settle_spare(machine, pose, result);
   }
+  if (!can_be_commanded) result.status = InverseStatus::unreachable;
   return result;
 }
 
