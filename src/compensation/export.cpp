@@ -61,8 +61,7 @@ std::string braced(const std::vector<double>& numbers) {
   return fmt::format("{{{}}}", fmt::join(texts, ", "));
 }
 
-std::string number_lines(const RecordedMachine& recorded, std::string_view suffix, bool with_names) {
-  const ParameterSet set = parameter_set(recorded);
+std::string number_lines(const ParameterSet& set, std::string_view suffix, bool with_names) {
   std::string text;
   for (std::size_t k = 0; k < set.numbers.size(); ++k) {
     const std::string value = suffix.empty() ? decimal(set.numbers[k]) : decimal(static_cast<float>(set.numbers[k]));
@@ -105,7 +104,7 @@ void add_coordinates(const ExportedMachine& exported, Values& values) {
 }
 
 /// What machines whose plate tilts need on top.
-void add_search(const ExportedMachine& exported, Values& values) {
+void add_search(const ExportedMachine& exported, const ParameterSet& set, Values& values) {
   const bool searches = exported.searches(), is_single = searches && exported.variant == ExportVariant::single;
   const RecordedMachine& recorded = exported.recorded;
   const std::string real = is_single ? "float" : "double";
@@ -113,7 +112,7 @@ void add_search(const ExportedMachine& exported, Values& values) {
   values.emplace_back("SINGLE_FUNCTIONS",
                       is_single ? "float sqrtf(float x);\nfloat sinf(float x);\nfloat cosf(float x);\n" : "");
   values.emplace_back("SINGLE_MEMBER", is_single ? "  float single[PARACAL_NUMBERS]; /* the same */\n" : "");
-  values.emplace_back("SINGLE_NUMBERS", is_single ? ", {\n" + number_lines(recorded, "F", false) + "}" : "");
+  values.emplace_back("SINGLE_NUMBERS", is_single ? ", {\n" + number_lines(set, "F", false) + "}" : "");
   values.emplace_back("SINGLE_COPY", is_single ? "    next->single[k] = (float)set[k];\n" : "");
   values.emplace_back("STATE_PARAMETER", searches ? ", double state[PARACAL_STATE]" : "");
   values.emplace_back("STATE_ARGUMENT", searches ? ", closed" : "");
@@ -238,9 +237,9 @@ std::string c99_of(const Robot& robot, const ExportedMachine& exported, const Ex
   Values values = head(robot, origin);
   add_head(robot, exported, values);
   add_coordinates(exported, values);
-  add_search(exported, values);
+  add_search(exported, parameter_set(exported.recorded, robot.nominal()), values);
   values.emplace_back("SET", std::to_string(exported.recorded.numbers.size() + 2));
-  values.emplace_back("EXACT_NUMBERS", number_lines(exported.recorded, "", true));
+  values.emplace_back("EXACT_NUMBERS", number_lines(parameter_set(exported.recorded, robot.nominal()), "", true));
   values.emplace_back("CLOSED", exported.recorded.closed.text(language, "  "));
   values.emplace_back("RATES", exported.recorded.rates.text(language, "  "));
   values.emplace_back("TEST_VECTOR", test_vector(exported));
@@ -250,7 +249,7 @@ std::string c99_of(const Robot& robot, const ExportedMachine& exported, const Ex
 }  // namespace
 
 ExportedSet exported_set(const Robot& robot, const SourceErrors& errors) {
-  ParameterSet set = parameter_set(record(built_for_export(robot, errors)));
+  ParameterSet set = parameter_set(record(built_for_export(robot, errors)), robot.nominal());
   ExportedSet exported{std::move(set.names), std::move(set.numbers)};
   exported.set.insert(exported.set.end(), {set.layout, set.sum});
   return exported;

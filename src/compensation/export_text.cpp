@@ -129,7 +129,8 @@ std::string operations(const ExportedMachine& exported) {
   add(count, recorded.answer, recorded, 1);
   add(count, recorded.step, recorded, static_cast<std::size_t>(steps));
   const bool varies = exported.variant == ExportVariant::exact;
-  return fmt::format("{} per call with {} steps{}", brief(count, functions), steps, varies ? ", the usual number" : "");
+  return fmt::format("{} per call with {} step{}{}", brief(count, functions), steps, steps == 1 ? "" : "s",
+                     varies ? ", the usual number" : "");
 }
 
 }  // namespace
@@ -170,11 +171,11 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
   values.emplace_back("RATES_ERROR",
                       exported.searches()
                           ? fmt::format("of the closed form: within {:.1g} of the largest of a coordinate",
-                                        1.5 * rate_error(robot, exported.machine))
+                                        2.0 * rate_error(robot, exported.machine))
                           : "exact");
   values.emplace_back("FREE", std::to_string(free));
   values.emplace_back("NUMBERS", std::to_string(exported.recorded.numbers.size()));
-  values.emplace_back("LAYOUT", decimal(parameter_set(exported.recorded).layout));
+  values.emplace_back("LAYOUT", decimal(parameter_set(exported.recorded, robot.nominal()).layout));
   values.emplace_back("TESTS", std::to_string(exported.cases.size()));
   values.emplace_back("AGREEMENT", exported.machine.spare_limbs() == 0 ? decimal(1e-6 + joint_slack)
                                    : in_mm                             ? "1.0"

@@ -58,6 +58,7 @@ UncertaintyFinder of_any_plate(const Machine& actual, const KnownErrors& known) 
              const Pose& wanted, const Joints& joints) -> std::optional<StatedU> {
     const auto U = plate_uncertainty(actual, plate_at(actual, wanted), joints, parameters, covariance);
     if (!U) return {};
+    if (!actual.commands_tilt()) return StatedU{U->head<3>()};  // guides hold the angles
     return StatedU{U->head<3>(), 0.0, U->tail<3>()};
   };
 }

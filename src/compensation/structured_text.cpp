@@ -22,7 +22,7 @@ class StructuredText : public Language {
   std::string number(double value) const override { return decimal(value); }
 
   std::string symbol(const Symbol& symbol) const override {
-    if (symbol.limb >= 0) return fmt::format("p[{}]", place_of_number(numbers_, symbol));
+    if (symbol.limb >= 0) return fmt::format("num[{}]", place_of_number(numbers_, symbol));
     return symbol.index < 0 ? std::string(symbol.name) : fmt::format("{}[{}]", symbol.name, symbol.index);
   }
 
@@ -150,7 +150,7 @@ class Writer {
   }
 
   void add_sizes() {
-    const ParameterSet set = parameter_set(recorded_);
+    const ParameterSet set = parameter_set(recorded_, robot_.nominal());
     std::vector<std::vector<double>> numbers;
     for (const double number : set.numbers) numbers.push_back({number});
     add("NUMBER_LIST", list(numbers));
@@ -258,14 +258,18 @@ class Writer {
 
   /// What machines whose plate tilts need on top.
   void add_search() {
-    std::string outputs, set;
+    std::string outputs, set, now, next;
     for (std::size_t k = 0; !exported_.machine.has_guides && k < 3; ++k) {
       if (exported_.machine.freedoms.free.at(3 + k)) continue;
       const std::string name = fmt::format("tilt_{}_rad", "xyz"[k]);
       outputs += fmt::format("  {} : LREAL := 0.0; (* tilt of the plate that no joint can remove *)\n", name);
+      now += fmt::format("    {0} := now.{0};\n", name);
+      next += fmt::format("  {0} := next.{0};\n", name);
       set += searches() ? fmt::format("  {} := state[{}];\n", name, k) : fmt::format("  {} := 0.0;\n", name);
     }
     add("TILT_OUTPUTS", outputs);
+    add("TILT_NOW", now);
+    add("TILT_NEXT", next);
     add("SET_TILT", set);
     if (!searches()) {
       for (const char* key : {"TURNS", "STATE", "SETTLE"}) add(key, "");

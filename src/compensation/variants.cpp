@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -55,13 +56,13 @@ bool vary(const Machine& machine, const Pose& pose, ExportVariant variant, Joint
                   : move_joints<4, float>(machine, pose, steps, joints);
 }
 
-/// Anywhere in the workspace, even on its wall.
-Pose somewhere(const Workspace& workspace, RandomStream& random) {
-  const double share = std::sqrt(random.uniform()), azimuth = 2.0 * std::numbers::pi * random.uniform();
-  const double turn = random.uniform();
-  Pose pose{workspace.at(share, azimuth, random.uniform()),
-            workspace.min_rotation + turn * (workspace.max_rotation - workspace.min_rotation)};
-  for (int axis = 0; axis < 3; ++axis) pose.tilt(axis) = workspace.tilt_about(axis) * (2.0 * random.uniform() - 1.0);
+/// Anywhere in the workspace, or on its rims with the ends of all angles, where errors are largest.
+Pose somewhere(const Workspace& workspace, RandomStream& random, bool on_rim) {
+  const auto end = [&] { return on_rim ? std::round(random.uniform()) : random.uniform(); };
+  const double share = on_rim ? 1.0 : std::sqrt(random.uniform()), azimuth = 2.0 * std::numbers::pi * random.uniform();
+  Pose pose{workspace.at(share, azimuth, end()),
+            workspace.min_rotation + end() * (workspace.max_rotation - workspace.min_rotation)};
+  for (int axis = 0; axis < 3; ++axis) pose.tilt(axis) = workspace.tilt_about(axis) * (2.0 * end() - 1.0);
   return pose;
 }
 
@@ -77,7 +78,7 @@ double variant_error(const Robot& robot, const Machine& machine, ExportVariant v
   RandomStream random(1);
   double worst = 0.0;
   for (int count = 0; count < kVariantPoses; ++count) {
-    const Pose pose = somewhere(robot.workspace(), random);
+    const Pose pose = somewhere(robot.workspace(), random, count % 2 == 0);
     InverseResult found = inverse(machine, pose);
     if (!found.ok() || !vary(machine, pose, variant, found.joints)) continue;
     const ForwardResult reached = forward(machine, found.joints, {.start = plate_at(machine, pose)});
@@ -130,8 +131,8 @@ double rate_error(const Robot& robot, const Machine& machine) {
   if (!machine.tilts_plate) return 0.0;
   RandomStream random(2);
   double worst = 0.0;
-  for (int count = 0; count < kVariantPoses / 10; ++count) {
-    const Pose pose = somewhere(robot.workspace(), random);
+  for (int count = 0; count < kVariantPoses / 20; ++count) {
+    const Pose pose = somewhere(robot.workspace(), random, count % 2 == 0);
     if (!inverse(machine, pose).ok()) continue;
     const double here = machine.limb_count == 3 ? rate_error_at<3>(machine, pose) : rate_error_at<4>(machine, pose);
     if (std::isfinite(here)) worst = std::max(worst, here);
@@ -144,14 +145,23 @@ Machine built_for_export(const Robot& robot, const SourceErrors& errors) {
   return build(robot, errors);
 }
 
-ParameterSet parameter_set(const RecordedMachine& recorded) {
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal) {
   ParameterSet set{{}, {}, 0.0, 0.0};
   std::uint32_t hash = 2166136261U;  // FNV-1a
+  const auto add = [&hash](const std::string& text) {
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  };
+  for (std::size_t i = 0; i < nominal.limb_count; ++i) {
+    constexpr std::size_t kNumbers = sizeof(ClosureLimb<double>) / sizeof(double);
+    for (const double number : std::bit_cast<std::array<double, kNumbers>>(closure_limb(nominal, i))) {
+      add(fmt::format("{:.9g}", number + 0.0));
+    }
+  }
   for (const Symbol& symbol : recorded.numbers) {
     std::string name = fmt::format("limb {} {}", symbol.limb + 1, symbol.name);
     if (symbol.index >= 0)
       name += symbol.name == "rod" ? fmt::format(" {}", symbol.index + 1) : fmt::format(" {}", "xyz"[symbol.index]);
-    for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+    add(name);
     set.names.push_back(std::move(name));
     set.numbers.push_back(symbol.value);
   }

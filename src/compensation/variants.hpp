@@ -10,7 +10,7 @@ namespace paracal::compensation_detail {
 
 inline constexpr int kSingleSteps =
     2;  ///< of the search in float: what rounding leaves is then larger than what is left to find
-inline constexpr int kVariantPoses = 1000;  ///< at which the error of a variant is measured
+inline constexpr int kVariantPoses = 5000;  ///< at which the error of a variant is measured, half of them on the rims
 
 /// Steps of the search for the tilt: of the exact method the usual number.
 int usual_steps(ExportVariant variant);
@@ -28,7 +28,7 @@ double rate_error(const Robot& robot, const Machine& machine);
 Machine built_for_export(const Robot& robot, const SourceErrors& errors);
 
 /// The numbers of a machine in the order of an export, so that a controller can take those of a later calibration:
-/// numbers, then a number of their layout, then
+/// numbers, then a number that stands for their layout and the robot without errors, then
 ///
 ///   sum = layout + 1 numbers[0] + 2 numbers[1] + ...
 struct ParameterSet {
@@ -36,6 +36,6 @@ struct ParameterSet {
   std::vector<double> numbers;
   double layout, sum;
 };
-ParameterSet parameter_set(const RecordedMachine& recorded);
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal);
 
 }  // namespace paracal::compensation_detail

@@ -203,6 +203,7 @@ FilterSummary filter(LineReader& in, const TextSink& out, TargetFormat& format, 
   filtering.summary.lines = in.count();
   filtering.summary.passed = filtering.tally.sorted();
   filtering.summary.assumed = format.assumed();
+  if (filtering.correction.robot().nominal().spare_limbs() > 0) filtering.summary.assumed.emplace_back(kSpareLimbs);
   if (filtering.writer.has_unknown_feed()) filtering.summary.assumed.emplace_back(kUnknownFeed);
   return filtering.summary;
 }

@@ -163,9 +163,10 @@ TEST_P(CHeaderLaw, ChangesInEqualParts) {
   std::vector<double> set = exported_set(robot, later).set;
   const auto change = library.function<Change>("change");
   const auto cycle = library.function<PoseOf>("cycle");
-  library.function<void()>("start")();
   const std::array<double, 6> pose = numbers(random.pose(robot), robot);
   std::array<double, 8> first{}, between{}, last{};
+  EXPECT_EQ(cycle(pose.data(), first.data()), 4);  // before it is started
+  library.function<void()>("start")();
   ASSERT_EQ(cycle(pose.data(), first.data()), 0);
   for (const std::size_t damaged : {std::size_t{0}, set.size() / 2, set.size() - 2, set.size() - 1}) {
     std::vector<double> partial = set;
@@ -173,6 +174,12 @@ TEST_P(CHeaderLaw, ChangesInEqualParts) {
     if (partial == set) continue;
     EXPECT_EQ(change(partial.data(), 4), 4) << damaged;
   }
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300, 0.0}) {
+    std::vector<double> damaged = set;
+    damaged[3] = bad;
+    EXPECT_EQ(change(damaged.data(), 4), 4) << bad;
+  }
+  EXPECT_EQ(change(set_of_another_robot().data(), 4), 4);
   EXPECT_EQ(change(set.data(), 0), 4);
   ASSERT_EQ(cycle(pose.data(), between.data()), 0);
   EXPECT_EQ(between, first);

@@ -188,6 +188,18 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
     EXPECT_LT(worst, most);
   }
 
+  /// A set of the same layout, of a robot that is a tenth larger: its sum is right.
+  std::vector<double> set_of_another_robot() const {
+    RobotDescription larger = robot.description();
+    larger.name = "larger";
+    larger.workspace.radius *= 0.99;
+    Geometry& geometry = larger.geometry;
+    geometry.base_radius += 0.1;
+    geometry.arm += 0.1;
+    for (LimbDescription& limb : geometry.limbs) limb.base *= 1.0 + 1e-4;
+    return exported_set(Robot(larger), errors).set;
+  }
+
   /// What a head says of the error of rates: that of the closed form.
   static double stated_rate_error(const std::string& text) {
     const std::string before = "of the closed form: within ";

@@ -75,7 +75,7 @@ TEST_P(StructuredTextLaw, PassesItsSelfTestAPoseACall) {
   };
   EXPECT_EQ(failed(text), 0);
   std::string damaged = text;
-  const std::string numbers = "  p : ARRAY";
+  const std::string numbers = "  num : ARRAY";
   damaged.insert(damaged.find('[', damaged.find(":=", damaged.find(numbers))) + 6, "1");
   EXPECT_EQ(failed(damaged), 1);
 }
@@ -130,7 +130,7 @@ TEST_P(StructuredTextLaw, ChangesInEqualParts) {
   FunctionBlock block(structured_text(robot, errors, kOrigin), "paracal_changing");
   SourceErrors later;
   for (const Parameter& one : robot.parameters()) later(one.limb, one.source) = 1.2 * errors(one.limb, one.source);
-  const std::vector<double> set = exported_set(robot, later).set;
+  std::vector<double> set = exported_set(robot, later).set;
   const Pose pose = random.pose(robot);
   give(block, robot, pose);
   const auto stage = [&](std::size_t count) {
@@ -158,6 +158,19 @@ TEST_P(StructuredTextLaw, ChangesInEqualParts) {
   EXPECT_EQ(ask(), first);
   EXPECT_EQ(block.get("is_refused"), 1.0);
   EXPECT_EQ(block.get("is_changing"), 0.0);
+  std::vector<double> another = set_of_another_robot();
+  std::swap(set, another);
+  stage(set.size());
+  EXPECT_EQ(ask(), first);
+  EXPECT_EQ(block.get("is_refused"), 1.0);
+  std::swap(set, another);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300, 0.0}) {
+    std::swap(set[3], another[3] = bad);
+    stage(set.size());
+    EXPECT_EQ(ask(), first);
+    EXPECT_EQ(block.get("is_refused"), 1.0) << bad;
+    std::swap(set[3], another[3]);
+  }
   stage(set.size());
   const double last = inverse(build(robot, later), pose).joints(0);
   for (int k = 1; k <= 4; ++k) {
@@ -167,6 +180,16 @@ TEST_P(StructuredTextLaw, ChangesInEqualParts) {
   }
   EXPECT_EQ(block.get("is_refused"), 0.0);
   EXPECT_NEAR(joint(), last, tolerance());
+  // A change during a change is refused, and numbers that are written meanwhile spoil the set.
+  ask();
+  EXPECT_EQ(block.get("is_changing"), 1.0);
+  stage(1);
+  ask();
+  EXPECT_EQ(block.get("is_refused"), 1.0);
+  for (int k = 0; k < 4; ++k) joint();
+  EXPECT_EQ(block.get("is_changing"), 0.0);
+  ask();
+  EXPECT_EQ(block.get("is_refused"), 1.0);
 }
 
 /// matiec reads every literal as REAL.
@@ -203,8 +226,8 @@ TEST_P(StructuredTextLaw, EveryDivisorIsGuarded) {
   std::size_t divisions = 0;
   for (std::sregex_iterator at(text.begin(), text.end(), division), end; at != end; ++at) {
     const std::string divisor = at->str(1);
-    if (divisor == "x" || divisor == "y" || divisor == "whole") continue;      // of paracal_atan2, and cycles
-    if (divisor.starts_with("p[") || divisor.starts_with("normal")) continue;  // lengths; guarded in the template
+    if (divisor == "x" || divisor == "y" || divisor == "whole") continue;       // of paracal_atan2, and cycles
+    if (divisor.starts_with("num") || divisor.starts_with("normal")) continue;  // lengths; guarded in the template
     const std::string guard = fmt::format("IF ABS({0}) < 1.0E-30 THEN held := FALSE; {0} := 1.0; END_IF;", divisor);
     const std::size_t block = text.rfind("FUNCTION_BLOCK paracal", static_cast<std::size_t>(at->position()));
     EXPECT_LT(text.find(guard, block), static_cast<std::size_t>(at->position())) << divisor;

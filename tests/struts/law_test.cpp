@@ -432,8 +432,10 @@ TEST_P(TemplateLaw, WhatIsOfLevelPlatesIsRefused) {
   };
   expect_refused([&] { (void)paper_plan(robot, Stage::fine); },
                  "poses by stage: expected a robot whose plate three or four parallelograms keep level");
-  expect_refused([&] { (void)compensator_parameters(robot, {}); },
-                 "compensator: expected a robot whose plate three or four parallelograms keep level");
+  CompensatorJoints<double> joints{7.0};
+  const Compensator<double> linear(compensator_parameters(robot, {}), CompensationWay::linear);
+  EXPECT_EQ(linear.compensate(closure_pose(Pose{robot.workspace().centre()}), joints), CompensationStatus::unreachable);
+  EXPECT_EQ(joints[0], 7.0);
   expect_refused([&] { (void)allocate(robot, EqualInfluence{}); }, "equal influence: expected a robot whose plate");
   for (const CompensationWay way : {CompensationWay::linear, CompensationWay::tilt_aware}) {
     expect_refused([&] { (void)pose_corrector(robot, {}, way); }, "way: expected exact: the linear methods");

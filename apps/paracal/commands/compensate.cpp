@@ -9,6 +9,7 @@
 
 #include "controller.hpp"
 #include "paracal/compensation/pose_correction.hpp"
+#include "paracal/compensation/target_correction.hpp"
 #include "paracal/units.hpp"
 #include "rows.hpp"
 #include "session.hpp"
@@ -160,7 +161,7 @@ std::string table_row(const CompensateArguments& options, const Robot& robot, co
 /// What joints depend on, as comments of their table; targets depend on none of it.
 std::string controller_comments(const CompensateArguments& options, const std::vector<std::string>& assumed,
                                 const Robot& robot, const ControllerModel& controller) {
-  if (options.targets) return {};
+  if (options.targets) return robot.nominal().spare_limbs() > 0 ? fmt::format("# note: {}\n", kSpareLimbs) : "";
   std::string text = assumed_lines(assumed, "#");
   for (const std::string& line : comparison_lines(robot, controller)) text += "# " + line + "\n";
   return text;

@@ -9,6 +9,12 @@
 
 namespace paracal {
 
+/// What to say of targets of a robot with spare limbs.
+inline constexpr const char* kSpareLimbs =
+    "the joints that the controller computes from these targets differ from the corrected ones, because with more "
+    "limbs "
+    "than degrees of freedom no pose of the nominal robot has those; to be exact, command the joints of compensate";
+
 /// From commanded poses to the targets for a closed controller, which computes with the nominal robot:
 ///
 ///   target = forward(nominal, q),   q = exact inverse of the identified machine at the commanded pose

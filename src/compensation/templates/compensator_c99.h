@@ -20,9 +20,10 @@
  * At start: paracal_self_test() must return 0. It computes $TESTS$ poses and compares them.
  * Present pose: paracal_forward(joints, pose) gives the pose of the joints, near the pose that it is given;
  * paracal_home(pose) gives a first one.
- * Speeds: paracal_jacobian(pose, rates) gives d joints / d pose: speed of joint i = sum of rates[PARACAL_FREE i + k]
- * times the speed of the coordinate at place paracal_places[k] of the pose.
- * New numbers of a later calibration without a new program: paracal_start, paracal_change, paracal_cycle.
+ * Speeds: paracal_jacobian(pose, rates) gives d joints / d pose: speed of joint i = sum over k of
+ * rates[PARACAL_FREE i + k] times the speed of pose[m], m = $PLACES$ for k = 0 to PARACAL_FREE - 1.
+ * New numbers of a later calibration without a new program: paracal_start, paracal_change, paracal_cycle. Functions
+ * without _with belong to the numbers of this file; the others take those in use: &machine.set[machine.used].
  *
  * C99 and C++, freestanding, no state of its own, no allocation, bounded time. It needs the functions declared below from
  * a library.
@@ -68,8 +69,7 @@ extern "C" {
 #define PARACAL_REFUSED 4     /* a set of numbers that is not complete, or of another export */
 #define PARACAL_BUSY 5        /* the last change is not over */
 
-/* Where in a pose the commanded coordinates stand; what cannot be commanded must be as here, within 1e-6. */
-static const int paracal_places[PARACAL_FREE] = {$PLACES$};
+/* What cannot be commanded must be as here, within 1e-6. */
 static const int paracal_is_held[6] = {$IS_HELD$};
 static const double paracal_held[6] = {$HELD$};
 
@@ -113,8 +113,8 @@ static inline int paracal_compensate_with(const struct paracal_numbers* numbers,
                                           double joints[PARACAL_LIMBS], double plate[6]) {
   double found[PARACAL_LIMBS];
   int i;
-  const int status = paracal_check(pose);
-$STATE$  if (status != PARACAL_OK) { return status; }
+  const int outcome = paracal_check(pose);
+$STATE$  if (outcome != PARACAL_OK) { return outcome; }
   paracal_closed(numbers->exact, pose, found$STATE_ARGUMENT$);
   for (i = 0; i < PARACAL_LIMBS; ++i) {
     if (!paracal_is_finite(found[i])) { return PARACAL_UNREACHABLE; }
@@ -132,19 +132,25 @@ static inline int paracal_compensate(const double pose[6], double joints[PARACAL
   return paracal_compensate_with(&paracal_identified, pose, joints, plate);
 }
 
-/* d joints / d pose of paracal_compensate, $RATES_ERROR$. Written if the result is PARACAL_OK. */
-static inline int paracal_jacobian(const double pose[6], double rates[PARACAL_LIMBS * PARACAL_FREE]) {
+/* paracal_jacobian with other numbers. */
+static inline int paracal_jacobian_with(const struct paracal_numbers* numbers, const double pose[6],
+                                        double rates[PARACAL_LIMBS * PARACAL_FREE]) {
   double found[PARACAL_LIMBS * PARACAL_FREE];
   double joints[PARACAL_LIMBS];
   int k;
-  const int status = paracal_compensate(pose, joints, NULL);
-  if (status != PARACAL_OK) { return status; }
-  paracal_rates(paracal_identified.exact, pose, found);
+  const int outcome = paracal_compensate_with(numbers, pose, joints, NULL);
+  if (outcome != PARACAL_OK) { return outcome; }
+  paracal_rates(numbers->exact, pose, found);
   for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) {
     if (!paracal_is_finite(found[k])) { return PARACAL_SINGULAR; }
   }
   for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) { rates[k] = found[k]; }
   return PARACAL_OK;
+}
+
+/* d joints / d pose of paracal_compensate, $RATES_ERROR$. Written if the result is PARACAL_OK. */
+static inline int paracal_jacobian(const double pose[6], double rates[PARACAL_LIMBS * PARACAL_FREE]) {
+  return paracal_jacobian_with(&paracal_identified, pose, rates);
 }
 
 /* Poses, and their joints computed by the library. */
@@ -206,6 +212,7 @@ static inline int paracal_solve(const double rates[PARACAL_LIMBS * PARACAL_FREE]
 /* paracal_forward with other numbers. */
 static inline int paracal_forward_with(const struct paracal_numbers* numbers, const double wanted[PARACAL_LIMBS],
                                        double pose[6]) {
+  static const int places[PARACAL_FREE] = {$PLACES$}; /* of what can be commanded */
   double at[6];
   double next[6];
   double joints[PARACAL_LIMBS];
@@ -239,7 +246,7 @@ static inline int paracal_forward_with(const struct paracal_numbers* numbers, co
     }
     for (k = 0; k < 6; ++k) { next[k] = at[k]; }
     for (k = 0; k < PARACAL_FREE; ++k) {
-      next[paracal_places[k]] = at[paracal_places[k]] + (fraction * step[k]);
+      next[places[k]] = at[places[k]] + (fraction * step[k]);
       if (paracal_abs(fraction * step[k]) > largest) { largest = paracal_abs(fraction * step[k]); }
     }
     result = paracal_compensate_with(numbers, next, joints, NULL);
@@ -285,12 +292,14 @@ static inline void paracal_start(struct paracal_machine* machine) {
 }
 
 /* Begins a change to the numbers of a later calibration, over so many cycles (1: at once). The set comes from the key
- * `set` of the export for the target json. It is copied, then its copy is checked: one that is not complete, or that has
- * another layout, is refused and changes nothing. */
+ * `set` of the export for the target json. It is copied, then its copy is checked: one that is not complete, that is of
+ * another robot or layout, or that does not reach the centre of the workspace, is refused and changes nothing. */
 static inline int paracal_change(struct paracal_machine* machine, const double set[PARACAL_SET], long cycles) {
   struct paracal_numbers* const next = &machine->set[1 - machine->used];
   const double layout = set[PARACAL_NUMBERS];
   const double stated = set[PARACAL_NUMBERS + 1];
+  double home[6];
+  double joints[PARACAL_LIMBS];
   double sum = layout;
   double size = layout;
   double weight = 0.0;
@@ -298,31 +307,39 @@ static inline int paracal_change(struct paracal_machine* machine, const double s
   int k;
   if (machine->cycles != 0) { return PARACAL_BUSY; }
   for (k = 0; k < PARACAL_NUMBERS; ++k) {
-    next->exact[k] = set[k];
+    const double number = set[k];
+    next->exact[k] = number;
 $SINGLE_COPY$    weight += 1.0;
-    sum += weight * next->exact[k];
-    size += weight * paracal_abs(next->exact[k]);
-    if (!(paracal_abs(next->exact[k]) > 0.0)) { is_whole = 0; }
+    sum += weight * number;
+    size += weight * paracal_abs(number);
+    if (!((paracal_abs(number) > 0.0) && (paracal_abs(number) < 1.0E9))) { is_whole = 0; }
   }
-  if (!(paracal_abs(layout - PARACAL_LAYOUT) < 0.5) || !(paracal_abs(sum - stated) <= (1.0E-13 * size)) ||
-      (is_whole == 0) || (cycles < 1)) {
+  if ((is_whole == 0) || (cycles < 1) || !(paracal_abs(layout - PARACAL_LAYOUT) < 0.5) ||
+      !(paracal_abs(sum - stated) <= (1.0E-13 * size))) {
     return PARACAL_REFUSED;
   }
+  paracal_home(home);
+  if (paracal_compensate_with(next, home, joints, NULL) != PARACAL_OK) { return PARACAL_REFUSED; }
   machine->cycles = cycles;
   machine->left = cycles;
   return PARACAL_OK;
 }
 
-/* paracal_compensate, once in a cycle. During a change the joints go from the old to the new ones in equal parts. */
+/* paracal_compensate, once in a cycle. During a change the joints go from the old to the new ones in equal parts.
+ * PARACAL_REFUSED before paracal_start. */
 static inline int paracal_cycle(struct paracal_machine* machine, const double pose[6], double joints[PARACAL_LIMBS],
                                 double plate[6]) {
   double now[PARACAL_LIMBS];
   double next[PARACAL_LIMBS];
-  int status = paracal_compensate_with(&machine->set[machine->used], pose, now, plate);
+  double there[6];
+  int outcome = PARACAL_REFUSED;
   int i;
-  if ((status == PARACAL_OK) && (machine->cycles != 0)) {
-    status = paracal_compensate_with(&machine->set[1 - machine->used], pose, next, NULL);
-    if (status == PARACAL_OK) {
+  if (paracal_abs(machine->set[0].exact[0]) > 0.0) {
+    outcome = paracal_compensate_with(&machine->set[machine->used], pose, now, there);
+  }
+  if ((outcome == PARACAL_OK) && (machine->cycles != 0)) {
+    outcome = paracal_compensate_with(&machine->set[1 - machine->used], pose, next, there);
+    if (outcome == PARACAL_OK) {
       machine->left -= 1;
       for (i = 0; i < PARACAL_LIMBS; ++i) {
         now[i] = next[i] + (((double)machine->left / (double)machine->cycles) * (now[i] - next[i]));
@@ -333,10 +350,12 @@ static inline int paracal_cycle(struct paracal_machine* machine, const double po
       }
     }
   }
-  if (status == PARACAL_OK) {
-    for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = now[i]; }
+  if (outcome != PARACAL_OK) { return outcome; }
+  for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = now[i]; }
+  if (plate != NULL) {
+    for (i = 0; i < 6; ++i) { plate[i] = there[i]; }
   }
-  return status;
+  return PARACAL_OK;
 }
 
 /* 0: every joint agrees within $JOINT_TOLERANCE$ ($JOINT_UNIT$), and the pose found from the centre of the workspace within

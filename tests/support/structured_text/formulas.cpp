@@ -233,6 +233,10 @@ Formula FormulaReader::standard_function(const std::string& name) {
   if (name == "SIN") return of_one([](StructuredTextWork&, double x) { return std::sin(x); });
   if (name == "COS") return of_one([](StructuredTextWork&, double x) { return std::cos(x); });
   if (name == "ATAN") return of_one([](StructuredTextWork&, double x) { return std::atan(x); });
+  if (name == "INT_TO_LREAL") {
+    const Formula a = arguments({integer}).front();
+    return {real, [a](double* frame) { return a.value(frame); }};
+  }
   if (name != "ABS") tokens_.refuse(name + " is not part of the subset");
   const Formula a = arguments({real}).front();  // of an input that may be anything
   return {real, [a](double* frame) { return std::abs(a.value(frame)); }};
