@@ -137,11 +137,12 @@ void add_search(const ExportedMachine& exported, const ParameterSet& set, Values
   own.emplace_back("TURN_SINE", recorded.turn_sine.text(language, "    "));
   own.emplace_back("ANSWER", recorded.answer.text(language, "  "));
   own.emplace_back("STEP", recorded.step.text(language, "  "));
+  const std::string narrowed = is_single ? "(float)" : "", widened = is_single ? "(double)" : "";
   std::string plate;
   for (std::size_t k = 3; k < 6; ++k) {
     if (exported.machine.freedoms.free.at(k)) continue;
     if (searches)
-      plate += fmt::format("    plate[{}] = (double)state[{}];\n", k, k - 3);
+      plate += fmt::format("    plate[{}] = {}state[{}];\n", k, widened, k - 3);
     else if (exported.machine.has_slide() && k == 5)
       plate += "    plate[5] = 0.0;\n";
   }
@@ -152,14 +153,14 @@ void add_search(const ExportedMachine& exported, const ParameterSet& set, Values
                                                       real)
                                         : "");
   values.emplace_back(
-      "SETTLE", searches ? fmt::format("  for (i = 0; i < 6; ++i) {{ there[i] = ({0})pose[i]; }}\n"
-                                       "  for (i = 0; i < PARACAL_STATE; ++i) {{ state[i] = ({0})closed[i]; }}\n"
+      "SETTLE", searches ? fmt::format("  for (i = 0; i < 6; ++i) {{ there[i] = {0}pose[i]; }}\n"
+                                       "  for (i = 0; i < PARACAL_STATE; ++i) {{ state[i] = {0}closed[i]; }}\n"
                                        "  if (paracal_settle(numbers->{1}, there, state) != PARACAL_OK) {{ return "
                                        "PARACAL_SINGULAR; }}\n"
                                        "  for (i = 0; i < PARACAL_LIMBS; ++i) {{\n"
-                                       "    found[i] += (double)state[3 + i];\n"
+                                       "    found[i] += {2}state[3 + i];\n"
                                        "    if (!paracal_is_finite(found[i])) {{ return PARACAL_SINGULAR; }}\n  }}\n",
-                                       real, is_single ? "single" : "exact")
+                                       narrowed, is_single ? "single" : "exact", widened)
                          : "");
 }
 

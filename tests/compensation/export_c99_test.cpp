@@ -35,8 +35,8 @@ class CLibrary {
            "int rates_of(const double pose[6], double rates[]);\n"
            "int rates_of(const double pose[6], double rates[]) { return paracal_jacobian(pose, rates); }\n"
            "static struct paracal_machine machine;\n"
-           "int change(const double set[], long cycles);\n"
-           "int change(const double set[], long cycles) { return paracal_change(&machine, set, cycles); }\n"
+           "int change(const double set[], double cycles);\n"
+           "int change(const double set[], double cycles) { return paracal_change(&machine, set, cycles); }\n"
            "void start(void);\nvoid start(void) { paracal_start(&machine); }\n"
            "int cycle(const double pose[6], double joints[PARACAL_LIMBS]);\n"
            "int cycle(const double pose[6], double joints[PARACAL_LIMBS]) {\n"
@@ -71,7 +71,7 @@ class CLibrary {
 using JointsOf = int(const double*, double*, double*);
 using PoseOf = int(const double*, double*);
 using SelfTest = int();
-using Change = int(const double*, long);
+using Change = int(const double*, double);
 
 std::array<double, 6> numbers(Pose pose, const Robot& robot) {
   std::array<double, 6> all{};

@@ -207,8 +207,10 @@ void add_export(Command& program, Session& session) {
           "the program's origin in the robot's frame, mm (default: controller.origin_mm of the robot file, or 0)")
       ->lists("X,Y,Z", 3)
       ->check(within(plausible::length(kLargestReach)));
-  command->add_option("--start", options->filter.start, "position before the first line of the program, mm and deg")
-      ->lists("X,Y,Z[,PHI]", 3, 4)
+  command
+      ->add_option("--start", options->filter.start,
+                   "position before the first line of the program, mm and deg; for plates that tilt also X,Y,Z,A,B,C")
+      ->lists("X,Y,Z[,PHI]", 3, 6)
       ->check(within(plausible::length(kLargestReach)));
   command->heading("Part programs and tables (--target gcode, csv)");
   command->add_flag(

@@ -277,8 +277,8 @@ static inline int paracal_forward(const double wanted[PARACAL_LIMBS], double pos
 /* A machine whose numbers may change while it runs. All three functions below belong to one thread. */
 struct paracal_machine {
   struct paracal_numbers set[2];
-  long cycles; /* of the change that goes on; 0: none does */
-  long left;
+  double cycles; /* of the change that goes on; 0: none does */
+  double left;
   int used;
 };
 
@@ -286,15 +286,15 @@ struct paracal_machine {
 static inline void paracal_start(struct paracal_machine* machine) {
   machine->set[0] = paracal_identified;
   machine->set[1] = paracal_identified;
-  machine->cycles = 0;
-  machine->left = 0;
+  machine->cycles = 0.0;
+  machine->left = 0.0;
   machine->used = 0;
 }
 
 /* Begins a change to the numbers of a later calibration, over so many cycles (1: at once). The set comes from the key
  * `set` of the export for the target json. It is copied, then its copy is checked: one that is not complete, that is of
  * another robot or layout, or that does not reach the centre of the workspace, is refused and changes nothing. */
-static inline int paracal_change(struct paracal_machine* machine, const double set[PARACAL_SET], long cycles) {
+static inline int paracal_change(struct paracal_machine* machine, const double set[PARACAL_SET], double cycles) {
   struct paracal_numbers* const next = &machine->set[1 - machine->used];
   const double layout = set[PARACAL_NUMBERS];
   const double stated = set[PARACAL_NUMBERS + 1];
@@ -305,7 +305,7 @@ static inline int paracal_change(struct paracal_machine* machine, const double s
   double weight = 0.0;
   int is_whole = 1;
   int k;
-  if (machine->cycles != 0) { return PARACAL_BUSY; }
+  if (machine->cycles > 0.0) { return PARACAL_BUSY; }
   for (k = 0; k < PARACAL_NUMBERS; ++k) {
     const double number = set[k];
     next->exact[k] = number;
@@ -314,7 +314,7 @@ $SINGLE_COPY$    weight += 1.0;
     size += weight * paracal_abs(number);
     if (!((paracal_abs(number) > 0.0) && (paracal_abs(number) < 1.0E9))) { is_whole = 0; }
   }
-  if ((is_whole == 0) || (cycles < 1) || !(paracal_abs(layout - PARACAL_LAYOUT) < 0.5) ||
+  if ((is_whole == 0) || !(cycles >= 1.0) || !(cycles < 1.0E9) || !(paracal_abs(layout - PARACAL_LAYOUT) < 0.5) ||
       !(paracal_abs(sum - stated) <= (1.0E-13 * size))) {
     return PARACAL_REFUSED;
   }
@@ -337,15 +337,15 @@ static inline int paracal_cycle(struct paracal_machine* machine, const double po
   if (paracal_abs(machine->set[0].exact[0]) > 0.0) {
     outcome = paracal_compensate_with(&machine->set[machine->used], pose, now, there);
   }
-  if ((outcome == PARACAL_OK) && (machine->cycles != 0)) {
+  if ((outcome == PARACAL_OK) && (machine->cycles > 0.0)) {
     outcome = paracal_compensate_with(&machine->set[1 - machine->used], pose, next, there);
     if (outcome == PARACAL_OK) {
-      machine->left -= 1;
+      machine->left = (machine->left > 1.0) ? (machine->left - 1.0) : 0.0;
       for (i = 0; i < PARACAL_LIMBS; ++i) {
-        now[i] = next[i] + (((double)machine->left / (double)machine->cycles) * (now[i] - next[i]));
+        now[i] = next[i] + ((machine->left / machine->cycles) * (now[i] - next[i]));
       }
-      if (machine->left == 0) {
-        machine->cycles = 0;
+      if (machine->left <= 0.0) {
+        machine->cycles = 0.0;
         machine->used = 1 - machine->used;
       }
     }
