@@ -188,6 +188,12 @@ TEST_F(Export, StructuredTextSaysWhereItComesFrom) {
   EXPECT_EQ(text.find('$'), std::string::npos);
 }
 
+/// One computation: the same numbers to the last bit.
+TEST_F(Export, InverseWithACalibrationIsCompensate) {
+  const json compensated = library_joints(random_poses(200));
+  EXPECT_EQ(json_from("inverse --errors calibration.json --poses poses.csv").at("joints_deg"), compensated);
+}
+
 /// A name cannot end the comment or the string that it stands in.
 TEST_F(Export, AFilesNameStaysAName) {
   folder.write("*\" #error.json", kCalibration);
