@@ -64,6 +64,9 @@ TEST_P(GuidedWalk, TheCalibrationIsSoundAndIsValidated) {
   done("poses --robot r.toml --optimal 20 --candidates 300 --seed 9 --out q.csv");
   done("simulate --robot r.toml --poses q.csv --errors t.toml --seed 4 --noise-mm 0.01 --frame random --out check.csv");
   done("validate --robot r.toml --calibration c.json --measurements check.csv --sigma-mm 0.01 --limit-mm 0.2");
+  // A controller reads the targets, with their U, back.
+  done("compensate --calibration c.json --poses p.csv --targets --out targets.csv");
+  EXPECT_EQ(json_from("inverse --robot r.toml --poses targets.csv").at("names").size(), 30u);
   done("report --calibration c.json --measurements m.csv --out page.html");
 }
 
