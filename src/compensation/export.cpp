@@ -141,10 +141,11 @@ void add_search(const ExportedMachine& exported, const ParameterSet& set, Values
   std::string plate;
   for (std::size_t k = 3; k < 6; ++k) {
     if (exported.machine.freedoms.free.at(k)) continue;
-    if (searches)
+    if (searches) {
       plate += fmt::format("    plate[{}] = {}state[{}];\n", k, widened, k - 3);
-    else if (exported.machine.has_slide() && k == 5)
+    } else if (exported.machine.has_slide() && k == 5) {
       plate += "    plate[5] = 0.0;\n";
+    }
   }
   values.emplace_back("PLATE_TILT", plate);
   values.emplace_back("SEARCH", searches ? filled_template("search_c99.h", own) : "");

@@ -123,7 +123,8 @@ void everywhere(const Robot& robot, const Machine& machine, const auto& take) {
   const std::vector<Pose> poses = attitudes(whole);
   for (const double depth : depths(whole)) {
     for (int k = 0; k < (kCircles + 1) * kPoints; ++k) {
-      const double share = static_cast<double>(k / kPoints) / kCircles;
+      const int circle = k / kPoints;
+      const double share = static_cast<double>(circle) / kCircles;
       const Eigen::Vector3d place = whole.at(share, 2.0 * std::numbers::pi * (k % kPoints) / kPoints, depth);
       for (Pose pose : poses) {
         pose.position = place;

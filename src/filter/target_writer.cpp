@@ -246,12 +246,6 @@ void TargetWriter::edit_axes(std::string_view text, const TargetLine& line, cons
   }
 }
 
-/// What F counts: mm or inch along X, Y and Z, else deg of A, B and C; all of them alike for some.
-double TargetWriter::length_of(const AxisValues& from, const AxisValues& to, const TargetLine& line) const {
-  const TargetPath straight{.from = from, .to = to};
-  return line.feed.counted(straight.length(), straight.turned(), line.mm_per_unit);
-}
-
 /// The feed with which a piece takes its share of the block's time; nothing where that is not known.
 std::optional<double> TargetWriter::feed_of(const TargetLine& line, const Piece& piece, const AxisValues& from) {
   const FeedOfLine& feed = line.feed;
@@ -260,7 +254,8 @@ std::optional<double> TargetWriter::feed_of(const TargetLine& line, const Piece&
   if (feed.rule == FeedOfLine::Rule::inverse_time)
     return feed.value ? std::optional(*feed.value * count) : std::nullopt;
   const double before = feed.counted(line.path.length(), line.path.turned(), line.mm_per_unit);
-  const double after = length_of(from, told_, line);
+  const TargetPath straight{.from = from, .to = told_};
+  const double after = feed.counted(straight.length(), straight.turned(), line.mm_per_unit);
   if (before == 0.0 || after == 0.0) return feed.value;
   const double ratio = after * count / before;
   has_unknown_feed_ |= !feed.value && !takes_as_long(ratio, 1.0);

@@ -43,7 +43,6 @@ class TargetWriter {
   void edit_line(std::string_view text, const TargetLine& line, const Piece& piece);
   void drop_arc(const TargetLine& line);
   void edit_axes(std::string_view text, const TargetLine& line, const AxisValues& target);
-  double length_of(const AxisValues& from, const AxisValues& to, const TargetLine& line) const;
   std::optional<double> feed_of(const TargetLine& line, const Piece& piece, const AxisValues& from);
   std::optional<double> word_of_feed(const TargetLine& line, const Piece& piece, const AxisValues& from);
   void edit_feed(std::string_view text, const TargetLine& line, const Piece& piece, const AxisValues& from);
