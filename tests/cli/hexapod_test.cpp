@@ -245,6 +245,10 @@ TEST(SevenStruts, JointsAreReadings) {
   ASSERT_EQ(found.exit_code, kDone) << found.err;
   EXPECT_THAT(found.out, HasSubstr("joints of spare limbs disagree, rms:"));
   EXPECT_EQ(run("compensate --calibration c.json --poses p.csv --targets --out t.csv").exit_code, kDone);
+  EXPECT_THAT(folder.read("t.csv"),
+              HasSubstr("# note: the joints that the controller computes from these targets differ"));
+  const ProgramResult filtered = run("export --calibration c.json --target csv --input p.csv --out f.csv");
+  EXPECT_THAT(filtered.out + filtered.err, HasSubstr("assumed: the joints that the controller computes"));
   EXPECT_EQ(run("export --calibration c.json --target c99 --out x.h").exit_code, kDone);
   EXPECT_THAT(folder.read("x.h"), HasSubstr("a plate on 7 limbs"));
   folder.make({"poses --robot huang2016 --optimal 20 --candidates 200 --out h.csv",
