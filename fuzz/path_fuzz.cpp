@@ -35,13 +35,13 @@ void compare(const DrawnMachine& machine, const Path& path) {
   std::vector<CompensatorTilt<double>> tilts(size);
   compensate_path(machine.parameters, path.poses, joints, statuses, tilts);
   for (std::size_t k = 0; k < size; ++k) {
-    const auto& [x, y, z, phi] = path.poses[k];
+    const CompensatorPose<double>& pose = path.poses[k];
     const bool is_ok = statuses[k] == CompensationStatus::ok;
     for (std::size_t i = 0; i < machine.described.limb_count(); ++i) {
       require(is_ok ? std::isfinite(joints[k][i]) : joints[k][i] == kUntouched);
     }
     require(!is_ok || (std::isfinite(tilts[k].eps_x) && std::isfinite(tilts[k].eps_y)));
-    if (path.is_within[k]) machine.require_as_inverse({{x, y, z}, phi}, statuses[k], joints[k]);
+    if (path.is_within[k]) machine.require_as_inverse({{pose.x, pose.y, pose.z}, pose.phi}, statuses[k], joints[k]);
   }
 }
 
