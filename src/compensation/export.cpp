@@ -71,9 +71,9 @@ std::string number_lines(const ParameterSet& set, std::string_view suffix, bool 
   return text;
 }
 
-std::vector<double> pose_numbers(const ExportedMachine& exported, const Pose& pose) {
+std::vector<double> pose_numbers(const ExportedMachine& exported, Pose pose) {
   std::vector<double> numbers;
-  for (std::size_t k = 0; k < 6; ++k) numbers.push_back(coordinate_of(exported.machine, pose, k));
+  for (std::size_t k = 0; k < 6; ++k) numbers.push_back(coordinate(pose, exported.machine, k));
   return numbers;
 }
 

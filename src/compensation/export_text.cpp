@@ -89,7 +89,7 @@ std::string joint_units(const Robot& robot) {
   return std::cmp_equal(lengths, kinds.size()) ? "mm" : "rad or mm";
 }
 
-/// "six struts", "4 limbs with one or two rods".
+/// "a plate free in x, y on 2 limbs".
 std::string plate_in_words(const Robot& robot) {
   if (robot.is_level()) return fmt::format("a plate that {} parallelograms keep level", robot.limb_count());
   const PlateFreedoms& freedoms = robot.geometry().freedoms;
@@ -190,18 +190,12 @@ ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors,
       variant(origin.variant),
       cases(self_test(robot, machine)),
       recorded(record(machine)),
-      places(commanded_places(machine)),
+      places(commanded_coordinates(machine)),
       worst(variant_error(robot, machine, variant)) {}
 
 std::string coordinate_name(const Machine& machine, std::size_t place) {
   constexpr std::array kNames{"x_mm", "y_mm", "z_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad"};
   return place == 5 && machine.has_slide() ? "phi_rad" : kNames.at(place);
-}
-
-double coordinate_of(const Machine& machine, const Pose& pose, std::size_t place) {
-  if (place == 5 && machine.has_slide()) return pose.rotation;
-  const auto k = static_cast<Eigen::Index>(place);
-  return k < 3 ? pose.position(k) : pose.tilt(k - 3);
 }
 
 std::string decimal(double value) {

@@ -7,6 +7,7 @@
 
 #include "paracal/compensation/export.hpp"
 #include "paracal/compensation/self_test.hpp"
+#include "paracal/mechanism/coordinates.hpp"
 #include "recording.hpp"
 
 // What exports of every language share: templates, and what stands at their head.
@@ -41,9 +42,6 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
 
 /// A commanded coordinate as inputs and pins call it: "x_mm", "tilt_y_rad"; "phi_rad" of a slide.
 std::string coordinate_name(const Machine& machine, std::size_t place);
-
-/// Coordinate k of x, y, z, tilt_x, tilt_y, tilt_z or, of a slide, phi.
-double coordinate_of(const Machine& machine, const Pose& pose, std::size_t place);
 
 /// A number with a decimal point, the fewest digits that give it back.
 std::string decimal(double value);

@@ -70,16 +70,8 @@ bool moves_z(const Robot& robot) { return !robot.geometry().freedoms.holds_z(); 
 
 /// Those that the robot moves.
 std::vector<int> axes_of(const Robot& robot) {
-  std::vector<int> axes;
-  for (int k = 0; k < 6; ++k) {
-    if (robot.geometry().freedoms.free.at(k) || (k == 5 && robot.slide())) axes.push_back(k);
-  }
-  return axes;
-}
-
-double& coordinate(const Robot& robot, Pose& pose, int axis) {
-  if (axis < 3) return pose.position[axis];
-  return robot.slide() ? pose.rotation : pose.tilt[axis - 3];
+  const std::vector<std::size_t> commanded = commanded_coordinates(robot.nominal());
+  return {commanded.begin(), commanded.end()};
 }
 
 /// The ends of an axis, mm or deg.
@@ -143,7 +135,7 @@ Joints fastest_at(const Robot& robot, const Machine& machine, const Pose& pose, 
   for (const int axis : axes_of(robot)) {
     const double step = axis < 3 ? kStep : kTurn;
     Pose moved = pose;
-    coordinate(robot, moved, axis) += step;
+    coordinate(moved, machine, static_cast<std::size_t>(axis)) += step;
     const InverseResult there = inverse(machine, moved);
     if (!there.ok()) continue;
     const Joints change = (there.joints - joints) / step;

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/closure_limb.hpp"
+#include "paracal/mechanism/coordinates.hpp"
 
 namespace paracal {
 namespace {
@@ -13,24 +17,26 @@ static_assert(kCompensatorLimbs == kMaxLimbs);
 
 /// Bit k of coordinate k that a machine can be commanded to: x, y, z, tilt_x, tilt_y, tilt_z, phi.
 std::uint32_t commanded(const Machine& machine) {
-  std::uint32_t bits = machine.has_slide() ? 1U << 6U : 0U;
-  for (std::size_t k = 0; k < machine.freedoms.free.size(); ++k) {
-    if (machine.freedoms.free.at(k)) bits |= 1U << k;
-  }
+  std::uint32_t bits = 0;
+  for (const std::size_t k : commanded_coordinates(machine)) bits |= 1U << (k == 5 && machine.has_slide() ? 6 : k);
   return bits;
 }
 
 void check_compensated(const Robot& robot) {
   if (has_compensator(robot)) return;
   throw InvalidArgument(fmt::format(
-      "compensator: expected no more limbs than degrees of freedom where limbs have two rods, got {}: write "
-      "corrected targets with paracal compensate --targets",
+      "compensator: expected three or four limbs, as many as degrees of freedom, where limbs have two rods, got {}: "
+      "command the joints of paracal compensate",
       robot.name()));
 }
 
 }  // namespace
 
-bool has_compensator(const Robot& robot) { return robot.nominal().spare_limbs() == robot.nominal().gap_count(); }
+bool has_compensator(const Robot& robot) {
+  const Machine& machine = robot.nominal();
+  const auto limbs = std::span(machine.limbs).first(machine.limb_count);
+  return std::ranges::all_of(limbs, &Limb::has_one_rod) || can_settle(machine);
+}
 
 template <typename Scalar>
 CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors) {

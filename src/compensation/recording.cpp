@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "paracal/mechanism/closure_limb.hpp"
+#include "paracal/mechanism/coordinates.hpp"
 
 namespace paracal::compensation_detail {
 namespace {
@@ -66,7 +67,7 @@ ClosureLimb<Expression> named_limb(const ClosureLimb<double>& limb, std::size_t 
 }
 
 ClosurePose<Expression> asked_pose(const Machine& machine) {
-  const std::vector<std::size_t> commanded = commanded_places(machine);
+  const std::vector<std::size_t> commanded = commanded_coordinates(machine);
   const auto coordinate = [&](std::size_t k, bool is_slide = false) {
     const bool is_asked = std::ranges::count(commanded, k) > 0 && is_slide == (k == 5 && machine.has_slide());
     if (is_asked) return input("pose", k);
@@ -164,7 +165,7 @@ class Recorder {
     RecordedValues values;
     const Arms<Expression, N> arms = closure::unit_arms(limbs_, arms_);
     for (const auto& row : closure::joint_rates<N>(limbs_, pose_, plate_, arms)) {
-      for (const std::size_t k : commanded_places(machine_)) {
+      for (const std::size_t k : commanded_coordinates(machine_)) {
         values.push_back(row[k == 5 && machine_.has_slide() ? 6 : k]);
       }
     }
@@ -217,14 +218,6 @@ RecordedMachine record_limbs(const Machine& machine) {
 
 std::size_t place_of_number(const std::vector<Symbol>& numbers, const Symbol& symbol) {
   return static_cast<std::size_t>(std::ranges::find(numbers, symbol) - numbers.begin());
-}
-
-std::vector<std::size_t> commanded_places(const Machine& machine) {
-  std::vector<std::size_t> places;
-  for (std::size_t k = 0; k < machine.freedoms.free.size(); ++k) {
-    if (machine.freedoms.free.at(k) || (k == 5 && machine.has_slide())) places.push_back(k);
-  }
-  return places;
 }
 
 RecordedMachine record(const Machine& machine) {

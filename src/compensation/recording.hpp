@@ -35,7 +35,4 @@ RecordedMachine record(const Machine& machine);
 /// Where a constant of a limb stands among the numbers of an export.
 std::size_t place_of_number(const std::vector<Symbol>& numbers, const Symbol& symbol);
 
-/// Places in pose[6] of what can be commanded.
-std::vector<std::size_t> commanded_places(const Machine& machine);
-
 }  // namespace paracal::compensation_detail

@@ -210,8 +210,9 @@ class Writer {
 
   void add_forward() {
     std::vector<std::string> home;
+    Pose centre = exported_.cases.front().pose;
     for (const Input& one : coordinates_) {
-      home.push_back(decimal(coordinate_of(exported_.machine, exported_.cases.front().pose, one.place)));
+      home.push_back(decimal(coordinate(centre, exported_.machine, one.place)));
     }
     add("HOME", fmt::format("{}", fmt::join(home, ", ")));
     const auto agreement = std::ranges::find(values_, "AGREEMENT", &Values::value_type::first);
@@ -293,10 +294,10 @@ class Writer {
 
   void add_tests() {
     std::vector<std::vector<double>> poses, joints;
-    for (const SelfTestCase& one : exported_.cases) {
+    for (SelfTestCase one : exported_.cases) {
       std::vector<double>& pose = poses.emplace_back();
       for (const Input& input : coordinates_) {
-        pose.push_back(coordinate_of(exported_.machine, one.pose, input.place));
+        pose.push_back(coordinate(one.pose, exported_.machine, input.place));
       }
       joints.emplace_back(one.joints.begin(), one.joints.end());
     }

@@ -13,6 +13,7 @@
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/closure_limb.hpp"
+#include "paracal/mechanism/coordinates.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::compensation_detail {
@@ -21,12 +22,8 @@ namespace {
 /// What a variant adds to the joints of the closed form.
 template <std::size_t N, typename Scalar>
 bool move_joints(const Machine& machine, const Pose& pose, int steps, Joints& joints) {
-  ClosureLimbs<double, N> limbs;
-  ClosureLimbs<Scalar, N> rounded;
-  for (std::size_t i = 0; i < N; ++i) {
-    limbs[i] = closure_limb(machine, i);
-    rounded[i] = closure_limb<Scalar>(machine, i);
-  }
+  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
+  const ClosureLimbs<Scalar, N> rounded = closure_limbs<N, Scalar>(machine);
   const ClosurePose<double> at = closure_pose(pose);
   const closure::Arms<double, N> arms = closure::closed_arms<N>(limbs, at, closure::commanded_plate(at));
   closure::joints_of(limbs, arms, joints);
@@ -97,9 +94,7 @@ Joints exact_rate(const Machine& machine, const Pose& pose, std::size_t place) {
   std::array<Joints, 2> joints;
   for (std::size_t side = 0; side < 2; ++side) {
     Pose there = pose;
-    const double change = side == 0 ? step : -step;
-    const auto k = static_cast<Eigen::Index>(place);
-    (place < 3 ? there.position(k) : place == 6 ? there.rotation : there.tilt(k - 3)) += change;
+    coordinate(there, machine, place) += side == 0 ? step : -step;
     joints.at(side) = inverse(machine, there).joints;
   }
   return (joints[0] - joints[1]) / (2.0 * step);
@@ -107,16 +102,15 @@ Joints exact_rate(const Machine& machine, const Pose& pose, std::size_t place) {
 
 template <std::size_t N>
 double rate_error_at(const Machine& machine, const Pose& pose) {
-  ClosureLimbs<double, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb(machine, i);
+  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
   const ClosurePose<double> at = closure_pose(pose);
   const auto plate = closure::commanded_plate(at);
   const auto arms = closure::unit_arms(limbs, closure::closed_arms<N>(limbs, at, plate));
   const auto rates = closure::joint_rates<N>(limbs, at, plate, arms);
   double worst = 0.0;
-  for (const std::size_t place : commanded_places(machine)) {
+  for (const std::size_t place : commanded_coordinates(machine)) {
     const std::size_t k = place == 5 && machine.has_slide() ? 6 : place;
-    const Joints exact = exact_rate(machine, pose, k);
+    const Joints exact = exact_rate(machine, pose, place);
     for (std::size_t i = 0; i < N; ++i) {
       const double off = rates[i][k] - exact(static_cast<Eigen::Index>(i));
       worst = std::max(worst, std::abs(off) / exact.cwiseAbs().maxCoeff());

@@ -8,8 +8,8 @@
 
 namespace paracal::compensation_detail {
 
-inline constexpr int kSingleSteps =
-    2;  ///< of the search in float: what rounding leaves is then larger than what is left to find
+/// Of the search in float: rounding then leaves more than further steps could find.
+inline constexpr int kSingleSteps = 2;
 inline constexpr int kVariantPoses = 5000;  ///< at which the error of a variant is measured, half of them on the rims
 
 /// Steps of the search for the tilt: of the exact method the usual number.

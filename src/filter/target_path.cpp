@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "paracal/mechanism/coordinates.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::io {
@@ -12,11 +13,8 @@ RobotAxes::RobotAxes(const Robot& robot, Eigen::Vector3d origin)
     : freedoms_(robot.nominal().freedoms),
       guided_z_(robot.nominal().guided_z),
       origin_(std::move(origin)),
-      is_moved_(freedoms_.free) {
-  is_moved_.back() |= robot.slide().has_value();
-  for (std::size_t axis = 0; axis < kAxes; ++axis) {
-    if (is_moved_[axis]) moved_.push_back(axis);
-  }
+      moved_(commanded_coordinates(robot.nominal())) {
+  for (const std::size_t axis : moved_) is_moved_[axis] = true;
 }
 
 Pose RobotAxes::pose_at(const AxisValues& place) const {

@@ -36,7 +36,7 @@ class RobotAxes {
   PlateFreedoms freedoms_;
   double guided_z_;
   Eigen::Vector3d origin_;
-  std::array<bool, kAxes> is_moved_;
+  std::array<bool, kAxes> is_moved_{};
   std::vector<std::size_t> moved_;
 };
 

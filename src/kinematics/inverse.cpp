@@ -89,8 +89,7 @@ InverseResult level_inverse(const Machine& machine, const Pose& pose) {
 /// (machine_closure.hpp).
 template <std::size_t N>
 InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool can_be_commanded) {
-  ClosureLimbs<double, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb(machine, i);
+  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
   const ClosurePose<double> commanded = closure_pose(pose);
   const closure::Arms<double, N> arms =
       machine.is_level ? closure::closed_arms<N>(limbs, commanded, closure::LevelPlate{})
@@ -106,13 +105,13 @@ InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool ca
   return result;
 }
 
-/// With more limbs than degrees of freedom, by Newton's method on joints and what the parallelograms hold of
+/// Of any other machine, such as one with spare limbs, by Newton's method on joints and what the parallelograms hold of
 /// the plate:
 ///
 ///   J^T (f + J_q dq + J_held dheld) = 0        6 equations; of more unknowns the shortest step
 ///
 /// so that forward kinematics of these joints are the pose, whatever errors tilt the plate.
-void settle_spare(const Machine& machine, const Pose& pose, InverseResult& result) {
+void settle_any(const Machine& machine, const Pose& pose, InverseResult& result) {
   constexpr int kMaxIterations = 20, kMost = kMaxLimbs + 6;
   constexpr double kTolerance = 4e-9;  // mm, of the last step
   using System = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMost>;
@@ -159,7 +158,7 @@ void settle_spare(const Machine& machine, const Pose& pose, InverseResult& resul
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
   const bool turns = pose.rotation != 0.0, leans = machine.is_level && !pose.tilt.isZero(0.0);
   const bool can_be_commanded = (machine.has_slide() || !turns) && !leans && detail::is_free(machine, pose);
-  const bool is_balanced = machine.tilts_plate && machine.spare_limbs() == 0;
+  const bool is_balanced = machine.tilts_plate && can_settle(machine);
   InverseResult result;
   if (is_balanced && machine.limb_count == 3) {
     result = balanced_inverse<3>(machine, pose, can_be_commanded);
@@ -167,7 +166,7 @@ InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
     result = balanced_inverse<4>(machine, pose, can_be_commanded);
   } else {
     result = machine.is_level ? level_inverse(machine, pose) : closed_inverse(machine, pose);
-    if (result.ok() && can_be_commanded && machine.tilts_plate) settle_spare(machine, pose, result);
+    if (result.ok() && can_be_commanded && machine.tilts_plate) settle_any(machine, pose, result);
   }
   if (!can_be_commanded) result.status = InverseStatus::unreachable;
   return result;

@@ -14,6 +14,8 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
+#include "paracal/compensation/export.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
@@ -239,6 +241,21 @@ TEST_P(SpareLimbs, JointsAreReadings) {
     return one.find("joints at " + read.stations[7].name) != std::string::npos;
   });
   EXPECT_TRUE(named) << testing::PrintToString(wrong.notes) << wrong.brief();
+}
+
+/// The search of exports for the balance of rods is for three or four limbs: of others they say that they have none.
+TEST(FiveLimbs, WithTwoRodsHaveNoExport) {
+  RobotDescription mixed = test::robot_named("mixed_limbs").description();
+  EXPECT_TRUE(has_compensator(Robot(mixed)));
+  Geometry& geometry = mixed.geometry;
+  LimbDescription more = geometry.limbs.back();
+  more.base.x() = more.plate.x() = -60.0;
+  geometry.limbs.push_back(more);
+  geometry.limb_azimuth.push_back(0.0);
+  const Robot robot(mixed);
+  EXPECT_FALSE(has_compensator(robot));
+  EXPECT_THROW((void)compensator_parameters(robot, {}), InvalidArgument);
+  EXPECT_THROW((void)c99_header(robot, {}, {}), InvalidArgument);
 }
 
 /// Four arms on a plate that three parallelograms would keep level: joints say where it is, and no more.

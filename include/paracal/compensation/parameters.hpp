@@ -12,8 +12,8 @@
 
 namespace paracal {
 
-/// False for a robot with more limbs than degrees of freedom that has limbs of two rods: their joints are only found by
-/// least squares.
+/// True for limbs with one rod each, and for three or four limbs, as many as degrees of freedom. The joints of others
+/// are only found by least squares.
 bool has_compensator(const Robot& robot);
 
 /// Parameters of the compensator for a machine with these (identified) errors, mm and rad, rounded to Scalar last.

@@ -51,6 +51,21 @@ inline std::size_t fourth_coordinate(const Machine& machine) {
   return closure::kSlide;
 }
 
+/// The balance of its rods can be found by closure::settle: as many limbs as coordinates, which are x, y, z and at most
+/// a fourth.
+inline bool can_settle(const Machine& machine) {
+  const auto& free = machine.freedoms.free;
+  const bool has_room = machine.limb_count == 3 || machine.limb_count == 4;
+  return has_room && machine.spare_limbs() == 0 && free[0] && free[1] && free[2];
+}
+
+template <std::size_t N, typename Scalar = double>
+ClosureLimbs<Scalar, N> closure_limbs(const Machine& machine) {
+  ClosureLimbs<Scalar, N> limbs;
+  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb<Scalar>(machine, i);
+  return limbs;
+}
+
 template <typename Scalar = double>
 ClosurePose<Scalar> closure_pose(const Pose& pose) {
   return {static_cast<Scalar>(pose.position.x()), static_cast<Scalar>(pose.position.y()),
