@@ -54,6 +54,7 @@
 #include "paracal/long_job.hpp"
 #include "paracal/mechanism/base_motion.hpp"
 #include "paracal/mechanism/catalogue.hpp"
+#include "paracal/mechanism/coordinates.hpp"
 #include "paracal/mechanism/level.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/mechanism/robot.hpp"
