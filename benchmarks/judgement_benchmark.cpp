@@ -29,10 +29,15 @@ double median(const std::vector<double>& values) { return values.empty() ? 0.0 :
 void print(const World& world, const Judgement& all, double ms) {
   const auto share = [](int part, int of) { return of == 0 ? 0.0 : 100.0 * part / of; };
   fmt::print(
-      "| {:<31} | {:>5.1f} | {:>5.1f} | {:>5.1f} | {:>5.1f} | {:>6.3f} | {:>6.3f} | {:>5.1f} | {:>5.2f} | {:>5.0f} |\n",
+      "| {:<31} | {:>5.1f} | {:>5.1f} | {:>5.1f} | {:>5.1f} | {:>5.1f} | {:>6.3f} | {:>6.3f} | {:>5.1f} {:>5.1f} "
+      "{:>5.1f} | "
+      "{:>5.1f} {:>5.1f} {:>5.1f} | {:>5.2f} | {:>5.2f} | {:>5.0f} |\n",
       world.name, share(all.accepted, all.machines), share(all.noted, all.accepted), 100.0 * all.error_coverage(),
-      100.0 * all.distance_coverage(), median(all.largest_distance_error), median(all.largest_U),
-      share(all.use_exceeded, all.accepted), median(all.U_over_oracle), ms);
+      100.0 * all.distance_coverage(), share(all.visits_held, all.distances), median(all.largest_distance_error),
+      median(all.largest_U), share(all.use_exceeded[0], all.accepted), share(all.use_exceeded[1], all.accepted),
+      share(all.use_exceeded[2], all.accepted), share(all.visit_exceeded[0], all.accepted),
+      share(all.visit_exceeded[1], all.accepted), share(all.visit_exceeded[2], all.accepted), median(all.U_over_oracle),
+      median(all.use_over_oracle), ms);
 }
 
 // ---- a world in chunks of machines, which any rank computes
@@ -42,16 +47,20 @@ constexpr int kChunk = 4;
 nlohmann::json as_json(const Judgement& one) {
   return {{"counts",
            {one.machines, one.accepted, one.noted, one.errors, one.errors_held, one.distances, one.distances_held,
-            one.use_exceeded}},
+            one.visits_held, one.use_exceeded[0], one.use_exceeded[1], one.use_exceeded[2], one.visit_exceeded[0],
+            one.visit_exceeded[1], one.visit_exceeded[2]}},
           {"largest_distance_error", one.largest_distance_error},
           {"largest_U", one.largest_U},
           {"U_over_oracle", one.U_over_oracle},
+          {"use_over_oracle", one.use_over_oracle},
           {"notes", one.notes}};
 }
 
 void add(const nlohmann::json& json, Judgement& all) {
-  const std::array counts{&all.machines,    &all.accepted,  &all.noted,          &all.errors,
-                          &all.errors_held, &all.distances, &all.distances_held, &all.use_exceeded};
+  const std::array counts{&all.machines,          &all.accepted,         &all.noted,           &all.errors,
+                          &all.errors_held,       &all.distances,        &all.distances_held,  &all.visits_held,
+                          &all.use_exceeded[0],   &all.use_exceeded[1],  &all.use_exceeded[2], &all.visit_exceeded[0],
+                          &all.visit_exceeded[1], &all.visit_exceeded[2]};
   for (std::size_t k = 0; k < counts.size(); ++k) *counts[k] += json.at("counts").at(k).get<int>();
   const auto append = [&](auto& values, const char* key) {
     for (const auto& value : json.at(key)) values.push_back(value);
@@ -59,6 +68,7 @@ void add(const nlohmann::json& json, Judgement& all) {
   append(all.largest_distance_error, "largest_distance_error");
   append(all.largest_U, "largest_U");
   append(all.U_over_oracle, "U_over_oracle");
+  append(all.use_over_oracle, "use_over_oracle");
   append(all.notes, "notes");
 }
 
@@ -92,8 +102,11 @@ int main(int argc, char** argv) {
     fmt::print("\n{}, {} machines per scenario\n\n", robot.name(), machines);
     fmt::print(
         "| scenario                        | accepted, % | with a note, % | errors covered, % | distances covered, % | "
-        "largest error of a distance, mm | largest U, mm | above U in the workspace, % | U / ideal U | ms |\n"
-        "|---|---|---|---|---|---|---|---|---|---|\n");
+        "of a "
+        "visit, % | largest error of a distance, mm | largest U, mm | above U in the workspace (distance, aligned, "
+        "rotation), "
+        "% | of a visit, % | U / ideal U | of a visit | ms |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const World& world : wrong_worlds()) {
       if (!wanted.empty() && world.name.find(wanted) == std::string::npos) continue;
       const auto start = std::chrono::steady_clock::now();

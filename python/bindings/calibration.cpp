@@ -111,6 +111,13 @@ py::tuple predicted(const KnownMachine& machine, const Array& joints) {
   return py::make_tuple(poses, covariances, closes);
 }
 
+/// Its errors of parts, which stand before the splines of drives.
+std::vector<SoughtSource> parts_of(const KnownErrors& known) {
+  std::vector<SoughtSource> parts = known.parameters;
+  std::erase_if(parts, [](const SoughtSource& one) { return one.knot.has_value(); });
+  return parts;
+}
+
 }  // namespace
 
 void add_calibration(py::module_& module) {
@@ -119,8 +126,12 @@ void add_calibration(py::module_& module) {
       .def_readonly("robot", &KnownMachine::robot)
       .def_property_readonly("errors", [](const KnownMachine& m) { return array_of(m.known.errors, m.robot); })
       .def_property_readonly("parameters",
-                             [](const KnownMachine& m) { return parameters_of(m.robot, m.known.parameters); })
-      .def_property_readonly("covariance", [](const KnownMachine& m) { return array_of(m.known.covariance); })
+                             [](const KnownMachine& m) { return parameters_of(m.robot, parts_of(m.known)); })
+      .def_property_readonly("covariance",
+                             [](const KnownMachine& m) {
+                               const auto n = m.known.covariance.size() > 0 ? std::ssize(parts_of(m.known)) : 0;
+                               return array_of(m.known.covariance.topLeftCorner(n, n));
+                             })
       .def("predict", &predicted, "joints"_a);
   py::class_<Calibration>(module, "Calibration")
       .def(pickled<Calibration>())

@@ -129,9 +129,9 @@ class Derivatives {
     if (motions.cols() == 0) return ForwardStatus::singular;
     by_error.setZero();
     for (std::size_t k = 0; k < sources_.size(); ++k) {
-      const auto& [limb, source, prior] = sources_[k];
+      const std::size_t limb = sources_[k].limb;
       by_error.col(columns_[k]) = motions(rows_, static_cast<Eigen::Index>(k));
-      if (!is_joint_zero(source)) continue;
+      if (!is_joint_zero(sources_[k].source)) continue;
       by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(columns_[k]);
     }
     return found.status;

@@ -58,12 +58,15 @@ PARACAL_FIELDS(SourceSelector, source, limb)
 PARACAL_FIELDS(CommonError, text, direction, std)
 PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
 PARACAL_FIELDS(ControllerModel, evidence, source, robot)
+PARACAL_FIELDS(Discrepancies, expected, visits, poses, drives, length, tolerances)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, rotation_zero, reflectors,
-               tolerances, common, expected, plane_slope, plane_curvature, scale_std, admit_drop, tell_chance, limits,
-               states_use, fixed, free, exclude_outliers, outlier_chance, largest_chance, diagnose, controller)
-PARACAL_FIELDS(SoughtSource, limb, source, prior_std)
+               tolerances, common, expected, plane_slope, plane_curvature, scale_std, discrepancies, largest_doubt,
+               tell_chance, limits, states_use, fixed, free, exclude_outliers, outlier_chance, largest_chance, diagnose,
+               controller)
+PARACAL_FIELDS(SplineKnot, centre, spacing)
+PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)
 PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, data_share, dof, held)
-PARACAL_FIELDS(Component, text, factor, drop, chance, told)
+PARACAL_FIELDS(Component, cause, text, probability, told)
 PARACAL_FIELDS(UseQuantity, U, limit)
 PARACAL_FIELDS(Use, distance, aligned, rotation)
 PARACAL_FIELDS(NullDirection, text, direction, gauge)
@@ -81,9 +84,10 @@ PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric,
                reads_distances, rms_lengths, rms_joints, max_abs_rotation, max_orientation)
 PARACAL_FIELDS(InputFile, name, sha256)
 PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
-               noise_dof, joint_std, components, use, rank, null_space, stages, before, after, readings, distances,
-               points, lengths, suspects, frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom,
-               unit_weight_std, fit_probability, noise, orientation_noise, chance, options, files)
+               noise_dof, joint_std, visit_std, drives, drive_covariance, components, use, use_mean, rank, null_space,
+               stages, before, after, readings, distances, points, lengths, suspects, frames, set_ups, distance_bias,
+               distance_bias_std, degrees_of_freedom, unit_weight_std, fit_probability, noise, orientation_noise,
+               chance, options, files)
 PARACAL_FIELDS(Pose, position, rotation, tilt)
 PARACAL_FIELDS(Station, name, commanded, believed, stated_in)
 PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)
@@ -93,7 +97,7 @@ PARACAL_FIELDS(LengthReading, station, length, sigma)
 PARACAL_FIELDS(LengthSeries, name, kind, readings, at)
 PARACAL_FIELDS(Measurements, stations, distances, series, lengths, files, notes)
 PARACAL_FIELDS(io::RobotStatement, robot, by, line, robot_file)
-PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std)
+PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std, visit_std)
 PARACAL_FIELDS(GivenMeasurements, readings, stated, tables)
 PARACAL_FIELDS(KnownMachine, robot, known, inputs, controller)
 #undef PARACAL_FIELDS

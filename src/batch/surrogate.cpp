@@ -156,8 +156,8 @@ Surrogate::Block Surrogate::drawn_errors(const Block& normals, std::uint64_t see
   Block errors(static_cast<Eigen::Index>(errors_.size()), normals.cols());
   for (Eigen::Index m = 0; m < normals.cols(); ++m) {
     for (std::size_t k = 0; k < errors_.size(); ++k) {
-      const auto [limb, source, prior] = errors_[k];
-      const std::uint64_t number = number_of(limb, source);
+      const Source source = errors_[k].source;
+      const std::uint64_t number = number_of(errors_[k].limb, source);
       const double normal = number < reserved_
                                 ? normals(static_cast<Eigen::Index>(number), m)
                                 : RandomStream(seed, first + static_cast<std::uint64_t>(m)).normal_at(number);

@@ -50,7 +50,7 @@ io::Json error_map(const Robot& robot, const KnownErrors& known) {
   std::vector<PoseStd> spread;
   if (known.covariance.size() > 0) {
     spread = PoseSpread(robot, known.errors, known.parameters, stations)
-                 .each(known.expanded_covariance(), known.expanded_joint_std());
+                 .each(known.expanded_covariance(), known.joint_std_of_a_visit());
   }
   io::Json json = detail::map_axes(robot.workspace());
   json["coverage_factor"] = kCoverageFactor;

@@ -141,7 +141,7 @@ TEST_P(AgreementLaw, JointsThatStandElsewhereAreToldUnlessStated) {
     station.believed = believed;
   }
   EXPECT_TRUE(validate(robot, known, read).agreement->contradicts());
-  known.joint_std = backlash;
+  known.joint_std = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(robot.limb_count()), backlash);
   EXPECT_FALSE(validate(robot, known, read).agreement->contradicts());
 }
 
@@ -207,6 +207,9 @@ TEST_P(AgreementLaw, UncertaintyOfADistanceByHand) {
   known.covariance *= 100.0;
   known.noise_covariance *= 100.0;
   constexpr double kScale = 3e-5;
+  std::erase_if(known.parameters, [](const SoughtSource& one) { return one.knot.has_value(); });  // parts alone
+  known.covariance = known.covariance.topLeftCorner(std::ssize(known.parameters), std::ssize(known.parameters)).eval();
+  known.joint_std = known.visit_std = {};
   const Validation validation = validate(robot, known, read, {.scale_std = kScale});
   const std::size_t to = read.distances[2].to;
   const auto length = [&](const SourceErrors& errors) {

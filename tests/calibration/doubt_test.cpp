@@ -16,7 +16,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr double kNoise = 0.017;  // mm
-constexpr double kNever = 1e300;  // drop of a likelihood
 
 /// By a controller that knew the limbs in another order.
 Measurements of_other_limbs(const Robot& robot) {
@@ -68,7 +67,7 @@ TEST(Doubts, AnErrorIsFarOutsideItsTolerance) {
   Measurements measured = measured_machine(robot, fine_stations(robot, 9), 9, {.noise = kNoise}).measurements;
   const Robot wrong = misprinted(robot, measured);
   const CalibrationOptions options{
-      .stage = Stage::fine, .noise_is_known = true, .admit_drop = kNever, .states_use = false};
+      .stage = Stage::fine, .noise_is_known = true, .discrepancies = {.expected = false}, .states_use = false};
   EXPECT_THAT(first_reason(calibrate(wrong, measured, options)), HasSubstr("with rod_mm = "));
 }
 

@@ -60,10 +60,6 @@ TEST_F(LargeSets, ScatterAtTheAnswerIsThatOfTheRows) {
   expect_that_of_rows(settled(measured));
   state_sigma(measured, kNoise);
   expect_that_of_rows(settled(measured));
-  detail::StageFit joints = settled(measured);
-  joints.seek_joint(1e-4);
-  joints.settle();
-  expect_that_of_rows(joints);
   detail::StageFit louder = settled(measured);
   louder.observation_to_change().components().stated_noise *= 2.0;
   expect_that_of_rows(louder);

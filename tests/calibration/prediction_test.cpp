@@ -83,7 +83,7 @@ TEST_P(SpreadLaw, OfTwoPosesByHand) {
 /// Of one normal error 95 % are within 1.96 standard deviations; 1000 drawn machines know that to 3 % (one sigma).
 TEST_P(SpreadLaw, UseOfOneErrorIsItsQuantile) {
   const std::vector<PoseStd> each = spread.each(arm.covariance);
-  const Use use = spread.worst(arm);
+  const Use use = spread.worst(arm).any;
   EXPECT_NEAR(use.distance.U, 1.96 * each[1].distance, 0.1 * each[1].distance * 1.96);
   EXPECT_NEAR(use.aligned.U, 1.96 * each[1].aligned, 0.1 * each[1].aligned * 1.96);
   if (robot.slide()) {
@@ -100,7 +100,8 @@ TEST_P(SpreadLaw, JointsOfBothPosesCount) {
       joint_std * std::hypot((along * here.topRows<3>()).norm(), (along * home.topRows<3>()).norm());
   const double rotation = joint_std * std::hypot(here.row(3).norm(), home.row(3).norm());
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(1, 1);
-  const std::vector<PoseStd> each = spread.each(none, joint_std);
+  const Eigen::VectorXd all_joints = Eigen::VectorXd::Constant(here.cols(), joint_std);
+  const std::vector<PoseStd> each = spread.each(none, all_joints);
   EXPECT_NEAR(each[1].distance, distance, exactly * distance);
   EXPECT_NEAR(each[1].rotation, rotation, exactly * rotation + 1e-9);
   EXPECT_NEAR(each[0].aligned, joint_std * home.topRows<3>().norm(), exactly * each[0].aligned);
@@ -108,8 +109,8 @@ TEST_P(SpreadLaw, JointsOfBothPosesCount) {
 
   KnownErrors known = arm;
   known.covariance = none;
-  known.joint_std = joint_std;
-  const Use use = spread.worst(known);
+  known.joint_std = all_joints;
+  const Use use = spread.worst(known).mean;
   EXPECT_NEAR(use.distance.U, 1.96 * distance, 0.1 * 1.96 * distance);
   EXPECT_GT(use.aligned.U, std::max(each[0].aligned, each[1].aligned));
   if (robot.slide()) {
@@ -142,7 +143,7 @@ TEST_P(SpreadLaw, NothingIsLeftOfAMachineThatIsTurned) {
 }
 
 TEST_P(SpreadLaw, APlateThatDoesNotTurnHasNoRotationInUse) {
-  EXPECT_EQ(use_over_workspace(robot, arm).rotation.has_value(), robot.slide().has_value());
+  EXPECT_EQ(use_over_workspace(robot, arm).any.rotation.has_value(), robot.slide().has_value());
 }
 
 PARACAL_ON_EVERY_ROBOT(SpreadLaw);
@@ -153,13 +154,15 @@ TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {
   const Eigen::MatrixXd all = Eigen::Vector2d(4.0, 9.0).asDiagonal(), noise = Eigen::Vector2d(1.0, 0.0).asDiagonal();
   KnownErrors known{{}, {{0, "theta_offset"}, {1, "arm_length"}}, all, noise};
   known.noise_dof = 10.0;
-  known.joint_std = 0.3;
+  known.joint_std = Eigen::Vector2d(0.3, 0.0);
+  known.visit_std = Eigen::Vector2d(0.4, 0.2);
   const double widened = 3.0 + std::pow(2.284 / 2.0, 2);
   EXPECT_NEAR(known.expanded_covariance()(0, 0), widened, 2e-3);
   EXPECT_EQ(known.expanded_covariance()(1, 1), 9.0);
-  EXPECT_NEAR(known.expanded_joint_std(), 0.3 * 2.284 / 2.0, 1e-3);
-  // At one pose a joint that stands elsewhere is one whose zero lies elsewhere.
-  EXPECT_NEAR(known.pose_covariance()(0, 0), widened + std::pow(0.3 * 2.284 / 2.0, 2), 2e-3);
+  EXPECT_NEAR(known.joint_std_of_a_visit()(0), 0.5, 1e-12);
+  EXPECT_NEAR(known.joint_std_of_a_visit()(1), 0.2, 1e-12);
+  // At one visit a joint that stands elsewhere is one whose zero lies elsewhere.
+  EXPECT_NEAR(known.pose_covariance()(0, 0), widened + 0.25, 2e-3);
   EXPECT_EQ(known.pose_covariance()(1, 1), 9.0);
 }
 

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <utility>
 
-#include "calibration/verdict/component_candidates.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/pose_selection.hpp"
@@ -92,44 +90,27 @@ TEST_P(WrongPartLaw, IsNamedAndNoOther) {
 PARACAL_ON_EVERY_ROBOT(WrongPartLaw);
 PARACAL_ON_HEXAPODS(WrongPartLaw);
 
-/// Four brackets hold the base of this robot, and one that stands off by 5 mm is hardly told from its neighbour: then
-/// both are named, and what to do.
+/// Four brackets hold the base of this robot, and one that stands off by 12 mm is hardly told from its neighbour: it is
+/// named, or both are, and what to do.
 TEST(WrongPart, IsNamedBesideItsEqual) {
   const Robot robot = catalogue::huang2016();
-  int doubtful = 0;
+  int doubtful = 0, named = 0;
+  std::string notes;
   for (int number = 0; number < 12; ++number) {
     const auto limb = static_cast<std::size_t>(number) % 4;
     SourceErrors errors = measured_machine(robot, plan(robot), number, {}).errors;
-    shift_limb(robot, limb, 6.0 * robot.nominal().limbs[limb].radial, errors);
+    shift_limb(robot, limb, 12.0 * robot.nominal().limbs[limb].radial, errors);
     const Calibration found =
         calibrate(robot, measure(robot, errors, plan(robot), number, {.noise = kNoise}), {.states_use = false});
     for (const std::string& note : found.notes) {
-      if (note.find("would explain the readings equally well: measure the parts") == std::string::npos) continue;
+      notes += note + "\n";
+      named += note.find("of limb " + std::to_string(limb + 1) + " are") != std::string::npos ? 1 : 0;
+      if (note.find("The readings cannot tell which: measure the parts") == std::string::npos) continue;
       ++doubtful;
       EXPECT_THAT(note, HasSubstr("of limb " + std::to_string(limb + 1) + " "));
     }
   }
-  EXPECT_GT(doubtful, 0);
-}
-
-/// What is worth a fit: the three that promise most, the best of each family, parts about as good as the best of them.
-TEST(WorthTrying, IsWhatMayBeTheBest) {
-  using detail::ComponentFamily;
-  const auto candidate = [](ComponentFamily family, std::string subject, double promised) {
-    return detail::ComponentCandidate{
-        .family = family, .subject = std::move(subject), .promised = promised, .price = 1.0};
-  };
-  const std::vector<detail::ComponentCandidate> tried = detail::worth_trying(
-      {candidate(ComponentFamily::one, "far", 80.0), candidate(ComponentFamily::group, "", 200.0),
-       candidate(ComponentFamily::kind, "", 190.0), candidate(ComponentFamily::kind, "", 180.0),
-       candidate(ComponentFamily::kind, "", 170.0), candidate(ComponentFamily::one, "best", 100.0),
-       candidate(ComponentFamily::one, "near", 91.0), candidate(ComponentFamily::in_limb, "centre", 40.0),
-       candidate(ComponentFamily::one, "near", 96.0), candidate(ComponentFamily::one, "near", 95.0),
-       candidate(ComponentFamily::one, "near", 94.0), candidate(ComponentFamily::one, "near", 93.0),
-       candidate(ComponentFamily::noise, "", 2.5)});
-  std::vector<double> promises;
-  for (const detail::ComponentCandidate& one : tried) promises.push_back(one.promised);
-  EXPECT_THAT(promises, ElementsAre(200.0, 190.0, 180.0, 100.0, 96.0, 95.0, 94.0, 93.0, 40.0));
+  EXPECT_GT(doubtful + named, 6) << notes;
 }
 
 }  // namespace

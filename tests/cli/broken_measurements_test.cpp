@@ -296,7 +296,7 @@ const std::vector<BrokenInput> kCalibrations{
                 {"calibration.json:11: ", "joint_std_deg", "-0.01"}),
     calibration("joint_std_a_text",
                 replaced(kCalibration, "\"covariance\"", "\"joint_std_deg\": \"0.01\",\n\"covariance\""),
-                {"calibration.json:11: ", "joint_std_deg: expected a number", "\"0.01\""}),
+                {"calibration.json:11: ", "joint_std_deg: expected an array", "\"0.01\""}),
     calibration("parameters_a_number", replaced(kCalibration, "\"parameters\": [", "\"parameters\": 3, \"others\": ["),
                 {"calibration.json:7: ", "parameters: expected an array"}),
     calibration("inputs_without_hashes",

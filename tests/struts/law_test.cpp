@@ -315,11 +315,14 @@ TEST_P(TemplateLaw, UnevenDrivesAreToldFromNoise) {
     CalibrationOptions options;
     options.diagnose = false;
     const Calibration found = calibrate(robot, measured, options);
-    const bool told = found.joint_std > 0.0;
+    const bool told = std::ranges::any_of(found.components,
+                                          [](const Component& one) { return one.told && one.cause == Cause::motion; });
     (uneven ? told_uneven : told_even) += told ? 1 : 0;
     if (!uneven || !told) continue;
-    EXPECT_NEAR(found.joint_std * ratio, kUneven, 0.1);
-    EXPECT_THAT(found.notes, testing::Contains(HasSubstr("as joint errors would")));
+    EXPECT_NEAR(std::hypot(found.joint_std.norm(), found.visit_std.norm()) /
+                    std::sqrt(static_cast<double>(found.joint_std.size())) * ratio,
+                kUneven, 0.1);
+    EXPECT_THAT(found.notes, testing::Contains(HasSubstr("the poses differ from the model by")));
     EXPECT_THAT(found.assumed, testing::Not(testing::Contains(HasSubstr("noise includes backlash"))));
   }
   EXPECT_EQ(told_uneven, machines);
@@ -374,7 +377,7 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
     const double share = static_cast<double>(held) / numbers;
     RecordProperty(frame == Frame::robot ? "known_frame" : "unknown_frame", fmt::format("{:.4f}", share));
     EXPECT_GT(share, 0.93 - fewer);
-    EXPECT_LT(share, 0.98 + fewer);
+    EXPECT_LE(share, 0.98 + fewer);
   }
 }
 

@@ -2,6 +2,7 @@
 
 // Virtual machines whose truth the model does not hold, and what a calibration then says of them.
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,12 +25,18 @@ struct World {
   bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]
   bool wrong_part = false;    ///< one error of the position group is ten tolerances off
   // Of a carriage an angle is what it takes at the end of a rod.
-  double backlash = 0.0;  ///< rad: each joint stands this much to one side at a pose, at every visit the same
+  double backlash = 0.0;    ///< rad: each joint stands this much to one side at a pose, at every visit the same
+  double loose = 0.0;       ///< rad: one joint stands this much to one side, anew at each visit
+  double uneven = 0.0;      ///< rad, root mean square of three harmonics of each joint's stroke
+  double compliance = 0.0;  ///< mm: joints give way under the plate's weight, by this much at most
   double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley
   bool one_drive = false;            ///< the encoder of the first drive alone is so
   double warm_drives = 0.0;          ///< arms are longer, or carriages run farther, by this share, from half way on
   double sag_at_rim = 0.0;           ///< mm, proportional to the radius
+  double bow_at_rim = 0.0;           ///< mm sideways, as the square of the height: guides that are bowed
   double scale = 0.0;                ///< of the instrument, m/m
+  double drift = 0.0;                ///< mm: the instrument moves by as much from the first reading to the last
+  double wrong_pose = 0.0;           ///< mm: one pose was another, at all visits
   double noise_factor = 1.0;         ///< true noise over kWorldNoise
   bool student = false;              ///< noise has Student's t distribution of 3 degrees of freedom
   double gross_share = 0.0;          ///< of the readings have five times the noise
@@ -57,9 +64,14 @@ struct Judgement {
   int errors = 0, errors_held = 0;            ///< identified errors, and those whose 95 % interval holds the truth
   int distances = 0, distances_held = 0;      ///< to home, at the other poses
   std::vector<double> largest_distance_error = {}, largest_U = {};  ///< of each accepted machine, mm
-  std::vector<double> U_over_oracle = {};  ///< largest U of a distance over that of a fit that was told the truth
-  int use_exceeded = 0;                    ///< machines somewhere off by more than U over the workspace
-  std::vector<std::string> notes = {};     ///< all of them
+  /// Largest U of a distance, of the mean of many visits and of a single one, over that of a fit that was told the
+  /// truth.
+  std::vector<double> U_over_oracle = {}, use_over_oracle = {};
+  /// Machines whose mean place, or a single visit, is somewhere off by more than U over the workspace: distance,
+  /// aligned position, rotation.
+  std::array<int, 3> use_exceeded = {}, visit_exceeded = {};
+  int visits_held = 0;                  ///< distances of single visits
+  std::vector<std::string> notes = {};  ///< all of them
 
   double error_coverage() const { return errors == 0 ? 1.0 : static_cast<double>(errors_held) / errors; }
   double distance_coverage() const { return distances == 0 ? 1.0 : static_cast<double>(distances_held) / distances; }

@@ -3,6 +3,7 @@
 export type Vector = [number, number, number];
 export type Interval = [number, number];
 export type Assumed = string[];
+export type JointStd = number[];
 export type Residual = DistanceResidual | HeightResidual | BallBarResidual | DialResidual | PointResidual;
 export type RotationMatrix = [Vector, Vector, Vector];
 export type InputFiles = InputFile[];
@@ -132,17 +133,22 @@ export interface Calibration {
   verdict: "accepted" | "rejected" | "not identifiable" | "not converged";
   reasons: string[];
   use: Use | null;
+  use_mean: Use | null;
   notes: string[];
   assumed: Assumed;
-  components: Component[];
+  components: Cause[];
   robot: Robot;
   controller: CommandingController;
   parameters: Parameter[];
   covariance: number[][] | null;
   covariance_of_noise: number[][] | null;
   noise_dof: number | null;
-  joint_std_deg?: number;
-  joint_std_mm?: number;
+  joint_std_deg?: JointStd;
+  joint_std_mm?: JointStd;
+  visit_std_deg?: JointStd;
+  visit_std_mm?: JointStd;
+  drives: SplineOfADrive[];
+  drive_covariance: number[][] | null;
   correlations: Correlation[];
   coverage_factor: number;
   rank: number;
@@ -180,10 +186,10 @@ export interface UseQuantity {
   limit: number | null;
   verdict: "kept" | "not kept" | null;
 }
-export interface Component {
+export interface Cause {
+  cause: "visits" | "motion" | "parts" | "pose" | "noise";
   text: string;
-  drop: number;
-  chance: number;
+  probability: number;
   told: boolean;
 }
 export interface CommandingController {
@@ -204,6 +210,12 @@ export interface Parameter {
   prior_std: number | null;
   expected: number;
   data_share: number;
+}
+export interface SplineOfADrive {
+  limb: number;
+  unit: "deg" | "mm";
+  centre: number;
+  spacing: number;
 }
 export interface Correlation {
   one: string;

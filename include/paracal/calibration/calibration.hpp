@@ -91,6 +91,19 @@ struct AcceptanceLimits {
   bool any() const { return distance || volumetric || rotation; }
 };
 
+/// What a machine does beyond its geometry, as expected before any reading: scales of half-Cauchy distributions of the
+/// standard deviations, mm at the plate (root mean square over poses and coordinates), and of factors of tolerances, at
+/// least 1.
+/// Method best, fine stage, estimates each and averages over what the readings leave open.
+struct Discrepancies {
+  bool expected = true;     ///< false: the machine is its geometry, as a controller's parameters have it
+  double visits = 0.001;    ///< each joint stops elsewhere at each visit: repeatability
+  double poses = 0.0003;    ///< and elsewhere at each pose, the same at each visit: friction, load, backlash
+  double drives = 0.01;     ///< of drives that are uneven along their stroke
+  double length = 0.15;     ///< over which a drive's error changes, as a share of its stroke
+  double tolerances = 0.3;  ///< mean logarithm of what parts of a group are over their tolerances
+};
+
 struct CalibrationOptions {
   Method method = Method::best;
   Stage stage = Stage::automatic;
@@ -113,10 +126,9 @@ struct CalibrationOptions {
   /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 15 ppm: 1.3 K of steel, 0.65 K
   /// of aluminium.
   double scale_std = 1.5e-5;
-  /// A component of variance (see Component) enters the uncertainty if -2 log likelihood drops by this much more
-  /// than expected from the number of components tried. 4: one machine in 50 without any gets one.
-  double admit_drop = 4.0;
-  double tell_chance = 1e-3;               ///< it becomes a note if its p-value is below this
+  Discrepancies discrepancies = {};        ///< by how much the machine may differ from its geometry
+  double largest_doubt = 0.05;             ///< a cause is named if the probability of any other is smaller
+  double tell_chance = 1e-3;               ///< a test's result becomes a note if its p-value is below this
   AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
   bool states_use = true;                  ///< compute U over the workspace; batches of machines do not need it
   std::vector<SourceSelector> fixed = {};  ///< fixed at zero: known exactly
@@ -130,11 +142,20 @@ struct CalibrationOptions {
   ControllerModel controller = {};
 };
 
+/// A cubic B-spline over a joint coordinate: 2/3 at its centre, none beyond two spacings.
+struct SplineKnot {
+  double centre = 0.0, spacing = 1.0;  ///< rad or mm
+
+  double at(double joint) const;
+};
+
 /// One geometric error that a fit estimates. Without a prior the readings alone decide.
 struct SoughtSource {
   std::size_t limb = 0;  ///< from 0
   Source source = "theta_offset";
   std::optional<double> prior_std = {};  ///< mm or rad
+  /// An error of the drive instead: its zero is off where this spline is above zero, and as far as it is.
+  std::optional<SplineKnot> knot = {};
 };
 
 enum class Verdict : std::uint8_t {
@@ -172,13 +193,21 @@ struct ParameterEstimate {
   double coverage() const { return coverage_factor(dof); }
 };
 
-/// A variance that the readings themselves show: what the noise, the tolerances and the exact model do not explain.
+/// What does not do as the model has it.
+enum class Cause : std::uint8_t {
+  visits,  ///< joints that stop elsewhere at each visit
+  motion,  ///< joints that stop elsewhere at each pose, or drives that are uneven
+  parts,   ///< errors outside their tolerances
+  pose,    ///< a pose that was not what was commanded
+  noise,   ///< an instrument whose noise is not as stated
+};
+
+/// A cause of what noise, tolerances and the exact geometry do not explain. No uncertainty depends on its name.
 struct Component {
-  std::string text;     ///< a sentence with its size
-  double factor = 1.0;  ///< of the standard deviations that it widens; of joints: their standard deviation, rad or mm
-  double drop = 0.0;    ///< of -2 log likelihood, less what the number of components tried costs
-  double chance = 1.0;  ///< p-value
-  bool told = false;    ///< certain enough for a note
+  Cause cause = Cause::motion;
+  std::string text;          ///< a sentence with its size
+  double probability = 0.0;  ///< after the readings
+  bool told = false;         ///< certain enough for a note
 };
 
 /// U of one quantity over the workspace: 95 % of such machines have smaller errors everywhere.
@@ -283,10 +312,16 @@ struct [[nodiscard]] Calibration {
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
   /// Degrees of freedom that estimate the noise; infinite where it is known.
   double noise_dof = std::numeric_limits<double>::infinity();
-  /// Standard deviation of the joint errors, independent at each pose, rad or mm.
-  double joint_std = 0.0;
-  std::vector<Component> components = {};  ///< in the order in which they were found
-  std::optional<Use> use = {};             ///< empty where no covariance could be stated
+  /// Standard deviation of what each joint is off at each pose, the same at each visit, rad or mm; empty: not
+  /// estimated.
+  Eigen::VectorXd joint_std = {};
+  Eigen::VectorXd visit_std = {};         ///< likewise, anew at each visit: repeatability
+  std::vector<SoughtSource> drives = {};  ///< how drives may be uneven: splines along each joint
+  /// Mean squares of the splines' sizes, mm and rad, with the parameters' errors and among themselves: a row each.
+  Eigen::MatrixXd drive_covariance = {};
+  std::vector<Component> components = {};  ///< causes, the most probable first
+  std::optional<Use> use = {};             ///< of any single visit; empty where no covariance could be stated
+  std::optional<Use> use_mean = {};        ///< of the mean of many visits
   int rank = 0;                            ///< of the position group (and of the tilt group where tilt was measured)
   std::vector<NullDirection> null_space = {};
   std::vector<StageReport> stages = {};

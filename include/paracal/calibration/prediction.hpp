@@ -16,22 +16,26 @@ namespace paracal {
 /// or a plan.
 struct KnownErrors {
   SourceErrors errors;
-  std::vector<SoughtSource> parameters;
+  std::vector<SoughtSource> parameters;   ///< then the splines of drives, whose errors have mean squares, not means
   Eigen::MatrixXd covariance;             ///< of the parameters, mm and rad
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
-  double joint_std = 0.0;                                      ///< of independent joint errors at each pose, rad or mm
+  /// Of what each joint is off at each pose, the same at each visit, and anew at each visit, rad or mm; empty: none.
+  Eigen::VectorXd joint_std = {}, visit_std = {};
 
   /// C + ((k / 2)^2 - 1) C_noise: U = 2 std by this covariance. Student's k for the degrees of freedom multiplies the
   /// noise's part alone, for tolerances and what is known need none; a little more than Welch and Satterthwaite state.
   Eigen::MatrixXd expanded_covariance() const;
-  /// The same for a single pose, where a joint error acts as an error of its zero.
+  /// The same for a single visit of a pose, where a joint error acts as an error of its zero.
   Eigen::MatrixXd pose_covariance() const;
-  /// expanded_covariance() of the joints' standard deviation.
-  double expanded_joint_std() const;
+  /// Standard deviations of the joints at a single visit; of the mean of many visits: joint_std.
+  Eigen::VectorXd joint_std_of_a_visit() const;
 };
 
 KnownErrors known_errors(const Calibration& calibration);
+
+/// Adds the splines of drives behind the parameters (Calibration::drives, drive_covariance).
+void add_drives(const std::vector<SoughtSource>& drives, const Eigen::MatrixXd& covariance, KnownErrors& known);
 
 /// What planned readings would determine of a machine whose errors are within their tolerances: zero errors with the
 /// covariance after measuring as planned. Readings that state no sigma weigh as options.noise says.
@@ -59,9 +63,14 @@ std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& mach
                                                              const std::vector<SoughtSource>& parameters,
                                                              const Eigen::MatrixXd& covariance);
 
-/// Uncertainty of a calibrated machine over its workspace_stations().
-/// @throws Unreachable when it does not reach them.
-Use use_over_workspace(const Robot& robot, const KnownErrors& known);
+/// Uncertainties of a calibrated machine at any single visit, and of the mean of many.
+struct UseOfVisits {
+  Use any, mean;
+};
+
+/// Over the workspace_stations().
+/// @throws Unreachable when the machine does not reach them.
+UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known);
 
 /// Of what is commanded, as pose_jacobian() has it: (4, 4) of x, y, z, phi, or (6, 6) of x, y, z, tilt; mm and rad.
 using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
@@ -97,15 +106,20 @@ class PoseSpread {
 
   WorkspaceUncertainty uncertainty(const Eigen::MatrixXd& covariance) const;
   /// At every pose; home has no distance and no rotation.
-  /// @param joint_std  of independent joint errors at each pose, rad or mm.
-  std::vector<PoseStd> each(const Eigen::MatrixXd& covariance, double joint_std = 0.0) const;
+  /// @param joint_std  of independent errors of each joint at each pose, rad or mm; empty: none.
+  std::vector<PoseStd> each(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& joint_std = {}) const;
   /// What 95 % of the machines with these uncertainties nowhere exceed, from drawn machines; limits are left open. The
   /// same numbers for the same arguments.
-  Use worst(const KnownErrors& known) const;
+  UseOfVisits worst(const KnownErrors& known) const;
   /// B with tr(B C) = mean over the poses of the variance of the aligned position and of `lever` x rotation, mm^2.
   Eigen::MatrixXd mean_square(double lever) const;
 
  private:
+  struct Spread {
+    Eigen::MatrixXd distances, aligned, rotations;  ///< a column a machine
+  };
+  /// With joints that are off at each pose.
+  Use worst_of(Spread machines, const Eigen::VectorXd& joint_std) const;
   Eigen::Index turn_rows() const { return rotation_joint_.rows() / (position_joint_.rows() / 3); }
 
   // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home: one of phi, or three of

@@ -97,9 +97,11 @@ struct CalibratedMachine {
   Eigen::MatrixXd covariance = {};                 ///< of these, mm and rad; empty if not stated
   Eigen::MatrixXd noise_covariance = {};           ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
-  double joint_std = 0.0;                                      ///< as Calibration::joint_std, rad or mm
-  std::vector<InputFile> inputs = {};                          ///< of the calibration
-  ControllerModel controller = {};                             ///< computed joints from its commanded poses
+  Eigen::VectorXd joint_std = {}, visit_std = {};              ///< as in Calibration, rad or mm
+  std::vector<SoughtSource> drives = {};                       ///< likewise
+  Eigen::MatrixXd drive_covariance = {};
+  std::vector<InputFile> inputs = {};  ///< of the calibration
+  ControllerModel controller = {};     ///< computed joints from its commanded poses
 
   /// Input of predictions; no parameters if no covariance is stated.
   KnownErrors known() const;

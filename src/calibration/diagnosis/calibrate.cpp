@@ -39,8 +39,8 @@ bool is_far_from_nominal(const ParameterEstimate& parameter) {
 }
 
 /// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
-/// machine.
-bool is_strange(const Component& component) { return component.told; }
+/// machine. Visits that do not repeat are none of what was written wrong.
+bool is_strange(const Component& component) { return component.told && component.cause != Cause::visits; }
 
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
   return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||
@@ -50,7 +50,9 @@ bool is_doubtful(const Calibration& calibration, const Measurements& measurement
 
 /// The machine that was found explains what the readings show, if with parts out of their tolerances.
 bool is_explained(const Calibration& calibration, const Diagnosis& diagnosis) {
-  return calibration.accepted() && calibration.joint_std == 0.0 && calibration.noise <= diagnosis.largest_noise;
+  const bool moves = std::ranges::any_of(calibration.components,
+                                         [](const Component& one) { return one.told && one.cause == Cause::motion; });
+  return calibration.accepted() && !moves && calibration.noise <= diagnosis.largest_noise;
 }
 
 /// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains. Nor

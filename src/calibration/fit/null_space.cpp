@@ -187,9 +187,10 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     add(std::move(motion.text), scaled);
   }
   for (const Eigen::Index k : alone) {
-    const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
-    directions.push_back({fmt::format("{} of limb {} (it changes none of these readings)", name(source), limb + 1),
-                          Eigen::VectorXd::Unit(all.rows(), k), false});
+    const SoughtSource& one = parameters[static_cast<std::size_t>(k)];
+    directions.push_back(
+        {fmt::format("{} of limb {} (it changes none of these readings)", name(one.source), one.limb + 1),
+         Eigen::VectorXd::Unit(all.rows(), k), false});
   }
   const Eigen::MatrixXd rest =
       orthonormal(all - explained * (explained.transpose() * all), all.cols() - explained.cols());

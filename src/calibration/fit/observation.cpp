@@ -151,6 +151,7 @@ void Observation::keep_nominal_derivative() {
 SourceErrors Observation::errors(const Eigen::VectorXd& unknowns) const {
   SourceErrors errors = held_;
   for (std::size_t k = 0; k < sought_.size(); ++k) {
+    if (sought_[k].knot) continue;  // moves the joints of some poses, not a part
     errors(sought_[k].limb, sought_[k].source) = unknowns(nuisance_count_ + static_cast<Eigen::Index>(k));
   }
   return errors;
@@ -161,6 +162,7 @@ std::optional<Eigen::VectorXd> Observation::start(const SourceErrors& errors) {
   last_stations_.reset();
   Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(unknown_count());
   for (std::size_t k = 0; k < sought_.size(); ++k) {
+    if (sought_[k].knot) continue;
     unknowns(nuisance_count_ + static_cast<Eigen::Index>(k)) = errors(sought_[k].limb, sought_[k].source);
   }
   const auto states = stations(unknowns);

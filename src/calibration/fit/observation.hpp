@@ -29,24 +29,8 @@ struct VarianceComponents {
   double stated_noise = 1.0;    ///< factor of those that were stated
   /// Factor of the standard deviations of orientations over that of the positions beside them, where neither is stated.
   double orientation_noise = 1.0;
-  /// Standard deviation of where each joint stands at each station from where the model has it, the same at every visit
-  /// (backlash, friction, load, an encoder that is not round), rad or mm; 0: the model is right at every pose.
-  double joint = 0.0;
 
   bool operator==(const VarianceComponents&) const = default;
-};
-
-/// The rows [H | J | r] of the active readings of one station whose joints may be off by dq ~ N(0, s^2): H by dq, J by
-/// the unknowns. Seen without dq they have covariance V = I + s^2 H H^T, and
-///
-///   V^-1 = I - H P H^T,   P = (H^T H + I / s^2)^-1,   dq = -P H^T r.
-struct StationRows {
-  std::vector<std::size_t> groups;  ///< whose rows these are, in order
-  std::vector<Eigen::Index> first;  ///< row of each
-  Eigen::MatrixXd by_joint;         ///< H
-  Eigen::MatrixXd rows;             ///< [J | r]
-  Eigen::MatrixXd smoother;         ///< P H^T
-  Eigen::MatrixXd spread;           ///< P
 };
 
 /// All readings as a function of the unknowns
@@ -65,6 +49,8 @@ class Observation {
   Eigen::Index unknown_count() const { return nuisance_count_ + source_count(); }
   Eigen::Index source_count() const { return static_cast<Eigen::Index>(sought_.size()); }
   const std::vector<SoughtSource>& sought() const { return sought_; }
+  /// As commanded, at every station.
+  const std::vector<Joints>& joints() const { return joints_; }
   std::vector<Group>& groups() { return groups_; }
   const std::vector<Group>& groups() const { return groups_; }
   VarianceComponents& components() { return components_; }
@@ -76,10 +62,10 @@ class Observation {
   /// Derivatives at the nominal machine whatever the unknowns: the paper's chord method.
   void keep_nominal_derivative();
 
-  /// Keeps H of every reading as it is there, so that V does not change while a fit is on its way: with it the sum of
-  /// squares would, against which no step that is right descends.
-  void hold_joint_rows(const Eigen::VectorXd& unknowns);
-  void release_joint_rows() { held_by_joint_.clear(); }
+  /// Standard deviation of where each joint stands at each station from where the model has it, the same at every
+  /// visit, rad or mm; no entries: the model is right at every pose.
+  void let_joints_err(Eigen::VectorXd std) { joint_std_ = std::move(std); }
+  const Eigen::VectorXd& joint_std() const { return joint_std_; }
 
   /// Unknowns with these source errors, and the nuisance that then fits best; empty when the machine does not close.
   std::optional<Eigen::VectorXd> start(const SourceErrors& errors);
@@ -93,26 +79,20 @@ class Observation {
   const StationMotions& motions_of(std::size_t station, const StationState& state, StationMotions& fresh) const;
 
   /// Rows [J | r] of one reading, r = predicted - measured, divided by the standard deviations. `block` is resized.
-  /// @param by_joint  where not null: H, the same by the joint coordinates of the station where it was taken.
+  /// @param by_joint  where not null: H, the same by the joint coordinates of the station where it was taken; of a
+  /// relative reading then by those of the station that it is relative to.
   void rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
             Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint = nullptr) const;
-  /// Readings of a station that are not relative to another, together; of no rows where it has none in use. Only while
-  /// joints may be off.
-  StationRows station_rows(std::size_t station, const std::vector<StationState>& stations,
-                           const Eigen::VectorXd& unknowns) const;
   /// Readings (by their places among the groups) at a station that are not relative to another.
   const std::vector<std::vector<std::uint32_t>>& groups_of_stations() const { return at_station_; }
-  /// Adds the rows of all active readings, each station's whitened by V; false where the machine does not close.
+  /// Adds the rows of all active readings; false where the machine does not close. Where joints may be off by dq ~ N(0,
+  /// S^2), those of each station together, whitened by V = I + H S^2 H^T.
   bool operator()(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
-  /// Calls look(place of the group, rows [J - H P H^T J_s | r - H P H^T r_s], own) for every reading, in use or not:
-  /// the rows less what the other readings of its station say of the joints, s: those in use; own: its part of V^-1, or
-  /// I + H P H^T when it is not in use. Without joint effects: [J | r] and I.
+  /// Calls look(place of the group, rows [J | r]) for every reading, in use or not.
   void check_each(const Eigen::VectorXd& unknowns,
-                  const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
-  /// Variances of a reading's rows when the joints may be off by this standard deviation, in units of its own noise.
-  Eigen::VectorXd widening(const Group& group, const Placed& at, double joint_std) const;
-  /// log det V of all active readings, in units of the standard deviations before any factor.
-  double log_determinant(const Eigen::VectorXd& unknowns) const;
+                  const std::function<void(std::size_t, const Eigen::MatrixXd&)>& look) const;
+  /// Variances of a reading's rows when the joints may be off by these standard deviations, in units of its own noise.
+  Eigen::VectorXd widening(const Group& group, const Placed& at, const Eigen::VectorXd& joint_std) const;
 
   /// Places of the scales of instruments among the unknowns.
   std::vector<Eigen::Index> scale_columns() const;
@@ -145,12 +125,13 @@ class Observation {
   void list_stations();
   /// Variances of a reading's rows when the joints may be off, over those when they are not.
   Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations, const ByPlate& by_plate,
-                           double joint_std) const;
+                           const Eigen::VectorXd& joint_std) const;
   /// Rows by the joints of a station.
   Eigen::MatrixXd by_joints(const Group& group, const ByPlate& by_plate, const StationMotions& motions) const;
-  void check_station(
-      std::size_t station, const std::vector<StationState>& states, const Eigen::VectorXd& unknowns,
-      const std::function<void(std::size_t, const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& look) const;
+  /// Rows [J | r] of the active readings of one station that are not relative to another, whitened by V; none where it
+  /// has none in use.
+  Eigen::MatrixXd whitened_rows(std::size_t station, const std::vector<StationState>& stations,
+                                const Eigen::VectorXd& unknowns) const;
   StationState state_of(const Machine& machine, const PlateState& plate, std::size_t station) const;
   /// @returns motions of no columns where the machine is singular.
   StationMotions motions_at(const StationState& state, std::size_t station) const;
@@ -177,7 +158,7 @@ class Observation {
   std::vector<std::vector<std::uint32_t>> at_station_;
   Eigen::MatrixXd common_prior_;  ///< W, W^T W the inverse prior covariance of the sought errors, where they share some
   std::vector<StationState> nominal_;
-  std::vector<Eigen::MatrixXd> held_by_joint_;  ///< of every reading; empty: H where the unknowns are
+  Eigen::VectorXd joint_std_;  ///< empty: none
   Eigen::Index nuisance_count_ = 0;
   VarianceComponents components_;
   mutable Eigen::VectorXd last_sources_;

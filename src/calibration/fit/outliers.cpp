@@ -63,12 +63,13 @@ std::vector<Contradiction> contradictions(const Observation& observation, const 
   std::vector<Contradiction> all;
   const Eigen::Index n = observation.unknown_count();
   const GivingWay priors(observation, unknowns, covariance);
-  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block, const Eigen::MatrixXd& own) {
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block) {
     const bool active = observation.groups()[g].active;
     const int rows = static_cast<int>(block.rows());
     const Eigen::MatrixXd jacobian = block.leftCols(n);
     const SmallVector residual = block.col(n);
     const double sign = active ? -1.0 : 1.0;
+    const SmallSquare own = SmallSquare::Identity(rows, rows);
     const SmallSquare inverse = checked_inverse(own + sign * jacobian * covariance * jacobian.transpose());
     const Scatter rest = active ? priors.rest(scatter, jacobian, inverse, residual) : scatter;
     const bool told = rest.redundancy >= 1.0;  // else nothing tells how much good readings scatter
@@ -85,11 +86,11 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
   constexpr double kUncheckable = 1e-3;  // of a reading's rows
   std::vector<double> sizes(observation.groups().size(), 0.0), active;
   const Eigen::Index n = observation.unknown_count();
-  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block, const Eigen::MatrixXd& own) {
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& block) {
     const Group& group = observation.groups()[g];
     if (!group.active) return;
-    const double redundancy = own.trace() - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
     const auto rows = static_cast<double>(block.rows());
+    const double redundancy = rows - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
     sizes[g] = std::sqrt(block.col(n).squaredNorm() / group.weight / std::max(redundancy, kUncheckable * rows));
     active.push_back(sizes[g]);
   });

@@ -63,6 +63,12 @@ Eigen::MatrixXd lengths(const Eigen::MatrixXd& vectors, Eigen::Index rows) {
 
 }  // namespace
 
+double SplineKnot::at(double joint) const {
+  const double x = std::abs(joint - centre) / spacing;
+  if (x >= 2.0) return 0.0;
+  return x < 1.0 ? 2.0 / 3.0 - x * x * (1.0 - 0.5 * x) : std::pow(2.0 - x, 3) / 6.0;
+}
+
 double coverage_factor(double dof) {
   constexpr double kEachTail = 0.02275;  // of a standard normal variable beyond 2
   constexpr double kMany = 1e6;
@@ -73,26 +79,47 @@ double coverage_factor(double dof) {
 Eigen::MatrixXd KnownErrors::expanded_covariance() const {
   if (noise_covariance.size() == 0) return covariance;
   const double wider = std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0;
-  return covariance + wider * noise_covariance;
+  Eigen::MatrixXd expanded = covariance;
+  expanded.topLeftCorner(noise_covariance.rows(), noise_covariance.cols()) += wider * noise_covariance;
+  return expanded;
+}
+
+Eigen::VectorXd KnownErrors::joint_std_of_a_visit() const {
+  if (visit_std.size() == 0) return joint_std;
+  return joint_std.size() == 0 ? visit_std : (joint_std.cwiseAbs2() + visit_std.cwiseAbs2()).cwiseSqrt();
 }
 
 Eigen::MatrixXd KnownErrors::pose_covariance() const {
   Eigen::MatrixXd all = expanded_covariance();
-  for (std::size_t k = 0; all.size() > 0 && k < parameters.size(); ++k) {
+  const Eigen::VectorXd joints = joint_std_of_a_visit();
+  for (std::size_t k = 0; joints.size() > 0 && all.size() > 0 && k < parameters.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    if (is_joint_zero(parameters[k].source)) all(at, at) += std::pow(expanded_joint_std(), 2);
+    if (parameters[k].knot || !is_joint_zero(parameters[k].source)) continue;
+    all(at, at) += std::pow(joints(static_cast<Eigen::Index>(parameters[k].limb)), 2);
   }
   return all;
 }
 
-double KnownErrors::expanded_joint_std() const { return joint_std * coverage_factor(noise_dof) / kCoverageFactor; }
-
 KnownErrors known_errors(const Calibration& calibration) {
-  KnownErrors known{calibration.errors(),   {},
-                    calibration.covariance, calibration.noise_covariance,
-                    calibration.noise_dof,  calibration.joint_std};
+  KnownErrors known{.errors = calibration.errors(),
+                    .parameters = {},
+                    .covariance = calibration.covariance,
+                    .noise_covariance = calibration.noise_covariance,
+                    .noise_dof = calibration.noise_dof,
+                    .joint_std = calibration.joint_std,
+                    .visit_std = calibration.visit_std};
   for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
+  add_drives(calibration.drives, calibration.drive_covariance, known);
   return known;
+}
+
+void add_drives(const std::vector<SoughtSource>& drives, const Eigen::MatrixXd& covariance, KnownErrors& known) {
+  if (drives.empty() || known.covariance.size() == 0) return;
+  const Eigen::Index n = known.covariance.rows(), more = covariance.rows();
+  known.parameters.insert(known.parameters.end(), drives.begin(), drives.end());
+  known.covariance.conservativeResize(n + more, n + more);
+  known.covariance.bottomRows(more) = covariance;
+  known.covariance.topRightCorner(n, more) = covariance.leftCols(n).transpose();
 }
 
 KnownErrors promised(const Robot& robot, const Measurements& given, const CalibrationOptions& options) {
@@ -113,8 +140,10 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
   const ExactJacobian exact = exact_jacobian(machine, plate, joints);
   PlateMotions motions(7, exact.ok ? static_cast<Eigen::Index>(parameters.size()) : 0);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
-    const auto& [limb, source, prior] = parameters[static_cast<std::size_t>(k)];
-    const auto sensitivity = exact.plate.col(static_cast<Eigen::Index>(machine.parameter(limb, source)));
+    const SoughtSource& one = parameters[static_cast<std::size_t>(k)];
+    const double share = one.knot ? one.knot->at(joints(static_cast<Eigen::Index>(one.limb))) : 1.0;
+    const Eigen::VectorXd sensitivity =
+        share * exact.plate.col(static_cast<Eigen::Index>(machine.parameter(one.limb, one.source)));
     motions.col(k).head<3>() = sensitivity.head<3>();
     motions(3, k) = machine.has_slide() ? machine.rotation_of(sensitivity(3)) : 0.0;
     motions.col(k).tail<3>() = sensitivity.tail<3>();
@@ -194,55 +223,74 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   }
 }
 
-std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance, double joint_std) const {
+std::vector<PoseStd> PoseSpread::each(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& joint_std) const {
   const Eigen::VectorXd distance = variances(distance_, covariance), aligned = variances(aligned_, covariance),
                         turn = variances(rotation_, covariance);
-  const double joint = joint_std * joint_std;
+  const Eigen::VectorXd joints =
+      joint_std.size() > 0 ? joint_std : Eigen::VectorXd(Eigen::VectorXd::Zero(position_joint_.cols()));
+  const auto squares = [&](const auto& rows) { return (rows * joints.asDiagonal()).squaredNorm(); };
   const Eigen::Index turns = turn_rows();
   std::vector<PoseStd> poses(static_cast<std::size_t>(aligned.size() / 3));
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    poses[k].aligned =
-        std::sqrt(aligned.segment<3>(3 * row).sum() + joint * position_joint_.middleRows<3>(3 * row).squaredNorm());
+    poses[k].aligned = std::sqrt(aligned.segment<3>(3 * row).sum() + squares(position_joint_.middleRows<3>(3 * row)));
     if (k == 0) continue;
-    poses[k].distance = std::sqrt(distance(row - 1) + joint * (distance_joint_.row(row - 1).squaredNorm() +
-                                                               home_distance_joint_.row(row - 1).squaredNorm()));
-    poses[k].rotation = std::sqrt(turn.segment(turns * (row - 1), turns).sum() +
-                                  joint * (rotation_joint_.middleRows(turns * row, turns).squaredNorm() +
-                                           rotation_joint_.topRows(turns).squaredNorm()));
+    poses[k].distance = std::sqrt(distance(row - 1) + squares(distance_joint_.row(row - 1)) +
+                                  squares(home_distance_joint_.row(row - 1)));
+    poses[k].rotation =
+        std::sqrt(turn.segment(turns * (row - 1), turns).sum() +
+                  squares(rotation_joint_.middleRows(turns * row, turns)) + squares(rotation_joint_.topRows(turns)));
   }
   return poses;
 }
 
-Use PoseSpread::worst(const KnownErrors& known) const {
+Use PoseSpread::worst_of(Spread machines, const Eigen::VectorXd& joint_std) const {
+  // Drawn once and dealt out anew to each machine and pose: drawing as many as there are poses would cost more than all
+  // else. A prime number of them, so that they meet the poses in turn.
+  constexpr Eigen::Index kPool = 4099, kStride = 1787;
+  constexpr std::uint64_t kSeed = 96;
+  const Eigen::Index poses = aligned_.rows() / 3, turns = turn_rows(), joints = joint_std.size();
+  if (joints > 0 && joint_std.maxCoeff() > 0.0) {
+    RandomStream random(kSeed);
+    const Eigen::MatrixXd pool =
+        joint_std.asDiagonal() * Eigen::MatrixXd::NullaryExpr(joints, kPool, [&] { return random.normal(); });
+    Eigen::MatrixXd off(joints, poses);
+    for (Eigen::Index machine = 0; machine < machines.aligned.cols(); ++machine) {
+      for (Eigen::Index k = 0; k < poses; ++k) off.col(k) = pool.col((machine * poses + k) * kStride % kPool);
+      for (Eigen::Index k = 0; k < poses; ++k) {
+        machines.aligned.col(machine).segment<3>(3 * k) += position_joint_.middleRows<3>(3 * k) * off.col(k);
+        if (k == 0) continue;
+        machines.distances(k - 1, machine) +=
+            distance_joint_.row(k - 1).dot(off.col(k)) - home_distance_joint_.row(k - 1).dot(off.col(0));
+        machines.rotations.col(machine).segment(turns * (k - 1), turns) +=
+            rotation_joint_.middleRows(turns * k, turns) * off.col(k) - rotation_joint_.topRows(turns) * off.col(0);
+      }
+    }
+  }
+  return {.distance = {exceeded_by_a_twentieth(machines.distances)},
+          .aligned = {exceeded_by_a_twentieth(lengths(machines.aligned, 3))},
+          .rotation = UseQuantity{exceeded_by_a_twentieth(lengths(machines.rotations, turns))}};
+}
+
+UseOfVisits PoseSpread::worst(const KnownErrors& known) const {
   constexpr Eigen::Index kMachines = 1000;
   constexpr std::uint64_t kSeed = 95;
   RandomStream random(kSeed);
-  const auto normal = [&] { return random.normal(); };
   const Eigen::MatrixXd root = detail::square_root(known.expanded_covariance());
-  const Eigen::MatrixXd errors = root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, normal);
-  Eigen::MatrixXd distances = distance_ * errors, aligned = aligned_ * errors, rotations = rotation_ * errors;
-  const double joint_std = known.expanded_joint_std();
-  const Eigen::Index poses = aligned_.rows() / 3, turns = turn_rows();
-  for (Eigen::Index machine = 0; joint_std > 0.0 && machine < kMachines; ++machine) {
-    const Eigen::MatrixXd joints = joint_std * Eigen::MatrixXd::NullaryExpr(position_joint_.cols(), poses, normal);
-    for (Eigen::Index k = 0; k < poses; ++k) {
-      aligned.col(machine).segment<3>(3 * k) += position_joint_.middleRows<3>(3 * k) * joints.col(k);
-      if (k == 0) continue;
-      distances(k - 1, machine) +=
-          distance_joint_.row(k - 1).dot(joints.col(k)) - home_distance_joint_.row(k - 1).dot(joints.col(0));
-      rotations.col(machine).segment(turns * (k - 1), turns) +=
-          rotation_joint_.middleRows(turns * k, turns) * joints.col(k) - rotation_joint_.topRows(turns) * joints.col(0);
-    }
-  }
-  return {.distance = {exceeded_by_a_twentieth(distances)},
-          .aligned = {exceeded_by_a_twentieth(lengths(aligned, 3))},
-          .rotation = UseQuantity{exceeded_by_a_twentieth(lengths(rotations, turns))}};
+  const Eigen::MatrixXd errors =
+      root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, [&] { return random.normal(); });
+  const Spread machines{distance_ * errors, aligned_ * errors, rotation_ * errors};
+  UseOfVisits use{.any = {}, .mean = worst_of(machines, known.joint_std)};
+  use.any = known.visit_std.size() > 0 ? worst_of(machines, known.joint_std_of_a_visit()) : use.mean;
+  return use;
 }
 
-Use use_over_workspace(const Robot& robot, const KnownErrors& known) {
-  Use use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
-  if (!robot.slide() && !robot.commands_tilt()) use.rotation.reset();
+UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known) {
+  UseOfVisits use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
+  if (!robot.slide() && !robot.commands_tilt()) {
+    use.any.rotation.reset();
+    use.mean.rotation.reset();
+  }
   return use;
 }
 

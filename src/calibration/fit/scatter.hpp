@@ -9,10 +9,11 @@ namespace paracal::detail {
 /// How much readings scatter about a fit, and how much they should: `sum` of weighted squared residuals, and the
 /// `redundancy` that it is expected to equal when the sigmas are right,
 ///
-///   tr T - tr(T J C J^T T) = tr T - |R_u R^-1|^2,   T = V^-1 (I without joint effects),
+///   n - tr(J C J^T) = n - |R_u R^-1|^2
 ///
-/// with C the covariance of all unknowns, priors included, R its root and R_u the root of the checked rows alone.
-/// Priors do not count as readings: parameters smaller than their tolerances must not make the readings look better.
+/// of n rows, with C the covariance of all unknowns, priors included, R its root and R_u the root of the checked rows
+/// alone. Priors do not count as readings: parameters smaller than their tolerances must not make the readings look
+/// better.
 struct Scatter {
   double sum = 0.0;
   double redundancy = 0.0;
@@ -25,13 +26,13 @@ Scatter scatter_of_rows(const Observation& observation, const Eigen::VectorXd& u
                         Choice&& chosen) {
   InformationRoot readings(observation.unknown_count());
   double worth = 0.0;
-  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& own) {
+  observation.check_each(unknowns, [&](std::size_t g, const Eigen::MatrixXd& rows) {
     const Group& group = observation.groups()[g];
     if (!group.active) return;
     const auto [first, count] = chosen(group, rows.rows());
     if (count == 0) return;
     readings.add(rows.middleRows(first, count));
-    worth += own.diagonal().segment(first, count).sum();
+    worth += static_cast<double>(count);
   });
   const Eigen::MatrixXd hat = root.triangularView<Eigen::Upper>().transpose().solve(readings.root().transpose());
   return {readings.squared_residuals(), worth - hat.squaredNorm()};
@@ -46,8 +47,8 @@ Scatter scatter(const Observation& observation, const Eigen::VectorXd& unknowns,
   });
 }
 
-/// The same of all active readings of a fit without joint effects, without looking at one again: with P the information
-/// of the priors and C the covariance of the unknowns, tr(J C J^T) = n - tr(C P).
+/// The same of all active readings, without looking at one again: with P the information of the priors and C the
+/// covariance of the unknowns, tr(J C J^T) = n - tr(C P).
 ///
 /// @param at_answer  rows of the readings and of the priors, as they are now.
 Scatter scatter_at_answer(const Observation& observation, const Eigen::VectorXd& unknowns,

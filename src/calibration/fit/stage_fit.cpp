@@ -26,9 +26,7 @@ void StageFit::solve_to(double step_tolerance) {
   if (fit_.parameters.size() == 0) return;
   // Where a body sits and how the plate tilts show together alone, and are found in turns.
   const LeastSquaresOptions options{.max_iterations = 500, .step_tolerance = step_tolerance};
-  observation_.hold_joint_rows(fit_.parameters);
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
-  observation_.release_joint_rows();
   iterations_ += fit_.iterations;
   solved_with_ = observation_.components();
   known_ = {};
@@ -63,10 +61,7 @@ Scatter StageFit::scatter() const {
 std::optional<Scatter> StageFit::scatter_at_answer() const {
   const auto& groups = observation_.groups();
   const VarianceComponents& now = observation_.components();
-  if (groups.empty() || !has_priors(observation_) || !sought_.priors.empty() || now.joint > 0.0 ||
-      now != solved_with_) {
-    return std::nullopt;
-  }
+  if (groups.empty() || !has_priors(observation_) || now != solved_with_) return std::nullopt;
   const bool stated = groups.front().stated;
   if (!std::ranges::all_of(groups, [stated](const Group& one) { return one.stated == stated; })) return std::nullopt;
   return detail::scatter_at_answer(observation_, fit_.parameters, fit_.at_answer);
@@ -93,9 +88,6 @@ void StageFit::settle() {
     const auto note = [&](double factor) { change = std::max(change, std::abs(factor - 1.0)); };
     if (any_unstated && seeks_orientation_noise(observation_)) note(update_orientation_noise());
     if (any_unstated) note(update_noise(now.unstated_noise, false));
-    if (sought_.stated_noise) note(update_noise(now.stated_noise, true));
-    if (sought_.joint) note(update_joint());
-    for (WidenedPriors& one : sought_.priors) note(update_priors(one));
     known_ = {};
     if (change < kSettled) break;
     solve_roughly();
@@ -132,125 +124,11 @@ double StageFit::update_orientation_noise() {
   return factor / before;
 }
 
-StageFit::JointSquares StageFit::joint_squares() const {
-  JointSquares squares;
-  const auto states = observation_.stations(fit_.parameters);
-  const double joint = observation_.components().joint;
-  if (!states || joint <= 0.0) return squares;
-  const Eigen::MatrixXd covariance = this->covariance();
-  const Eigen::Index n = observation_.unknown_count();
-  for (std::size_t s = 0; s < states->size(); ++s) {
-    const StationRows at = observation_.station_rows(s, *states, fit_.parameters);
-    if (at.groups.empty()) continue;
-    const Eigen::MatrixXd by_unknowns = at.smoother * at.rows.leftCols(n);
-    squares.sum += (at.smoother * at.rows.col(n)).squaredNorm();
-    squares.freedom +=
-        static_cast<double>(at.by_joint.cols()) -
-        (at.spread.trace() + (by_unknowns * covariance).cwiseProduct(by_unknowns).sum()) / (joint * joint);
-  }
-  return squares;
-}
-
-double StageFit::joint_freedom() const { return joint_squares().freedom; }
-
-double StageFit::update_joint() {
-  double& joint = observation_.components().joint;
-  const JointSquares squares = joint_squares();
-  if (squares.freedom < 0.1 || joint <= 0.0) return 1.0;
-  const double before = joint;
-  joint = std::max(std::sqrt(squares.sum / squares.freedom), 0.1 * before);
-  return joint / before;
-}
-
-Scatter StageFit::prior_squares(const std::vector<std::size_t>& places, const Eigen::MatrixXd& covariance) const {
-  std::vector<Eigen::Index> at(places.begin(), places.end()), column(at);
-  for (Eigen::Index& one : column) one += observation_.nuisance_count();
-  const Eigen::LLT<Eigen::MatrixXd> root(observation_.prior_covariance()(at, at));
-  const Eigen::VectorXd errors = fit_.parameters(column);
-  return {errors.dot(root.solve(errors)),
-          static_cast<double>(places.size()) - root.solve(covariance(column, column)).trace()};
-}
-
-std::optional<double> StageFit::prior_freedom() const {
-  std::optional<double> fewest;
-  const Eigen::MatrixXd covariance = this->covariance();
-  for (const WidenedPriors& one : sought_.priors) {
-    if (one.places.size() < 2) continue;  // an error by itself: its prior no longer matters
-    const double freedom = prior_squares(one.places, covariance).redundancy;
-    fewest = std::min(freedom, fewest.value_or(freedom));
-  }
-  return fewest;
-}
-
-double StageFit::update_priors(WidenedPriors& widened) {
-  constexpr double kNothing = 1e-3, kSmallest = 0.5, kLargest = 1e3;
-  const Scatter squares = prior_squares(widened.places, covariance());
-  if (squares.redundancy < kNothing) return 1.0;
-  const double change = std::clamp(std::sqrt(squares.sum / squares.redundancy), kSmallest, kLargest);
-  const double before = std::exchange(widened.factor, std::max(widened.factor * change, 1.0));
-  widen_priors();
-  return widened.factor / before;
-}
-
-void StageFit::seek_joint(double start) {
-  sought_.joint = true;
-  observation_.components().joint = start;
-}
-
-void StageFit::seek_stated_noise(double start) {
-  sought_.stated_noise = true;
-  observation_.components().stated_noise = start;
-}
-
-void StageFit::seek_wider_priors(std::vector<std::size_t> places, double start) {
-  sought_.priors.push_back({std::move(places), start});
-  widen_priors();
-}
-
-void StageFit::widen_priors() {
-  Eigen::VectorXd factors = Eigen::VectorXd::Ones(observation_.source_count());
-  for (const WidenedPriors& one : sought_.priors) {
-    for (const std::size_t place : one.places) factors(static_cast<Eigen::Index>(place)) *= one.factor;
-  }
-  observation_.widen_priors(factors);
-}
-
-std::optional<double> StageFit::widened(const std::vector<std::size_t>& places) const {
-  const auto at = std::ranges::find(sought_.priors, places, &WidenedPriors::places);
-  return at == sought_.priors.end() ? std::nullopt : std::optional(at->factor);
-}
-
-void StageFit::restore(State state) {
-  observation_.components() = state.components;
-  solved_with_ = state.solved_with;
-  sought_ = std::move(state.sought);
-  widen_priors();
-  fit_ = std::move(state.fit);
+void StageFit::widen_priors(const std::vector<std::size_t>& places, double factor) {
+  if (prior_factors_.size() == 0) prior_factors_.setOnes(observation_.source_count());
+  for (const std::size_t place : places) prior_factors_(static_cast<Eigen::Index>(place)) *= factor;
+  observation_.widen_priors(prior_factors_);
   known_ = {};
-}
-
-double StageFit::minus_twice_log_likelihood() const {
-  const Eigen::MatrixXd root = fit_.at_answer.root();
-  double priors = 0.0;
-  for (const WidenedPriors& one : sought_.priors) {
-    priors += 2.0 * static_cast<double>(one.places.size()) * std::log(one.factor);
-  }
-  return fit_.at_answer.squared_residuals() + 2.0 * root.diagonal().cwiseAbs().array().log().sum() + priors +
-         observation_.log_determinant(fit_.parameters);
-}
-
-double StageFit::minus_twice_log_likelihood_of_all() const {
-  constexpr double kGrossShare = 1e-3, kGrossRange = 20.0;  // mm
-  double sum = minus_twice_log_likelihood();
-  const double each = std::log(2.0 * std::numbers::pi);
-  observation_.check_each(fit_.parameters, [&](std::size_t g, const Eigen::MatrixXd& rows, const Eigen::MatrixXd&) {
-    const Group& group = observation_.groups()[g];
-    const auto count = static_cast<double>(rows.rows());
-    sum += group.active
-               ? count * each
-               : 2.0 * count * std::log(kGrossRange / observation_.sigma_of(group)) - 2.0 * std::log(kGrossShare);
-  });
-  return sum;
 }
 
 }  // namespace paracal::detail

@@ -126,8 +126,9 @@ double chance_of(const Agreement& agreement) {
 /// @param observation  while its joints are where the model has them, as the set-up was fitted.
 /// @param joint_std  of where they stand then.  @param covariance  of the scales and the sought errors.
 std::vector<CheckedReading> checked_readings(const Placement& nominal, const Placement& calibrated,
-                                             const Observation& observation, const Placed& at, double joint_std,
-                                             const Eigen::MatrixXd& covariance, const std::vector<Station>& stations) {
+                                             const Observation& observation, const Placed& at,
+                                             const Eigen::VectorXd& joint_std, const Eigen::MatrixXd& covariance,
+                                             const std::vector<Station>& stations) {
   std::vector<CheckedReading> readings;
   const auto is_listed = [](const ReadingSeries& series) {
     return series.quantity() == Quantity::distance || series.quantity() == Quantity::length;
@@ -141,7 +142,8 @@ std::vector<CheckedReading> checked_readings(const Placement& nominal, const Pla
     const double sigma = observation.sigma_of(group) * observation.noise_factor(group);
     observation.rows(group, at.stations, at.unknowns, block);
     const FollowingSetUp::Left left = set_up.left(block.row(0), covariance);
-    const double variance = left.noise * observation.widening(group, at, joint_std)(0) + left.rest;
+    const double wider = joint_std.size() > 0 ? observation.widening(group, at, joint_std)(0) : 1.0;
+    const double variance = left.noise * wider + left.rest;
     readings.push_back({.text = series.label(group.index, stations),
                         .before = nominal.residual(group).length(0),
                         .after = calibrated.residual(group).length(0),
@@ -185,14 +187,14 @@ ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const 
   Eigen::VectorXd unknowns = *observation.start(known.errors);
   take_set_up(calibrated, observation, unknowns);
   const std::optional<double> noise_dof = find_noise(observation, unknowns, validation);
-  const double joint_std = known.expanded_joint_std();
   const bool is_known = known.covariance.size() > 0;
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd covariance = is_known ? known.expanded_covariance() : Eigen::MatrixXd::Zero(n, n);
   const auto stations = observation.stations(unknowns);
-  validation.readings = checked_readings(nominal, calibrated, observation, {*stations, unknowns}, joint_std,
-                                         with_scales(observation, fit.scale_std, covariance), measurements.stations);
-  observation.components().joint = joint_std;
+  validation.readings =
+      checked_readings(nominal, calibrated, observation, {*stations, unknowns}, known.joint_std_of_a_visit(),
+                       with_scales(observation, fit.scale_std, covariance), measurements.stations);
+  observation.let_joints_err(known.joint_std);
   const Scatter left = disagreement(observation, unknowns, covariance);
   if (left.redundancy < 1.0) {
     throw InvalidArgument(

@@ -110,12 +110,19 @@ std::string use_text(const char* what, const UseQuantity& one, double unit, cons
   return text;
 }
 
-std::string use_line(const Use& use) {
+/// Of the mean of many visits where that is better.
+std::string mean_text(const Use& any, const std::optional<Use>& mean) {
+  constexpr double kBetter = 0.95;
+  if (!mean || mean->distance.U > kBetter * any.distance.U) return {};
+  return fmt::format("; mean of many visits: distances to home below {:.2g} mm", mean->distance.U);
+}
+
+std::string use_line(const Use& use, const std::optional<Use>& mean) {
   std::string text = fmt::format("  uncertainty over the workspace (95 % of such machines): {}, {}",
                                  use_text("distances to home", use.distance, 1.0, "mm"),
                                  use_text("aligned positions", use.aligned, 1.0, "mm"));
   if (use.rotation) text += ", " + use_text("rotations", *use.rotation, to_degrees(1.0), "deg");
-  return text + '\n';
+  return text + mean_text(use, mean) + '\n';
 }
 
 /// Residuals of what was read, and of nothing else.
@@ -165,7 +172,7 @@ std::string residual_lines(const Calibration& calibration) {
 std::string Calibration::brief() const {
   std::string text = fmt::format("calibration of {}: {}\n", robot.name(), paracal::name(verdict));
   const auto out = std::back_inserter(text);
-  if (use) text += use_line(*use);
+  if (use) text += use_line(*use, use_mean);
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const std::string& one : assumed) fmt::format_to(out, "  assumed: {}\n", one);

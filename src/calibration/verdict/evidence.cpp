@@ -55,6 +55,7 @@ std::optional<Snapshot> snapshot(const Observation& observation, Eigen::VectorXd
 std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observation& fitted) {
   nominal.components() = fitted.components();
   nominal.groups() = fitted.groups();
+  nominal.let_joints_err(fitted.joint_std());
   auto unknowns = nominal.start({});
   if (!unknowns || nominal.unknown_count() == 0) return unknowns;
   return solve_least_squares(with_priors(nominal), *unknowns).parameters;
@@ -213,7 +214,8 @@ void state_errors(const StageFit& fit, Calibration& calibration) {
   if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, calibration);
 }
 
-void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
+void state_evidence(const Measurements& measurements, const StageFit& fit,
+                    const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
                     Told told, Calibration& calibration) {
   const Observation& observation = fit.observation();
   const LeastSquaresResult& answer = fit.fit();
@@ -224,6 +226,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
   if (everything || !has_priors(observation)) state_rank(measurements, observation, answer, calibration);
   const Spread spread = state_uncertainty(measurements, fit, scatter, calibration);
+  if (explanation && calibration.covariance.size() > 0) take(*explanation, all_stated(observation), calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
   add_parameters(fit, held, calibration);
   if (everything) describe_set_up(fit, spread, calibration);
@@ -241,6 +244,9 @@ void state_evidence(const Measurements& measurements, const StageFit& fit, const
     add_suspects(measurements, observation, after->placed(), suspects, calibration);
     state_guided_scatter(observation, after->placed(), found, calibration);
     add_components(calibration);
+    if (explanation && explanation->repeats && !all_stated(observation)) {
+      calibration.noise *= explanation->unstated_noise;
+    }
     add_assumptions(fit, calibration);
     add_controller(measurements, calibration);
   }

@@ -6,7 +6,7 @@
 #include "calibration/fit/observation.hpp"
 #include "calibration/fit/outliers.hpp"
 #include "calibration/fit/stage_fit.hpp"
-#include "components.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 
@@ -19,7 +19,9 @@ void state_errors(const StageFit& fit, Calibration& calibration);
 
 /// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
 /// @param told  Told::verdict: of the same verdict, parameters and uncertainty alone.
-void state_evidence(const Measurements& measurements, const StageFit& fit, const std::vector<Contradiction>& suspects,
+/// @param explanation  empty: the machine is taken to be its geometry.
+void state_evidence(const Measurements& measurements, const StageFit& fit,
+                    const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
                     Told told, Calibration& calibration);
 
 }  // namespace paracal::detail

@@ -13,8 +13,8 @@
 #include "calibration/fit/distance_geometry.hpp"
 #include "calibration/fit/sought.hpp"
 #include "calibration/fit/stage_fit.hpp"
-#include "components.hpp"
 #include "evidence.hpp"
+#include "explanation.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/error.hpp"
 #include "paracal/numerics/least_squares.hpp"
@@ -71,47 +71,36 @@ Calibration with_errors(const detail::StageFit& stage, Calibration calibration) 
   return calibration;
 }
 
-Calibration finished(const Measurements& used, const detail::StageFit& stage, Calibration calibration,
+Calibration finished(const Measurements& used, const detail::StageFit& stage,
+                     const std::optional<detail::Explanation>& explanation, Calibration calibration,
                      detail::Told told) {
   if (told == detail::Told::errors) return with_errors(stage, std::move(calibration));
   detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
   const std::vector<detail::Contradiction> none;
   const bool lists = told == detail::Told::everything && calibration.options.method != Method::paper;
-  detail::state_evidence(used, stage, lists ? stage.suspects() : none, told, calibration);
+  detail::state_evidence(used, stage, explanation, lists ? stage.suspects() : none, told, calibration);
   return calibration;
 }
 
-/// A fit, and what its components of variance came to.
+/// A fit, and what explains what it leaves.
 struct StageExplanation {
   detail::StageFit fit;
-  std::vector<Component> components;
+  std::optional<detail::Explanation> found = {};
+
+  bool names_cause() const {
+    return found && std::ranges::any_of(found->causes, [](const Component& one) { return one.told; });
+  }
 };
 
-/// Components are those of the readings that are kept, and which are kept depends on the components: sought in turn,
-/// each time from the fit without any, until the same readings stay out.
-/// @param fit  without components, its gross errors left out, or none yet.
-/// @param rounds  after which the last answer is taken.
-StageExplanation explained(const detail::StageFit& without, detail::StageFit fit, const CalibrationOptions& options,
-                           int rounds = 4) {
-  std::vector<Component> components = detail::find_components(fit, options);
-  if (components.empty() || !options.exclude_outliers || rounds == 0) return {std::move(fit), std::move(components)};
-  const std::vector<bool> kept = fit.kept();
-  fit.exclude_outliers(options.outlier_chance);
-  if (fit.kept() == kept) return {std::move(fit), std::move(components)};
-  detail::StageFit again = without;
-  again.keep(fit.kept());
-  again.settle();
-  return explained(without, std::move(again), options, rounds - 1);
+StageExplanation explained(detail::StageFit fit, const Measurements& used, const CalibrationOptions& options) {
+  StageExplanation all{std::move(fit)};
+  if (options.discrepancies.expected) all.found = detail::explained(all.fit, used, options);
+  return all;
 }
 
-bool likelier(const detail::StageFit& one, const detail::StageFit& other) {
-  if (!one.converged() || !other.converged()) return one.converged();
-  return one.minus_twice_log_likelihood_of_all() < other.minus_twice_log_likelihood_of_all();
-}
-
-/// Gross errors and components of variance can each be taken for the other: a wrong part for readings that contradict
-/// the rest, a gross reading for backlash. Where leaving out gross errors first takes any, components are also sought
-/// first, and that explanation is kept under which all readings are likelier.
+/// Gross errors and discrepancies can each be taken for the other: a wrong part for readings that contradict the rest,
+/// a gross reading for backlash. Where leaving out gross errors first takes any, the machine is also explained with
+/// them, and that explanation is kept under which all readings are likelier.
 Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration,
                            detail::Told told) {
   const CalibrationOptions options = calibration.options;
@@ -120,12 +109,14 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
   const bool left_out = stage.kept() != without.kept();
   std::vector<StageExplanation> all;
-  all.push_back(explained(without, std::move(stage), options));
-  if (left_out) all.push_back(explained(without, without, options));
-  const bool other = left_out && !all[1].components.empty() && likelier(all[1].fit, all[0].fit);
-  StageExplanation& found = all[other ? 1 : 0];
-  calibration.components = std::move(found.components);
-  return finished(used, found.fit, std::move(calibration), told);
+  all.push_back(explained(std::move(stage), used, options));
+  if (left_out) all.push_back(explained(without, used, options));
+  constexpr double kAlike = 1.0;  // of a logarithm: an explanation that names a cause is the better one
+  const bool other = left_out && all[1].names_cause() &&
+                     (!all[0].found || all[1].found->log_evidence > all[0].found->log_evidence - kAlike);
+  const StageExplanation& best = all[other ? 1 : 0];
+  if (best.found) calibration.components = best.found->causes;
+  return finished(used, best.fit, best.found, std::move(calibration), told);
 }
 
 /// The machine that the fit expects, by which priors and held errors are counted.
@@ -174,7 +165,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
     detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
     if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
       if (told == Told::errors) return with_errors(rough, std::move(calibration));
-      detail::state_evidence(used, rough, {}, told, calibration);
+      detail::state_evidence(used, rough, {}, {}, told, calibration);
       return calibration;
     }
     offsets = rough.observation().errors(rough.fit().parameters);
@@ -182,7 +173,7 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   detail::StageFit stage(centre, used, options, sought, offsets, !paper);
   if (paper) {
     stage.solve_by_pseudo_inverse();
-    return finished(used, stage, std::move(calibration), told);
+    return finished(used, stage, {}, std::move(calibration), told);
   }
   return fit_and_finish(used, stage, std::move(calibration), told);
 }

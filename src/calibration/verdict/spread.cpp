@@ -41,12 +41,9 @@ Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covarianc
   return noise;
 }
 
-/// What estimates the noise: the joints' effects where these are sought, for they are fewer than the readings; else the
-/// redundancy of the readings, unless all noise is stated and believed.
+/// What estimates the noise: the redundancy of the readings, unless all noise is stated.
 double noise_freedom(const StageFit& fit, const Scatter& scatter) {
-  if (fit.components().joint) return std::max(fit.joint_freedom(), 1.0);
-  const bool known = all_stated(fit.observation()) && !fit.components().stated_noise;
-  return known ? std::numeric_limits<double>::infinity() : std::max(scatter.redundancy, 1.0);
+  return all_stated(fit.observation()) ? std::numeric_limits<double>::infinity() : std::max(scatter.redundancy, 1.0);
 }
 
 /// Without priors: scaled by the scatter, always where no sigma is stated, upwards only where all are.
@@ -101,7 +98,6 @@ Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, 
   const double sum = scatter_of_fit.sum * stated, freedom = scatter_of_fit.redundancy;
   if (freedom >= 0.5) calibration.unit_weight_std = std::sqrt(sum / freedom);
   if (freedom >= 0.5 && all_stated(observation)) calibration.fit_probability = chi_square_tail(sum, freedom);
-  calibration.joint_std = observation.components().joint;
   if (!has_priors(observation)) return state_bare_covariance(measurements, fit, scatter_of_fit, calibration);
   if (leaves_open(fit)) return {};
   const Eigen::Index n = observation.source_count();
@@ -110,12 +106,26 @@ Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, 
   calibration.covariance = all.covariance.bottomRightCorner(n, n);
   calibration.noise_covariance = all.noise.bottomRightCorner(n, n);
   calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
-  if (const auto few = fit.prior_freedom()) {  // tolerances that a few errors told are no better known than noise
-    all.noise = all.covariance;
-    calibration.noise_covariance = calibration.covariance;
-    calibration.noise_dof = std::min(calibration.noise_dof, std::max(*few, 1.0));
-  }
   return all;
+}
+
+void take(const Explanation& explanation, bool stated, Calibration& calibration) {
+  constexpr double kContradicted = 1.2;  // stated noise that the readings tell instead
+  const auto n = static_cast<Eigen::Index>(explanation.noise.rows());
+  calibration.covariance = explanation.covariance.topLeftCorner(n, n);
+  calibration.noise_covariance = explanation.noise;
+  calibration.drives = explanation.drives;
+  calibration.drive_covariance = explanation.covariance.bottomRows(explanation.covariance.rows() - n);
+  calibration.joint_std = explanation.joint_std;
+  calibration.visit_std = explanation.visit_std;
+  if (!stated || !explanation.repeats || !calibration.unit_weight_std ||
+      *calibration.unit_weight_std < explanation.stated_noise)
+    return;
+  calibration.unit_weight_std = explanation.stated_noise;
+  if (explanation.stated_noise > kContradicted)
+    calibration.noise_dof = std::max(1.0 * calibration.degrees_of_freedom, 1.0);
+  const double freedom = calibration.degrees_of_freedom;
+  calibration.fit_probability = chi_square_tail(freedom * std::pow(explanation.stated_noise, 2), freedom);
 }
 
 }  // namespace paracal::detail

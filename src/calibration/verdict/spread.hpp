@@ -7,6 +7,7 @@
 
 #include "calibration/fit/scatter.hpp"
 #include "calibration/fit/stage_fit.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 
@@ -32,5 +33,9 @@ double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& s
 /// Scatter and covariance. With priors the covariance is the posterior's.
 Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
                          Calibration& calibration);
+
+/// Takes the uncertainties of an explanation for those of the fit.
+/// @param stated  every reading states its standard deviation: the table tells by how much that is too small.
+void take(const Explanation& explanation, bool stated, Calibration& calibration);
 
 }  // namespace paracal::detail

@@ -61,8 +61,20 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   }
   const FitScatter scatter = fit_scatter(fit);
   const bool unstated = !all_stated(fit.observation());
-  if (unstated && scatter.visits.redundancy < 1.0 && !fit.components().joint) {
+  const bool told = std::ranges::any_of(calibration.components,
+                                        [](const Component& one) { return one.told && one.cause == Cause::motion; });
+  if (unstated && scatter.visits.redundancy < 1.0 && !told) {
     assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
+  }
+  if (calibration.visit_std.size() > 0) {
+    assume("the machine is as warm and as loaded in operation as during the measurement");
+    assume(
+        "parts are rigid where single errors are concerned: uneven drives and parts that bend look like errors of "
+        "parts (predicted poses include both)");
+    if (scatter.visits.redundancy < 1.0) {
+      assume(fmt::format("joints repeat within some {:.2g} mm at the plate: visit poses twice to measure it",
+                         options.discrepancies.visits));
+    }
   }
   if (unstated && fit.scatter().redundancy < 1.0) {
     assume(fmt::format("the noise is {:.3g} mm: too few readings determine it (state yours with --sigma-mm)",
@@ -83,23 +95,26 @@ void add_controller(const Measurements& measurements, Calibration& calibration) 
 void state_use(const StageFit& fit, Calibration& calibration) {
   if (!calibration.options.states_use || !fit.converged() || calibration.covariance.size() == 0) return;
   try {
-    calibration.use = use_over_workspace(calibration.robot, known_errors(calibration));
+    const UseOfVisits use = use_over_workspace(calibration.robot, known_errors(calibration));
+    calibration.use = use.any;
+    calibration.use_mean = use.mean;
   } catch (const Unreachable&) {
     calibration.notes.emplace_back("the calibrated machine cannot reach its whole workspace: check the robot file");
     return;
   }
   const AcceptanceLimits& limits = calibration.options.limits;
-  calibration.use->distance.limit = limits.distance;
-  calibration.use->aligned.limit = limits.volumetric;
-  if (calibration.use->rotation) calibration.use->rotation->limit = limits.rotation;
+  for (std::optional<Use>* use : {&calibration.use, &calibration.use_mean}) {
+    (*use)->distance.limit = limits.distance;
+    (*use)->aligned.limit = limits.volumetric;
+    if ((*use)->rotation) (*use)->rotation->limit = limits.rotation;
+  }
 }
 
 void add_components(Calibration& calibration) {
   for (const Component& one : calibration.components) {
     (one.told ? calibration.notes : calibration.assumed)
-        .push_back(one.told ? one.text + ". All uncertainties include it"
-                            : fmt::format("possibly, {} (p-value {:.1g}). All uncertainties include it", one.text,
-                                          one.chance));
+        .push_back(fmt::format("{}{} (probability {:.0f} %)", one.told ? "" : "possibly, ", one.text,
+                               std::floor(100.0 * one.probability)));
   }
   if (calibration.fit_probability && 1.0 - *calibration.fit_probability < calibration.options.tell_chance) {
     calibration.notes.push_back(
@@ -113,7 +128,7 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
   const bool offsets_alone = calibration.options.method == Method::best && calibration.stages.back().name == "rough";
   if (!offsets_alone || !calibration.use) return;
   const Robot& robot = calibration.robot;
-  const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options));
+  const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options)).any;
   if (fine.distance.U >= calibration.use->distance.U) return;
   calibration.notes.push_back(
       fmt::format("only the encoder offsets were estimated: U of distances is {:.2g} mm. The fine stage (--stage fine) "

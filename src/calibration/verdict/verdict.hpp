@@ -3,7 +3,7 @@
 // Private to calibration: what is said of a fit once its numbers are known.
 
 #include "calibration/fit/stage_fit.hpp"
-#include "components.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 

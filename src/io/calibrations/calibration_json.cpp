@@ -51,14 +51,34 @@ Json parameters_json(const Calibration& calibration) {
   return json;
 }
 
-/// A covariance of the parameters in file units: deg instead of rad.
+/// Factors to file units of the parameters, then of the splines of drives.
+Eigen::VectorXd file_factors(const Calibration& calibration) {
+  std::vector<double> factors;
+  const Actuator actuator = calibration.robot.actuator();
+  for (const ParameterEstimate& one : calibration.parameters) factors.push_back(file_factor(one.source, actuator));
+  for (const SoughtSource& one : calibration.drives) factors.push_back(file_factor(one.source, actuator));
+  return Eigen::Map<const Eigen::VectorXd>(factors.data(), std::ssize(factors));
+}
+
+/// A covariance of the first or the last of them in file units: deg instead of rad.
 Json covariance_json(const Calibration& calibration, const Eigen::MatrixXd& covariance) {
   if (covariance.size() == 0) return nullptr;
-  Eigen::VectorXd factor(static_cast<Eigen::Index>(calibration.parameters.size()));
-  std::ranges::transform(calibration.parameters, factor.begin(), [&](const ParameterEstimate& parameter) {
-    return file_factor(parameter.source, calibration.robot.actuator());
-  });
-  return rows_json(factor.asDiagonal() * covariance * factor.asDiagonal());
+  const Eigen::VectorXd factors = file_factors(calibration);
+  const bool of_drives = covariance.cols() > std::ssize(calibration.parameters);
+  const Eigen::VectorXd rows = of_drives ? factors.tail(covariance.rows()) : factors.head(covariance.rows());
+  return rows_json(rows.asDiagonal() * covariance * factors.head(covariance.cols()).asDiagonal());
+}
+
+Json spline_json(const SoughtSource& one, Unit unit) {
+  return {{"limb", one.limb + 1},
+          {"unit", file_unit(unit)},
+          {"centre", to_file_unit(unit, one.knot->centre)},
+          {"spacing", to_file_unit(unit, one.knot->spacing)}};
+}
+
+/// Standard deviations of the joints, by joint.
+Json joints_json(const Eigen::VectorXd& std, Unit unit) {
+  return json_array(Eigen::VectorXd(std * to_file_unit(unit, 1.0)));
 }
 
 Json correlations_json(const Calibration& calibration) {
@@ -84,8 +104,24 @@ Json use_json(const Use& use) {
           {"rotation_deg", use.rotation ? use_json(*use.rotation, to_degrees(1.0)) : Json(nullptr)}};
 }
 
+const char* name_of(Cause cause) {
+  switch (cause) {
+    case Cause::visits:
+      return "visits";
+    case Cause::motion:
+      return "motion";
+    case Cause::parts:
+      return "parts";
+    case Cause::pose:
+      return "pose";
+    case Cause::noise:
+      return "noise";
+  }
+  return "";
+}
+
 Json component_json(const Component& one) {
-  return {{"text", one.text}, {"drop", one.drop}, {"chance", one.chance}, {"told", one.told}};
+  return {{"cause", name_of(one.cause)}, {"text", one.text}, {"probability", one.probability}, {"told", one.told}};
 }
 
 Json direction_json(const NullDirection& direction) {
@@ -201,6 +237,7 @@ Json to_json(const std::vector<InputFile>& files) {
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {
+  const Unit joint = joint_unit(calibration.robot.actuator());
   Json json{
       {"format", kCalibrationFormat},
       {"program", fmt::format("paracal {}", version())},
@@ -210,6 +247,7 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"verdict", name(calibration.verdict)},
       {"reasons", calibration.reasons},
       {"use", calibration.use ? use_json(*calibration.use) : Json(nullptr)},
+      {"use_mean", calibration.use_mean ? use_json(*calibration.use_mean) : Json(nullptr)},
       {"notes", calibration.notes},
       {"assumed", calibration.assumed},
       {"components", json_array(calibration.components, component_json)},
@@ -219,8 +257,10 @@ Json to_json(const Calibration& calibration, std::int64_t time) {
       {"covariance", covariance_json(calibration, calibration.covariance)},
       {"covariance_of_noise", covariance_json(calibration, calibration.noise_covariance)},
       {"noise_dof", std::isfinite(calibration.noise_dof) ? Json(calibration.noise_dof) : Json(nullptr)},
-      {joint_unit(calibration.robot.actuator()) == Unit::mm ? "joint_std_mm" : "joint_std_deg",
-       to_file_unit(joint_unit(calibration.robot.actuator()), calibration.joint_std)},
+      {joint == Unit::mm ? "joint_std_mm" : "joint_std_deg", joints_json(calibration.joint_std, joint)},
+      {joint == Unit::mm ? "visit_std_mm" : "visit_std_deg", joints_json(calibration.visit_std, joint)},
+      {"drives", json_array(calibration.drives, [&](const SoughtSource& one) { return spline_json(one, joint); })},
+      {"drive_covariance", covariance_json(calibration, calibration.drive_covariance)},
       {"correlations", correlations_json(calibration)},
       {"coverage_factor", kCoverageFactor},
       {"rank", calibration.rank},

@@ -123,6 +123,71 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
   return covariance;
 }
 
+/// Standard deviations of the joints; nothing where none was stated. Files of before have one for all.
+Eigen::VectorXd read_joints(const JsonNode& calibration, const char* key, const Robot& robot) {
+  const auto node = calibration.find(key);
+  const auto joints = static_cast<Eigen::Index>(robot.limb_count());
+  const Unit unit = joint_unit(robot.actuator());
+  if (!node) return {};
+  if (node->json().is_number()) {
+    const double std = from_file_unit(unit, node->number(kStd));
+    return std > 0.0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(joints, std)) : Eigen::VectorXd();
+  }
+  const std::vector<JsonNode> entries = node->entries();
+  if (!entries.empty() && std::ssize(entries) != joints) {
+    node->refuse(fmt::format("expected {} standard deviations, one for each joint, got {}", joints, entries.size()));
+  }
+  Eigen::VectorXd std(std::ssize(entries));
+  std::ranges::transform(entries, std.begin(),
+                         [&](const JsonNode& one) { return from_file_unit(unit, one.number(kStd)); });
+  return std;
+}
+
+SoughtSource read_spline(const JsonNode& node, const Robot& robot) {
+  const Unit unit = joint_unit(robot.actuator());
+  const Json& limb = node.at("limb").json();
+  if (!limb.is_number_unsigned() || limb < 1 || limb > robot.limb_count()) {
+    node.at("limb").refuse_as(fmt::format("a limb from 1 to {}", robot.limb_count()));
+  }
+  if (node.at("unit").json() != file_unit(unit)) node.at("unit").refuse_as(fmt::format("\"{}\"", file_unit(unit)));
+  const std::size_t place = limb.get<std::size_t>() - 1;
+  return {place,
+          joint_zero(robot.nominal().limbs[place].actuator),
+          {},
+          SplineKnot{from_file_unit(unit, node.at("centre").number()),
+                     from_file_unit(unit, node.at("spacing").number({plausible::kNothing, plausible::kLimit.most}))}};
+}
+
+/// The splines of the drives with the rows of their mean squares, as they stand behind the parameters.
+void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMachine& machine) {
+  const auto splines = calibration.find("drives"), node = calibration.find("drive_covariance");
+  if (!splines || !node || machine.covariance.size() == 0) return;
+  for (const JsonNode& one : splines->entries()) machine.drives.push_back(read_spline(one, robot));
+  const std::vector<JsonNode> rows = node->entries();
+  const std::size_t count = machine.parameters.size() + machine.drives.size();
+  if (rows.size() != machine.drives.size()) {
+    node->refuse(fmt::format("expected {} rows, one for each spline, got {}", machine.drives.size(), rows.size()));
+  }
+  machine.drive_covariance.resize(std::ssize(rows), static_cast<Eigen::Index>(count));
+  const Actuator actuator = robot.actuator();
+  const auto factor = [&](std::size_t k) {
+    const std::size_t n = machine.parameters.size();
+    return file_factor(k < n ? machine.parameters[k].source : machine.drives[k - n].source, actuator);
+  };
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::vector<double> row = rows[i].numbers();
+    if (row.size() != count) rows[i].refuse(fmt::format("expected {} numbers, got {}", count, row.size()));
+    for (std::size_t k = 0; k < count; ++k) {
+      machine.drive_covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          row[k] / factor(machine.parameters.size() + i) / factor(k);
+    }
+  }
+  if (rows.empty()) return;
+  KnownErrors all{.errors = {}, .parameters = {}, .covariance = machine.covariance};
+  add_drives(machine.drives, machine.drive_covariance, all);
+  require_covariance(all.covariance, *node, "drive_covariance");
+}
+
 /// What the readings' noise makes uncertain is a part of what is uncertain.
 void require_within(const Eigen::MatrixXd& noise, const Eigen::MatrixXd& covariance, const JsonNode& node) {
   constexpr double kRounding = 1e-6;
@@ -217,10 +282,11 @@ ControllerModel read_controller(const JsonNode& calibration, const std::string& 
 }  // namespace
 
 KnownErrors CalibratedMachine::known() const {
-  KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std};
+  KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std, visit_std};
   if (covariance.size() == 0) return known;
   known.parameters.reserve(parameters.size());
   for (const ParameterEstimate& one : parameters) known.parameters.push_back({one.limb, one.source});
+  add_drives(drives, drive_covariance, known);
   return known;
 }
 
@@ -247,9 +313,10 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   if (const auto dof = calibration.find("noise_dof")) {
     machine.noise_dof = dof->number(kCount);
   }
-  const Unit unit = joint_unit(actuator);
-  const auto joint = calibration.find(unit == Unit::mm ? "joint_std_mm" : "joint_std_deg");
-  if (joint) machine.joint_std = from_file_unit(unit, joint->number(kStd));
+  const bool slides = joint_unit(actuator) == Unit::mm;
+  machine.joint_std = read_joints(calibration, slides ? "joint_std_mm" : "joint_std_deg", robot);
+  machine.visit_std = read_joints(calibration, slides ? "visit_std_mm" : "visit_std_deg", robot);
+  read_drives(calibration, robot, machine);
   return machine;
 }
 

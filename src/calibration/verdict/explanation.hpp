@@ -1,0 +1,43 @@
+#pragma once
+
+// Private to calibration: what the readings show that noise, tolerances and the exact geometry do not explain.
+
+#include <optional>
+#include <vector>
+
+#include "calibration/fit/stage_fit.hpp"
+#include "variance_posterior.hpp"
+
+namespace paracal::detail {
+
+/// How repeated visits scatter about their mean, and how poses scatter about the fit beyond that: weighted squares and
+/// their degrees of freedom.
+struct FitScatter {
+  Scatter visits;  ///< pure error
+  Scatter poses;   ///< lack of fit
+};
+FitScatter fit_scatter(const StageFit& fit);
+
+/// What is known of a machine when its variances have been averaged over.
+struct Explanation {
+  Eigen::VectorXd means;  ///< of errors of parts, then of the splines of drives
+  /// Mean squares about the machine of the fit: of errors of parts, then of the splines of drives, of which it has
+  /// none.
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd noise;  ///< the part of the noise in that of parts
+  std::vector<SoughtSource> drives;
+  Eigen::VectorXd joint_std, visit_std;             ///< at each pose, at each visit, rad or mm
+  double unstated_noise = 0.0, stated_noise = 1.0;  ///< over those with which readings entered
+  std::vector<Component> causes = {};
+  bool repeats = false;       ///< visits tell noise from joints
+  double log_evidence = 0.0;  ///< of every reading; no number where a table holds a part of them alone
+};
+
+/// Estimates all variances of a settled fit. A part or a pose that is wrong with a probability above 1 -
+/// options.largest_doubt is taken to be so: the part's prior is widened, the readings of the pose are left out, and the
+/// fit is settled again. Below it both are averaged over.
+/// @returns empty where the fit does not converge, or readings and priors leave something open.
+std::optional<Explanation> explained(StageFit& fit, const Measurements& measurements,
+                                     const CalibrationOptions& options);
+
+}  // namespace paracal::detail

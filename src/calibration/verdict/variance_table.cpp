@@ -1,0 +1,398 @@
+#include "variance_table.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "numerics/dense.hpp"
+
+namespace paracal::detail {
+namespace {
+
+constexpr double kNothing = 1e-9;  // mm or rad: far below what an instrument resolves
+
+Eigen::Index rows_of(const ReadingBlock& block) { return block.by_joint.rows(); }
+
+/// What each joint does to the readings of one pose, a column a pose.
+Eigen::MatrixXd by_poses(const LinearReadings& all, Eigen::Index joint) {
+  std::size_t poses = 0;
+  for (const ReadingBlock& one : all.blocks) poses = std::max({poses, one.station + 1, one.from + 1});
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.y.size(), static_cast<Eigen::Index>(poses));
+  for (std::size_t k = 0; k < all.blocks.size(); ++k) {
+    const ReadingBlock& one = all.blocks[k];
+    const Eigen::Index first = all.first[k], count = rows_of(one);
+    columns.col(static_cast<Eigen::Index>(one.station)).segment(first, count) += one.by_joint.col(joint);
+    if (one.by_from_joint.size() == 0) continue;
+    columns.col(static_cast<Eigen::Index>(one.from)).segment(first, count) += one.by_from_joint.col(joint);
+  }
+  return columns;
+}
+
+/// d^2 / d u^2 and d / d u of -log of the half-Cauchy density of exp(u), with the Jacobian of the logarithm.
+struct Slope {
+  double cost = 0.0, slope = 0.0, curvature = 0.0;
+};
+Slope half_cauchy(double u, double scale) {
+  const double square = std::exp(2.0 * (u - std::log(scale)));
+  return {std::log1p(square) - u, 2.0 * square / (1.0 + square) - 1.0, 4.0 * square / std::pow(1.0 + square, 2)};
+}
+Slope normal(double u, double std) { return {0.5 * u * u / (std * std), u / (std * std), 1.0 / (std * std)}; }
+
+/// What was stated is so, or larger: by a factor whose logarithm is exponentially distributed, rounded at zero. Never
+/// less. Of one peak, unlike a heavier tail: what readings hardly tell stays as it was stated.
+Slope as_stated(double u, double mean) {
+  constexpr double kBelow = 0.02, kRound = 0.1;
+  const double bend = kRound * kRound / mean;
+  if (u < bend) return normal(u, u < 0.0 ? kBelow : kRound);
+  return {(u - 0.5 * bend) / mean, 1.0 / mean, 0.0};
+}
+
+/// Noise that nobody stated, but not below what no instrument is.
+Slope any_noise(double u, double least) {
+  constexpr double kAny = 3.0, kBelow = 0.1;  // a factor of 20 either way surprises nobody
+  Slope slope = normal(u, kAny);
+  if (u >= least) return slope;
+  const Slope below = normal(u - least, kBelow);
+  return {slope.cost + below.cost, slope.slope + below.slope, slope.curvature + below.curvature};
+}
+
+}  // namespace
+
+VarianceTable::VarianceTable(const StageFit& fit, const LinearReadings& readings, const DriveSplines& drives,
+                             const Discrepancies& expected)
+    : readings_(&readings),
+      expected_(expected),
+      noise_mm_(reading_noise(fit.observation())),
+      least_noise_(0.01 / fit.observation().components().unstated_noise) {  // of what was expected of it
+  add_noise();
+  add_joints(Spreads::visits, true);
+  add_joints(Spreads::poses, false);
+  add_errors(fit, drives);
+  list_visits();
+}
+
+std::vector<std::size_t> VarianceTable::terms_of(Spreads what) const {
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (terms_[k].what == what) places.push_back(k);
+  }
+  return places;
+}
+
+std::size_t VarianceTable::term_of(Spreads what, Eigen::Index joint) const {
+  const auto found =
+      std::ranges::find_if(terms_, [&](const VarianceTerm& one) { return one.what == what && one.joint == joint; });
+  return static_cast<std::size_t>(found - terms_.begin());
+}
+
+std::vector<std::size_t> VarianceTable::noise_of(const ReadingBlock& block) const {
+  const auto series = static_cast<Eigen::Index>(block.series);
+  const std::size_t noise = block.stated ? term_of(Spreads::stated_noise) : term_of(Spreads::noise, series);
+  std::vector<std::size_t> rows(static_cast<std::size_t>(rows_of(block)), noise);
+  if (!block.stated && block.angles > 0) {
+    std::fill_n(rows.begin() + block.first_angle, block.angles, term_of(Spreads::orientation_noise, series));
+  }
+  return rows;
+}
+
+void VarianceTable::add_noise() {
+  const Eigen::Index count = readings_->y.size();
+  const auto add = [&](Spreads what, Eigen::Index series) {
+    if (term_of(what, series) < terms_.size()) return;
+    terms_.push_back({what, series, Eigen::MatrixXd::Zero(count, count)});
+  };
+  for (const ReadingBlock& one : readings_->blocks) {
+    const auto series = static_cast<Eigen::Index>(one.series);
+    add(one.stated ? Spreads::stated_noise : Spreads::noise, one.stated ? -1 : series);
+    if (!one.stated && one.angles > 0) add(Spreads::orientation_noise, series);
+  }
+  for (std::size_t k = 0; k < readings_->blocks.size(); ++k) {
+    const std::vector<std::size_t> noise = noise_of(readings_->blocks[k]);
+    for (std::size_t row = 0; row < noise.size(); ++row) {
+      const Eigen::Index at = readings_->first[k] + static_cast<Eigen::Index>(row);
+      terms_[noise[row]].readings(at, at) = 1.0 / readings_->blocks[k].visits;
+    }
+  }
+}
+
+void VarianceTable::add_joints(Spreads what, bool at_visits) {
+  const Eigen::Index joints = readings_->blocks.front().by_joint.cols(), count = readings_->y.size();
+  const double unit = readings_->joint_per_mm * readings_->joint_per_mm;
+  for (Eigen::Index joint = 0; joint < joints; ++joint) {
+    VarianceTerm term{what, joint, Eigen::MatrixXd::Zero(count, count)};
+    if (!at_visits) {
+      const Eigen::MatrixXd poses = by_poses(*readings_, joint);
+      term.readings.noalias() = unit * poses * poses.transpose();
+    }
+    for (std::size_t k = 0; at_visits && k < readings_->blocks.size(); ++k) {
+      const ReadingBlock& one = readings_->blocks[k];
+      const Eigen::Index first = readings_->first[k], rows = rows_of(one);
+      auto own = term.readings.block(first, first, rows, rows);
+      own = unit / one.visits * one.by_joint.col(joint) * one.by_joint.col(joint).transpose();
+      if (one.by_from_joint.size() == 0) continue;
+      own += unit / one.visits * one.by_from_joint.col(joint) * one.by_from_joint.col(joint).transpose();
+    }
+    terms_.push_back(std::move(term));
+  }
+  VarianceTerm alike{what, -1, Eigen::MatrixXd::Zero(count, count)};
+  for (std::size_t k = terms_.size() - static_cast<std::size_t>(joints); k < terms_.size(); ++k) {
+    alike.readings += terms_[k].readings;
+  }
+  terms_.push_back(std::move(alike));
+}
+
+VarianceTerm VarianceTable::term_of_errors(Spreads what, std::vector<Eigen::Index> places,
+                                           const Eigen::MatrixXd& covariance) const {
+  const Eigen::MatrixXd by = readings_->by_errors(Eigen::all, places);
+  Eigen::MatrixXd by_errors = by * covariance;
+  Eigen::MatrixXd readings = by_errors * by.transpose();
+  return {what, -1, std::move(readings), std::move(places), covariance, std::move(by_errors)};
+}
+
+void VarianceTable::add_errors(const StageFit& fit, const DriveSplines& drives) {
+  const std::vector<SoughtSource>& sought = fit.observation().sought();
+  std::vector<Eigen::Index> splines, positions, tilts;
+  for (Eigen::Index k = 0; k < readings_->by_errors.cols(); ++k) {
+    const bool of_part = k < std::ssize(sought);
+    const bool tilting = of_part && tilts_plate(sought[static_cast<std::size_t>(k)].source);
+    (!of_part ? splines : tilting ? tilts : positions).push_back(k);
+  }
+  const double unit = std::pow(readings_->joint_per_mm, 2);
+  terms_.push_back(term_of_errors(Spreads::drives, splines, unit * drives.covariance));
+  if (!positions.empty()) {
+    terms_.push_back(term_of_errors(Spreads::positions, positions, readings_->prior(positions, positions)));
+  }
+  if (!tilts.empty()) terms_.push_back(term_of_errors(Spreads::tilts, tilts, readings_->prior(tilts, tilts)));
+}
+
+void VarianceTable::list_visits() {
+  for (const ReadingBlock& one : readings_->blocks) {
+    if (one.visits < 2.0) continue;
+    Visits visits{one.scatter, one.visits - 1.0, {}, noise_of(one)};
+    for (Eigen::Index joint = 0; joint < one.by_joint.cols(); ++joint) {
+      const std::size_t term = term_of(Spreads::visits, joint);
+      for (const std::size_t of : {term, term_of(Spreads::visits)}) {
+        visits.joints.emplace_back(of, readings_->joint_per_mm * one.by_joint.col(joint));
+        if (one.by_from_joint.size() == 0) continue;
+        visits.joints.emplace_back(of, readings_->joint_per_mm * one.by_from_joint.col(joint));
+      }
+    }
+    visits_.push_back(std::move(visits));
+  }
+}
+
+VarianceTable VarianceTable::with(const Fact& fact) const {
+  VarianceTable other = *this;
+  if (!fact.pose) {
+    const std::vector<Eigen::Index> places(fact.errors.begin(), fact.errors.end());
+    const Eigen::VectorXd more =
+        (fact.factor * fact.factor - 1.0) * Eigen::MatrixXd(readings_->prior(places, places)).diagonal();
+    other.fixed_errors_ = term_of_errors(Spreads::positions, places, more.asDiagonal());
+    other.fixed_ = other.fixed_errors_.readings;
+    return other;
+  }
+  other.fixed_ = Eigen::MatrixXd::Zero(readings_->y.size(), readings_->y.size());
+  for (std::size_t k = 0; k < readings_->blocks.size(); ++k) {
+    const ReadingBlock& one = readings_->blocks[k];
+    if (one.station != *fact.pose && one.from != *fact.pose) continue;
+    other.fixed_.diagonal().segment(readings_->first[k], rows_of(one)).setConstant(fact.factor * fact.factor);
+  }
+  return other;
+}
+
+VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) const {
+  const Eigen::VectorXd variances = (2.0 * u).array().exp();
+  const LinearReadings& all = *readings_;
+  const Eigen::Index count = all.y.size(), set_up = all.by_set_up.cols(), n = u.size();
+  Eigen::MatrixXd V = fixed_.size() > 0 ? fixed_ : Eigen::MatrixXd(Eigen::MatrixXd::Zero(count, count));
+  for (std::size_t k = 0; k < terms_.size(); ++k) V += variances(static_cast<Eigen::Index>(k)) * terms_[k].readings;
+  const Eigen::LLT<Eigen::MatrixXd> root(V);
+  At at{.cost = std::numeric_limits<double>::infinity()};
+  if (root.info() != Eigen::Success) return at;
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
+  inverse.selfadjointView<Eigen::Lower>().rankUpdate(
+      root.matrixL().solve(Eigen::MatrixXd::Identity(count, count)).transpose());
+  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  at.cost = root.matrixLLT().diagonal().array().log().sum();
+  at.P = inverse;
+  at.set_up.resize(0);
+  Eigen::VectorXd left = all.y;
+  if (set_up > 0) {
+    const Eigen::MatrixXd by = inverse * all.by_set_up;
+    const Eigen::MatrixXd information = all.by_set_up.transpose() * by + all.set_up_root.transpose() * all.set_up_root;
+    const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::LLT<Eigen::MatrixXd> of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
+    if (of_set_up.info() != Eigen::Success) return {.cost = std::numeric_limits<double>::infinity()};
+    const Eigen::VectorXd told = by.transpose() * all.y - all.set_up_root.transpose() * all.set_up_reach;
+    at.set_up = scale.asDiagonal() * of_set_up.solve(scale.asDiagonal() * told);
+    const Eigen::MatrixXd scaled = by * scale.asDiagonal();
+    at.P.noalias() -= scaled * of_set_up.solve(scaled.transpose());
+    left -= all.by_set_up * at.set_up;
+    at.cost += of_set_up.matrixLLT().diagonal().array().log().sum() - scale.array().log().sum() +
+               0.5 * (all.set_up_root * at.set_up + all.set_up_reach).squaredNorm();
+  }
+  at.z = inverse * left;
+  at.cost += 0.5 * left.dot(at.z);
+  if (derivatives) {
+    at.gradient.resize(n);
+    Eigen::MatrixXd moved(count, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::MatrixXd& K = terms_[static_cast<std::size_t>(k)].readings;
+      moved.col(k) = K * at.z;
+      at.gradient(k) = variances(k) * (K.cwiseProduct(at.P).sum() - at.z.dot(moved.col(k)));
+    }
+    at.curvature = 2.0 * variances.asDiagonal() * (moved.transpose() * (at.P * moved)) * variances.asDiagonal();
+  }
+  add_visits(variances, derivatives, at);
+  add_prior(u, at);
+  return at;
+}
+
+void VarianceTable::add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const {
+  for (const Visits& one : visits_) {
+    const Eigen::Index rows = one.squares.rows();
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(rows, rows);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      W(row, row) = variances(static_cast<Eigen::Index>(one.noise[static_cast<std::size_t>(row)]));
+    }
+    for (const auto& [term, h] : one.joints) W += variances(static_cast<Eigen::Index>(term)) * h * h.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> root(W);
+    const Eigen::MatrixXd inverse = root.solve(Eigen::MatrixXd::Identity(rows, rows));
+    const Eigen::MatrixXd told = inverse * one.squares;
+    at.cost += one.freedom * root.matrixLLT().diagonal().array().log().sum() + 0.5 * told.trace();
+    if (!derivatives) continue;
+    // With R_k as columns: a joint's h, and each row of a noise by itself.
+    const Eigen::Index joints = std::ssize(one.joints);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, joints + rows);
+    std::vector<std::size_t> terms(one.noise);
+    for (Eigen::Index k = 0; k < joints; ++k) columns.col(rows + k) = one.joints[static_cast<std::size_t>(k)].second;
+    columns.leftCols(rows).setIdentity();
+    for (const auto& [term, h] : one.joints) terms.push_back(term);
+    const Eigen::MatrixXd moved = columns.transpose() * inverse * columns;
+    const Eigen::MatrixXd slope = one.freedom * inverse - told * inverse;
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(terms[k]), column = static_cast<Eigen::Index>(k);
+      at.gradient(i) += variances(i) * columns.col(column).dot(slope * columns.col(column));
+      for (std::size_t l = 0; l < terms.size(); ++l) {
+        const auto j = static_cast<Eigen::Index>(terms[l]);
+        at.curvature(i, j) +=
+            2.0 * one.freedom * variances(i) * variances(j) * std::pow(moved(column, static_cast<Eigen::Index>(l)), 2);
+      }
+    }
+  }
+}
+
+void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
+  constexpr double kStatedNoise = 0.1;  // of its logarithm: instruments are as their makers say
+  const auto slope_of = [&](Spreads what, double value) -> Slope {
+    switch (what) {
+      case Spreads::noise:
+      case Spreads::orientation_noise:
+        return any_noise(value, std::log(least_noise_));
+      case Spreads::stated_noise:
+        return as_stated(value, kStatedNoise);
+      case Spreads::visits:
+        return half_cauchy(value, expected_.visits);
+      case Spreads::poses:
+        return half_cauchy(value, expected_.poses);
+      case Spreads::drives:
+        return half_cauchy(value, expected_.drives);
+      case Spreads::positions:
+      case Spreads::tilts:
+        break;
+    }
+    return as_stated(value, expected_.tolerances);
+  };
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const Slope one = slope_of(terms_[k].what, u(i));
+    at.cost += one.cost;
+    if (at.gradient.size() == 0) continue;
+    at.gradient(i) += one.slope;
+    at.curvature(i, i) += one.curvature;
+  }
+}
+
+std::optional<double> VarianceTable::noise_of_visits() const {
+  constexpr double kFewest = 3.0;
+  double sum = 0.0, freedom = 0.0;
+  for (const Visits& one : visits_) {
+    sum += one.squares.trace();
+    freedom += one.freedom * static_cast<double>(one.squares.rows());
+  }
+  return freedom < kFewest ? std::nullopt : std::optional(std::sqrt(sum / freedom));
+}
+
+/// All that visits scatter is noise; or most of it is the joints'.
+std::vector<Eigen::VectorXd> VarianceTable::starts() const {
+  constexpr double kSmall = 0.004, kSmallVisits = 0.002;  // mm
+  constexpr double kLeast = 0.2;                          // of the scatter: noise, where joints explain the rest
+  const double scatter = std::max(noise_of_visits().value_or(1.0), least_noise_);
+  const bool noise_is_told =
+      !visits_.empty() || terms_.front().what != Spreads::noise ||
+      std::ranges::any_of(terms_, [](const VarianceTerm& one) { return one.what == Spreads::orientation_noise; });
+  std::vector<Eigen::VectorXd> all;
+  for (const bool loose : {false, true}) {
+    if (loose && !noise_is_told) break;  // no reading tells the one from the other
+    Eigen::VectorXd u(std::ssize(terms_));
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const auto start = [&] {
+        switch (terms_[k].what) {
+          case Spreads::noise:
+            return scatter * (loose ? kLeast : 1.0);
+          case Spreads::visits:
+            return loose ? scatter * noise_mm_ : kSmallVisits;
+          case Spreads::poses:
+            return loose && visits_.empty() && terms_[k].joint < 0 ? noise_mm_ : kSmall;
+          case Spreads::drives:
+            return kSmall;
+          default:
+            return 1.0;
+        }
+      };
+      u(static_cast<Eigen::Index>(k)) = std::log(std::max(start(), kNothing));
+    }
+    all.push_back(std::move(u));
+  }
+  return all;
+}
+
+VarianceTable::Mode VarianceTable::mode_from(const Eigen::VectorXd& start) const {
+  constexpr int kRounds = 40;
+  constexpr double kSettled = 0.03, kFarthest = 1.5, kDamped = 1e6;  // of logarithms: samples about the mode follow
+  Eigen::VectorXd u = start;
+  At now = at(u, true);
+  double damping = 0.1;
+  for (int round = 0; round < kRounds && damping < kDamped && std::isfinite(now.cost); ++round) {
+    Eigen::MatrixXd curvature = now.curvature;
+    curvature.diagonal().array() += damping;
+    const Eigen::VectorXd step =
+        -Eigen::LLT<Eigen::MatrixXd>(curvature).solve(now.gradient).cwiseMax(-kFarthest).cwiseMin(kFarthest);
+    const At next = at(u + step, true);
+    if (!(next.cost < now.cost)) {
+      damping *= 10.0;
+      if (step.cwiseAbs().maxCoeff() < kSettled) break;
+      continue;
+    }
+    u += step;
+    now = next;
+    damping = std::max(0.2 * damping, 1e-3);
+    if (step.cwiseAbs().maxCoeff() < kSettled) break;
+  }
+  return {u, now.curvature, -now.cost, -now.cost};
+}
+
+VarianceTable::Mode VarianceTable::mode() const {
+  constexpr double kFlat = 0.5;  // a variance that nothing tells has the width of its prior, and no more
+  std::optional<Mode> best;
+  for (const Eigen::VectorXd& start : starts()) {
+    Mode one = mode_from(start);
+    if (!best || one.log_evidence > best->log_evidence) best = std::move(one);
+  }
+  const Eigen::VectorXd widths = symmetric_eigenvalues(best->curvature).cwiseMax(kFlat);
+  best->log_evidence -= 0.5 * widths.array().log().sum();
+  return *best;
+}
+
+}  // namespace paracal::detail

@@ -1,0 +1,118 @@
+#pragma once
+
+// Private to calibration: every variance of the readings, estimated together.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "linear_readings.hpp"
+
+namespace paracal::detail {
+
+/// What a variance of the table is of.
+enum class Spreads : std::uint8_t {
+  noise,              ///< of a series, that nobody stated
+  stated_noise,       ///< over what was stated
+  orientation_noise,  ///< likewise, of its angles
+  visits,             ///< of a joint, or of all alike, at each visit
+  poses,              ///< likewise, at each pose
+  drives,             ///< along each joint
+  positions,          ///< of parts that move the plate, over their tolerances
+  tilts,              ///< of parts that tilt it
+};
+
+/// One variance: what a variance of 1 adds to the covariance of the readings.
+struct VarianceTerm {
+  Spreads what;
+  Eigen::Index joint = -1;             ///< of visits and poses; -1: all joints alike; of noise: the series
+  Eigen::MatrixXd readings{};          ///< K
+  std::vector<Eigen::Index> places{};  ///< of the errors that this variance is of; none: of the readings alone
+  Eigen::MatrixXd errors{};            ///< D, their covariance
+  Eigen::MatrixXd by_errors{};         ///< X D
+};
+
+/// A single fact that may be otherwise than stated: errors far outside their tolerances, or a pose that was not what
+/// was commanded.
+struct Fact {
+  std::vector<std::size_t> errors = {};  ///< places
+  double factor = 1.0;                   ///< of their tolerances; of a pose: its size, noises of its readings
+  std::optional<std::size_t> pose = {};
+};
+
+/// One Gaussian model of the readings with unknown variances  [rue2009],
+///
+///   y ~ N(S a, V),   V = sum_k exp(2 u_k) K_k
+///
+/// with priors (Discrepancies) of u, logarithms of standard deviations, and a flat but for what is known of it.
+class VarianceTable {
+ public:
+  /// @param readings  must live as long.
+  VarianceTable(const StageFit& fit, const LinearReadings& readings, const DriveSplines& drives,
+                const Discrepancies& expected);
+
+  const LinearReadings& readings() const { return *readings_; }
+  const std::vector<VarianceTerm>& terms() const { return terms_; }
+  /// Places of those of a kind.
+  std::vector<std::size_t> terms_of(Spreads what) const;
+  /// Errors that no variance scales: what a fact adds; of no places: nothing.
+  const VarianceTerm& fixed_errors() const { return fixed_errors_; }
+  /// The same readings where one fact is otherwise.
+  VarianceTable with(const Fact& fact) const;
+
+  struct At {
+    double cost = 0.0;               ///< minus the logarithm of the posterior density of u, but for a constant
+    Eigen::VectorXd gradient = {};   ///< d cost / d u
+    Eigen::MatrixXd curvature = {};  ///< average information  [gilmour1995], and that of the priors
+    Eigen::VectorXd z = {};          ///< P y
+    Eigen::MatrixXd P = {};          ///< V^-1 but for what the set-up takes up
+    Eigen::VectorXd set_up = {};     ///< a
+  };
+  At at(const Eigen::VectorXd& u, bool derivatives) const;
+
+  struct Mode {
+    Eigen::VectorXd u;
+    Eigen::MatrixXd curvature;
+    double log_density = 0.0;   ///< at the mode
+    double log_evidence = 0.0;  ///< integrated, by Laplace's approximation
+  };
+  /// By Newton's method from two starts: where a joint is loose there are two modes.
+  Mode mode() const;
+  /// Standard deviation of the visits' scatter over the noise with which readings entered, where poses were visited
+  /// twice.
+  std::optional<double> noise_of_visits() const;
+
+ private:
+  /// How visits scatter about their mean: W = sum_k exp(2 u_k) R_k, R = h h^T of a joint or of the rows of a noise.
+  struct Visits {
+    Eigen::MatrixXd squares;
+    double freedom = 0.0;
+    std::vector<std::pair<std::size_t, Eigen::VectorXd>> joints;  ///< term, h
+    std::vector<std::size_t> noise;                               ///< term of each row
+  };
+  void add_noise();
+  void add_joints(Spreads what, bool at_visits);
+  void add_errors(const StageFit& fit, const DriveSplines& drives);
+  VarianceTerm term_of_errors(Spreads what, std::vector<Eigen::Index> places, const Eigen::MatrixXd& covariance) const;
+  void list_visits();
+  std::size_t term_of(Spreads what, Eigen::Index joint = -1) const;
+  /// Term of the noise of each row of a block.
+  std::vector<std::size_t> noise_of(const ReadingBlock& block) const;
+  void add_prior(const Eigen::VectorXd& u, At& at) const;
+  void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
+  std::vector<Eigen::VectorXd> starts() const;
+  Mode mode_from(const Eigen::VectorXd& start) const;
+
+  const LinearReadings* readings_;
+  Discrepancies expected_;
+  double noise_mm_;     ///< with which readings entered
+  double least_noise_;  ///< of that: what no instrument is below
+  std::vector<VarianceTerm> terms_;
+  Eigen::MatrixXd fixed_;  ///< what a fact adds to the covariance of the readings; empty: nothing
+  VarianceTerm fixed_errors_{Spreads::positions};
+  std::vector<Visits> visits_;
+};
+
+}  // namespace paracal::detail
