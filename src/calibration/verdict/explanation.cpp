@@ -134,7 +134,7 @@ class Explainer {
   std::string text_of(const SuspectedFact& one) const {
     if (one.fact.pose) {
       return fmt::format(
-          "all readings of {} are off by about {:.2g} mm and are left out. Check what was commanded and written there",
+          "all readings of {} are off by about {:.2g} mm and are excluded. Check what was commanded and written there",
           one.subject, one.off * reading_noise(fit_.observation()));
     }
     if (one.fact.errors.size() == 1) {
