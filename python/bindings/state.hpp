@@ -58,9 +58,9 @@ PARACAL_FIELDS(SourceSelector, source, limb)
 PARACAL_FIELDS(CommonError, text, direction, std)
 PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
 PARACAL_FIELDS(ControllerModel, evidence, source, robot)
-PARACAL_FIELDS(Discrepancies, expected, visits, poses, drives, length, tolerances)
+PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, rotation_zero, reflectors,
-               tolerances, common, expected, plane_slope, plane_curvature, scale_std, discrepancies, largest_doubt,
+               tolerances, common, expected, plane_slope, plane_curvature, scale_std, discrepancies, seeks_discrepancies, largest_doubt,
                tell_chance, limits, states_use, fixed, free, exclude_outliers, outlier_chance, largest_chance, diagnose,
                controller)
 PARACAL_FIELDS(SplineKnot, centre, spacing)

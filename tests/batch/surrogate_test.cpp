@@ -47,7 +47,7 @@ TEST_P(SurrogateLaw, IsTheLimitOfSmallErrors) {
   if (plan.instrument.rotation_noise > 0.0) plan.calibration.noise.rotation = plan.instrument.rotation_noise;
   plan.calibration.noise_is_known = true;
   plan.calibration.exclude_outliers = false;
-  plan.calibration.discrepancies.expected = false;
+  plan.calibration.seeks_discrepancies = false;
   plan = settled(robot, std::move(plan));
   const Surrogate surrogate(robot, plan);
   const std::vector<Surrogate::Values> values = surrogate.machines(5, 0, 6);

@@ -67,7 +67,7 @@ TEST(Doubts, AnErrorIsFarOutsideItsTolerance) {
   Measurements measured = measured_machine(robot, fine_stations(robot, 9), 9, {.noise = kNoise}).measurements;
   const Robot wrong = misprinted(robot, measured);
   const CalibrationOptions options{
-      .stage = Stage::fine, .noise_is_known = true, .discrepancies = {.expected = false}, .states_use = false};
+      .stage = Stage::fine, .noise_is_known = true, .seeks_discrepancies = false, .states_use = false};
   EXPECT_THAT(first_reason(calibrate(wrong, measured, options)), HasSubstr("with rod_mm = "));
 }
 

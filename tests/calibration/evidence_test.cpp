@@ -194,11 +194,10 @@ TEST(Chance, OfNothingIsUniform) {
   constexpr int kMachines = 30;
   for (int number = 0; number < kMachines; ++number) {
     const Measurements read = measure(robot, {}, fine_stations(robot, 9), number, {.noise = 0.17});
-    mean +=
-        *calibrate(robot, read,
-                   {.stage = Stage::fine, .discrepancies = {.expected = false}, .states_use = false, .diagnose = false})
-             .chance /
-        kMachines;
+    mean += *calibrate(robot, read,
+                       {.stage = Stage::fine, .seeks_discrepancies = false, .states_use = false, .diagnose = false})
+                 .chance /
+            kMachines;
   }
   EXPECT_NEAR(mean, 0.5, 0.2);
 }

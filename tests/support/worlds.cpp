@@ -288,7 +288,7 @@ Calibration oracle(const Bench& bench, const World& world, const Measurements& r
   options.noise.point = options.noise.body = options.noise.distance = options.noise.height =
       world.noise_factor * kWorldNoise;
   options.noise.rotation = world.noise_factor * kWorldNoise / kTurnLever;
-  options.discrepancies.expected = false;
+  options.seeks_discrepancies = false;
   options.tolerances = *bench.robot.tolerances();
   for (const Source source : all_sources()) {
     const bool tilts = tilts_plate(source);

@@ -96,7 +96,6 @@ struct AcceptanceLimits {
 /// least 1.
 /// Method best, fine stage, estimates each and averages over what the readings leave open.
 struct Discrepancies {
-  bool expected = true;     ///< false: the machine is its geometry, as a controller's parameters have it
   double visits = 0.001;    ///< each joint stops elsewhere at each visit: repeatability
   double poses = 0.0003;    ///< and elsewhere at each pose, the same at each visit: friction, load, backlash
   double drives = 0.01;     ///< of drives that are uneven along their stroke
@@ -130,6 +129,7 @@ struct CalibrationOptions {
   double largest_doubt = 0.05;             ///< a cause is named if the probability of any other is smaller
   double tell_chance = 1e-3;               ///< a test's result becomes a note if its p-value is below this
   AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
+  bool seeks_discrepancies = true;         ///< false: the machine is its geometry, as a controller's parameters have it
   bool states_use = true;                  ///< compute U over the workspace; batches of machines do not need it
   std::vector<SourceSelector> fixed = {};  ///< fixed at zero: known exactly
   std::vector<SourceSelector> free = {};   ///< estimated without a prior

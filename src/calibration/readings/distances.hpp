@@ -19,6 +19,7 @@ class Distances final : public ReadingSeries {
   Group group(std::size_t index) const override;
   double sigma(std::size_t index) const override;
   Quantity quantity() const override { return Quantity::distance; }
+  Eigen::Index rotation_rows(std::size_t index) const override { return readings_[index].rotation ? 1 : 0; }
   void take_columns(Eigen::Index& next, bool seeks_scale) override;
   void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) override;
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const override;

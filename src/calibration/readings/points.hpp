@@ -49,6 +49,7 @@ class Points final : public ReadingSeries {
   void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
                    Calibration& calibration) const override;
   Eigen::Index orientation_rows(std::size_t index) const override { return readings_[index].orientation ? 3 : 0; }
+  Eigen::Index rotation_rows(std::size_t index) const override { return readings_[index].rotation ? 1 : 0; }
   /// instrument = frame(robot)
   RigidMotion frame(const Eigen::VectorXd& unknowns) const;
   /// Measured points in the robot's frame beside the machine's poses, one pair a station, repeats averaged, home (or

@@ -152,6 +152,8 @@ class ReadingSeries {
   virtual bool follows_gaps() const { return false; }
   /// How many of a reading's rows, from the fourth on, are of an orientation.
   virtual Eigen::Index orientation_rows(std::size_t /*index*/) const { return 0; }
+  /// How many of them, the last ones, are of a rotation.
+  virtual Eigen::Index rotation_rows(std::size_t /*index*/) const { return 0; }
 
   /// What it is called in notes.
   virtual std::string label(std::size_t index, const std::vector<Station>& stations) const = 0;

@@ -1,19 +1,12 @@
 #include "explanation.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <iterator>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
-#include "facts.hpp"
-#include "numerics/distributions.hpp"
+#include "causes.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -34,19 +27,23 @@ class Explainer {
       const std::size_t stride = stride_of(places);
       const LinearReadings readings = linear_readings(fit_, places, stride, drives_);
       std::vector<WeighedTable> tables{weighed(VarianceTable(fit_, readings, drives_, options_.discrepancies))};
-      if (!std::isfinite(tables.front().mode.log_evidence)) return std::nullopt;  // something is left open
+      const double evidence = tables.front().mode.log_evidence;
+      if (!std::isfinite(evidence)) return std::nullopt;  // something is left open
       std::vector<SuspectedFact> suspected = trials(tables);
       if (facts < kMostFacts && adopt(suspected, tables)) continue;
-      leave_out_improbable(suspected, tables);
-      log_evidence_ = stride == 1 ? of_every_reading(readings, tables.front().mode.log_evidence)
-                                  : std::numeric_limits<double>::quiet_NaN();
-      return described(stride == 1 ? averaged(tables) : of_all(fit_, places, drives_, tables.front()), suspected,
-                       tables);
+      omit_improbable(suspected, tables);
+      if (stride > 1) {
+        constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+        return described(of_all(fit_, places, drives_, tables.front()), suspected, tables, kUnknown);
+      }
+      return described(averaged(tables), suspected, tables, of_every_reading(readings, evidence));
     }
     return std::nullopt;
   }
 
  private:
+  static constexpr std::size_t kMostTrials = 6;
+
   static std::size_t stride_of(const ReadingPlaces& places) {
     constexpr std::size_t kMostRows = 240;  // of a table: more tell variances no better, and cost their cube
     constexpr std::size_t kRows = 3;        // of a place, about
@@ -84,22 +81,25 @@ class Explainer {
   /// Adds tables of the likeliest facts behind that of none, with their probabilities.
   /// @returns the facts of these tables.
   std::vector<SuspectedFact> trials(std::vector<WeighedTable>& tables) const {
-    constexpr std::size_t kMost = 6;
-    const VarianceTable none = tables.front().table;
+    tables.reserve(1 + kMostTrials);
+    const WeighedTable& none = tables.front();
     std::vector<SuspectedFact> facts =
-        suspected_facts(fit_, measurements_.stations, none, none.at(tables.front().mode.u, false));
-    if (!options_.exclude_outliers)
+        suspected_facts(fit_, measurements_.stations, none.table, none.table.at(none.mode.u, false));
+    if (!options_.exclude_outliers) {
       std::erase_if(facts, [](const SuspectedFact& one) { return one.fact.pose.has_value(); });
-    facts.resize(std::min(facts.size(), kMost));
-    std::vector<double> log_odds{0.0};
-    for (const SuspectedFact& one : facts) {
-      tables.push_back(weighed(none.with(one.fact)));
-      log_odds.push_back(tables.back().mode.log_evidence - tables.front().mode.log_evidence + std::log(one.odds));
     }
-    const double largest = std::ranges::max(log_odds);
-    double sum = 0.0;
-    for (double& one : log_odds) sum += one = std::exp(one - largest);
-    for (std::size_t k = 0; k < tables.size(); ++k) tables[k].probability = log_odds[k] / sum;
+    facts.resize(std::min(facts.size(), kMostTrials));
+    double sum = 1.0;
+    std::vector<double> odds;
+    odds.reserve(facts.size());
+    for (const SuspectedFact& one : facts) {
+      constexpr double kMost = 600.0;  // of a logarithm: certain, and its exponential is a number
+      tables.push_back(weighed(none.table.with(one.fact)));
+      const double log_odds = tables.back().mode.log_evidence - none.mode.log_evidence + std::log(one.odds);
+      sum += odds.emplace_back(std::exp(std::min(log_odds, kMost)));
+    }
+    tables.front().probability = 1.0 / sum;
+    for (std::size_t k = 0; k < odds.size(); ++k) tables[k + 1].probability = odds[k] / sum;
     return facts;
   }
 
@@ -108,7 +108,8 @@ class Explainer {
     for (std::size_t k = 0; k < facts.size(); ++k) {
       if (tables[k + 1].probability < 1.0 - options_.largest_doubt) continue;
       const Fact& fact = facts[k].fact;
-      causes_.push_back({fact.pose ? Cause::pose : Cause::parts, text_of(facts[k]), tables[k + 1].probability, true});
+      causes_.push_back({fact.pose ? Cause::pose : Cause::parts, text_of(facts[k], reading_noise(fit_.observation())),
+                         tables[k + 1].probability, true});
       if (!fact.pose) fit_.widen_priors(fact.errors, fact.factor);
       for (Group& group : fit_.observation_to_change().groups()) {
         if (fact.pose && (group.station == *fact.pose || group.from == *fact.pose)) group.active = false;
@@ -119,7 +120,7 @@ class Explainer {
     return false;
   }
 
-  static void leave_out_improbable(std::vector<SuspectedFact>& facts, std::vector<WeighedTable>& tables) {
+  static void omit_improbable(std::vector<SuspectedFact>& facts, std::vector<WeighedTable>& tables) {
     constexpr double kImprobable = 0.01;
     for (std::size_t k = facts.size(); k-- > 0;) {
       if (tables[k + 1].probability > kImprobable) continue;
@@ -131,187 +132,37 @@ class Explainer {
     for (WeighedTable& one : tables) one.probability /= sum;
   }
 
-  std::string text_of(const SuspectedFact& one) const {
-    if (one.fact.pose) {
-      return fmt::format(
-          "all readings of {} are off by about {:.2g} mm and are excluded. Check what was commanded and written there",
-          one.subject, one.off * reading_noise(fit_.observation()));
+  /// Standard deviation of each joint by its own term and that of all alike.
+  Eigen::VectorXd of_joints(Spreads what, const VarianceTable& table, const VariancePosterior& posterior) const {
+    Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit_.observation().robot().limb_count()));
+    for (const std::size_t term : table.terms_of(what)) {
+      const Eigen::Index joint = table.terms()[term].joint;
+      const double square = std::pow(table.readings().joint_per_mm * posterior.size(term), 2);
+      squares.segment(std::max<Eigen::Index>(joint, 0), joint < 0 ? squares.size() : 1).array() += square;
     }
-    if (one.fact.errors.size() == 1) {
-      return fmt::format(
-          "{} is {:.1f} standard deviations of its tolerance away from nominal: check the part and the tolerance",
-          one.subject, one.fact.factor);
-    }
-    return fmt::format("{} are {:.1f} times as large as the tolerances: check them", one.subject, one.fact.factor);
-  }
-
-  /// Of facts of which one is so, and nobody can say which.
-  void add_open_facts(const std::vector<SuspectedFact>& facts, const std::vector<WeighedTable>& tables) {
-    const double any = 1.0 - tables.front().probability;
-    if (facts.empty() || any < 0.5) return;
-    std::vector<std::size_t> order(facts.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, std::greater{}, [&](std::size_t k) { return tables[k + 1].probability; });
-    std::vector<std::string> each;
-    for (const std::size_t k : order) {
-      each.push_back(fmt::format("{} ({:.0f} %)", facts[k].subject, 100.0 * tables[k + 1].probability));
-    }
-    causes_.push_back({Cause::parts,
-                       fmt::format("{} is far outside its tolerance, or wrong. The readings cannot tell which: measure "
-                                   "the parts",
-                                   fmt::join(each, " or ")),
-                       any, any > 1.0 - options_.largest_doubt});
+    return squares.cwiseSqrt();
   }
 
   Explanation described(VariancePosterior posterior, const std::vector<SuspectedFact>& facts,
-                        const std::vector<WeighedTable>& tables) {
+                        const std::vector<WeighedTable>& tables, double log_evidence) {
     const VarianceTable& table = tables.front().table;
-    const double joint = table.readings().joint_per_mm;
-    const auto limbs = static_cast<Eigen::Index>(fit_.observation().robot().limb_count());
+    add_causes(fit_, options_, facts, tables, posterior, causes_);
     Explanation all{.means = std::move(posterior.errors),
                     .covariance = std::move(posterior.covariance),
                     .noise = std::move(posterior.noise),
                     .drives = drives_.knots,
-                    .joint_std = Eigen::VectorXd::Zero(limbs),
-                    .visit_std = Eigen::VectorXd::Zero(limbs),
+                    .joint_std = of_joints(Spreads::poses, table, posterior),
+                    .visit_std = of_joints(Spreads::visits, table, posterior),
+                    .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
+                    .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
+                    .causes = std::move(causes_),
                     .repeats = table.noise_of_visits().has_value(),
-                    .log_evidence = log_evidence_};
-    for (std::size_t k = 0; k < table.terms().size(); ++k) {
-      const VarianceTerm& term = table.terms()[k];
-      const double size = posterior.size(k);
-      if (term.what == Spreads::noise) all.unstated_noise = std::max(all.unstated_noise, size);
-      if (term.what == Spreads::stated_noise) all.stated_noise = size;
-      if (term.what != Spreads::visits && term.what != Spreads::poses) continue;
-      Eigen::VectorXd& squares = term.what == Spreads::visits ? all.visit_std : all.joint_std;
-      const double square = std::pow(joint * size, 2);
-      const Eigen::Index first = std::max<Eigen::Index>(term.joint, 0), count = term.joint < 0 ? limbs : 1;
-      squares.segment(first, count).array() += square;
-    }
-    all.visit_std = all.visit_std.cwiseSqrt().eval();
-    all.joint_std = all.joint_std.cwiseSqrt().eval();
+                    .log_evidence = log_evidence};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
       all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
       all.visit_std.setZero();
     }
-    add_open_facts(facts, tables);
-    add_discrepancies(table, posterior, all);
-    std::ranges::stable_sort(causes_, std::greater{}, &Component::probability);
-    all.causes = std::move(causes_);
     return all;
-  }
-
-  /// Names what is large beside the noise, and far larger than expected.
-  void add_discrepancies(const VarianceTable& table, const VariancePosterior& posterior, const Explanation& all) {
-    const Discrepancies& expected = options_.discrepancies;
-    const double noise =
-        reading_noise(fit_.observation()) * (all.unstated_noise > 0.0 ? all.unstated_noise : 1.0) * all.stated_noise;
-    const auto large = [&](double scale) { return std::max({10.0 * scale, expected.drives, noise}); };
-    // That all joints together exceed it, and the one that varies most.
-    const auto largest = [&](const std::vector<std::size_t>& terms, double least) {
-      const auto most = std::ranges::max_element(terms, {}, [&](std::size_t k) { return posterior.size(k); });
-      return terms.empty() ? std::pair<double, std::size_t>()
-                           : std::pair(posterior.probability_above(terms, least), *most);
-    };
-    const auto add = [&](Cause cause, double probability, std::string text) {
-      if (probability < 0.5) return;
-      causes_.push_back({cause, std::move(text), probability, probability > 1.0 - options_.largest_doubt});
-    };
-    const Unit unit = joint_unit(fit_.observation().robot().actuator());
-    const auto joint = [&](std::size_t term) {
-      const double size = table.readings().joint_per_mm * posterior.size(term);
-      const Eigen::Index limb = table.terms()[term].joint;
-      return fmt::format("{} (standard deviation {:.2g} {}, {:.2g} mm at the plate)",
-                         limb < 0 ? "each joint" : fmt::format("the joint of limb {}", limb + 1),
-                         to_file_unit(unit, size), file_unit(unit), posterior.size(term));
-    };
-    const bool repeats = table.noise_of_visits().has_value();
-    std::vector<std::size_t> poses = table.terms_of(Spreads::poses);
-    if (!repeats) std::ranges::copy(table.terms_of(Spreads::visits), std::back_inserter(poses));  // which are alike
-    if (const auto [probability, term] = largest(table.terms_of(Spreads::visits), large(expected.visits)); repeats) {
-      add(Cause::visits, probability,
-          fmt::format(
-              "the machine does not repeat: {} stops elsewhere at each visit. Possible causes: play, friction, a "
-              "loose joint",
-              joint(term)));
-    }
-    if (const auto [probability, term] = largest(poses, std::max(expected.drives, 0.5 * noise)); probability > 0.0) {
-      add(Cause::motion, probability,
-          fmt::format(
-              "the poses differ from the model by {:.3f} mm more than the noise explains ({} {:.3f} mm), most by "
-              "{}. Possible causes: backlash, friction{}",
-              disagreement(table, posterior), repeats ? "repeatability" : "stated noise", noise, joint(term),
-              repeats ? " or load" : ", load or larger noise"));
-    }
-    if (const auto [probability, term] = largest(table.terms_of(Spreads::drives), large(expected.drives));
-        probability > 0.0) {
-      add(Cause::motion, probability,
-          fmt::format(
-              "the drives are uneven along their stroke by {:.2g} mm at the plate. Possible causes: encoder, belt, "
-              "load or temperature",
-              posterior.size(term)));
-    }
-    if (std::ranges::find(causes_, Cause::parts, &Component::cause) == causes_.end()) add_far_errors(all);
-    add_tolerances(table, posterior);
-    add_noise(table, posterior);
-  }
-
-  /// Errors that are certainly far outside their tolerances, whatever else is.
-  void add_far_errors(const Explanation& all) {
-    constexpr double kFar = 4.0;  // standard deviations of a tolerance
-    const Observation& observation = fit_.observation();
-    for (Eigen::Index k = 0; k < observation.source_count(); ++k) {
-      const SoughtSource& one = observation.sought()[static_cast<std::size_t>(k)];
-      if (!one.prior_std) continue;
-      const double value = std::abs(fit_.fit().parameters(observation.nuisance_count() + k));
-      const double probability = normal_probability((value - kFar * *one.prior_std) / std::sqrt(all.covariance(k, k)));
-      if (probability < 0.5) continue;
-      causes_.push_back({Cause::parts,
-                         fmt::format("{} of limb {} is {:.1f} standard deviations of its tolerance away from nominal: "
-                                     "check the part and the tolerance",
-                                     name(one.source), one.limb + 1, value / *one.prior_std),
-                         probability, probability > 1.0 - options_.largest_doubt});
-    }
-  }
-
-  /// Of joints at each pose together, mm.
-  static double disagreement(const VarianceTable& table, const VariancePosterior& posterior) {
-    double squares = 0.0, joints = 0.0;
-    for (std::size_t k = 0; k < table.terms().size(); ++k) {
-      if (table.terms()[k].what != Spreads::poses) continue;
-      squares += std::pow(posterior.size(k), 2);
-      ++joints;
-    }
-    return std::sqrt(squares / std::max(joints, 1.0));
-  }
-
-  void add_tolerances(const VarianceTable& table, const VariancePosterior& posterior) {
-    constexpr double kLarger = 1.5;  // a tolerance that is larger by less is hardly another
-    const auto add = [&](Spreads what, const char* whose) {
-      for (std::size_t k = 0; k < table.terms().size(); ++k) {
-        const double probability = table.terms()[k].what == what ? posterior.probability_above({k}, kLarger) : 0.0;
-        if (probability < 0.5) continue;
-        causes_.push_back(
-            {Cause::parts,
-             fmt::format("the errors of the {} group are {:.1f} times as large as the tolerances: check them", whose,
-                         posterior.size(k)),
-             probability, probability > 1.0 - options_.largest_doubt});
-      }
-    };
-    add(Spreads::positions, "position");
-    add(Spreads::tilts, "tilt");
-  }
-
-  void add_noise(const VarianceTable& table, const VariancePosterior& posterior) {
-    constexpr double kLarger = 1.2;
-    for (std::size_t k = 0; k < table.terms().size(); ++k) {
-      if (table.terms()[k].what != Spreads::stated_noise) continue;
-      const double probability = posterior.probability_above({k}, kLarger);
-      if (probability < 0.5) return;
-      causes_.push_back(
-          {Cause::noise,
-           fmt::format("the readings scatter {:.2g} times as much as their stated sigmas", posterior.size(k)),
-           probability, probability > 1.0 - options_.largest_doubt});
-    }
   }
 
   StageFit& fit_;
@@ -319,12 +170,7 @@ class Explainer {
   const CalibrationOptions& options_;
   DriveSplines drives_;
   std::vector<Component> causes_;
-  double log_evidence_ = 0.0;
 };
-
-}  // namespace
-
-namespace {
 
 /// Where joints stand elsewhere at each pose by more than the noise, the fit weighs its readings by both.
 void weigh_joints(StageFit& fit, const Explanation& found) {
@@ -344,18 +190,13 @@ void weigh_joints(StageFit& fit, const Explanation& found) {
 
 }  // namespace
 
-FitScatter fit_scatter(const StageFit& fit) {
-  const Scatter all = fit.scatter(), visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
-  return {visits, {std::max(all.sum - visits.sum, 0.0), all.redundancy - visits.redundancy}};
-}
-
 std::optional<Explanation> explained(StageFit& fit, const Measurements& measurements,
                                      const CalibrationOptions& options) {
   std::optional<Explanation> found = Explainer(fit, measurements, options).explain();
   if (!found) return found;
   weigh_joints(fit, *found);
   const Eigen::Index n = found->noise.rows();
-  Eigen::VectorXd off = found->means;
+  Eigen::VectorXd off = found->means;  // from the machine of the fit, which has no splines
   off.head(n) -= fit.fit().parameters.tail(n);
   found->covariance += off * off.transpose();
   return found;

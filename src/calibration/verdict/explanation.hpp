@@ -10,14 +10,6 @@
 
 namespace paracal::detail {
 
-/// How repeated visits scatter about their mean, and how poses scatter about the fit beyond that: weighted squares and
-/// their degrees of freedom.
-struct FitScatter {
-  Scatter visits;  ///< pure error
-  Scatter poses;   ///< lack of fit
-};
-FitScatter fit_scatter(const StageFit& fit);
-
 /// What is known of a machine when its variances have been averaged over.
 struct Explanation {
   Eigen::VectorXd means;  ///< of errors of parts, then of the splines of drives

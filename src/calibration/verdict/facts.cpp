@@ -24,16 +24,17 @@ class Suspicion {
  public:
   Suspicion(const StageFit& fit, const VarianceTable& table, const VarianceTable::At& at)
       : fit_(fit), readings_(table.readings()), at_(at) {
-    moved_ = at.P * readings_.by_errors.leftCols(readings_.prior.rows());
-    information_ = readings_.by_errors.leftCols(readings_.prior.rows()).transpose() * moved_;
-    told_ = readings_.by_errors.leftCols(readings_.prior.rows()).transpose() * at.z;
+    const auto by_parts = readings_.by_errors.leftCols(readings_.prior.rows());
+    information_ = by_parts.transpose() * (at.P * by_parts);
+    told_ = by_parts.transpose() * at.z;
     squares_ = readings_.y.dot(at.z);
   }
 
   void add_errors() {
     const double odds = kAnyError / static_cast<double>(std::max<std::size_t>(sought().size(), 1));
-    for (std::size_t k = 0; k < sought().size(); ++k)
+    for (std::size_t k = 0; k < sought().size(); ++k) {
       add({k}, fmt::format("{} of limb {}", name_of(k), sought()[k].limb + 1), odds);
+    }
   }
 
   void add_kinds() {
@@ -118,9 +119,7 @@ class Suspicion {
   void add(const std::vector<std::size_t>& errors, std::string subject, double odds) {
     constexpr double kLeast = 3.0, kMost = 1e3;
     const std::vector<Eigen::Index> at(errors.begin(), errors.end());
-    for (const std::size_t k : errors) {
-      if (!sought()[k].prior_std) return;
-    }
+    if (!std::ranges::all_of(errors, [&](std::size_t k) { return sought()[k].prior_std.has_value(); })) return;
     if (at.empty()) return;
     const Eigen::VectorXd std = readings_.prior(at, at).diagonal().cwiseSqrt();
     Eigen::MatrixXd information = std.asDiagonal() * information_(at, at) * std.asDiagonal();
@@ -142,9 +141,9 @@ class Suspicion {
   const StageFit& fit_;
   const LinearReadings& readings_;
   const VarianceTable::At& at_;
-  Eigen::MatrixXd moved_, information_;  ///< P X, X^T P X
-  Eigen::VectorXd told_;                 ///< X^T z
-  double squares_ = 0.0;                 ///< Q
+  Eigen::MatrixXd information_;  ///< X^T P X
+  Eigen::VectorXd told_;         ///< X^T z
+  double squares_ = 0.0;         ///< Q
   std::vector<SuspectedFact> all_;
 };
 

@@ -94,7 +94,7 @@ struct StageExplanation {
 
 StageExplanation explained(detail::StageFit fit, const Measurements& used, const CalibrationOptions& options) {
   StageExplanation all{std::move(fit)};
-  if (options.discrepancies.expected) all.found = detail::explained(all.fit, used, options);
+  if (options.seeks_discrepancies) all.found = detail::explained(all.fit, used, options);
   return all;
 }
 

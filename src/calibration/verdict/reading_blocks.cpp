@@ -12,14 +12,6 @@ bool is_alike(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
   return one.rows() == other.rows() && (one - other).squaredNorm() <= kAlike * kAlike * one.squaredNorm();
 }
 
-/// First row and count: an orientation stands from the fourth row on; a rotation is the last row behind one distance,
-/// one point or two.
-std::pair<Eigen::Index, Eigen::Index> angle_rows(Eigen::Index rows, Eigen::Index of_orientation) {
-  if (of_orientation > 0) return {3, of_orientation};
-  const bool turns = rows == 2 || rows == 4 || rows == 7;
-  return {turns ? rows - 1 : rows, turns ? 1 : 0};
-}
-
 class Blocks {
  public:
   explicit Blocks(const StageFit& fit)
@@ -38,7 +30,8 @@ class Blocks {
       return;
     }
     const Eigen::Index joints = static_cast<Eigen::Index>(observation_.robot().limb_count()), count = rows.rows();
-    const std::pair angles = angle_rows(count, observation_.orientation_rows(group));
+    const Eigen::Index orientation = observation_.orientation_rows(group),
+                       rotation = observation_.series_of(group).rotation_rows(group.index);
     blocks_.push_back({.rows = std::move(rows),
                        .by_joint = by_joint.leftCols(joints),
                        .by_from_joint = by_joint.rightCols(by_joint.cols() - joints),
@@ -47,8 +40,8 @@ class Blocks {
                        .from = group.is_relative() ? group.from : group.station,
                        .stated = group.stated,
                        .series = group.series,
-                       .first_angle = angles.first,
-                       .angles = angles.second});
+                       .first_angle = orientation > 0 ? 3 : count - rotation,
+                       .angles = orientation + rotation});
   }
   std::vector<ReadingBlock>& all() { return blocks_; }
 

@@ -23,7 +23,7 @@ struct ReadingBlock {
   std::size_t station = 0, from = 0;
   bool stated = false;
   std::size_t series = 0;
-  Eigen::Index first_angle = 0, angles = 0;  ///< rows of a rotation or an orientation
+  Eigen::Index first_angle = 0, angles = 0;  ///< rows of an orientation, or of a rotation
 };
 
 /// Readings in use by where they were taken: station, station that they are relative to, series.

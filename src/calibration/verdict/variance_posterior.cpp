@@ -130,20 +130,26 @@ Eigen::MatrixXd within(Eigen::MatrixXd part, const Eigen::MatrixXd& all) {
   return part;
 }
 
-/// C + d d^T, d from the machine of the fit.
-Eigen::MatrixXd about_the_fit(const LinearReadings& readings, const Eigen::VectorXd& errors,
-                              const Eigen::MatrixXd& covariance) {
-  Eigen::VectorXd off = errors;
-  off.head(readings.fitted.size()) -= readings.fitted;
-  return covariance + off * off.transpose();
-}
-
 }  // namespace
 
 double VariancePosterior::size(std::size_t term) const {
   double sum = 0.0;
   for (const Point& one : points) sum += one.weight * std::exp(2.0 * one.u(static_cast<Eigen::Index>(term)));
   return std::sqrt(sum);
+}
+
+double VariancePosterior::largest(const std::vector<std::size_t>& terms) const {
+  double most = 0.0;
+  for (const std::size_t term : terms) most = std::max(most, size(term));
+  return most;
+}
+
+double VariancePosterior::noise_factor(const VarianceTable& table) const {
+  double factor = 1.0;
+  for (const Spreads what : {Spreads::noise, Spreads::stated_noise}) {
+    if (const double one = largest(table.terms_of(what)); one > 0.0) factor *= one;
+  }
+  return factor;
 }
 
 double VariancePosterior::probability_above(const std::vector<std::size_t>& terms, double std) const {
@@ -161,7 +167,6 @@ VariancePosterior averaged(const std::vector<WeighedTable>& tables) {
   const Eigen::Index all = readings.by_errors.cols(), n = readings.prior.rows();
   VariancePosterior posterior{.errors = Eigen::VectorXd::Zero(all),
                               .covariance = Eigen::MatrixXd::Zero(all, all),
-                              .squares = {},
                               .noise = Eigen::MatrixXd::Zero(n, n)};
   std::vector<std::pair<double, Eigen::VectorXd>> means;
   for (const WeighedTable& one : tables) {
@@ -181,112 +186,41 @@ VariancePosterior averaged(const std::vector<WeighedTable>& tables) {
     posterior.covariance += weight * off * off.transpose();
   }
   posterior.covariance = 0.5 * (posterior.covariance + posterior.covariance.transpose()).eval();
-  posterior.squares = about_the_fit(readings, posterior.errors, posterior.covariance);
   posterior.noise = within(std::move(posterior.noise), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }
 
-namespace {
-
-/// Information of blocks of readings about set-up and errors, station by station.
-class Information {
- public:
-  Information(const VarianceTable& table, const Eigen::VectorXd& u, Eigen::Index unknowns)
-      : table_(table),
-        u_(u),
-        matrix_(Eigen::MatrixXd::Zero(unknowns, unknowns)),
-        told_(Eigen::VectorXd::Zero(unknowns)) {}
-
-  void add(const ReadingBlock& block, const Eigen::MatrixXd& rows, const Eigen::VectorXd& y) {
-    const Eigen::MatrixXd V = covariance_of(block);
-    const Eigen::MatrixXd weighed = cholesky_solution(V, rows);
-    matrix_.noalias() += rows.transpose() * weighed;
-    told_.noalias() += weighed.transpose() * y;
-  }
-  Eigen::MatrixXd& matrix() { return matrix_; }
-  Eigen::VectorXd& told() { return told_; }
-
- private:
-  double variance(Spreads what, Eigen::Index joint = -1) const {
-    for (std::size_t k = 0; k < table_.terms().size(); ++k) {
-      const VarianceTerm& one = table_.terms()[k];
-      if (one.what == what && one.joint == joint) return std::exp(2.0 * u_(static_cast<Eigen::Index>(k)));
-    }
-    return 1.0;
-  }
-
-  /// Readings that share a pose share how far its joints are off; here each series has its own.
-  Eigen::MatrixXd covariance_of(const ReadingBlock& block) const {
-    const Eigen::Index rows = block.by_joint.rows();
-    const auto series = static_cast<Eigen::Index>(block.series);
-    Eigen::VectorXd noise = Eigen::VectorXd::Constant(
-        rows, block.stated ? variance(Spreads::stated_noise) : variance(Spreads::noise, series));
-    if (!block.stated && block.angles > 0) {
-      noise.segment(block.first_angle, block.angles).setConstant(variance(Spreads::orientation_noise, series));
-    }
-    Eigen::MatrixXd V = (noise / block.visits).asDiagonal();
-    for (Eigen::Index joint = 0; joint < block.by_joint.cols(); ++joint) {
-      const double each = std::pow(table_.readings().joint_per_mm, 2) *
-                          ((variance(Spreads::visits, joint) + variance(Spreads::visits)) / block.visits +
-                           variance(Spreads::poses, joint) + variance(Spreads::poses));
-      V += each * block.by_joint.col(joint) * block.by_joint.col(joint).transpose();
-      if (block.by_from_joint.size() == 0) continue;
-      V += each * block.by_from_joint.col(joint) * block.by_from_joint.col(joint).transpose();
-    }
-    return V;
-  }
-
-  const VarianceTable& table_;
-  const Eigen::VectorXd& u_;
-  Eigen::MatrixXd matrix_;
-  Eigen::VectorXd told_;
-};
-
-/// D(u).
-Eigen::MatrixXd covariance_before(const VarianceTable& table, const Eigen::VectorXd& u) {
-  const Eigen::Index n = table.readings().by_errors.cols();
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t k = 0; k < table.terms().size(); ++k) {
-    const VarianceTerm& one = table.terms()[k];
-    if (!one.places.empty())
-      all(one.places, one.places) += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * one.errors;
-  }
-  return all;
-}
-
-}  // namespace
-
 VariancePosterior of_all(const StageFit& fit, const ReadingPlaces& places, const DriveSplines& drives,
                          const WeighedTable& some) {
   const LinearReadings& readings = some.table.readings();
+  const Eigen::VectorXd& u = some.mode.u;
   const Observation& observation = fit.observation();
   const Eigen::Index set_up = observation.nuisance_count(), n = observation.source_count();
-  const Eigen::Index all = set_up + readings.by_errors.cols();
-  Information information(some.table, some.mode.u, all);
-  const Eigen::VectorXd from = readings.fitted;
+  const Eigen::Index errors = readings.by_errors.cols(), all = set_up + errors;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(all, all);
+  Eigen::VectorXd told = Eigen::VectorXd::Zero(all);
   places.each_block(fit, 1, [&](ReadingBlock&& block) {
     Eigen::MatrixXd rows(block.rows.rows(), all);
     rows << block.rows.leftCols(set_up + n), by_drives(block, observation.joints(), drives.knots);
-    information.add(block, rows, rows.middleCols(set_up, n) * from - block.rows.rightCols<1>());
+    const Eigen::VectorXd y = rows.middleCols(set_up, n) * readings.fitted - block.rows.rightCols<1>();
+    const Eigen::MatrixXd weighed = cholesky_solution(some.table.covariance_of(block, u), rows);
+    information.noalias() += rows.transpose() * weighed;
+    told.noalias() += weighed.transpose() * y;
   });
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(all - set_up, all - set_up);
-  const Eigen::MatrixXd before = cholesky_solution(covariance_before(some.table, some.mode.u), identity);
-  information.matrix().topLeftCorner(set_up, set_up) += readings.set_up_root.transpose() * readings.set_up_root;
-  information.told().head(set_up) -= readings.set_up_root.transpose() * readings.set_up_reach;
-  Eigen::MatrixXd with_priors = information.matrix();
-  with_priors.bottomRightCorner(all - set_up, all - set_up) += before;
+  information.topLeftCorner(set_up, set_up) += readings.set_up_root.transpose() * readings.set_up_root;
+  told.head(set_up) -= readings.set_up_root.transpose() * readings.set_up_reach;
+  Eigen::MatrixXd with_priors = information;
+  with_priors.bottomRightCorner(errors, errors) +=
+      cholesky_solution(some.table.covariance_of_errors(u), Eigen::MatrixXd::Identity(errors, errors));
   const Eigen::VectorXd scale = with_priors.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd covariance =
       scale.asDiagonal() *
       cholesky_solution(scale.asDiagonal() * with_priors * scale.asDiagonal(), Eigen::MatrixXd::Identity(all, all)) *
       scale.asDiagonal();
-  const Eigen::VectorXd mean = covariance * information.told();
-  VariancePosterior posterior{.errors = mean.tail(all - set_up),
-                              .covariance = covariance.bottomRightCorner(all - set_up, all - set_up),
-                              .squares = {},
-                              .points = {{some.mode.u, 1.0}}};
-  posterior.squares = about_the_fit(readings, posterior.errors, posterior.covariance);
-  const Eigen::MatrixXd noise = covariance * information.matrix() * covariance;
+  const Eigen::MatrixXd noise = covariance * information * covariance;
+  VariancePosterior posterior{.errors = (covariance * told).tail(errors),
+                              .covariance = covariance.bottomRightCorner(errors, errors),
+                              .points = {{u, 1.0}}};
   posterior.noise = within(noise.block(set_up, set_up, n, n), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }

@@ -20,8 +20,6 @@ struct WeighedTable {
 struct VariancePosterior {
   Eigen::VectorXd errors;  ///< means, of parts, then of the splines of drives
   Eigen::MatrixXd covariance;
-  /// Mean squares about the machine of the fit, which has no splines.
-  Eigen::MatrixXd squares;
   Eigen::MatrixXd noise = {};  ///< the part of the noise in that of parts
   /// Variances u of the first table and their weights.
   struct Point {
@@ -32,6 +30,10 @@ struct VariancePosterior {
 
   /// Root of the mean of exp(2 u) of one term.
   double size(std::size_t term) const;
+  /// Of several, the largest; 0 of none.
+  double largest(const std::vector<std::size_t>& terms) const;
+  /// Of the noise over that with which readings entered.
+  double noise_factor(const VarianceTable& table) const;
   /// Probability that the standard deviation of all these terms together is above.
   double probability_above(const std::vector<std::size_t>& terms, double std) const;
 };

@@ -182,6 +182,33 @@ void VarianceTable::list_visits() {
   }
 }
 
+Eigen::MatrixXd VarianceTable::covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const {
+  const auto variance = [&](std::size_t term) { return std::exp(2.0 * u(static_cast<Eigen::Index>(term))); };
+  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(rows_of(block), rows_of(block));
+  Eigen::Index row = 0;
+  for (const std::size_t noise : noise_of(block)) V(row, row) = variance(noise) / block.visits, ++row;
+  const double unit = std::pow(readings_->joint_per_mm, 2);
+  for (Eigen::Index joint = 0; joint < block.by_joint.cols(); ++joint) {
+    const auto both = [&](Spreads what) { return variance(term_of(what, joint)) + variance(term_of(what)); };
+    const double each = unit * (both(Spreads::visits) / block.visits + both(Spreads::poses));
+    V += each * block.by_joint.col(joint) * block.by_joint.col(joint).transpose();
+    if (block.by_from_joint.size() == 0) continue;
+    V += each * block.by_from_joint.col(joint) * block.by_from_joint.col(joint).transpose();
+  }
+  return V;
+}
+
+Eigen::MatrixXd VarianceTable::covariance_of_errors(const Eigen::VectorXd& u) const {
+  const Eigen::Index n = readings_->by_errors.cols();
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const VarianceTerm& one = terms_[k];
+    if (!one.places.empty())
+      all(one.places, one.places) += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * one.errors;
+  }
+  return all;
+}
+
 VarianceTable VarianceTable::with(const Fact& fact) const {
   VarianceTable other = *this;
   if (!fact.pose) {

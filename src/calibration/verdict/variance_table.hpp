@@ -62,6 +62,11 @@ class VarianceTable {
   /// The same readings where one fact is otherwise.
   VarianceTable with(const Fact& fact) const;
 
+  /// V of one block by itself: readings that share a pose share how far its joints are off; here each has its own.
+  Eigen::MatrixXd covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const;
+  /// D(u), of all errors.
+  Eigen::MatrixXd covariance_of_errors(const Eigen::VectorXd& u) const;
+
   struct At {
     double cost = 0.0;               ///< minus the logarithm of the posterior density of u, but for a constant
     Eigen::VectorXd gradient = {};   ///< d cost / d u

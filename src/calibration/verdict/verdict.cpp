@@ -59,19 +59,19 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
         "the scale of the readings is correct within {:.3g} ppm (standard deviation; set yours with --scale-ppm)",
         1e6 * options.scale_std));
   }
-  const FitScatter scatter = fit_scatter(fit);
+  const Scatter visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
   const bool unstated = !all_stated(fit.observation());
   const bool told = std::ranges::any_of(calibration.components,
                                         [](const Component& one) { return one.told && one.cause == Cause::motion; });
-  if (unstated && scatter.visits.redundancy < 1.0 && !told) {
+  if (unstated && visits.redundancy < 1.0 && !told) {
     assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
   }
   if (calibration.visit_std.size() > 0) {
     assume("the machine is as warm and as loaded in operation as during the measurement");
     assume(
         "parts are rigid where single errors are concerned: uneven drives and parts that bend look like errors of "
-        "parts (predicted poses include both)");
-    if (scatter.visits.redundancy < 1.0) {
+        "parts (U of poses includes both)");
+    if (visits.redundancy < 1.0) {
       assume(fmt::format("joints repeat within some {:.2g} mm at the plate: visit poses twice to measure it",
                          options.discrepancies.visits));
     }
