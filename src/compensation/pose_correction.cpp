@@ -43,29 +43,17 @@ JointFinder linear_joints(const Robot& robot, const SourceErrors& errors, Compen
 
 using UncertaintyFinder = std::function<std::optional<StatedU>(const Pose& wanted, const Joints& joints)>;
 
-UncertaintyFinder of_level_plate(const Robot& robot, const KnownErrors& known) {
-  return [parameters = compensator_parameters(robot, known.errors),
-          covariance = compensator_covariance(robot, known.parameters, known.pose_covariance())](
-             const Pose& wanted, const Joints&) -> std::optional<StatedU> {
-    CompensatorUncertainty<double> U;
-    if (stated_uncertainty(parameters, covariance, closure_pose(wanted), U) != CompensationStatus::ok) return {};
-    return StatedU{{U.x, U.y, U.z}, U.phi};
-  };
-}
-
-UncertaintyFinder of_any_plate(const Machine& actual, const KnownErrors& known) {
+/// With the drives' splines, which the linear model for a controller leaves out.
+UncertaintyFinder uncertainty_of(const Machine& actual, const KnownErrors& known) {
+  if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
   return [actual, parameters = known.parameters, covariance = known.pose_covariance()](
              const Pose& wanted, const Joints& joints) -> std::optional<StatedU> {
     const auto U = plate_uncertainty(actual, plate_at(actual, wanted), joints, parameters, covariance);
     if (!U) return {};
+    if (actual.is_level) return StatedU{U->head<3>(), (*U)(3)};
     if (!actual.commands_tilt()) return StatedU{U->head<3>()};  // guides hold the angles
     return StatedU{U->head<3>(), 0.0, U->tail<3>()};
   };
-}
-
-UncertaintyFinder uncertainty_of(const Robot& robot, const Machine& actual, const KnownErrors& known) {
-  if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
-  return robot.is_level() ? of_level_plate(robot, known) : of_any_plate(actual, known);
 }
 
 }  // namespace
@@ -79,7 +67,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   const Machine actual = build(robot, known.errors);
   const JointFinder find_joints =
       way == CompensationWay::exact ? exact_joints(actual) : linear_joints(robot, known.errors, way);
-  const UncertaintyFinder find_uncertainty = uncertainty_of(robot, actual, known);
+  const UncertaintyFinder find_uncertainty = uncertainty_of(actual, known);
   return [=](const Pose& wanted) {
     CorrectedPose found = find_joints(wanted);
     if (found.status != CompensationStatus::ok) return found;
