@@ -176,7 +176,7 @@ class Virtual(TestCase):
         self.close(found.covariance * np.outer(in_file, in_file), file["covariance"], 1e-12)
         self.close(np.sqrt(np.diag(found.covariance)), found.std, 1e-12)
         self.close(found.U * in_file, [one["U"] for one in file["parameters"]], 1e-12)
-        self.assertGreater(np.max(found.U / found.std), 2.00001)  # k of Student, not 2
+        self.assertGreater(np.max(found.U / found.std), 2.0001)  # k of Student, not 2
         self.assertEqual(found.rank, file["rank"])
         self.assertEqual(
             [one.text for one in found.null_space], [one["text"] for one in file["null_space"]]

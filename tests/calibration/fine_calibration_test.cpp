@@ -58,7 +58,7 @@ TEST_P(FineCalibrationLaw, ReadingsInTheRobotsFrameNeedNoAlignment) {
   test::state_sigma(measurements, 1e-5);
   const Calibration calibration = calibrate(robot, measurements, {.frame = Frame::robot});
   ASSERT_TRUE(calibration.accepted()) << calibration.brief();
-  EXPECT_LT(held_out_errors(robot, truth, calibration.errors(), validation_stations(robot)).max_abs_distance, 5e-3);
+  EXPECT_LT(held_out_errors(robot, truth, calibration.errors(), validation_stations(robot)).max_abs_distance, 2e-3);
   EXPECT_EQ(calibration.frames[0].frame.translation, Eigen::Vector3d::Zero());
 }
 
@@ -71,7 +71,7 @@ TEST_P(FineCalibrationLaw, DoesNotDependOnTheInstrumentsFrame) {
   }
   const Calibration other = calibrate(robot, machine.measurements);
   for (std::size_t k = 0; k < one.parameters.size(); ++k) {
-    EXPECT_NEAR(one.parameters[k].value, other.parameters[k].value, 3e-2 * *one.parameters[k].std);
+    EXPECT_NEAR(one.parameters[k].value, other.parameters[k].value, 1e-4 * *one.parameters[k].std);
   }
 }
 
@@ -176,7 +176,7 @@ TEST_P(FineCalibrationLaw, PriorsDecideOnlyWhereReadingsAreSilent) {
   for (const ParameterEstimate& parameter : calibration.parameters) {
     EXPECT_GE(parameter.data_share, 0.0);
     EXPECT_LE(parameter.data_share, 1.0);
-    EXPECT_LE(*parameter.std, *parameter.prior_std * 1.1);  // parts may be worse than their tolerances
+    EXPECT_LE(*parameter.std, *parameter.prior_std * 1.15);  // parts may be worse than their tolerances
   }
   EXPECT_GT(std::ranges::max(calibration.parameters, {}, &ParameterEstimate::data_share).data_share, 0.95);
 }

@@ -116,6 +116,10 @@ void Observation::check_each(const Eigen::VectorXd& unknowns,
   Eigen::MatrixXd block;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     rows(groups_[g], *states, unknowns, block);
+    if (joint_std_.size() > 0) {  // each by itself
+      const Eigen::VectorXd wider = widening(groups_[g], {*states, unknowns}, joint_std_).cwiseSqrt();
+      block = wider.cwiseInverse().asDiagonal() * Eigen::MatrixXd(block);
+    }
     look(g, block);
   }
 }

@@ -173,7 +173,7 @@ class Explainer {
 };
 
 /// Where joints stand elsewhere at each pose by more than the noise, the fit weighs its readings by both.
-void weigh_joints(StageFit& fit, const Explanation& found) {
+void weigh_joints(StageFit& fit, Explanation& found) {
   const bool told =
       std::ranges::any_of(found.causes, [](const Component& one) { return one.told && one.cause == Cause::motion; });
   if (!told) return;
@@ -182,7 +182,10 @@ void weigh_joints(StageFit& fit, const Explanation& found) {
   observation.let_joints_err(found.joint_std);
   if (found.unstated_noise > 0.0) observation.components().unstated_noise *= found.unstated_noise;
   fit.solve();
-  if (fit.converged()) return;
+  if (fit.converged()) {
+    if (found.unstated_noise > 0.0) found.unstated_noise = 1.0;  // readings have it by now
+    return;
+  }
   observation.let_joints_err({});
   observation.components().unstated_noise = before;
   fit.solve();
