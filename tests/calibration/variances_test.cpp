@@ -410,6 +410,7 @@ TEST_F(Variances, AJointThatStandsElsewhereAtEachPoseIsNamed) {
   EXPECT_GT(found.joint_std(1), 0.4 * off);
   EXPECT_LT(found.visit_std.maxCoeff(), 0.1 * off);
   EXPECT_THAT(found.notes, Contains(HasSubstr("the poses differ from the model by")));
+  EXPECT_NEAR(found.noise, kNoise, 0.2 * kNoise);
   EXPECT_LT(found.use->distance.U, 1.1 * found.use_mean->distance.U);
 }
 
