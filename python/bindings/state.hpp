@@ -60,9 +60,9 @@ PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
 PARACAL_FIELDS(ControllerModel, evidence, source, robot)
 PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, rotation_zero, reflectors,
-               tolerances, common, expected, plane_slope, plane_curvature, scale_std, discrepancies, seeks_discrepancies, largest_doubt,
-               tell_chance, limits, states_use, fixed, free, exclude_outliers, outlier_chance, largest_chance, diagnose,
-               controller)
+               tolerances, common, expected, plane_slope, plane_curvature, scale_std, discrepancies,
+               seeks_discrepancies, largest_doubt, tell_chance, limits, states_use, fixed, free, exclude_outliers,
+               outlier_chance, largest_chance, diagnose, controller)
 PARACAL_FIELDS(SplineKnot, centre, spacing)
 PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)
 PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, data_share, dof, held)

@@ -158,7 +158,7 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
 
 CalibrationOptions printer_options(const PrinterMachine& printer, const DeltaReadings& readings, bool seeks_bias) {
   CalibrationOptions options;
-  options.diagnose = false;                // the firmware's own fit stands beside it
+  options.diagnose = false;             // the firmware's own fit stands beside it
   options.seeks_discrepancies = false;  // firmware has geometry alone; readings that are held out judge it
   options.stage = Stage::fine;
   options.noise.height = 0.02;
