@@ -414,6 +414,15 @@ TEST_F(Variances, AJointThatStandsElsewhereAtEachPoseIsNamed) {
   EXPECT_LT(found.use->distance.U, 1.1 * found.use_mean->distance.U);
 }
 
+TEST_F(Variances, PriorsThatNoTableCanUseAreRefused) {
+  const Measurements measured = read(kNoise, 1.0);
+  CalibrationOptions options;
+  options.discrepancies.length = 0.1;
+  EXPECT_THROW((void)calibrate(robot, measured, options), InvalidArgument);
+  options.discrepancies = {.visits = 0.0};
+  EXPECT_THROW((void)calibrate(robot, measured, options), InvalidArgument);
+}
+
 TEST_F(Variances, AWrongPartIsNamed) {
   EXPECT_THAT(with_wrong("arm_length", 30.0, false).notes,
               Contains(AllOf(HasSubstr("arm_length of limb 2 is"), HasSubstr("check the part and the tolerance"))));

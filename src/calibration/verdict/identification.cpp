@@ -119,6 +119,19 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   return finished(used, best.fit, best.found, std::move(calibration), told);
 }
 
+/// Priors that no table can use.
+void check(const Discrepancies& expected) {
+  constexpr double kShortest = 0.11, kLongest = 10.0;  // of a stroke: splines an eighth apart follow nothing shorter
+  const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
+  if (!positive(expected.visits) || !positive(expected.poses) || !positive(expected.drives) ||
+      !positive(expected.tolerances)) {
+    throw InvalidArgument("discrepancies: expected numbers above 0, got others");
+  }
+  if (expected.length >= kShortest && expected.length <= kLongest) return;
+  throw InvalidArgument(fmt::format("discrepancies.length: expected {} to {} of the stroke, got {}", kShortest,
+                                    kLongest, expected.length));
+}
+
 /// The machine that the fit expects, by which priors and held errors are counted.
 Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
   if (!options.expected) return robot;
@@ -132,6 +145,7 @@ Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
 Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
                                        const CalibrationOptions& options, Told told) {
   check(measurements, robot.limb_count());
+  check(options.discrepancies);
   const bool paper = options.method == Method::paper;
   if (measurements.distances.empty() && measurements.series.empty() && (paper || measurements.lengths.empty())) {
     throw InvalidArgument(measurements.lengths.empty()

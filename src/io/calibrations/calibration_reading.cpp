@@ -135,7 +135,7 @@ Eigen::VectorXd read_joints(const JsonNode& calibration, const char* key, const 
   }
   const std::vector<JsonNode> entries = node->entries();
   if (!entries.empty() && std::ssize(entries) != joints) {
-    node->refuse(fmt::format("expected {} standard deviations, one for each joint, got {}", joints, entries.size()));
+    node->refuse(fmt::format("{}: expected {} numbers, one for each joint, got {}", key, joints, entries.size()));
   }
   Eigen::VectorXd std(std::ssize(entries));
   std::ranges::transform(entries, std.begin(),
@@ -161,12 +161,15 @@ SoughtSource read_spline(const JsonNode& node, const Robot& robot) {
 /// The splines of the drives with the rows of their mean squares, as they stand behind the parameters.
 void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMachine& machine) {
   const auto splines = calibration.find("drives"), node = calibration.find("drive_covariance");
-  if (!splines || !node || machine.covariance.size() == 0) return;
+  if (!splines || machine.covariance.size() == 0) return;
   for (const JsonNode& one : splines->entries()) machine.drives.push_back(read_spline(one, robot));
+  if (machine.drives.empty()) return;
+  if (!node) splines->refuse("drives: expected drive_covariance with them, got none. Calibrate again");
   const std::vector<JsonNode> rows = node->entries();
   const std::size_t count = machine.parameters.size() + machine.drives.size();
   if (rows.size() != machine.drives.size()) {
-    node->refuse(fmt::format("expected {} rows, one for each spline, got {}", machine.drives.size(), rows.size()));
+    node->refuse(fmt::format("drive_covariance: expected {} rows, one for each spline, got {}", machine.drives.size(),
+                             rows.size()));
   }
   machine.drive_covariance.resize(std::ssize(rows), static_cast<Eigen::Index>(count));
   const Actuator actuator = robot.actuator();
@@ -182,7 +185,6 @@ void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMach
           row[k] / factor(machine.parameters.size() + i) / factor(k);
     }
   }
-  if (rows.empty()) return;
   KnownErrors all{.errors = {}, .parameters = {}, .covariance = machine.covariance};
   add_drives(machine.drives, machine.drive_covariance, all);
   require_covariance(all.covariance, *node, "drive_covariance");
