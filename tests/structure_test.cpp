@@ -82,6 +82,36 @@ TEST(Structure, ArrowsPointAsTheDesignSays) {
   EXPECT_THAT(forbidden(promised), testing::Contains(testing::HasSubstr("src/calibration/fit/observation.cpp")));
 }
 
+/// Each unit that uses a decomposition of Eigen's compiles it again, for seconds to a minute: numerics/ compiles it
+/// once. "FILE: LINE" of each use elsewhere.
+std::vector<std::string> decompositions_outside_of(const std::string& allowed) {
+  const std::regex use(
+      R"(#include <Eigen/(SVD|QR|LU|Cholesky|Eigenvalues|Dense)>)"
+      R"(|\b(LLT|LDLT|HouseholderQR|ColPivHouseholderQR|CompleteOrthogonalDecomposition|PartialPivLU|FullPivLU)<)"
+      R"(|\b(JacobiSVD|BDCSVD|EigenSolver|SelfAdjointEigenSolver)<)"
+      R"(|\.(llt|ldlt|lu|partialPivLu|fullPivLu|householderQr|colPivHouseholderQr|completeOrthogonalDecomposition)\()"
+      R"(|\.(jacobiSvd|bdcSvd|eigenvalues|operatorNorm|operatorInverseSqrt)\()");
+  std::vector<std::string> found;
+  for (const char* const folder : {"src", "include", "apps", "python", "tests"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / folder)) {
+      const std::string file = entry.path().lexically_relative(kRoot).string();
+      if (!entry.is_regular_file() || !std::regex_search(file, std::regex("[.][ch]pp$")) || file.starts_with(allowed)) {
+        continue;
+      }
+      for (const std::string& line : lines_of(entry.path())) {
+        if (line == "#include <Eigen/LU>" && file.starts_with("tests/")) continue;  // inverses of small matrices
+        if (std::regex_search(line, use)) found.push_back(fmt::format("{}: {}", file, line));
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Structure, DecompositionsAreInNumerics) {
+  EXPECT_THAT(decompositions_outside_of("src/numerics/"), testing::IsEmpty());
+  EXPECT_THAT(decompositions_outside_of("none"), testing::Contains(testing::HasSubstr("JacobiSVD")));
+}
+
 /// A folder that nobody overlooks at once is two folders.
 TEST(Structure, NoFolderOfTheLibraryHasMoreThan40Files) {
   std::map<std::string, int> files;

@@ -1,12 +1,12 @@
 #include "surrogate.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "calibration/fit/linear_estimate.hpp"
 #include "calibration/fit/sought.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
@@ -149,7 +149,7 @@ void Surrogate::ask_validation(const Robot& robot, const std::vector<Station>& v
   tilt_ = by_coordinate(tilt);
   directions_ = places.colwise() - places.col(0);
   motions_ = rigid_motions(places);
-  motion_fit_ = motions_.completeOrthogonalDecomposition().pseudoInverse();
+  motion_fit_ = detail::pseudo_inverse(motions_);
 }
 
 Surrogate::Block Surrogate::drawn_errors(const Block& normals, std::uint64_t seed, std::uint64_t first) const {

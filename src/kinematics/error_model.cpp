@@ -1,11 +1,11 @@
 #include "paracal/kinematics/error_model.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "linear_closure.hpp"
+#include "numerics/small.hpp"
 #include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {

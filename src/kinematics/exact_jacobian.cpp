@@ -1,8 +1,7 @@
 #include "paracal/kinematics/exact_jacobian.hpp"
 
-#include <Eigen/Cholesky>
-
 #include "linear_closure.hpp"
+#include "numerics/small.hpp"
 #include "rod_derivative.hpp"
 
 namespace paracal {
@@ -65,11 +64,14 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
   ExactJacobian jacobian;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
   const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-  const Eigen::LLT<detail::NormalMatrix<N>> normal(linear.normal());
-  if (normal.info() != Eigen::Success) return jacobian;
-  const Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
-                      detail::kMostRods<N>>
-      residual_to_plate = -normal.solve(linear.jacobian.transpose());
+  const detail::SmallCholesky<detail::NormalMatrix<N>> normal(linear.normal());
+  if (!normal.ok()) return jacobian;
+  Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
+                detail::kMostRods<N>>
+      residual_to_plate(+detail::kUnknowns<N>, linear.jacobian.rows());
+  for (Eigen::Index rod = 0; rod < linear.jacobian.rows(); ++rod) {
+    residual_to_plate.col(rod) = -normal.solve(linear.jacobian.row(rod).transpose());
+  }
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
   const int limbs = detail::limbs_of<N>(machine);
   jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));

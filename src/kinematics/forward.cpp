@@ -1,15 +1,13 @@
 #include "paracal/kinematics/forward.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <type_traits>
 
-#include "elimination.hpp"
 #include "guides.hpp"
 #include "linear_closure.hpp"
+#include "numerics/small.hpp"
 
 namespace paracal {
 namespace {
@@ -105,15 +103,15 @@ double step_length(const Unknowns<N>& step, double lever) {
 
 /// What Newton's steps from a closure need: of six rods its derivative, else the normal equations.
 template <int N>
-using Factors =
-    std::conditional_t<N == 6, detail::Elimination<detail::kUnknowns<N>>, Eigen::LLT<detail::NormalMatrix<N>>>;
+using Factors = std::conditional_t<N == 6, detail::Elimination<detail::kUnknowns<N>>,
+                                   detail::SmallCholesky<detail::NormalMatrix<N>>>;
 
 template <int N>
 Factors<N> factorized(const LinearClosure<N>& linear) {
   if constexpr (N == 6) {
     return detail::Elimination<detail::kUnknowns<N>>(linear.jacobian);
   } else {
-    return Eigen::LLT<detail::NormalMatrix<N>>(linear.normal());
+    return Factors<N>(linear.normal());
   }
 }
 
@@ -124,8 +122,8 @@ std::optional<Unknowns<N>> newton_step(const Factors<N>& factors, const LinearCl
     const Unknowns<N> step = -factors.solve(linear.residual);
     return step.allFinite() ? std::optional(step) : std::nullopt;
   } else {
-    if (factors.info() != Eigen::Success) return std::nullopt;
-    return -factors.solve(linear.gradient());
+    if (!factors.ok()) return std::nullopt;
+    return Unknowns<N>(-factors.solve(linear.gradient()));
   }
 }
 

@@ -1,12 +1,12 @@
 #include "paracal/kinematics/inverse.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "guides.hpp"
 #include "linear_closure.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/mechanism/closure_limb.hpp"
 #include "rod_derivative.hpp"
 
@@ -112,9 +112,8 @@ InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool ca
 ///
 /// so that forward kinematics of these joints are the pose, whatever errors tilt the plate.
 void settle_any(const Machine& machine, const Pose& pose, InverseResult& result) {
-  constexpr int kMaxIterations = 20, kMost = kMaxLimbs + 6;
+  constexpr int kMaxIterations = 20;
   constexpr double kTolerance = 4e-9;  // mm, of the last step
-  using System = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMost>;
   constexpr int N = detail::kAnyLimbs;
   PlateState plate = plate_at(machine, pose);
   const auto limbs = static_cast<Eigen::Index>(machine.limb_count);
@@ -122,7 +121,7 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
   while (result.iterations < kMaxIterations) {
     const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, result.joints);
     const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-    System system = System::Zero(6, limbs + 6);
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(6, limbs + 6);
     Eigen::Index row = 0;
     for (Eigen::Index i = 0; i < limbs; ++i) {
       const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
@@ -135,8 +134,7 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
       if (machine.freedoms.free[static_cast<std::size_t>(k)]) continue;
       system.col(limbs + k) = linear.jacobian.transpose() * linear.jacobian.col(k);
     }
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1> step =
-        -system.completeOrthogonalDecomposition().solve(linear.gradient());
+    const Eigen::VectorXd step = -detail::shortest_solution(system, linear.gradient());
     result.joints += step.head(limbs);
     plate.position += step.segment<3>(limbs);
     plate.tilt += step.tail<3>();

@@ -1,10 +1,9 @@
 #include "joint_gaps.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <vector>
 
 #include "linear_closure.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "rod_derivative.hpp"
 
@@ -54,7 +53,7 @@ Stand least_off(const Machine& machine, PlateState plate, const Joints& joints) 
   Stand all = stand(machine, plate, joints);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Unknowns<kAnyLimbs> step = Unknowns<kAnyLimbs>::Zero();
-    step(free) = -all.by_plate.colPivHouseholderQr().solve(all.off);
+    step(free) = -least_squares(all.by_plate, all.off);
     if (!(step.norm() > kTolerance)) break;
     advance<kAnyLimbs>(plate, step);
     all = stand(machine, plate, joints);
@@ -66,17 +65,15 @@ Stand least_off(const Machine& machine, PlateState plate, const Joints& joints) 
 
 Eigen::MatrixXd gap_basis(const Machine& machine, const PlateState& plate, const Joints& joints) {
   const Eigen::MatrixXd by_plate = least_off(machine, plate, joints).by_plate;
-  const Eigen::MatrixXd turns = Eigen::HouseholderQR<Eigen::MatrixXd>(by_plate).householderQ();
-  return turns.rightCols(by_plate.rows() - by_plate.cols());
+  return orthogonal_factor(by_plate).rightCols(by_plate.rows() - by_plate.cols());
 }
 
 JointGaps joint_gaps(const Machine& machine, const PlateState& plate, const Joints& joints,
                      const Eigen::MatrixXd& near) {
   const Stand all = least_off(machine, plate, joints);
   // What no motion of the plate closes of `near`, made orthonormal by the least turn.
-  const Eigen::MatrixXd square = near - all.by_plate * all.by_plate.colPivHouseholderQr().solve(near);
-  const Eigen::MatrixXd basis =
-      square * Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(square.transpose() * square).operatorInverseSqrt();
+  const Eigen::MatrixXd square = near - all.by_plate * least_squares(all.by_plate, near);
+  const Eigen::MatrixXd basis = product(square, inverse_square_root(product(square.transpose(), square)));
   return {basis.transpose() * all.off, basis.transpose() * all.by_parameter};
 }
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "numerics/dense.hpp"
+#include "numerics/small.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
 
@@ -134,12 +134,13 @@ Rows level_hold(const Machine& machine, const Vectors& rods) {
 double volume(const Rows& rows) {
   const auto n = static_cast<double>(rows.cols());
   const double best = std::pow(rows.squaredNorm() / n, 0.5 * n);
-  if (rows.rows() == rows.cols()) return rows.determinant() / best;
-  return std::sqrt(std::max((rows.transpose() * rows).determinant(), 0.0)) / best;
+  if (rows.rows() == rows.cols()) return small_determinant(rows) / best;
+  const Rows products = rows.transpose().lazyProduct(rows);
+  return std::sqrt(std::max(small_determinant(products), 0.0)) / best;
 }
 
 double smallest_share(const Rows& rows) {
-  const Eigen::VectorXd values = rows.jacobiSvd().singularValues();
+  const Eigen::VectorXd values = singular_values(rows).values;
   return values(values.size() - 1) / values(0);
 }
 

@@ -27,6 +27,10 @@ Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& symmetric) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+Eigen::MatrixXd inverse_square_root(const Eigen::MatrixXd& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric).operatorInverseSqrt();
+}
+
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(A).solve(B);
 }
@@ -49,6 +53,10 @@ Eigen::MatrixXd turned_by_q(const Eigen::MatrixXd& A, Eigen::MatrixXd B) {
   return B;
 }
 
+Eigen::MatrixXd orthogonal_factor(const Eigen::MatrixXd& A) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(A).householderQ();
+}
+
 Eigen::MatrixXd upper_of_qr(const Eigen::MatrixXd& A) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(A).matrixQR().triangularView<Eigen::Upper>();
 }
@@ -63,6 +71,41 @@ Eigen::MatrixXd cholesky_solution(const Eigen::MatrixXd& M, const Eigen::MatrixX
   return Eigen::LLT<Eigen::MatrixXd>(M).solve(B);
 }
 
+Cholesky::Cholesky(const Eigen::MatrixXd& M) {
+  const Eigen::LLT<Eigen::MatrixXd> root(M);
+  ok_ = root.info() == Eigen::Success;
+  lower_ = root.matrixLLT();
+}
+
+Eigen::MatrixXd Cholesky::solve(Eigen::MatrixXd B) const {
+  lower_.triangularView<Eigen::Lower>().solveInPlace(B);
+  lower_.transpose().triangularView<Eigen::Upper>().solveInPlace(B);
+  return B;
+}
+
+Eigen::MatrixXd Cholesky::forward(Eigen::MatrixXd B) const {
+  lower_.triangularView<Eigen::Lower>().solveInPlace(B);
+  return B;
+}
+
+Eigen::MatrixXd Cholesky::inverse() const {
+  const Eigen::Index n = lower_.rows();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);
+  inverse.selfadjointView<Eigen::Lower>().rankUpdate(forward(Eigen::MatrixXd::Identity(n, n)).transpose());
+  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  return inverse;
+}
+
+double Cholesky::log_root() const { return lower_.diagonal().array().log().sum(); }
+
+Eigen::VectorXd symmetric_solution(const Eigen::MatrixXd& M, const Eigen::VectorXd& b) {
+  return Eigen::LDLT<Eigen::MatrixXd>(M).solve(b);
+}
+
+Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) { return A * B; }
+
 double determinant(const Eigen::MatrixXd& M) { return M.determinant(); }
+
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& M) { return M.inverse(); }
 
 }  // namespace paracal::detail

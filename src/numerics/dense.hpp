@@ -18,7 +18,10 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& symmetric);
 /// The values alone.
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& symmetric);
 
-/// A = U diag(values) V^T, values descending. Eigen::BDCSVD.
+/// M^-1/2, symmetric, of a positive definite M.
+Eigen::MatrixXd inverse_square_root(const Eigen::MatrixXd& symmetric);
+
+/// A = U diag(values) V^T, values descending. Eigen::JacobiSVD of R of A.
 struct SingularValues {
   Eigen::VectorXd values;
   Eigen::MatrixXd right;  ///< V, with a column for every column of A
@@ -37,8 +40,9 @@ Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& A, const Eigen::MatrixX
                                   std::optional<double> threshold = {});
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A, std::optional<double> threshold = {});
 
-/// Q^T B, and the R of Q R = A without pivoting. Eigen::HouseholderQR.
+/// Q^T B, and Q (square) and R of Q R = A without pivoting. Eigen::HouseholderQR.
 Eigen::MatrixXd turned_by_q(const Eigen::MatrixXd& A, Eigen::MatrixXd B);
+Eigen::MatrixXd orthogonal_factor(const Eigen::MatrixXd& A);
 Eigen::MatrixXd upper_of_qr(const Eigen::MatrixXd& A);
 /// The X that minimises |A X - B|, without pivoting: A has full rank.
 Eigen::MatrixXd full_rank_solution(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
@@ -47,7 +51,31 @@ Eigen::MatrixXd full_rank_solution(const Eigen::MatrixXd& A, const Eigen::Matrix
 Eigen::MatrixXd cholesky(const Eigen::MatrixXd& M);
 Eigen::MatrixXd cholesky_solution(const Eigen::MatrixXd& M, const Eigen::MatrixXd& B);
 
-/// det M. Eigen::PartialPivLU.
+/// M = L L^T, factored once for several solutions.
+class Cholesky {
+ public:
+  /// @param M  its lower triangle is read.
+  explicit Cholesky(const Eigen::MatrixXd& M);
+  /// M is positive definite; all else needs this.
+  bool ok() const { return ok_; }
+  Eigen::MatrixXd solve(Eigen::MatrixXd B) const;    ///< M^-1 B
+  Eigen::MatrixXd forward(Eigen::MatrixXd B) const;  ///< L^-1 B
+  Eigen::MatrixXd inverse() const;                   ///< M^-1, symmetric to the last bit
+  double log_root() const;                           ///< log det L = (log det M) / 2
+
+ private:
+  Eigen::MatrixXd lower_;
+  bool ok_;
+};
+
+/// X of M X = b for a symmetric M that may be indefinite. Eigen::LDLT.
+Eigen::VectorXd symmetric_solution(const Eigen::MatrixXd& M, const Eigen::VectorXd& b);
+
+/// A B.
+Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
+/// det M and M^-1. Eigen::PartialPivLU.
 double determinant(const Eigen::MatrixXd& M);
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& M);
 
 }  // namespace paracal::detail

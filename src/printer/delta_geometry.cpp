@@ -1,11 +1,11 @@
 #include "paracal/printer/delta_geometry.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
+#include "numerics/small.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
+
+#include "numerics/dense.hpp"
 
 namespace paracal::information_root_test {
 namespace {
@@ -161,7 +163,7 @@ TEST_F(RankDeficient, NullSpaceIsWhatTheRowsDoNotSee) {
   ASSERT_EQ(spectrum.null_space.cols(), 2);
   EXPECT_LT((rows.leftCols<4>() * spectrum.null_space).norm(), 1e-13);
   EXPECT_TRUE(agree(spectrum.null_space.colwise().norm(), Eigen::RowVector2d::Ones()));
-  EXPECT_EQ(spectrum.null_space.colPivHouseholderQr().rank(), 2);
+  EXPECT_GT(detail::singular_values(spectrum.null_space).values(1), 1e-6);  // two of them
 }
 
 /// (R^T R)^+ is a generalized inverse, A A^+ A = A and A^+ A A^+ = A^+, and knows nothing of the unseen parameter.

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -143,14 +143,13 @@ class TableOfReadings : public Variances {
         }
       }
     }
-    const Eigen::LLT<Eigen::MatrixXd> root(V);
+    const detail::Cholesky root(V);
     const Eigen::MatrixXd information =
         S.transpose() * root.solve(S) + linear.set_up_root.transpose() * linear.set_up_root;
-    const Eigen::VectorXd a = information.llt().solve(S.transpose() * root.solve(y));
+    const Eigen::VectorXd a = detail::cholesky_solution(information, S.transpose() * root.solve(y));
     const Eigen::VectorXd left = y - S * a;
-    return root.matrixLLT().diagonal().array().log().sum() +
-           0.5 * std::log((information / information.norm()).determinant()) +
-           0.5 * static_cast<double>(set_up) * std::log(information.norm()) + 0.5 * left.dot(root.solve(left)) +
+    return root.log_root() + 0.5 * std::log(detail::determinant(information / information.norm())) +
+           0.5 * static_cast<double>(set_up) * std::log(information.norm()) + 0.5 * left.dot(root.solve(left).col(0)) +
            0.5 * (linear.set_up_root * a).squaredNorm();
   }
   double cost_of_priors() const {
@@ -205,7 +204,7 @@ TEST_F(TableOfReadings, SlopesAreThoseOfTheCost) {
     const double slope = (table.at(more, false).cost - table.at(less, false).cost) / (2.0 * kStep);
     EXPECT_NEAR(here.gradient(k), slope, 1e-5 * (1.0 + std::abs(slope))) << k;
   }
-  EXPECT_GT(here.curvature.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0.0);
+  EXPECT_GT(detail::symmetric_eigenvalues(here.curvature).minCoeff(), 0.0);
 }
 
 /// The mode is no worse than its neighbours.

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "numerics/dense.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/target_correction.hpp"
@@ -53,7 +53,7 @@ double error_of(const KnownPrinter& truth, const DeltaGeometry& firmware, const 
     all.segment<3>(3 * k) = off(truth, firmware, told[static_cast<std::size_t>(k)], place);
     motions.middleRows<3>(3 * k) << 1.0, 0.0, -place.y(), 0.0, 1.0, place.x(), 0.0, 0.0, 0.0;
   }
-  const Eigen::VectorXd shape = all - motions * motions.colPivHouseholderQr().solve(all);
+  const Eigen::VectorXd shape = all - motions * detail::least_squares(motions, all);
   return shape.norm() / std::sqrt(static_cast<double>(count));
 }
 

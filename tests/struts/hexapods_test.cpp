@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "calibration/fit/placement.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/calibration/identifiability.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -200,8 +201,7 @@ Eigen::Index held_readings(const Robot& robot, const Calibration& found, const M
   }
   variance += by_errors * known.expanded_covariance() * by_errors.transpose();
   // What is left where the set-up has been found by least squares.
-  const Eigen::MatrixXd left =
-      Eigen::MatrixXd::Identity(rows, rows) - set_up * set_up.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(rows, rows) - set_up * detail::pseudo_inverse(set_up);
   const Eigen::VectorXd std = (left * variance * left.transpose()).diagonal().cwiseSqrt(), residual = left * off;
   return (residual.cwiseAbs().array() <= kCoverageFactor * std.array()).count();
 }

@@ -92,7 +92,7 @@ CommonPart common_part(const TrialFit& fit, const std::vector<SourceErrors>& dir
   const Eigen::MatrixXd curvature = prior - weighted.transpose() * fit.covariance * weighted;
   if (!(determinant(curvature) > kUnseen * prior.diagonal().prod())) return {Eigen::VectorXd::Zero(m)};
   const Eigen::VectorXd pull = weighted.transpose() * fit.errors;
-  const Eigen::VectorXd amounts = curvature.ldlt().solve(pull);
+  const Eigen::VectorXd amounts = symmetric_solution(curvature, pull);
   return {amounts, pull.dot(amounts)};
 }
 

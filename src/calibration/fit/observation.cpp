@@ -1,12 +1,12 @@
 #include "observation.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "calibration/readings/joints.hpp"
 #include "kinematics/joint_gaps.hpp"
+#include "numerics/dense.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "started.hpp"
@@ -91,8 +91,7 @@ Eigen::MatrixXd Observation::prior_covariance() const {
 
 void Observation::lay_out_priors() {
   if (options_.common.empty() || !has_priors(*this)) return;
-  const Eigen::LLT<Eigen::MatrixXd> root(prior_covariance());
-  common_prior_ = root.matrixL().solve(Eigen::MatrixXd::Identity(source_count(), source_count()));
+  common_prior_ = Cholesky(prior_covariance()).forward(Eigen::MatrixXd::Identity(source_count(), source_count()));
 }
 
 void Observation::add_set_up_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {

@@ -5,9 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +15,9 @@
 #include <vector>
 
 #include "exchange_poses.hpp"
+#include "exchange_state.hpp"
 #include "numerics/dense.hpp"
+#include "numerics/small.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/interruption.hpp"
 
@@ -67,27 +67,19 @@ class Exchange {
  public:
   static constexpr int kMost = Rows == Eigen::Dynamic ? kMostRows : Rows;
   using Small = Eigen::Matrix<double, Rows, Rows, Eigen::ColMajor, kMost, kMost>;
-  using Tall = Eigen::Matrix<double, Eigen::Dynamic, Rows, Eigen::ColMajor, Eigen::Dynamic, kMost>;
 
   /// @param threads  0: all; every number of them chooses the same poses.
   Exchange(const Problem& problem, Criterion criterion, unsigned threads)
       : problem_(&problem),
-        criterion_(criterion),
+        state_(problem, criterion),
         arena_(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads)) {
     if constexpr (Rows == 3) packed_.emplace(problem.weighted);
-    covariance_ = Eigen::MatrixXd::Identity(problem.weighted.rows(), problem.weighted.rows());
-    goal_ = problem.goal;
     refresh();
   }
 
-  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  const Eigen::MatrixXd& covariance() const { return state_.covariance(); }
   const std::vector<Eigen::Index>& chosen() const { return chosen_; }
-
-  double value() const {
-    if (criterion_ == Criterion::volume) return std::log(determinant(covariance_));
-    if (criterion_ == Criterion::worst_direction) return worst();
-    return goal_.cwiseProduct(covariance_).sum();
-  }
+  double value() const { return state_.value(); }
 
   void add(Eigen::Index k) {
     move(k, 1.0);
@@ -112,7 +104,7 @@ class Exchange {
     constexpr double kWorthwhile = 1e-6;
     near_before_ = near_;
     far_before_ = far_;
-    const Eigen::MatrixXd covariance_before = covariance_;
+    const Eigen::MatrixXd covariance_before = covariance();
     const double old_value = value();
     const Eigen::Index left = chosen_[place];
     move(left, -1.0);
@@ -122,12 +114,12 @@ class Exchange {
     if (best != left && gain_of(near_[index(best)], far_[index(best)]) > own) {
       move(best, 1.0);
       chosen_[place] = best;
-      const double scale = criterion_ == Criterion::volume ? 1.0 : std::abs(old_value);
+      const double scale = state_.is_volume() ? 1.0 : std::abs(old_value);
       if (value() < old_value - kWorthwhile * scale) return true;
     }
     std::swap(near_, near_before_);
     std::swap(far_, far_before_);
-    covariance_ = covariance_before;
+    state_.set_covariance(covariance_before);
     chosen_[place] = left;
     return false;
   }
@@ -135,19 +127,15 @@ class Exchange {
   /// Recomputes everything from the chosen poses: the rounding of many updates goes, and the worst direction moves the
   /// goal.
   void refresh() {
-    Eigen::MatrixXd information = Eigen::MatrixXd::Identity(covariance_.rows(), covariance_.rows());
-    for (const Eigen::Index k : chosen_) information += of(k) * of(k).transpose();
-    covariance_ = cholesky_solution(information, Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-    if (criterion_ == Criterion::worst_direction) goal_ = towards_worst();
-    const Eigen::MatrixXd far = covariance_ * goal_ * covariance_;
+    state_.refresh(chosen_);
     const auto count = static_cast<std::size_t>(problem_->candidates());
     near_.resize(count);
     far_.resize(count);
     for_each_block([&](Eigen::Index first, Eigen::Index number) {
-      for (Eigen::Index k = first; k < first + number; ++k) {
-        const auto rows = of(k);
-        near_[index(k)] = rows.transpose() * (covariance_ * rows);
-        far_[index(k)] = rows.transpose() * (far * rows);
+      const ExchangeState::Forms forms = state_.forms(first, number);
+      for (Eigen::Index k = 0; k < number; ++k) {
+        near_[index(first + k)] = forms.near.middleRows(rows() * k, rows());
+        far_[index(first + k)] = forms.far.middleRows(rows() * k, rows());
       }
     });
   }
@@ -176,58 +164,39 @@ class Exchange {
   static std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
   Eigen::Index rows() const { return problem_->rows; }
   Small identity() const { return Small::Identity(rows(), rows()); }
-  auto of(Eigen::Index k) const { return problem_->weighted.template middleCols<Rows>(rows() * k, rows()); }
   bool is_chosen(Eigen::Index k) const { return std::ranges::find(chosen_, k) != chosen_.end(); }
-
-  Eigen::MatrixXd visible_covariance() const { return problem_->visible.transpose() * covariance_ * problem_->visible; }
-
-  double worst() const { return symmetric_eigenvalues(visible_covariance()).maxCoeff(); }
-
-  /// Gradient of tr(C^4), which the largest eigenvalues dominate, scaled to 1: a linear stand-in for the largest.
-  Eigen::MatrixXd towards_worst() const {
-    const Eigen::MatrixXd c = visible_covariance() / worst();
-    return problem_->visible * (c * c * c) * problem_->visible.transpose();
-  }
 
   /// How much the criterion shrinks when a pose with these forms is added.
   double gain_of(const Small& near, const Small& far) const {
-    const Eigen::LLT<Small> one_more(identity() + near);
-    if (criterion_ == Criterion::volume) return 2.0 * one_more.matrixLLT().diagonal().array().log().sum();
-    return one_more.solve(far).trace();
+    const SmallCholesky<Small> one_more(identity() + near);
+    return state_.is_volume() ? 2.0 * one_more.log_root() : one_more.trace_of_solution(far);
   }
 
   /// Takes pose s in (sign = 1) or out (-1): C -> C - sign U N U^T,  U = C A_s^T,  N = (I + sign A_s C A_s^T)^-1.
   void move(Eigen::Index s, double sign) {
     let_interrupt();
-    const Small inner = sign * (identity() + sign * near_[index(s)]).inverse();  // sign N
-    const Tall u = covariance_ * of(s);
-    const bool linear = criterion_ != Criterion::volume;
-    // far_k = A_k C B C A_k^T needs A_k C B U besides A_k U.
-    Tall v = Tall::Zero(u.rows(), rows());
-    Small between = Small::Zero(rows(), rows());
-    if (linear) {
-      v = covariance_ * (goal_ * u);
-      between = u.transpose() * goal_ * u;
-    }
-    for_each_candidate(u, v, [&](Eigen::Index k, const Small& xk, const Small& yk) {
-      const Small step = xk * inner;
-      near_[index(k)].noalias() -= step * xk.transpose();
+    const Small inner = sign * inverse(identity() + sign * near_[index(s)]);  // sign N
+    const ExchangeState::Direction along = state_.direction(s);
+    const Small between = along.between;
+    const bool linear = !state_.is_volume();
+    for_each_candidate(along, [&](Eigen::Index k, const Small& xk, const Small& yk) {
+      // Eigen's blocked products of this size take longer to compile and to run.
+      const Small step = xk.lazyProduct(inner);
+      near_[index(k)] -= step.lazyProduct(xk.transpose());
       if (!linear) return;
-      const Small mixed = step * yk.transpose();
-      const Small changed = step * between;
-      far_[index(k)].noalias() += changed * step.transpose();
+      const Small mixed = step.lazyProduct(yk.transpose());
+      const Small changed = step.lazyProduct(between);
+      far_[index(k)] += changed.lazyProduct(step.transpose());
       far_[index(k)] -= mixed + mixed.transpose();
     });
-    covariance_ -= u * inner * u.transpose();
-    covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+    state_.move(along, inner);
   }
 
   /// Calls take(k, A_k u, A_k v) for every candidate k.
   template <typename Take>
-  void for_each_candidate(const Tall& u, const Tall& v, const Take& take) {
+  void for_each_candidate(const ExchangeState::Direction& along, const Take& take) {
     if constexpr (Rows == 3) {
-      PackedRows::Columns columns(u.rows(), 6);
-      columns << u, v;
+      const PackedRows::Columns columns = along.both;
       for_each_block([&](Eigen::Index block, Eigen::Index count) {
         for (Eigen::Index first = block; first < block + count; first += PackedRows::kBundle) {
           const PackedRows::Product product = packed_->times(first / PackedRows::kBundle, columns);
@@ -237,11 +206,8 @@ class Exchange {
         }
       });
     } else {
-      Eigen::MatrixXd columns(u.rows(), 2 * rows());
-      columns << u, v;
       for_each_block([&](Eigen::Index first, Eigen::Index count) {
-        const Eigen::MatrixXd product =
-            problem_->weighted.middleCols(rows() * first, rows() * count).transpose() * columns;
+        const Eigen::MatrixXd product = state_.products(first, count, along);
         for (Eigen::Index k = 0; k < count; ++k) {
           take(first + k, product.block(rows() * k, 0, rows(), rows()),
                product.block(rows() * k, rows(), rows(), rows()));
@@ -251,10 +217,9 @@ class Exchange {
   }
 
   const Problem* problem_;
-  Criterion criterion_;
+  ExchangeState state_;
   tbb::task_arena arena_;
   std::optional<PackedRows> packed_ = {};  ///< of three rows a candidate
-  Eigen::MatrixXd covariance_, goal_;
   std::vector<Small> near_, far_, near_before_, far_before_;
   std::vector<Eigen::Index> chosen_;
 };

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "calibration/readings/length_model.hpp"
 #include "calibration/readings/points.hpp"
 #include "kinematics/turns.hpp"
+#include "numerics/small.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -60,7 +59,7 @@ Eigen::Vector3d closest(const LengthsRead& read, Eigen::Vector3d point) {
 Eigen::Vector3d flattest(const LengthsRead& read, const Eigen::Vector3d& middle) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& place : read.places) spread += (place - middle) * (place - middle).transpose();
-  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  const Eigen::Vector3d normal = symmetric_eigen(spread).vectors.col(0);
   return normal.z() > 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
 

@@ -1,14 +1,14 @@
 #include "points.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "body.hpp"
 #include "kinematics/turns.hpp"
+#include "numerics/dense.hpp"
 #include "numerics/median.hpp"
+#include "numerics/small.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -94,7 +94,7 @@ bool Points::shows_place(const std::vector<StationState>& stations) const {
     const Eigen::Matrix3d turned = carrier(stations[reading.station]) - middle;
     squares += turned.transpose() * turned / static_cast<double>(readings_.size());
   }
-  return squares.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > kTurned * kTurned;
+  return symmetric_eigenvalues(squares).minCoeff() > kTurned * kTurned;
 }
 
 RigidMotion Points::started_frame(const std::vector<StationState>& stations) const {

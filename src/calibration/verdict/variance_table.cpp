@@ -1,6 +1,5 @@
 #include "variance_table.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -234,14 +233,11 @@ VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) 
   const Eigen::Index count = all.y.size(), set_up = all.by_set_up.cols(), n = u.size();
   Eigen::MatrixXd V = fixed_.size() > 0 ? fixed_ : Eigen::MatrixXd(Eigen::MatrixXd::Zero(count, count));
   for (std::size_t k = 0; k < terms_.size(); ++k) V += variances(static_cast<Eigen::Index>(k)) * terms_[k].readings;
-  const Eigen::LLT<Eigen::MatrixXd> root(V);
+  const Cholesky root(V);
   At at{.cost = std::numeric_limits<double>::infinity()};
-  if (root.info() != Eigen::Success) return at;
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
-  inverse.selfadjointView<Eigen::Lower>().rankUpdate(
-      root.matrixL().solve(Eigen::MatrixXd::Identity(count, count)).transpose());
-  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
-  at.cost = root.matrixLLT().diagonal().array().log().sum();
+  if (!root.ok()) return at;
+  const Eigen::MatrixXd inverse = root.inverse();
+  at.cost = root.log_root();
   at.P = inverse;
   at.set_up.resize(0);
   Eigen::VectorXd left = all.y;
@@ -249,14 +245,14 @@ VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) 
     const Eigen::MatrixXd by = inverse * all.by_set_up;
     const Eigen::MatrixXd information = all.by_set_up.transpose() * by + all.set_up_root.transpose() * all.set_up_root;
     const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::LLT<Eigen::MatrixXd> of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
-    if (of_set_up.info() != Eigen::Success) return {.cost = std::numeric_limits<double>::infinity()};
+    const Cholesky of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
+    if (!of_set_up.ok()) return {.cost = std::numeric_limits<double>::infinity()};
     const Eigen::VectorXd told = by.transpose() * all.y - all.set_up_root.transpose() * all.set_up_reach;
     at.set_up = scale.asDiagonal() * of_set_up.solve(scale.asDiagonal() * told);
     const Eigen::MatrixXd scaled = by * scale.asDiagonal();
     at.P.noalias() -= scaled * of_set_up.solve(scaled.transpose());
     left -= all.by_set_up * at.set_up;
-    at.cost += of_set_up.matrixLLT().diagonal().array().log().sum() - scale.array().log().sum() +
+    at.cost += of_set_up.log_root() - scale.array().log().sum() +
                0.5 * (all.set_up_root * at.set_up + all.set_up_reach).squaredNorm();
   }
   at.z = inverse * left;
@@ -284,10 +280,10 @@ void VarianceTable::add_visits(const Eigen::VectorXd& variances, bool derivative
       W(row, row) = variances(static_cast<Eigen::Index>(one.noise[static_cast<std::size_t>(row)]));
     }
     for (const auto& [term, h] : one.joints) W += variances(static_cast<Eigen::Index>(term)) * h * h.transpose();
-    const Eigen::LLT<Eigen::MatrixXd> root(W);
+    const Cholesky root(W);
     const Eigen::MatrixXd inverse = root.solve(Eigen::MatrixXd::Identity(rows, rows));
     const Eigen::MatrixXd told = inverse * one.squares;
-    at.cost += one.freedom * root.matrixLLT().diagonal().array().log().sum() + 0.5 * told.trace();
+    at.cost += one.freedom * root.log_root() + 0.5 * told.trace();
     if (!derivatives) continue;
     // With R_k as columns: a joint's h, and each row of a noise by itself.
     const Eigen::Index joints = std::ssize(one.joints);
@@ -394,8 +390,7 @@ VarianceTable::Mode VarianceTable::mode_from(const Eigen::VectorXd& start) const
   for (int round = 0; round < kRounds && damping < kDamped && std::isfinite(now.cost); ++round) {
     Eigen::MatrixXd curvature = now.curvature;
     curvature.diagonal().array() += damping;
-    const Eigen::VectorXd step =
-        -Eigen::LLT<Eigen::MatrixXd>(curvature).solve(now.gradient).cwiseMax(-kFarthest).cwiseMin(kFarthest);
+    const Eigen::VectorXd step = -cholesky_solution(curvature, now.gradient).cwiseMax(-kFarthest).cwiseMin(kFarthest);
     const At next = at(u + step, true);
     if (!(next.cost < now.cost)) {
       damping *= 10.0;
