@@ -46,9 +46,9 @@ using UncertaintyFinder = std::function<std::optional<StatedU>(const Pose& wante
 /// With the drives' splines, which the linear model for a controller leaves out.
 UncertaintyFinder uncertainty_of(const Machine& actual, const KnownErrors& known) {
   if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
-  return [actual, parameters = known.parameters, covariance = known.pose_covariance()](
+  return [actual, uncertainty = PlateUncertainty(actual, known.parameters, known.pose_covariance())](
              const Pose& wanted, const Joints& joints) -> std::optional<StatedU> {
-    const auto U = plate_uncertainty(actual, plate_at(actual, wanted), joints, parameters, covariance);
+    const auto U = uncertainty.at(plate_at(actual, wanted), joints);
     if (!U) return {};
     if (actual.is_level) return StatedU{U->head<3>(), (*U)(3)};
     if (!actual.commands_tilt()) return StatedU{U->head<3>()};  // guides hold the angles

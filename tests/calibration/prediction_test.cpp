@@ -8,6 +8,7 @@
 
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
 #include "paracal/mechanism/base_motion.hpp"
 #include "support/robots.hpp"
 
@@ -148,6 +149,44 @@ TEST_P(SpreadLaw, APlateThatDoesNotTurnHasNoRotationInUse) {
 
 PARACAL_ON_EVERY_ROBOT(SpreadLaw);
 PARACAL_ON_UNUSUAL_ROBOTS(SpreadLaw);
+
+/// Folding the knots of a spline and taking each pair of errors once is the same as G C G^T with a column for each: of
+/// level plates with a slide and without, of guided ones and of hexapods, with knots in any order and some out of
+/// reach.
+TEST(PlateUncertaintyOf, ErrorsAndSplinesIsTheDiagonalOfTheWholeProduct) {
+  for (const std::string_view name : {"huang2016", "linear_delta", "inclined_rails", "hexapod", "five-bar"}) {
+    const Robot robot = test::robot_named(name);
+    const Machine& machine = robot.nominal();
+    const Pose pose = workspace_stations(robot)[5].commanded;
+    const Joints joints = inverse(machine, pose).joints;
+    std::vector<SoughtSource> parameters;
+    for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+      for (const Source& source : sources_of(robot.nominal().limbs[limb].actuator))
+        parameters.push_back({limb, source});
+    }
+    for (std::size_t knot = 0; knot < 5 * robot.limb_count(); ++knot) {
+      const std::size_t limb = knot % robot.limb_count();
+      const double centre = joints(static_cast<Eigen::Index>(limb)) + 0.7 * (static_cast<double>(knot) / 5.0 - 1.5);
+      parameters.push_back({limb, joint_zero(machine.limbs[limb].actuator), {}, SplineKnot{centre, 0.6}});
+    }
+    const auto n = static_cast<Eigen::Index>(parameters.size());
+    test::Random random(7);
+    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return random.uniform(-0.1, 0.1); });
+    const Eigen::MatrixXd covariance = root * root.transpose();
+    const PlateState plate = plate_at(machine, pose);
+    const PlateMotions motions = plate_jacobian(machine, plate, joints, parameters);
+    const Eigen::VectorXd all = 2.0 * (motions * covariance * motions.transpose()).diagonal().cwiseSqrt();
+    Eigen::VectorXd expected = all.head<4>();
+    if (machine.commands_tilt()) {
+      expected.resize(6);
+      expected << all.head<3>(), all.tail<3>();
+    }
+    const auto found = PlateUncertainty(machine, parameters, covariance).at(plate, joints);
+    ASSERT_TRUE(found) << name;
+    EXPECT_LT((*found - expected).norm(), 1e-12 * expected.norm()) << name;
+    EXPECT_FALSE(PlateUncertainty(machine, parameters, {}).at(plate, joints)) << name;
+  }
+}
 
 /// Ten degrees of freedom: k = 2.284 of the noise's part alone [gum, Table G.2, 95.45 %].
 TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {

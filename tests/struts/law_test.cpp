@@ -361,17 +361,17 @@ TEST_P(TemplateLaw, StatedUHoldsCompensatedPoses) {
       ASSERT_TRUE(found.accepted()) << found.brief();
       const KnownErrors known = known_errors(found);
       const Machine identified = build(robot, known.errors), actual = build(robot, truth);
+      const PlateUncertainty uncertainty(identified, known.parameters, known.pose_covariance());
       for (const Station& one : others) {
         const Joints joints = inverse(identified, one.commanded).joints;
         const PlateState wanted = plate_at(identified, one.commanded);
-        const auto stated = plate_uncertainty(identified, wanted, joints, known.parameters, known.pose_covariance());
+        const auto stated = uncertainty.at(wanted, joints);
         ASSERT_TRUE(stated);
         const PlateState taken = forward(actual, uneven(joints), {.start = wanted}).plate;
-        Eigen::Matrix<double, 6, 1> off, U;
+        Eigen::Matrix<double, 6, 1> off;
         off << taken.position - wanted.position, taken.tilt - wanted.tilt;
-        U << stated->head<3>(), stated->tail<3>();
         numbers += 6;
-        held += static_cast<int>((off.cwiseAbs().array() <= U.array()).count());
+        held += static_cast<int>((off.cwiseAbs().array() <= stated->array()).count());
       }
     }
     const double share = static_cast<double>(held) / numbers;

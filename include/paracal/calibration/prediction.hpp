@@ -8,6 +8,7 @@
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -55,13 +56,36 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
 Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters);
 
-/// U = 2 std (about 95 %) of x, y, z (mm), phi and tilt (rad) of a plate that stands there with these joints. Empty
-/// where no covariance is known, or the machine is singular.
-/// @param covariance  of the parameters: KnownErrors::pose_covariance.
-std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& machine, const PlateState& plate,
-                                                             const Joints& joints,
-                                                             const std::vector<SoughtSource>& parameters,
-                                                             const Eigen::MatrixXd& covariance);
+/// U of poses of one machine. What is alike at all poses is found once, so that a pose takes a few microseconds.
+class PlateUncertainty {
+ public:
+  /// @param parameters  errors and knots of drives' splines, in the order of the covariance.
+  /// @param covariance  KnownErrors::pose_covariance, mm and rad; empty: none is known.
+  PlateUncertainty(Machine machine, const std::vector<SoughtSource>& parameters, const Eigen::MatrixXd& covariance);
+
+  /// U = 2 std (about 95 %) of what is commanded, for a plate that stands there with these joints: x, y, z (mm) and
+  /// phi (rad), 0 without a slide; with six degrees of freedom x, y, z and tilt (rad).
+  ///
+  ///   \f[ var = diag(G C G^T) \f]
+  ///
+  /// with G by the errors and by the drives' splines at these joints. Empty where no covariance is known, or the
+  /// machine is singular.
+  std::optional<Eigen::VectorXd> at(const PlateState& plate, const Joints& joints) const;
+
+ private:
+  /// Splines of a limb's drive. Their knots are those of knots_, one limb after the other.
+  struct Drive {
+    Eigen::Index limb = 0, zero = 0;  ///< and the column of its joint's zero in an ExactJacobian
+    std::vector<SplineKnot> knots;
+  };
+  template <int Rows>
+  Eigen::VectorXd variances_at(const ExactJacobian& exact, const Joints& joints) const;
+
+  Machine machine_;
+  std::vector<Eigen::Index> columns_;  ///< of the errors in an ExactJacobian
+  std::vector<Drive> drives_;
+  Eigen::MatrixXd errors_, knots_by_errors_, knots_;  ///< parts of the covariance
+};
 
 /// Uncertainties of a calibrated machine at any single visit, and of the mean of many.
 struct UseOfVisits {

@@ -13,7 +13,6 @@
 #include "observation.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
-#include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "sought.hpp"
@@ -66,7 +65,8 @@ Eigen::MatrixXd lengths(const Eigen::MatrixXd& vectors, Eigen::Index rows) {
 double SplineKnot::at(double joint) const {
   const double x = std::abs(joint - centre) / spacing;
   if (x >= 2.0) return 0.0;
-  return x < 1.0 ? 2.0 / 3.0 - x * x * (1.0 - 0.5 * x) : std::pow(2.0 - x, 3) / 6.0;
+  const double rest = 2.0 - x;
+  return x < 1.0 ? 2.0 / 3.0 - x * x * (1.0 - 0.5 * x) : rest * rest * rest / 6.0;
 }
 
 double coverage_factor(double dof) {
@@ -161,16 +161,6 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   Eigen::MatrixXd commanded(6, motions.cols());
   commanded << motions.topRows<3>(), motions.bottomRows<3>();
   return commanded;
-}
-
-std::optional<Eigen::Matrix<double, 7, 1>> plate_uncertainty(const Machine& machine, const PlateState& plate,
-                                                             const Joints& joints,
-                                                             const std::vector<SoughtSource>& parameters,
-                                                             const Eigen::MatrixXd& covariance) {
-  if (covariance.size() == 0) return std::nullopt;
-  const PlateMotions motions = plate_jacobian(machine, plate, joints, parameters);
-  if (motions.cols() == 0) return std::nullopt;
-  return kCoverageFactor * variances(motions, covariance).cwiseSqrt();
 }
 
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
