@@ -178,6 +178,7 @@ std::shared_ptr<const std::vector<StationState>> Observation::stations(const Eig
   const auto sources = unknowns.tail(source_count());  // the set-up of instruments moves no machine
   const bool again = last_stations_ && last_sources_.size() == sources.size() && last_sources_ == sources;
   if (!again) {
+    last_stations_.reset();  // before its successor needs as much memory
     last_stations_ = evaluate(unknowns);
     last_sources_ = sources;
   }

@@ -13,17 +13,24 @@ constexpr double kNothing = 1e-9;  // mm or rad: far below what an instrument re
 
 Eigen::Index rows_of(const ReadingBlock& block) { return block.by_joint.rows(); }
 
-/// What each joint does to the readings of one pose, a column a pose.
+/// What each joint does to the readings of one pose, a column a pose that is read here: of very many poses these are
+/// few.
 Eigen::MatrixXd by_poses(const LinearReadings& all, Eigen::Index joint) {
-  std::size_t poses = 0;
-  for (const ReadingBlock& one : all.blocks) poses = std::max({poses, one.station + 1, one.from + 1});
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.y.size(), static_cast<Eigen::Index>(poses));
+  std::vector<std::size_t> poses;
+  for (const ReadingBlock& one : all.blocks) {
+    poses.push_back(one.station);
+    if (one.by_from_joint.size() > 0) poses.push_back(one.from);
+  }
+  std::ranges::sort(poses);
+  poses.erase(std::ranges::unique(poses).begin(), poses.end());
+  const auto column_of = [&](std::size_t pose) { return std::ranges::lower_bound(poses, pose) - poses.begin(); };
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.y.size(), std::ssize(poses));
   for (std::size_t k = 0; k < all.blocks.size(); ++k) {
     const ReadingBlock& one = all.blocks[k];
     const Eigen::Index first = all.first[k], count = rows_of(one);
-    columns.col(static_cast<Eigen::Index>(one.station)).segment(first, count) += one.by_joint.col(joint);
+    columns.col(column_of(one.station)).segment(first, count) += one.by_joint.col(joint);
     if (one.by_from_joint.size() == 0) continue;
-    columns.col(static_cast<Eigen::Index>(one.from)).segment(first, count) += one.by_from_joint.col(joint);
+    columns.col(column_of(one.from)).segment(first, count) += one.by_from_joint.col(joint);
   }
   return columns;
 }
