@@ -1,5 +1,5 @@
 // What all plots have in common.
-import { plot, type PlotOptions, type ScaleOptions } from "@observablehq/plot";
+import { dot, line, plot, type Markish, type PlotOptions, type ScaleOptions } from "@observablehq/plot";
 
 /// Axes name their quantity and unit at their middle; dots keep off the frame.
 export function draw({ x, y, ...options }: PlotOptions & { x: ScaleOptions; y: ScaleOptions }): Element {
@@ -14,6 +14,24 @@ export function draw({ x, y, ...options }: PlotOptions & { x: ScaleOptions; y: S
   });
   drawing.setAttribute("aria-hidden", "true"); // its frame says what it shows
   return drawing;
+}
+
+const kMostDots = 1000; // elements of a page cost memory and time: more points are one path
+
+interface Dots {
+  x: string;
+  y: string;
+  colour: string;
+  size: number; ///< px across
+  symbol: "circle" | "square";
+  opacity?: number;
+}
+
+/// Points of a plot: an element each, or all of them in one path, whose lines of no length end in round or square caps.
+export function dots<Point extends object>(points: Point[], { x, y, colour, size, symbol, opacity = 1 }: Dots): Markish {
+  if (points.length <= kMostDots) return dot(points, { x, y, fill: colour, fillOpacity: opacity, r: size / 2, symbol });
+  const apart = points.flatMap((point) => [point, { [x]: NaN, [y]: NaN } as Point]);
+  return line(apart, { x, y, z: null, stroke: colour, strokeOpacity: opacity, strokeWidth: size, strokeLinecap: symbol === "circle" ? "round" : "square" });
 }
 
 export const before = "var(--before)";

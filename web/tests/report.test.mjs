@@ -38,10 +38,11 @@ const kMarksOf = [
 ];
 
 async function checkMarks(page) {
-  const figures = await page.$$eval("figure[data-marks]", (all, selectors) => all.map((one) => ({ id: one.id, promised: Number(one.dataset.marks), drawn: Object.fromEntries(Object.entries(selectors).map(([kind, selector]) => [kind, one.querySelectorAll(selector).length])) })), kMarks);
+  const figures = await page.$$eval("figure[data-marks]", (all, selectors) => all.map((one) => ({ id: one.id, promised: Number(one.dataset.marks), drawn: { ...Object.fromEntries(Object.entries(selectors).map(([kind, selector]) => [kind, one.querySelectorAll(selector).length])), points: [...one.querySelectorAll(".drawing svg g[aria-label=line][stroke-linecap] > path")].reduce((sum, path) => sum + path.getAttribute("d").split("M").length - 1, 0) } })), kMarks);
   assert.ok(figures.length > 0);
   for (const { id, promised, drawn } of figures) {
     if (id === "robot-errors") continue; // drawn in three dimensions
+    drawn.dots += drawn.points;
     const [, kind, times] = kMarksOf.find(([pattern]) => pattern.test(id)) ?? assert.fail(`${id}: not in this test's list`);
     assert.ok(promised > 0, id);
     const beside = id === "global-sensitivity" ? drawn.dots : promised; // its largest values are dots
@@ -112,12 +113,29 @@ function withoutMachines(report) {
   return report;
 }
 
-function stoppedAtOnce() {
-  const file = join(folder, "nothing.html");
+/// A page of the program with other data.
+function changed(page, name, change) {
+  const file = join(folder, name);
   const data = /(<script[^>]*id="data"[^>]*>)(.*?)(<\/script>)/s;
-  writeFileSync(file, readFileSync(pages.yield, "utf8").replace(data, (_, begin, json, end) => begin + JSON.stringify(withoutMachines(JSON.parse(json))) + end));
+  writeFileSync(file, readFileSync(page, "utf8").replace(data, (_, begin, json, end) => begin + JSON.stringify(change(JSON.parse(json))) + end));
   return file;
 }
+
+const kManyPoints = 3000;
+
+function withManyPoints(report) {
+  const { calibration } = report.results, few = calibration.residuals;
+  const round = (numbers) => numbers.map((number) => Number(number.toPrecision(4)));
+  calibration.residuals = Array.from({ length: kManyPoints }, (_, k) => ({ ...few[k % few.length], before_mm: round(few[k % few.length].before_mm), after_mm: round(few[k % few.length].after_mm) }));
+  return report;
+}
+
+of("large", "thousands of readings do not become as many elements", async (page) => {
+  assert.ok((await page.locator("*").count()) < 8000);
+  const points = await page.$$eval("#residuals-after .drawing path", (all) => all.map((one) => one.getAttribute("d").split("M").length - 1));
+  const used = (await dataOf(page)).results.calibration.residuals.filter((one) => !one.excluded).length;
+  assert.ok(points.includes(3 * used), points.join());
+});
 
 of("nothing", "a batch that was stopped before its first machine says nothing of machines", async (page) => {
   const cells = await page.locator("#machines table", { hasText: "99.73 %" }).last().locator("tbody tr").evaluateAll((rows) => rows.map((row) => [...row.cells].slice(2).map((cell) => cell.textContent)));
@@ -303,7 +321,8 @@ async function checkOtherLoads(browser, file) {
 test("pages of the program", async (t) => {
   t.after(() => rmSync(folder, { recursive: true }));
   pages = samples(resolve(process.env.PARACAL), folder, !kEvery);
-  pages.nothing = stoppedAtOnce();
+  pages.nothing = changed(pages.yield, "nothing.html", withoutMachines);
+  pages.large = changed(pages.calibration, "large.html", withManyPoints);
   for (const { kind } of checks) assert.ok(pages[kind], kind);
   const browser = await launch();
   t.after(() => browser.close());

@@ -5,7 +5,7 @@ import { isLength, isPoint, length, type LengthResidual } from "../report";
 import { h, table } from "../dom";
 import { figure, legend } from "../figure";
 import { digits, normalQuantile, probability } from "../numbers";
-import { after, before, draw, logarithmic } from "../plot";
+import { after, before, dots, draw, logarithmic } from "../plot";
 import { section, type Section } from "../section";
 import { strings } from "../strings";
 
@@ -62,8 +62,9 @@ function sizesFigure(id: string, title: string, shows: string, sizes: Sizes[], x
         y: { label: y, grid: true, ...scale },
         inset: 6,
         marks: [
-          dot(on("before"), { x: "index", y: "before", fill: before, r: 3, symbol: "circle" }),
-          dot(on("after"), { x: "index", y: "after", fill: (size: Sizes) => (size.out ? "none" : after), stroke: after, r: 3, symbol: "square" }),
+          dots(on("before"), { x: "index", y: "before", colour: before, size: 6, symbol: "circle" }),
+          dots(on("after").filter((size) => !size.out), { x: "index", y: "after", colour: after, size: 6, symbol: "square" }),
+          dot(on("after").filter((size) => size.out), { x: "index", y: "after", fill: "none", stroke: after, r: 3, symbol: "square" }),
         ],
       }),
     ],
@@ -94,7 +95,7 @@ function afterFigure(residuals: NumberRead[], noise: number): HTMLElement {
         x: { label: text.reading, ticks: Math.min(residuals.length, Math.floor(width / 60)), tickFormat: "d" },
         y: { label: text.residual_mm, grid: true, nice: true },
         inset: 6,
-        marks: [ruleY([0], { stroke: "var(--muted)" }), ruleY([-2 * noise, 2 * noise], { stroke: "var(--muted)", strokeDasharray: "4 4" }), dot(residuals, { x: "index", y: "after", fill: after, fillOpacity: 0.75, r: 2.5, symbol: "square" })],
+        marks: [ruleY([0], { stroke: "var(--muted)" }), ruleY([-2 * noise, 2 * noise], { stroke: "var(--muted)", strokeDasharray: "4 4" }), dots(residuals, { x: "index", y: "after", colour: after, size: 5, symbol: "square", opacity: 0.75 })],
       }),
   });
 }
@@ -116,7 +117,7 @@ function normalFigure(residuals: NumberRead[], noise: number): HTMLElement {
         x: { label: text.expected, ticks: Math.floor(width / 80) },
         y: { label: text.residual_mm, grid: true },
         inset: 6,
-        marks: [ruleX([0], { stroke: "var(--line)" }), line([[-end, -end], [end, end]], { stroke: "var(--muted)", strokeDasharray: "4 4" }), dot(points, { x: "expected", y: "after", fill: after, fillOpacity: 0.75, r: 2.5, symbol: "square" })],
+        marks: [ruleX([0], { stroke: "var(--line)" }), line([[-end, -end], [end, end]], { stroke: "var(--muted)", strokeDasharray: "4 4" }), dots(points, { x: "expected", y: "after", colour: after, size: 5, symbol: "square", opacity: 0.75 })],
       }),
   });
 }
