@@ -32,11 +32,10 @@ while IFS='|' read -r name shares input command; do
   fi
 done <"${PARACAL_CHECKS:-tools/checks.txt}"
 
-# A hash of the current files below paths, committed or not, without removed files.
-state() {
+state() {  # "PATH..."
   local from
   read -ra from <<<"$1"
-  git ls-files --cached --others --exclude-standard --deduplicate -- "${from[@]}" | { xargs -d '\n' -r sha256sum 2>/dev/null || true; } | LC_ALL=C sort | sha256sum | cut -d ' ' -f 1
+  tools/state.sh "${from[@]}"
 }
 key() { sha256sum <<<"$1 $2" | cut -d ' ' -f 1; }  # STATE COMMAND
 # The record of a part that passed is "KEY COMMIT WALL CPU".

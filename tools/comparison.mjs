@@ -12,10 +12,12 @@ const row = (cells) => `| ${cells.join(" | ")} |`;
 const table = (head, rows) => [row(head), row(head.map(() => "---")), ...rows.map(row)].join("\n");
 
 /// One object from the lines of all programs, with the host of the last one.
-export function collected(lines, load, date) {
+/// @param sources  "COMMIT HASH" of what was measured.
+export function collected(lines, load, date, sources) {
   const records = lines.trim().split("\n").map((line) => JSON.parse(line));
   const host = records.findLast((record) => record.version);
-  return { ...host, date, load, records: records.filter((record) => !record.version) };
+  const [commit, sha256] = sources.split(" ");
+  return { ...host, date, load, sources: { commit, sha256 }, records: records.filter((record) => !record.version) };
 }
 
 function compared({ times, opponent, task, ours, theirs, unit, threads, note, missing }) {
@@ -24,7 +26,7 @@ function compared({ times, opponent, task, ours, theirs, unit, threads, note, mi
   return [`${median} (${low} to ${high})`, opponent, task, number(ours), `${number(theirs)} ${micro(unit)}`, threads, note];
 }
 
-export function speed({ version, cpu, cores, compiler, flags, date, load, records }) {
+export function speed({ version, cpu, cores, compiler, flags, date, load, sources, records }) {
   const comparisons = records.filter(({ opponent }) => opponent).sort((a, b) => (a.times?.[1] ?? 0) - (b.times?.[1] ?? 0));
   const peaks = records.filter(({ share }) => share !== undefined).sort((a, b) => a.share - b.share);
   const times = records.filter(({ what }) => what);
@@ -35,7 +37,7 @@ Do not edit this section. \`tools/comparison.sh --write\` measures and writes it
 A test compares the section with [comparison.json](comparison.json). \`tools/setup.sh comparison\` installs the other
 programs.
 
-Measured on ${date} with paracal ${version} on an ${cpu} with ${cores} logical cores (load ${load} before the start).
+Measured on ${date} with paracal ${version}${sources ? ` (commit ${sources.commit})` : ""} on an ${cpu} with ${cores} logical cores (load ${load} before the start).
 Compiler: ${compiler}, \`${flags.replace(/: +/, ": ")}\` without \`-march\`, so paracal uses no vector instructions beyond SSE2.
 The other programs are Debian's unless the table states otherwise. The processor in brackets after OpenBLAS is the one
 that its code is optimised for: SkylakeX has AVX-512, Haswell has AVX2.
@@ -69,7 +71,7 @@ export const withSpeed = (document, measured) => document.replace(/^## Speed\n[^
 
 function main(path, load) {
   const text = readFileSync(path, "utf8");
-  const measured = path.endsWith(".json") ? JSON.parse(text) : JSON.parse(JSON.stringify(collected(text, Number(load), new Date().toISOString().slice(0, 10)), rounded));
+  const measured = path.endsWith(".json") ? JSON.parse(text) : JSON.parse(JSON.stringify(collected(text, Number(load), new Date().toISOString().slice(0, 10), process.env.PARACAL_SOURCES), rounded));
   console.log(speed(measured));
   if (process.argv.at(-1) !== "--write") return;
   const { records, ...host } = measured;

@@ -1,10 +1,17 @@
 #!/usr/bin/env bash
-# Compares paracal with other programs and with the limits of the processor: comparison.sh [--write]. It builds the benchmarks (preset comparison), runs them for
+# Compares paracal with other programs and with the limits of the processor: comparison.sh [--write|--check]. --check only fails if docs/comparison.json is not of
+# the current sources. Otherwise it builds the benchmarks (preset comparison), runs them for
 # about ten minutes and prints the section "Speed" of docs/evidence.md. With --write it writes this section and docs/comparison.json. The table names the programs
 # that are not installed (tools/setup.sh comparison installs them). LinuxCNC's sources are downloaded and compiled with -O3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-(($# == 0)) || [[ $* == --write ]] || { echo "comparison: expected nothing or --write, got $*" >&2; exit 2; }
+(($# == 0)) || [[ $* == --write || $* == --check ]] || { echo "comparison: expected nothing, --write or --check, got $*" >&2; exit 2; }
+state=$(tools/state.sh CMakeLists.txt cmake include src benchmarks)
+if [[ $* == --check ]]; then
+  grep -qF "\"sha256\": \"$state\"" docs/comparison.json && exit
+  echo "comparison: expected docs/comparison.json of the current sources ($state), got another: run tools/comparison.sh --write on a quiet machine" >&2
+  exit 1
+fi
 build=$PWD/build/comparison
 
 tools/setup.sh run
@@ -28,6 +35,8 @@ fi
 # OpenBLAS at its fastest, independent of the environment: with AVX-512 where the processor has it. The benchmark sets its threads.
 unset "${!OPENBLAS_@}" "${!MKL_@}"
 if grep -qm 1 ' avx512f ' /proc/cpuinfo; then export OPENBLAS_CORETYPE=SkylakeX; fi
+PARACAL_SOURCES="$(git describe --always --dirty --abbrev=12 --exclude='*') $state"
+export PARACAL_SOURCES
 export PARACAL_COMPARISON=$build/records.jsonl
 rm -f "$PARACAL_COMPARISON"
 load=$(cut -d ' ' -f 1 /proc/loadavg)

@@ -5,7 +5,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 mkdir "$scratch/tools"
-cp "$root"/tools/{check_all,part}.sh "$scratch/tools"
+cp "$root"/tools/{check_all,once,part,state}.sh "$scratch/tools"
 printf '#!/bin/sh\n' >"$scratch/tools/setup.sh"
 chmod +x "$scratch/tools/setup.sh"
 cd "$scratch"
@@ -95,3 +95,23 @@ done
 touch go
 expect "goes on" 0 "wait"
 echo "check_all: remembers, skips, resumes"
+
+# tools/once.sh, with records of its own.
+export XDG_CACHE_HOME=$scratch/cache
+once() { # WHAT RAN COMMAND...
+  : >ran
+  tools/once.sh "source more" "${@:3}" >out 2>&1 || true
+  [[ $(paste -sd , ran) == "$2" ]] || { echo "$1: expected $2, got $(paste -sd , ran):" >&2; cat out >&2; exit 1; }
+}
+add=(bash -c 'echo once >>ran')
+once "without PARACAL_ONCE" once "${add[@]}"
+once "always" once "${add[@]}"
+export PARACAL_ONCE=1
+once "first" once "${add[@]}"
+once "nothing has changed" "" "${add[@]}"
+says '^passed before with the same inputs'
+echo 2 >>source
+once "another input" once "${add[@]}"
+once "another command" "once,two" bash -c 'echo once >>ran; echo two >>ran'
+once "fails" failed bash -c 'echo failed >>ran; false'
+once "has failed" failed bash -c 'echo failed >>ran; false'
