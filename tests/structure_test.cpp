@@ -99,7 +99,7 @@ std::vector<std::string> decompositions_outside_of(const std::string& allowed) {
         continue;
       }
       for (const std::string& line : lines_of(entry.path())) {
-        if (line == "#include <Eigen/LU>" && file.starts_with("tests/")) continue;  // inverses of small matrices
+        if (line.ends_with("/LU>") && file.starts_with("tests/")) continue;  // inverses of small matrices
         if (std::regex_search(line, use)) found.push_back(fmt::format("{}: {}", file, line));
       }
     }

@@ -124,8 +124,8 @@ void Surrogate::ask_readings(const Robot& robot, const ProductionPlan& plan) {
         errors_, [&](const SoughtSource& one) { return detail::is_same_error(one, fit.sought[k]); });
     if (same != errors_.end()) found(same - errors_.begin(), static_cast<Eigen::Index>(k)) = 1.0;
   }
-  left_by_error_ = Eigen::MatrixXd::Identity(varying, varying) - found * fit.by_error;
-  left_by_normal_ = -found * fit.by_reading * by_normal;
+  left_by_error_ = Eigen::MatrixXd::Identity(varying, varying) - detail::product(found, fit.by_error);
+  left_by_normal_ = -detail::product(detail::product(found, fit.by_reading), by_normal);
 }
 
 void Surrogate::ask_validation(const Robot& robot, const std::vector<Station>& validation) {

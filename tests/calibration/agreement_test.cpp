@@ -226,7 +226,9 @@ TEST_P(AgreementLaw, UncertaintyOfADistanceByHand) {
   const double variance = (row * known.expanded_covariance() * row.transpose())(0);
   EXPECT_GT(variance, 1e-5);
   const double by_scale = kScale * length(known.errors);
-  EXPECT_NEAR(validation.readings[2].U, 2.0 * std::sqrt(0.01 * 0.01 + variance + by_scale * by_scale), 1e-6);
+  const double by_hand = 2.0 * std::sqrt(0.01 * 0.01 + variance + by_scale * by_scale);
+  // Four limbs neglect a curvature (exact_jacobian.hpp): some 1e-6 of the result, and 1e-3 at most.
+  EXPECT_NEAR(validation.readings[2].U, by_hand, 1e-5 * by_hand);
 }
 
 TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {

@@ -1,8 +1,8 @@
 // Fits the position errors of one measured machine N times: fine_fits N. tools/costs.sh counts its instructions.
 #include <cstdlib>
 
-#include "calibration/fit/stage_fit.hpp"
 #include "calibration/fit/sought.hpp"
+#include "calibration/fit/stage_fit.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/mechanism/catalogue.hpp"

@@ -1,5 +1,6 @@
 #include "linear_estimate.hpp"
 
+#include "numerics/dense.hpp"
 #include "observation.hpp"
 #include "paracal/error.hpp"
 #include "sought.hpp"
@@ -41,8 +42,8 @@ LinearEstimate linear_estimate(const Robot& robot, const Measurements& at_nomina
   observation.add_priors(observation.start({}).value(), root);
   root.add(rows);
   const Eigen::MatrixXd covariance = inverse_information(root.root());
-  estimate.by_reading =
-      (covariance * rows.leftCols(observation.unknown_count()).transpose()).bottomRows(observation.source_count());
+  estimate.by_reading = product(covariance, rows.leftCols(observation.unknown_count()).transpose())
+                            .bottomRows(observation.source_count());
   Observation asked(robot, at_nominal, options, errors);
   estimate.by_error = estimate.by_reading * all_rows(asked).middleCols(asked.nuisance_count(), asked.source_count());
   return estimate;

@@ -136,7 +136,7 @@ std::vector<Eigen::Index> alone_in(const Eigen::MatrixXd& space) {
   constexpr double kOutside = 1e-6;
   std::vector<Eigen::Index> alone;
   for (Eigen::Index k = 0; k < space.rows(); ++k) {
-    const Eigen::VectorXd inside = space * space.row(k).transpose();
+    const Eigen::VectorXd inside = detail::product(space, space.row(k).transpose());
     if ((inside - Eigen::VectorXd::Unit(space.rows(), k)).norm() < kOutside) alone.push_back(k);
   }
   return alone;
@@ -180,8 +180,10 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
     const Eigen::VectorXd whole = paper_scales(robot, group).cwiseProduct(components(motion.direction, group));
     if (part.norm() < (1.0 - kInside) * whole.norm()) continue;  // the robot would not move as a whole
     const Eigen::VectorXd scaled = part.normalized();
-    const Eigen::VectorXd fresh = scaled - explained * (explained.transpose() * scaled);
-    if ((scaled - all * (all.transpose() * scaled)).norm() > kInside || fresh.norm() < kNew) continue;
+    const Eigen::VectorXd fresh = scaled - detail::product(explained, detail::product(explained.transpose(), scaled));
+    if ((scaled - detail::product(all, detail::product(all.transpose(), scaled))).norm() > kInside ||
+        fresh.norm() < kNew)
+      continue;
     explained.conservativeResize(Eigen::NoChange, explained.cols() + 1);
     explained.rightCols<1>() = fresh.normalized();
     add(std::move(motion.text), scaled);
@@ -192,8 +194,8 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
         {fmt::format("{} of limb {} (it changes none of these readings)", name(one.source), one.limb + 1),
          Eigen::VectorXd::Unit(all.rows(), k), false});
   }
-  const Eigen::MatrixXd rest =
-      orthonormal(all - explained * (explained.transpose() * all), all.cols() - explained.cols());
+  const Eigen::MatrixXd rest = orthonormal(
+      all - detail::product(explained, detail::product(explained.transpose(), all)), all.cols() - explained.cols());
   for (const auto& column : rest.colwise()) add({}, column);
   return directions;
 }

@@ -19,8 +19,8 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostReadingRows
 SmallSquare checked_inverse(const SmallSquare& spread) {
   constexpr double kUncheckable = 1e-6;  // of the reading's own variance
   const SymmetricEigen eigen = symmetric_eigen(spread);
-  const SmallVector inverse = (eigen.values.array() > kUncheckable).select(eigen.values.cwiseInverse(), 0.0);
-  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
+  const Eigen::VectorXd inverse = (eigen.values.array() > kUncheckable).select(eigen.values.cwiseInverse(), 0.0);
+  return product(eigen.vectors * inverse.asDiagonal(), eigen.vectors.transpose());
 }
 
 /// How priors give way when a reading in use is left out: unknowns move by d = C J^T S^-1 v, their squares grow by
@@ -30,7 +30,7 @@ class GivingWay {
   GivingWay(const Observation& observation, const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance)
       : priors_(observation.unknown_count()) {
     observation.add_priors(unknowns, priors_);
-    by_unknowns_ = priors_.root() * covariance;
+    by_unknowns_ = product(priors_.root(), covariance);
     pull_ = by_unknowns_.transpose() * priors_.reachable();
   }
 
@@ -38,10 +38,10 @@ class GivingWay {
   Scatter rest(const Scatter& all, const Eigen::MatrixXd& jacobian, const SmallSquare& inverse,
                const SmallVector& residual) const {
     const SmallVector told = inverse * residual;
-    const Eigen::MatrixXd moved = by_unknowns_ * jacobian.transpose();
+    const Eigen::MatrixXd moved = product(by_unknowns_, jacobian.transpose());
     const double growth = 2.0 * told.dot(jacobian * pull_) + (moved * told).squaredNorm();
     return {all.sum - residual.dot(told) - growth,
-            all.redundancy - static_cast<double>(residual.size()) + (moved * inverse).cwiseProduct(moved).sum()};
+            all.redundancy - static_cast<double>(residual.size()) + product(moved, inverse).cwiseProduct(moved).sum()};
   }
 
  private:
@@ -70,7 +70,8 @@ std::vector<Contradiction> contradictions(const Observation& observation, const 
     const SmallVector residual = block.col(n);
     const double sign = active ? -1.0 : 1.0;
     const SmallSquare own = SmallSquare::Identity(rows, rows);
-    const SmallSquare inverse = checked_inverse(own + sign * jacobian * covariance * jacobian.transpose());
+    const SmallSquare inverse =
+        checked_inverse(own + sign * product(product(jacobian, covariance), jacobian.transpose()));
     const Scatter rest = active ? priors.rest(scatter, jacobian, inverse, residual) : scatter;
     const bool told = rest.redundancy >= 1.0;  // else nothing tells how much good readings scatter
     if (!told && active) return;
@@ -90,7 +91,7 @@ std::vector<double> studentised(const Observation& observation, const Eigen::Vec
     const Group& group = observation.groups()[g];
     if (!group.active) return;
     const auto rows = static_cast<double>(block.rows());
-    const double redundancy = rows - (block.leftCols(n) * covariance).cwiseProduct(block.leftCols(n)).sum();
+    const double redundancy = rows - product(block.leftCols(n), covariance).cwiseProduct(block.leftCols(n)).sum();
     sizes[g] = std::sqrt(block.col(n).squaredNorm() / group.weight / std::max(redundancy, kUncheckable * rows));
     active.push_back(sizes[g]);
   });

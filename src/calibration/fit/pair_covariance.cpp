@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "numerics/dense.hpp"
+
 namespace paracal::detail {
 
 Eigen::MatrixXd covariance_of_pairs(const Measurements& measurements, const Observation& observation,
@@ -24,9 +26,9 @@ Eigen::MatrixXd covariance_of_pairs(const Measurements& measurements, const Obse
     mixed.middleCols<3>(3 * static_cast<Eigen::Index>(group.from)).noalias() -= row * end;
     trace += 2.0 / (sigma * sigma);
   }
-  const Eigen::MatrixXd half = pseudo_inverse * mixed;
+  const Eigen::MatrixXd half = product(pseudo_inverse, mixed);
   const double redundancy = trace - mixed.cwiseProduct(half).sum();
-  return half * half.transpose() * (sum / std::max(redundancy, 1e-12 * trace));
+  return product(half, half.transpose()) * (sum / std::max(redundancy, 1e-12 * trace));
 }
 
 }  // namespace paracal::detail

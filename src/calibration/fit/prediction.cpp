@@ -31,7 +31,7 @@ Eigen::MatrixXd without_rigid_motion(const Eigen::MatrixXd& displacements, const
     block.leftCols<3>().setIdentity();
     block.rightCols<3>() << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;
   }
-  return displacements - motions * detail::least_squares(motions, displacements);
+  return displacements - detail::product(motions, detail::least_squares(motions, displacements));
 }
 
 /// Of the largest |value| of each column, a machine, what a twentieth of the machines exceeds.
@@ -44,7 +44,8 @@ double exceeded_by_a_twentieth(const Eigen::MatrixXd& machines) {
 }
 
 Eigen::VectorXd variances(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covariance) {
-  return (rows * covariance).cwiseProduct(rows).rowwise().sum().cwiseMax(0.0);  // rounding may leave a zero below
+  return detail::product(rows, covariance).cwiseProduct(rows).rowwise().sum().cwiseMax(0.0);  // rounding may leave a
+                                                                                              // zero below
 }
 
 /// Rows of a pose's rotation: phi, or of a plate with six freedoms its turn about x, y and z of {O}.
@@ -169,7 +170,8 @@ PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints
   const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
   if (!result.usable() || jacobian.rows() == 0)
     throw Unreachable("no solution: the machine cannot be assembled at these joints");
-  return {pose_of(machine, result.plate), jacobian * known.pose_covariance() * jacobian.transpose()};
+  return {pose_of(machine, result.plate),
+          detail::product(detail::product(jacobian, known.pose_covariance()), jacobian.transpose())};
 }
 
 PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std::vector<SoughtSource>& parameters,
@@ -206,10 +208,11 @@ PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std
   home_distance_joint_.resize(poses - 1, limbs);
   for (Eigen::Index k = 1; k < poses; ++k) {
     const Eigen::Vector3d direction = (points[static_cast<std::size_t>(k)] - points[0]).normalized();
-    distance_.row(k - 1) = direction.transpose() * (displacements.middleRows<3>(3 * k) - displacements.topRows<3>());
+    distance_.row(k - 1) =
+        direction.transpose().lazyProduct(displacements.middleRows<3>(3 * k) - displacements.topRows<3>());
     rotation_.middleRows(turns * (k - 1), turns) = rotations.middleRows(turns * k, turns) - rotations.topRows(turns);
-    distance_joint_.row(k - 1) = direction.transpose() * position_joint_.middleRows<3>(3 * k);
-    home_distance_joint_.row(k - 1) = direction.transpose() * position_joint_.topRows<3>();
+    distance_joint_.row(k - 1) = direction.transpose().lazyProduct(position_joint_.middleRows<3>(3 * k));
+    home_distance_joint_.row(k - 1) = direction.transpose().lazyProduct(position_joint_.topRows<3>());
   }
 }
 
@@ -248,12 +251,13 @@ Use PoseSpread::worst_of(Spread machines, const Eigen::VectorXd& joint_std) cons
     for (Eigen::Index machine = 0; machine < machines.aligned.cols(); ++machine) {
       for (Eigen::Index k = 0; k < poses; ++k) off.col(k) = pool.col((machine * poses + k) * kStride % kPool);
       for (Eigen::Index k = 0; k < poses; ++k) {
-        machines.aligned.col(machine).segment<3>(3 * k) += position_joint_.middleRows<3>(3 * k) * off.col(k);
+        machines.aligned.col(machine).segment<3>(3 * k) += position_joint_.middleRows<3>(3 * k).lazyProduct(off.col(k));
         if (k == 0) continue;
         machines.distances(k - 1, machine) +=
             distance_joint_.row(k - 1).dot(off.col(k)) - home_distance_joint_.row(k - 1).dot(off.col(0));
         machines.rotations.col(machine).segment(turns * (k - 1), turns) +=
-            rotation_joint_.middleRows(turns * k, turns) * off.col(k) - rotation_joint_.topRows(turns) * off.col(0);
+            rotation_joint_.middleRows(turns * k, turns).lazyProduct(off.col(k)) -
+            rotation_joint_.topRows(turns).lazyProduct(off.col(0));
       }
     }
   }
@@ -268,8 +272,9 @@ UseOfVisits PoseSpread::worst(const KnownErrors& known) const {
   RandomStream random(kSeed);
   const Eigen::MatrixXd root = detail::square_root(known.expanded_covariance());
   const Eigen::MatrixXd errors =
-      root * Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, [&] { return random.normal(); });
-  const Spread machines{distance_ * errors, aligned_ * errors, rotation_ * errors};
+      detail::product(root, Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, [&] { return random.normal(); }));
+  const Spread machines{detail::product(distance_, errors), detail::product(aligned_, errors),
+                        detail::product(rotation_, errors)};
   UseOfVisits use{.any = {}, .mean = worst_of(machines, known.joint_std)};
   use.any = known.visit_std.size() > 0 ? worst_of(machines, known.joint_std_of_a_visit()) : use.mean;
   return use;
@@ -302,9 +307,9 @@ WorkspaceUncertainty PoseSpread::uncertainty(const Eigen::MatrixXd& covariance) 
 }
 
 Eigen::MatrixXd PoseSpread::mean_square(double lever) const {
-  return aligned_.transpose() * aligned_ / (static_cast<double>(aligned_.rows()) / 3.0) +
+  return detail::product(aligned_.transpose(), aligned_) / (static_cast<double>(aligned_.rows()) / 3.0) +
          lever * lever * static_cast<double>(turn_rows()) / static_cast<double>(rotation_.rows()) *
-             (rotation_.transpose() * rotation_);
+             detail::product(rotation_.transpose(), rotation_);
 }
 
 }  // namespace paracal
