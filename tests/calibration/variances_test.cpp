@@ -13,6 +13,7 @@
 #include "numerics/distributions.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
@@ -102,7 +103,7 @@ class TableOfReadings : public Variances {
     const Eigen::Index n = linear.by_errors.cols();
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
     for (const detail::VarianceTerm& one : table.terms()) {
-      if (!one.places.empty()) all(one.places, one.places) += variance(one.what) * one.errors;
+      if (!one.places.empty()) all(one.places, one.places) += variance(one.what) * one.root * one.root.transpose();
     }
     return all;
   }
@@ -229,6 +230,25 @@ TEST_F(TableOfReadings, ErrorsAreThoseOfTheInformation) {
   EXPECT_LT((all.errors - mean).norm(), 1e-6 * mean.norm());
   const Eigen::MatrixXd after = before - by.transpose() * here.P * by;
   EXPECT_LT((all.covariance - after).norm(), 1e-6 * after.norm());
+}
+
+/// Averaged over variances, E[Var] + Var[E], each by the covariance of the readings.
+TEST_F(TableOfReadings, AveragedErrorsAreThoseOfEachSetOfVariances) {
+  const detail::VariancePosterior posterior = detail::averaged({{table, table.mode(), 1.0}});
+  const Eigen::Index n = linear.by_errors.cols();
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(n, n);
+  for (const detail::VariancePosterior::Point& one : posterior.points) {
+    u = one.u;
+    const detail::VarianceTable::At at = table.at(u, false);
+    const Eigen::MatrixXd before = covariance_before(), by = linear.by_errors * before;
+    const Eigen::VectorXd errors = by.transpose() * at.z;
+    mean += one.weight * errors;
+    squares += one.weight * (before - by.transpose() * at.P * by + errors * errors.transpose());
+  }
+  const Eigen::MatrixXd covariance = squares - mean * mean.transpose();
+  EXPECT_LT((posterior.errors - mean).norm(), 1e-6 * mean.norm());
+  EXPECT_LT((posterior.covariance - covariance).norm(), 1e-5 * covariance.norm());
 }
 
 /// U is about the machine that is written, the fit: what the mean of the table has beside it counts.
@@ -441,6 +461,24 @@ TEST_F(Variances, AWrongPoseIsNamedAndLeftOut) {
   const Calibration found = calibrate(robot, measured, {.diagnose = false});
   EXPECT_THAT(found.notes, Contains(AllOf(HasSubstr("all readings of pose " + stations[7].name), HasSubstr(" mm"))));
   EXPECT_LT(found.use->distance.U, 1.3 * clean.use->distance.U);
+}
+
+/// Of readings without noise, too: what is written can be read. Of more poses than a table holds, and of few.
+TEST_F(Variances, CovariancesAreSemidefiniteToRounding) {
+  constexpr double kRounding = 1e-11;  // of correlations
+  for (const auto& [one, circle] :
+       {std::pair(catalogue::linear_delta(), 34), std::pair(catalogue::rotary_delta(), 9)}) {
+    const std::vector<Station> poses = fine_stations(one, circle);
+    const Calibration found = calibrate(one, measured_machine(one, poses, 1, {}).measurements, {.diagnose = false});
+    ASSERT_TRUE(found.accepted()) << found.brief();
+    KnownErrors known{.errors = {}, .parameters = {}, .covariance = found.covariance};
+    add_drives(found.drives, found.drive_covariance, known);
+    for (const Eigen::MatrixXd& covariance : {known.covariance, found.noise_covariance}) {
+      const Eigen::VectorXd inverse = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+      const Eigen::MatrixXd correlations = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+      EXPECT_GT(detail::symmetric_eigenvalues(correlations).minCoeff(), -kRounding) << one.name();
+    }
+  }
 }
 
 /// Without repeats the noise is what was stated, and there may be more of it, as there is here.

@@ -210,6 +210,15 @@ TEST_F(CalibrationCommands, NeedsNoTracker) {
   EXPECT_EQ(json_of(folder.run(simulate + " --measure home-distance --json"))["distances"].size(), 24);
 }
 
+/// Of readings without noise, too, which is the default of simulate.
+TEST_F(CalibrationCommands, ReadWhatTheyWrite) {
+  folder.make({"poses --robot linear_delta --stage fine --out rails.csv",
+               "simulate --robot linear_delta --poses rails.csv --seed 1 --out read.csv",
+               "calibrate --robot linear_delta --measurements read.csv --out rails.json"});
+  const ProgramResult compensated = run("compensate --calibration rails.json --poses rails.csv");
+  EXPECT_EQ(compensated.exit_code, kDone) << compensated.err;
+}
+
 /// A seed is the same instrument for every compiler: these are of the first one that made them.
 TEST_F(CalibrationCommands, ASeedSetsTheInstrumentUpInOnePlace) {
   folder.write("poses.csv", "# robot: huang2016\nx_mm,y_mm,z_mm,phi_deg\n0,0,-888,0\n");

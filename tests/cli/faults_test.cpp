@@ -366,7 +366,7 @@ TEST_F(Faults, CalibrationsThatCannotBeAreRefused) {
               const double a = json["covariance"][3][3], b = json["covariance"][4][4];
               json["covariance"][3][4] = json["covariance"][4][3] = 2.0 * std::sqrt(a * b);
             },
-            "positive semidefinite covariance"},
+            "positive semidefinite covariance, got an indefinite one: calibrate again"},
            {[](auto& json) {
               for (auto& row : json["covariance"]) {
                 for (auto& value : row) value = 0.0;

@@ -27,12 +27,14 @@ Eigen::MatrixXd prior_root(const StageFit& fit) {
   return priors.root();
 }
 
-/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C = C - C P C: nothing, and no rounding, of what only a
-/// prior says.
+/// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C, a product with the root of the readings alone: nothing,
+/// and no rounding, of what only a prior says.
 Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covariance) {
   constexpr double kRounding = 1e-12;  // of a variance
-  const Eigen::MatrixXd known = prior_root(fit) * covariance;
-  Eigen::MatrixXd noise = covariance - known.transpose() * known;
+  InformationRoot readings(fit.observation().unknown_count());
+  (void)fit.observation()(fit.fit().parameters, readings);  // closes, as the fit did
+  const Eigen::MatrixXd through = readings.root() * covariance;
+  Eigen::MatrixXd noise = through.transpose() * through;
   for (Eigen::Index k = 0; k < noise.rows(); ++k) {
     if (noise(k, k) > kRounding * covariance(k, k)) continue;
     noise.row(k).setZero();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "numerics/dense.hpp"
+#include "numerics/square_root.hpp"
 #include "paracal/mechanism/random.hpp"
 
 namespace paracal::detail {
@@ -12,7 +13,6 @@ namespace {
 
 struct Sample {
   Eigen::VectorXd u;
-  VarianceTable::At at = {};
   double weight = 0.0;
 };
 
@@ -31,8 +31,8 @@ std::vector<Sample> samples_about(const WeighedTable& one) {
     const Eigen::VectorXd z = Eigen::VectorXd::NullaryExpr(root.cols(), [&] { return random.normal(); });
     for (const double side : {1.0, -1.0}) {
       Sample sample{one.mode.u + side * root * z};
-      sample.at = one.table.at(sample.u, false);
-      sample.weight = 0.5 * z.squaredNorm() - (sample.at.cost + one.mode.log_density);  // its logarithm as yet
+      const double cost = one.table.at(sample.u, false).cost;
+      sample.weight = 0.5 * z.squaredNorm() - (cost + one.mode.log_density);  // its logarithm as yet
       if (std::isfinite(sample.weight)) samples.push_back(std::move(sample));
     }
   }
@@ -42,79 +42,74 @@ std::vector<Sample> samples_about(const WeighedTable& one) {
   return samples;
 }
 
-/// Of errors: E[Var] + Var[E], where with D = sum_t v_t D_t of one set of variances the errors have the mean
-/// sum_t v_t D_t X^T z and the covariance D - sum_t,u v_t v_u D_t X^T P X D_u.
-class ErrorMoments {
+/// Errors x = L t, t ~ N(0, I) beforehand, given readings y = S a + X L t + noise: the information of (a, t) is
+///
+///   H = (S X L)^T N^-1 (S X L) + diag(R^T R, I) = K K^T.
+///
+/// With K_t, the part of t in the lower right corner of K, x has the covariance F F^T, F = L K_t^-T. A product stays
+/// semidefinite where a difference of covariances is lost in rounding.
+class ErrorsGivenReadings {
  public:
-  explicit ErrorMoments(const VarianceTable& table) : table_(table) {
-    for (std::size_t k = 0; k < table.terms().size(); ++k) {
-      if (!table.terms()[k].places.empty()) parts_.push_back({&table.terms()[k], static_cast<Eigen::Index>(k)});
-    }
-    if (!table.fixed_errors().places.empty()) parts_.push_back({&table.fixed_errors(), -1});
-    const Eigen::Index count = table.readings().y.size();
-    for (Part& part : parts_) part.with.assign(parts_.size(), Eigen::MatrixXd::Zero(count, count));
+  /// @param information  H of the readings, that of the set-up's priors among them, without the I of t.
+  /// @param told  its right side.
+  ErrorsGivenReadings(Eigen::MatrixXd information, const Eigen::VectorXd& told, const Eigen::MatrixXd& L)
+      : sizes_(L.cols()) {
+    information.diagonal().tail(sizes_).array() += 1.0;
+    K_ = cholesky(information);
+    const auto K_t = K_.bottomRightCorner(sizes_, sizes_).triangularView<Eigen::Lower>();
+    root_ = K_t.solve(L.transpose()).transpose();
+    mean_ = gain(told);
   }
 
-  /// @returns the mean of the errors with these variances.
-  Eigen::VectorXd add(const Sample& sample) {
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(table_.readings().by_errors.cols());
-    for (std::size_t s = 0; s < parts_.size(); ++s) {
-      const VarianceTerm& term = *parts_[s].term;
-      const double variance = variance_of(parts_[s], sample.u);
-      const Eigen::VectorXd share = term.by_errors.transpose() * sample.at.z;
-      mean(term.places) += variance * share;
-      parts_[s].mean += sample.weight * variance;
-      for (std::size_t t = 0; t <= s; ++t) {
-        parts_[s].with[t] += sample.weight * variance * variance_of(parts_[t], sample.u) * sample.at.P;
-      }
-    }
-    return mean;
+  const Eigen::VectorXd& mean() const { return mean_; }
+  const Eigen::MatrixXd& root() const { return root_; }
+  /// What changes of the right side do to the mean: x = F [K^-1 told]_t.
+  Eigen::MatrixXd gain(const Eigen::MatrixXd& told) const { return root_ * solved(told).bottomRows(sizes_); }
+
+ private:
+  Eigen::MatrixXd solved(const Eigen::MatrixXd& told) const { return K_.triangularView<Eigen::Lower>().solve(told); }
+
+  Eigen::Index sizes_;  ///< t
+  Eigen::MatrixXd K_, root_;
+  Eigen::VectorXd mean_;
+};
+
+/// The readings of a table at one set of variances, whitened by N.
+class WhitenedReadings {
+ public:
+  WhitenedReadings(const VarianceTable& table, const Eigen::VectorXd& u)
+      : readings_(table.readings()), L_(table.root_of_errors(u)), N_root_(cholesky(table.covariance_beside_errors(u))) {
+    Eigen::MatrixXd all(readings_.y.size(), readings_.by_set_up.cols() + L_.cols());
+    all << readings_.by_set_up, table.by_root_of_errors(u);
+    rows_ = whitened(all);
   }
 
-  Eigen::MatrixXd mean_covariance() const {
-    const Eigen::Index n = table_.readings().by_errors.cols();
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
-    for (std::size_t s = 0; s < parts_.size(); ++s) {
-      const VarianceTerm& one = *parts_[s].term;
-      all(one.places, one.places) += parts_[s].mean * one.errors;
-      for (std::size_t t = 0; t <= s; ++t) {
-        const VarianceTerm& other = *parts_[t].term;
-        const Eigen::MatrixXd told = one.by_errors.transpose() * (parts_[s].with[t] * other.by_errors);
-        all(one.places, other.places) -= told;
-        if (t < s) all(other.places, one.places) -= told.transpose();
-      }
-    }
-    return all;
+  ErrorsGivenReadings errors() const {
+    const Eigen::Index set_up = readings_.by_set_up.cols();
+    Eigen::MatrixXd information = rows_.transpose() * rows_;
+    information.topLeftCorner(set_up, set_up) += readings_.set_up_root.transpose() * readings_.set_up_root;
+    Eigen::VectorXd told = rows_.transpose() * whitened(readings_.y);
+    told.head(set_up) -= readings_.set_up_root.transpose() * readings_.set_up_reach;
+    return {std::move(information), told, L_};
   }
 
-  /// G N G^T of the noise N, with the errors of parts found by G y.
-  Eigen::MatrixXd noise_part(const Sample& sample) const {
-    Eigen::VectorXd noise = Eigen::VectorXd::Zero(table_.readings().y.size());
-    for (std::size_t k = 0; k < table_.terms().size() && table_.terms()[k].what <= Spreads::orientation_noise; ++k) {
-      noise += std::exp(2.0 * sample.u(static_cast<Eigen::Index>(k))) * table_.terms()[k].readings.diagonal();
+  /// Root of the part of the noise in the covariance of the errors of parts.
+  Eigen::MatrixXd noise_root(const VarianceTable& table, const Eigen::VectorXd& u) const {
+    Eigen::VectorXd noise = Eigen::VectorXd::Zero(readings_.y.size());
+    for (std::size_t k = 0; k < table.terms().size() && table.terms()[k].what <= Spreads::orientation_noise; ++k) {
+      noise += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * table.terms()[k].readings.diagonal();
     }
-    Eigen::MatrixXd found = Eigen::MatrixXd::Zero(table_.readings().by_errors.cols(), noise.size());
-    for (const Part& part : parts_) {
-      const Eigen::MatrixXd share = part.term->by_errors.transpose() * sample.at.P;
-      found(part.term->places, Eigen::all) += variance_of(part, sample.u) * share;
-    }
-    const Eigen::Index n = table_.readings().prior.rows();
-    return found.topRows(n) * noise.asDiagonal() * found.topRows(n).transpose();
+    const Eigen::MatrixXd of_noise = whitened(noise.cwiseSqrt().asDiagonal());
+    return errors().gain(rows_.transpose() * of_noise).topRows(readings_.prior.rows());
   }
 
  private:
-  struct Part {
-    const VarianceTerm* term;
-    Eigen::Index variance;  ///< its place; -1: 1
-    double mean = 0.0;
-    std::vector<Eigen::MatrixXd> with = {};
-  };
-  static double variance_of(const Part& part, const Eigen::VectorXd& u) {
-    return part.variance < 0 ? 1.0 : std::exp(2.0 * u(part.variance));
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& rows) const {
+    return N_root_.triangularView<Eigen::Lower>().solve(rows);
   }
 
-  const VarianceTable& table_;
-  std::vector<Part> parts_;
+  const LinearReadings& readings_;
+  Eigen::MatrixXd L_, N_root_, rows_;
 };
 
 /// No part of a variance is larger than all of it.
@@ -171,21 +166,21 @@ VariancePosterior averaged(const std::vector<WeighedTable>& tables) {
   std::vector<std::pair<double, Eigen::VectorXd>> means;
   for (const WeighedTable& one : tables) {
     const std::vector<Sample> samples = samples_about(one);
-    ErrorMoments moments(one.table);
     for (const Sample& sample : samples) {
-      means.emplace_back(sample.weight, moments.add(sample));
-      posterior.errors += sample.weight * means.back().second;
+      const ErrorsGivenReadings errors = WhitenedReadings(one.table, sample.u).errors();
+      means.emplace_back(sample.weight, errors.mean());
+      posterior.errors += sample.weight * errors.mean();
+      posterior.covariance += sample.weight * errors.root() * errors.root().transpose();
       posterior.points.push_back({sample.u, sample.weight});
     }
-    posterior.covariance += moments.mean_covariance();
-    const auto best = std::ranges::max_element(samples, {}, &Sample::weight);
-    posterior.noise += one.probability * moments.noise_part(*best);
+    const Eigen::VectorXd& best = std::ranges::max_element(samples, {}, &Sample::weight)->u;
+    const Eigen::MatrixXd noise = WhitenedReadings(one.table, best).noise_root(one.table, best);
+    posterior.noise += one.probability * noise * noise.transpose();
   }
   for (const auto& [weight, mean] : means) {
     const Eigen::VectorXd off = mean - posterior.errors;
     posterior.covariance += weight * off * off.transpose();
   }
-  posterior.covariance = 0.5 * (posterior.covariance + posterior.covariance.transpose()).eval();
   posterior.noise = within(std::move(posterior.noise), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }
@@ -209,19 +204,16 @@ VariancePosterior of_all(const StageFit& fit, const ReadingPlaces& places, const
   });
   information.topLeftCorner(set_up, set_up) += readings.set_up_root.transpose() * readings.set_up_root;
   told.head(set_up) -= readings.set_up_root.transpose() * readings.set_up_reach;
-  Eigen::MatrixXd with_priors = information;
-  with_priors.bottomRightCorner(errors, errors) +=
-      cholesky_solution(some.table.covariance_of_errors(u), Eigen::MatrixXd::Identity(errors, errors));
-  const Eigen::VectorXd scale = with_priors.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd covariance =
-      scale.asDiagonal() *
-      cholesky_solution(scale.asDiagonal() * with_priors * scale.asDiagonal(), Eigen::MatrixXd::Identity(all, all)) *
-      scale.asDiagonal();
-  const Eigen::MatrixXd noise = covariance * information * covariance;
-  VariancePosterior posterior{.errors = (covariance * told).tail(errors),
-                              .covariance = covariance.bottomRightCorner(errors, errors),
-                              .points = {{u, 1.0}}};
-  posterior.noise = within(noise.block(set_up, set_up, n, n), posterior.covariance.topLeftCorner(n, n));
+  const Eigen::MatrixXd L = some.table.root_of_errors(u);
+  Eigen::MatrixXd by_sizes = Eigen::MatrixXd::Zero(all, set_up + L.cols());  // the unknowns by (a, t)
+  by_sizes.topLeftCorner(set_up, set_up).setIdentity();
+  by_sizes.bottomRightCorner(errors, L.cols()) = L;
+  information = by_sizes.transpose() * information * by_sizes;
+  const ErrorsGivenReadings given(information, by_sizes.transpose() * told, L);
+  const Eigen::MatrixXd noise = given.gain(square_root(information)).topRows(n);
+  VariancePosterior posterior{
+      .errors = given.mean(), .covariance = given.root() * given.root().transpose(), .points = {{u, 1.0}}};
+  posterior.noise = within(noise * noise.transpose(), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }
 

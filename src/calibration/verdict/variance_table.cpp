@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "numerics/dense.hpp"
+#include "numerics/square_root.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -150,10 +151,10 @@ void VarianceTable::add_joints(Spreads what, bool at_visits) {
 
 VarianceTerm VarianceTable::term_of_errors(Spreads what, std::vector<Eigen::Index> places,
                                            const Eigen::MatrixXd& covariance) const {
-  const Eigen::MatrixXd by = readings_->by_errors(Eigen::all, places);
-  Eigen::MatrixXd by_errors = by * covariance;
-  Eigen::MatrixXd readings = by_errors * by.transpose();
-  return {what, -1, std::move(readings), std::move(places), covariance, std::move(by_errors)};
+  Eigen::MatrixXd root = square_root(covariance);
+  Eigen::MatrixXd by_root = readings_->by_errors(Eigen::all, places) * root;
+  Eigen::MatrixXd readings = by_root * by_root.transpose();
+  return {what, -1, std::move(readings), std::move(places), std::move(root), std::move(by_root)};
 }
 
 void VarianceTable::add_errors(const StageFit& fit, const DriveSplines& drives) {
@@ -204,13 +205,41 @@ Eigen::MatrixXd VarianceTable::covariance_of(const ReadingBlock& block, const Ei
   return V;
 }
 
-Eigen::MatrixXd VarianceTable::covariance_of_errors(const Eigen::VectorXd& u) const {
-  const Eigen::Index n = readings_->by_errors.cols();
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
+Eigen::MatrixXd VarianceTable::covariance_beside_errors(const Eigen::VectorXd& u) const {
+  const Eigen::Index count = readings_->y.size();
+  const bool of_pose = fixed_.size() > 0 && fixed_errors_.places.empty();
+  Eigen::MatrixXd all = of_pose ? fixed_ : Eigen::MatrixXd(Eigen::MatrixXd::Zero(count, count));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const VarianceTerm& one = terms_[k];
-    if (!one.places.empty())
-      all(one.places, one.places) += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * one.errors;
+    if (terms_[k].places.empty()) all += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * terms_[k].readings;
+  }
+  return all;
+}
+
+std::vector<std::pair<const VarianceTerm*, double>> VarianceTable::error_terms(const Eigen::VectorXd& u) const {
+  std::vector<std::pair<const VarianceTerm*, double>> all;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!terms_[k].places.empty()) all.emplace_back(&terms_[k], std::exp(u(static_cast<Eigen::Index>(k))));
+  }
+  if (!fixed_errors_.places.empty()) all.emplace_back(&fixed_errors_, 1.0);
+  return all;
+}
+
+Eigen::MatrixXd VarianceTable::root_of_errors(const Eigen::VectorXd& u) const {
+  Eigen::MatrixXd all(readings_->by_errors.cols(), 0);
+  for (const auto& [term, std] : error_terms(u)) {
+    const Eigen::Index first = all.cols(), more = term->root.cols();
+    all.conservativeResize(Eigen::NoChange, first + more);
+    all.rightCols(more).setZero();
+    all(term->places, Eigen::seqN(first, more)) = std * term->root;
+  }
+  return all;
+}
+
+Eigen::MatrixXd VarianceTable::by_root_of_errors(const Eigen::VectorXd& u) const {
+  Eigen::MatrixXd all(readings_->y.size(), 0);
+  for (const auto& [term, std] : error_terms(u)) {
+    all.conservativeResize(Eigen::NoChange, all.cols() + term->by_root.cols());
+    all.rightCols(term->by_root.cols()) = std * term->by_root;
   }
   return all;
 }

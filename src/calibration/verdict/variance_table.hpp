@@ -30,8 +30,8 @@ struct VarianceTerm {
   Eigen::Index joint = -1;             ///< of visits and poses; -1: all joints alike; of noise: the series
   Eigen::MatrixXd readings{};          ///< K
   std::vector<Eigen::Index> places{};  ///< of the errors that this variance is of; none: of the readings alone
-  Eigen::MatrixXd errors{};            ///< D, their covariance
-  Eigen::MatrixXd by_errors{};         ///< X D
+  Eigen::MatrixXd root{};              ///< L, their covariance is L L^T
+  Eigen::MatrixXd by_root{};           ///< X L, so that K = X L (X L)^T
 };
 
 /// A single fact that may be otherwise than stated: errors far outside their tolerances, or a pose that was not what
@@ -57,15 +57,16 @@ class VarianceTable {
   const std::vector<VarianceTerm>& terms() const { return terms_; }
   /// Places of those of a kind.
   std::vector<std::size_t> terms_of(Spreads what) const;
-  /// Errors that no variance scales: what a fact adds; of no places: nothing.
-  const VarianceTerm& fixed_errors() const { return fixed_errors_; }
   /// The same readings where one fact is otherwise.
   VarianceTable with(const Fact& fact) const;
 
   /// V of one block by itself: readings that share a pose share how far its joints are off; here each has its own.
   Eigen::MatrixXd covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const;
-  /// D(u), of all errors.
-  Eigen::MatrixXd covariance_of_errors(const Eigen::VectorXd& u) const;
+  /// N(u): V without the errors, which is what noise, visits and poses add.
+  Eigen::MatrixXd covariance_beside_errors(const Eigen::VectorXd& u) const;
+  /// L(u) and X L(u): all errors are L t with t ~ N(0, I) before any reading.
+  Eigen::MatrixXd root_of_errors(const Eigen::VectorXd& u) const;
+  Eigen::MatrixXd by_root_of_errors(const Eigen::VectorXd& u) const;
 
   struct At {
     double cost = 0.0;               ///< minus the logarithm of the posterior density of u, but for a constant
@@ -105,6 +106,8 @@ class VarianceTable {
   std::size_t term_of(Spreads what, Eigen::Index joint = -1) const;
   /// Term of the noise of each row of a block.
   std::vector<std::size_t> noise_of(const ReadingBlock& block) const;
+  /// Terms of errors with their standard deviations; last what a fact adds, which no variance scales.
+  std::vector<std::pair<const VarianceTerm*, double>> error_terms(const Eigen::VectorXd& u) const;
   void add_prior(const Eigen::VectorXd& u, At& at) const;
   void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
   std::vector<Eigen::VectorXd> starts() const;

@@ -94,7 +94,7 @@ void require_covariance(const Eigen::MatrixXd& covariance, const JsonNode& node,
   const double least = detail::symmetric_eigenvalues(correlations).minCoeff();
   const double hidden = (std.array() > 0.0).select(0.0, covariance.cwiseAbs().rowwise().maxCoeff().array()).maxCoeff();
   if (least < -kRounding || hidden > 0.0) {
-    node.refuse(fmt::format("expected a positive semidefinite {}, got an indefinite one", key));
+    node.refuse(fmt::format("expected a positive semidefinite {}, got an indefinite one: calibrate again", key));
   }
 }
 
