@@ -1,5 +1,6 @@
 // Where an instrument's export holds what is needed, and how its points find their poses.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "paracal/error.hpp"
@@ -99,6 +100,18 @@ TEST(ExportColumns, MeasuredColumnsAreRecognised) {
   refused("Name,Nominal X [mm],Nominal Y [mm],Nominal Z [mm]\nP1,1,2,3\n",
           "expected a header row that names x, y and z");
   refused("Name,X [cm],Y [cm],Z [cm]\nP1,1,2,3\n", "expected a header row that names x, y and z");
+}
+
+/// Three angles are an orientation in an order that nobody states.
+TEST(ExportColumns, AnglesAreRefusedUnlessTheyAreToBeIgnored) {
+  const std::string points = "P1,1031.5,-20.25,-88.125,1,2,3\nP2,931.75,-20.5,-88,1,2,3\n";
+  for (const char* angles : {"rx_deg,ry_deg,rz_deg", "Rx [deg],Ry [deg],Rz [deg]", "Roll,Pitch,Yaw",
+                             "Rot X (rad),Rot Y (rad),Rot Z (rad)"}) {
+    refused(fmt::format("Name,X [mm],Y [mm],Z [mm],{}\n{}", angles, points),
+            "e.txt:1: expected orientations as quaternions qw, qx, qy, qz, got angles");
+  }
+  reads("Name,X [mm],Y [mm],Z [mm],Rx,Ry,Rz\n" + points, {.style = {.ignored_columns = {"Rx", "Ry", "Rz"}}});
+  reads("Name,X [mm],Y [mm],Z [mm],Rx,Ry,RMS\n" + points);
 }
 
 TEST(ExportColumns, AmbiguousHeaderRowsSayWhichColumnsToGive) {

@@ -110,6 +110,8 @@ struct CalibrationOptions {
   bool noise_is_known = false;  ///< `noise` is a fact, not a first guess that the residuals correct
   Frame frame = Frame::unknown;
   BodyPlace body = BodyPlace::unknown;
+  /// The reflector of points is at the plate's centre; false: anywhere on its mount.
+  bool reflector_is_at_centre = true;
   RotationZero rotation_zero = RotationZero::unknown;
   ReflectorMount reflectors = ReflectorMount::plate;
   std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
@@ -125,8 +127,8 @@ struct CalibrationOptions {
   /// Standard deviation of the scale of the readings against the machine, m/m; 0: none. 15 ppm: 1.3 K of steel, 0.65 K
   /// of aluminium.
   double scale_std = 1.5e-5;
-  Discrepancies discrepancies = {};        ///< by how much the machine may differ from its geometry
-  double largest_doubt = 0.05;             ///< a cause is named if the probability of any other is smaller
+  Discrepancies discrepancies = {};  ///< by how much the machine may differ from its geometry
+  double largest_doubt = 0.05;       ///< a cause is named if the probability of any other is smaller
   double tell_chance = 1e-3;               ///< a test's result becomes a note if its p-value is below this
   AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
   bool seeks_discrepancies = true;         ///< false: the machine is its geometry, as a controller's parameters have it
@@ -136,7 +138,17 @@ struct CalibrationOptions {
   bool exclude_outliers = true;            ///< method best: exclude outliers
   double outlier_chance = 1e-4;            ///< probability that a fit without outliers excludes a reading
   double largest_chance = 0.05;            ///< accept if the p-value of the improvement is smaller
-  bool diagnose = true;                    ///< for a doubtful fit, search for input mistakes (diagnosis.hpp)
+  /// Accept up to so many times the noise that readings state: a worse instrument is broken, or was not read.
+  double largest_noise_factor = 10.0;
+  /// Likewise of `noise`, where readings state none: of points 1.7 mm, which a tape measure keeps.
+  double largest_unstated_noise = 100.0;
+  /// Accept if joints, drives and poses do at most this beside the geometry, over what errors within their tolerances
+  /// do at the plate: where it is more, another machine explains the readings as well.
+  double largest_absorbed = 0.5;
+  /// Accept if no U over the workspace is more than so many times that of the uncalibrated machine. Drawn machines
+  /// state U within 3 %.
+  double largest_use_ratio = 1.1;
+  bool diagnose = true;  ///< for a doubtful fit, search for input mistakes (diagnosis.hpp)
   /// What commanded the joints of stations that state none. `robot`, where it is set, is the caller's to apply:
   /// commanded_by().
   ControllerModel controller = {};

@@ -90,11 +90,13 @@ class PlateUncertainty {
 /// Uncertainties of a calibrated machine at any single visit, and of the mean of many.
 struct UseOfVisits {
   Use any, mean;
+  std::optional<Use> uncalibrated = {};  ///< of the same machine before, where its tolerances are given
 };
 
 /// Over the workspace_stations().
+/// @param tolerances  covariance of the first of the parameters before any reading; empty: not known.
 /// @throws Unreachable when the machine does not reach them.
-UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known);
+UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known, const Eigen::MatrixXd& tolerances = {});
 
 /// Of what is commanded, as pose_jacobian() has it: (4, 4) of x, y, z, phi, or (6, 6) of x, y, z, tilt; mm and rad.
 using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
@@ -135,6 +137,8 @@ class PoseSpread {
   /// What 95 % of the machines with these uncertainties nowhere exceed, from drawn machines; limits are left open. The
   /// same numbers for the same arguments.
   UseOfVisits worst(const KnownErrors& known) const;
+  /// The same of the first of the parameters alone, with the covariance of their tolerances.
+  Use worst_of_tolerances(const Eigen::MatrixXd& covariance) const;
   /// B with tr(B C) = mean over the poses of the variance of the aligned position and of `lever` x rotation, mm^2.
   Eigen::MatrixXd mean_square(double lever) const;
 
@@ -145,6 +149,9 @@ class PoseSpread {
   /// With joints that are off at each pose.
   Use worst_of(Spread machines, const Eigen::VectorXd& joint_std) const;
   Eigen::Index turn_rows() const { return rotation_joint_.rows() / (position_joint_.rows() / 3); }
+
+  /// Machines drawn with errors of this covariance, of the first of the parameters.
+  Spread drawn(const Eigen::MatrixXd& covariance) const;
 
   // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home: one of phi, or three of
   // a plate on struts, about x, y, z of {O}.

@@ -55,12 +55,11 @@ bool is_explained(const Calibration& calibration, const Diagnosis& diagnosis) {
   return calibration.accepted() && !moves && calibration.noise <= diagnosis.largest_noise;
 }
 
-/// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains. Nor
-/// can anyone rely on a machine that the fit made of readings which are not what they were taken for.
+/// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains.
+/// Parameters and U stay, rejected: they say how far off such readings are.
 void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements, Calibration& calibration) {
   if (diagnosis.causes.empty() && is_explained(calibration, diagnosis)) return;
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
-  calibration.use.reset();
   if (diagnosis.causes.empty()) return calibration.reasons.push_back(diagnosis.text);
   calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
   calibration.notes = measurements.notes;

@@ -13,6 +13,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 #include "reading_mistakes.hpp"
+#include "reflector_mistakes.hpp"
 #include "tilt_mistakes.hpp"
 #include "unit_mistakes.hpp"
 
@@ -233,6 +234,7 @@ std::vector<Mistake> usual_mistakes(const Input& given) {
   list.add_frames();
   list.add_rows();
   list.add_mounts();
+  list.append(reflector_mistakes(given));
   list.add_orientations();
   list.add_robots();
   list.add_limb_orders();

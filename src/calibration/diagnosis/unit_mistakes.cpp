@@ -3,18 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "command_mistakes.hpp"
+#include "part_units.hpp"
 #include "reading_mistakes.hpp"
 
 namespace paracal::detail {
 namespace {
-
-struct LengthUnit {
-  const char* name;
-  double mm;
-};
 
 /// Readings that may be in a unit of their own.
 struct Batch {
@@ -79,7 +75,6 @@ std::vector<Batch> batches(const Measurements& measurements) {
 }  // namespace
 
 std::vector<Mistake> unit_mistakes(const Input& given) {
-  constexpr std::array<LengthUnit, 3> kUnits{{{"metres", 1000.0}, {"inches", 25.4}, {"centimetres", 10.0}}};
   const Measurements& measurements = given.measurements;
   const bool lengths = joint_unit(given.robot.actuator()) == Unit::mm && states_joints(measurements);
   const std::vector<Batch> parts = batches(measurements);
@@ -87,7 +82,8 @@ std::vector<Mistake> unit_mistakes(const Input& given) {
   const auto add = [&](std::string text, std::function<void(Measurements&)> undo) {
     all.push_back(mistake_of_measurements("unit", std::move(text), std::move(undo)));
   };
-  for (const auto& [name, mm] : kUnits) {
+  if (auto part = part_in_another_unit(measurements)) all.push_back(std::move(*part));
+  for (const auto& [name, mm] : kOtherUnits) {
     const double factor = mm;
     add(fmt::format("the readings are in {}", name), [=](Measurements& m) { scale_readings(m, factor); });
     for (const Batch& part : parts) {

@@ -266,25 +266,35 @@ Use PoseSpread::worst_of(Spread machines, const Eigen::VectorXd& joint_std) cons
           .rotation = UseQuantity{exceeded_by_a_twentieth(lengths(machines.rotations, turns))}};
 }
 
-UseOfVisits PoseSpread::worst(const KnownErrors& known) const {
+PoseSpread::Spread PoseSpread::drawn(const Eigen::MatrixXd& covariance) const {
   constexpr Eigen::Index kMachines = 1000;
   constexpr std::uint64_t kSeed = 95;
   RandomStream random(kSeed);
-  const Eigen::MatrixXd root = detail::square_root(known.expanded_covariance());
+  const Eigen::MatrixXd root = detail::square_root(covariance);
+  const Eigen::Index n = root.cols();
   const Eigen::MatrixXd errors =
-      detail::product(root, Eigen::MatrixXd::NullaryExpr(root.cols(), kMachines, [&] { return random.normal(); }));
-  const Spread machines{detail::product(distance_, errors), detail::product(aligned_, errors),
-                        detail::product(rotation_, errors)};
+      detail::product(root, Eigen::MatrixXd::NullaryExpr(n, kMachines, [&] { return random.normal(); }));
+  return {detail::product(distance_.leftCols(n), errors), detail::product(aligned_.leftCols(n), errors),
+          detail::product(rotation_.leftCols(n), errors)};
+}
+
+Use PoseSpread::worst_of_tolerances(const Eigen::MatrixXd& covariance) const { return worst_of(drawn(covariance), {}); }
+
+UseOfVisits PoseSpread::worst(const KnownErrors& known) const {
+  const Spread machines = drawn(known.expanded_covariance());
   UseOfVisits use{.any = {}, .mean = worst_of(machines, known.joint_std)};
   use.any = known.visit_std.size() > 0 ? worst_of(machines, known.joint_std_of_a_visit()) : use.mean;
   return use;
 }
 
-UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known) {
-  UseOfVisits use = PoseSpread(robot, known.errors, known.parameters, workspace_stations(robot)).worst(known);
+UseOfVisits use_over_workspace(const Robot& robot, const KnownErrors& known, const Eigen::MatrixXd& tolerances) {
+  const PoseSpread spread(robot, known.errors, known.parameters, workspace_stations(robot));
+  UseOfVisits use = spread.worst(known);
+  if (tolerances.size() > 0) use.uncalibrated = spread.worst_of_tolerances(tolerances);
   if (!robot.slide() && !robot.commands_tilt()) {
     use.any.rotation.reset();
     use.mean.rotation.reset();
+    if (use.uncalibrated) use.uncalibrated->rotation.reset();
   }
   return use;
 }

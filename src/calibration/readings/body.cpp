@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "numerics/dense.hpp"
 #include "numerics/median.hpp"
 
 namespace paracal::detail {
@@ -46,6 +47,37 @@ BodySetUp place_body(const std::vector<RigidMotion>& carriers, const std::vector
   }
   found.body.rotation = common_turn(turns);
   found.body.translation = found.body.rotation * from_origin;
+  return found;
+}
+
+BodySetUp place_reflector(const std::vector<RigidMotion>& carriers, const std::vector<Eigen::Vector3d>& read,
+                          bool seeks_frame) {
+  constexpr int kRounds = 20;
+  constexpr double kSettled = 1e-3, kLever = 100.0, kHardly = 1e-3;  // mm; mm: turns and shifts of one size; of rows
+  const auto count = static_cast<Eigen::Index>(read.size());
+  const Eigen::Index motions = seeks_frame ? 6 : 0;
+  BodySetUp found;
+  std::vector<Eigen::Vector3d> places(read.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t k = 0; k < read.size(); ++k) places[k] = carriers[k](found.body.translation);
+    if (seeks_frame) found.frame = robust_rigid_fit(places, read);
+    // How far each point is off by the place and by what the frame takes up of it.
+    Eigen::MatrixXd rows(3 * count, 3 + motions);
+    Eigen::VectorXd off(3 * count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const Eigen::Vector3d x = places[at] / kLever;
+      rows.block<3, 3>(3 * k, 0) = carriers[at].rotation;
+      if (seeks_frame) {
+        rows.block<3, 3>(3 * k, 3).setIdentity();
+        rows.block<3, 3>(3 * k, 6) << 0, x.z(), -x.y(), -x.z(), 0, x.x(), x.y(), -x.x(), 0;
+      }
+      off.segment<3>(3 * k) = found.frame.inverse()(read[at]) - places[at];
+    }
+    const Eigen::Vector3d step = shortest_solution(rows, off, kHardly).topRows(3);
+    found.body.translation += step;
+    if (step.norm() < kSettled) break;
+  }
   return found;
 }
 

@@ -21,4 +21,9 @@ struct BodySetUp {
 /// @param seeks_frame  false: it is the robot's.
 BodySetUp place_body(const std::vector<RigidMotion>& carriers, const std::vector<RigidMotion>& read, bool seeks_frame);
 
+/// The set-up with which points were read as read_k = frame(carrier_k(place)), `place` the translation of the body:
+/// least squares, where carriers hardly turn the place nearest to their origin.
+BodySetUp place_reflector(const std::vector<RigidMotion>& carriers, const std::vector<Eigen::Vector3d>& read,
+                          bool seeks_frame);
+
 }  // namespace paracal::detail

@@ -46,12 +46,18 @@ void Points::take_columns(Eigen::Index& next, bool seeks_scale) {
   const bool turns = std::ranges::any_of(readings_, [](const auto& r) { return r.rotation.has_value(); });
   if (turns && options_.rotation_zero == RotationZero::unknown) zero_ = take(next, 1);
   if (std::ranges::any_of(readings_, [](const auto& r) { return r.second.has_value(); })) second_ = take(next, 3);
-  if (series_.is_of_body() && options_.body == BodyPlace::unknown) body_ = take(next, kFrame);
+  if (series_.is_of_body() && options_.body == BodyPlace::unknown) {
+    body_ = take(next, kFrame);
+    place_ = body_ + 3;
+  }
+  if (!series_.is_of_body() && !options_.reflector_is_at_centre) place_ = take(next, 3);
   if (seeks_scale) scale_ = take(next, 1);
 }
 
 void Points::start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) {
-  const BodySetUp found = body_ < 0 ? BodySetUp{started_frame(stations), {}} : started_body(stations);
+  const BodySetUp found = place_ < 0  ? BodySetUp{started_frame(stations), {}}
+                          : body_ < 0 ? started_reflector(stations)
+                                      : started_body(stations);
   if (frame_ >= 0) {
     turned_ = found.frame.rotation;
     unknowns.segment<3>(frame_).setZero();
@@ -60,10 +66,12 @@ void Points::start(const std::vector<StationState>& stations, Eigen::VectorXd& u
   if (body_ >= 0) {
     body_turned_ = found.body.rotation;
     unknowns.segment<3>(body_).setZero();
-    unknowns.segment<3>(body_ + 3) = found.body.translation;
+  }
+  if (place_ >= 0) {
+    unknowns.segment<3>(place_) = found.body.translation;
     place_is_shown_ = shows_place(stations);
   }
-  if (body_ >= 0 && frame_ >= 0) {
+  if (place_ >= 0 && frame_ >= 0) {
     middle_ = middle_carrier(stations);
     unknowns.segment<3>(frame_ + 3) += turned_ * middle_ * found.body.translation;
   }
@@ -117,10 +125,21 @@ BodySetUp Points::started_body(const std::vector<StationState>& stations) const 
   return place_body(carriers, read, frame_ >= 0);
 }
 
+BodySetUp Points::started_reflector(const std::vector<StationState>& stations) const {
+  std::vector<RigidMotion> carriers;
+  std::vector<Eigen::Vector3d> read;
+  for (const PointReading& reading : readings_) {
+    const StationState& station = stations[reading.station];
+    carriers.push_back({carrier(station), station.plate.position});
+    read.push_back(reading.point);
+  }
+  return place_reflector(carriers, read, frame_ >= 0);
+}
+
 void Points::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);
-  const bool guessed = body_ >= 0 && !place_is_shown_;
-  for (Eigen::Index k = body_ + 3; guessed && k < body_ + kFrame; ++k) {
+  const bool guessed = place_ >= 0 && !place_is_shown_;
+  for (Eigen::Index k = place_; guessed && k < place_ + 3; ++k) {
     root.add_prior(k, unknowns(k), 0.0, kBodyReach);
   }
 }
@@ -128,9 +147,8 @@ void Points::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) 
 void Points::set_units(Eigen::VectorXd& unit) const {
   constexpr double kTurn = 0.005;  // of the frame and of a body
   if (frame_ >= 0) unit.segment<3>(frame_).setConstant(kTurn);
-  if (body_ < 0) return;
-  unit.segment<3>(body_).setConstant(kTurn);
-  unit.segment<3>(body_ + 3).setConstant(kBodyReach);
+  if (body_ >= 0) unit.segment<3>(body_).setConstant(kTurn);
+  if (place_ >= 0) unit.segment<3>(place_).setConstant(kBodyReach);
 }
 
 Eigen::Matrix3d Points::reflector_rows(Eigen::Index row, const Eigen::Vector3d& x, const Eigen::Vector3d& read,
@@ -196,8 +214,8 @@ ByPlate Points::rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block
   const Eigen::Index rotation = more ? 6 : 3;
   block.setZero(rotation + (reading.rotation ? 1 : 0), at.unknowns.size() + 1);
   ByPlate by_plate = ByPlate::Zero(block.rows(), 7);
-  if (body_ >= 0) {
-    carried_rows(0, body_ + 3, reading.point, reading, at, block, by_plate);
+  if (place_ >= 0) {
+    carried_rows(0, place_, reading.point, reading, at, block, by_plate);
   } else {
     by_plate.block<3, 3>(0, 0) = reflector_rows(0, station.plate.position, reading.point, reading, at.unknowns, block);
   }
@@ -243,22 +261,22 @@ double Points::rotation_off(const PointReading& reading, const StationState& sta
 Eigen::Vector3d Points::off(const PointReading& reading, const StationState& station,
                             const Eigen::VectorXd& unknowns) const {
   Eigen::Vector3d stands = station.plate.position;
-  if (body_ >= 0) stands += carrier(station) * unknowns.segment<3>(body_ + 3);
+  if (place_ >= 0) stands += carrier(station) * unknowns.segment<3>(place_);
   return stands - frame(unknowns).inverse()(reading.point) / scale(unknowns);
 }
 
 RigidMotion Points::frame(const Eigen::VectorXd& unknowns) const {
   if (frame_ < 0) return {};
   RigidMotion frame{turn_by(unknowns.segment<3>(frame_)) * turned_, unknowns.segment<3>(frame_ + 3)};
-  if (body_ >= 0) {
-    frame.translation -= scale(unknowns) * (frame.rotation * (middle_ * unknowns.segment<3>(body_ + 3)));
+  if (place_ >= 0) {
+    frame.translation -= scale(unknowns) * (frame.rotation * (middle_ * unknowns.segment<3>(place_)));
   }
   return frame;
 }
 
 RigidMotion Points::body(const Eigen::VectorXd& unknowns) const {
   if (body_ < 0) return {};
-  return {turn_by(unknowns.segment<3>(body_)) * body_turned_, unknowns.segment<3>(body_ + 3)};
+  return {turn_by(unknowns.segment<3>(body_)) * body_turned_, unknowns.segment<3>(place_)};
 }
 
 std::optional<double> Points::rotation_zero(const Eigen::VectorXd& unknowns) const {

@@ -12,6 +12,7 @@ namespace paracal::detail {
 Eigen::Matrix3d mount_rotation(const PlateState& plate, double phi, ReflectorMount mount);
 
 ///   point      t + (1 + scale) Q r            r: exact plate centre; Q = exp([turn]) Q_0, Q_0 from a robust rigid fit
+///              t + (1 + scale) Q (r + M b)    where the reflector may be anywhere on its mount
 ///   second     t + (1 + scale) Q (r + M rho)  M: rotation of the plate, or of the end-effector
 ///   rotation   phi - zero
 ///
@@ -69,6 +70,7 @@ class Points final : public ReadingSeries {
   bool shows_place(const std::vector<StationState>& stations) const;
   RigidMotion started_frame(const std::vector<StationState>& stations) const;
   BodySetUp started_body(const std::vector<StationState>& stations) const;
+  BodySetUp started_reflector(const std::vector<StationState>& stations) const;
   void state_assumption(const Eigen::MatrixXd& covariance, Calibration& calibration) const;
   std::optional<double> rotation_zero(const Eigen::VectorXd& unknowns) const;
   std::optional<Eigen::Vector3d> second_reflector(const Eigen::VectorXd& unknowns) const;
@@ -95,10 +97,12 @@ class Points final : public ReadingSeries {
   const PointSeries& series_;
   const std::vector<PointReading>& readings_;
   const CalibrationOptions& options_;
-  Eigen::Index frame_ = -1, zero_ = -1, second_ = -1, body_ = -1;  ///< columns; -1 where none is sought
-  Eigen::Matrix3d turned_ = Eigen::Matrix3d::Identity();           ///< Q_0
-  Eigen::Matrix3d body_turned_ = Eigen::Matrix3d::Identity();      ///< B_0
-  /// Of a body the frame's columns hold t + (1 + scale) Q middle b: those of b then show what the plate's turns show.
+  Eigen::Index frame_ = -1, zero_ = -1, second_ = -1;     ///< columns; -1 where none is sought
+  Eigen::Index body_ = -1, place_ = -1;                   ///< turn of a body; where it or the reflector is on the mount
+  Eigen::Matrix3d turned_ = Eigen::Matrix3d::Identity();  ///< Q_0
+  Eigen::Matrix3d body_turned_ = Eigen::Matrix3d::Identity();  ///< B_0
+  /// With a place the frame's columns hold t + (1 + scale) Q middle b: those of b then show what the plate's turns
+  /// show.
   Eigen::Matrix3d middle_ = Eigen::Matrix3d::Zero();
   bool place_is_shown_ = false;  ///< else it has to be guessed
 };

@@ -90,7 +90,7 @@ void Points::list(const Group& group, const std::vector<Station>& stations, cons
 /// Where the plate hardly turns, the place of a body and that of the frame are one.
 void Points::state_assumption(const Eigen::MatrixXd& covariance, Calibration& calibration) const {
   if (body_ < 0 || covariance.size() == 0) return;
-  const Eigen::Vector3d variances = covariance.diagonal().segment<3>(body_ + 3);
+  const Eigen::Vector3d variances = covariance.diagonal().segment<3>(place_);
   if (variances.maxCoeff() < 0.5 * kBodyReach * kBodyReach) return;
   calibration.assumed.push_back(
       fmt::format("the body of {} has its origin within about {:g} mm of the plate centre (standard deviation per "

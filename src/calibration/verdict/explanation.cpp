@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -143,6 +144,18 @@ class Explainer {
     return squares.cwiseSqrt();
   }
 
+  /// Root mean square of what these terms do to a reading at any single visit, mm.
+  double at_plate(const std::vector<Spreads>& kinds, const VarianceTable& table,
+                  const std::function<double(std::size_t)>& std) const {
+    double squares = 0.0;
+    for (const Spreads what : kinds) {
+      for (const std::size_t term : table.terms_of(what)) {
+        squares += std::pow(std(term), 2) * table.terms()[term].readings.trace();
+      }
+    }
+    return reading_noise(fit_.observation()) * std::sqrt(squares / static_cast<double>(table.readings().y.size()));
+  }
+
   Explanation described(VariancePosterior posterior, const std::vector<SuspectedFact>& facts,
                         const std::vector<WeighedTable>& tables, double log_evidence) {
     const VarianceTable& table = tables.front().table;
@@ -156,6 +169,9 @@ class Explainer {
                     .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
                     .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
                     .causes = std::move(causes_),
+                    .absorbed = at_plate({Spreads::visits, Spreads::poses, Spreads::drives}, table,
+                                         [&](std::size_t term) { return posterior.size(term); }),
+                    .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
                     .repeats = table.noise_of_visits().has_value(),
                     .log_evidence = log_evidence};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse

@@ -21,8 +21,10 @@ struct Explanation {
   Eigen::VectorXd joint_std, visit_std;             ///< at each pose, at each visit, rad or mm
   double unstated_noise = 0.0, stated_noise = 1.0;  ///< over those with which readings entered
   std::vector<Component> causes = {};
-  bool repeats = false;       ///< visits tell noise from joints
-  double log_evidence = 0.0;  ///< of every reading; no number where a table holds a part of them alone
+  double absorbed = 0.0;  ///< what joints, drives and poses do beside the geometry, mm at the plate
+  double allowed = 0.0;   ///< what errors within their tolerances do there
+  bool repeats = false;   ///< visits tell noise from joints
+  double log_evidence = 0.0;        ///< of every reading; no number where a table holds a part of them alone
 };
 
 /// Estimates all variances of a settled fit. A part or a pose that is wrong with a probability above 1 -

@@ -92,15 +92,18 @@ void add_controller(const Measurements& measurements, Calibration& calibration) 
   std::ranges::move(controller_assumptions(controller, calibration.robot), std::back_inserter(calibration.assumed));
 }
 
-void state_use(const StageFit& fit, Calibration& calibration) {
-  if (!calibration.options.states_use || !fit.converged() || calibration.covariance.size() == 0) return;
+std::optional<Use> state_use(const StageFit& fit, Calibration& calibration) {
+  if (!calibration.options.states_use || !fit.converged() || calibration.covariance.size() == 0) return {};
+  std::optional<Use> uncalibrated;
   try {
-    const UseOfVisits use = use_over_workspace(calibration.robot, known_errors(calibration));
+    UseOfVisits use =
+        use_over_workspace(calibration.robot, known_errors(calibration), covariance_of_tolerances(calibration));
     calibration.use = use.any;
     calibration.use_mean = use.mean;
+    uncalibrated = std::move(use.uncalibrated);
   } catch (const Unreachable&) {
     calibration.notes.emplace_back("the calibrated machine cannot reach its whole workspace: check the robot file");
-    return;
+    return {};
   }
   const AcceptanceLimits& limits = calibration.options.limits;
   for (std::optional<Use>* use : {&calibration.use, &calibration.use_mean}) {
@@ -108,6 +111,7 @@ void state_use(const StageFit& fit, Calibration& calibration) {
     (*use)->aligned.limit = limits.volumetric;
     if ((*use)->rotation) (*use)->rotation->limit = limits.rotation;
   }
+  return uncalibrated;
 }
 
 void add_components(Calibration& calibration) {
@@ -136,7 +140,7 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
                   calibration.use->distance.U, fine.distance.U));
 }
 
-void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration) {
+void judge(const LeastSquaresResult& fit, bool determined, const Compared& found, Calibration& calibration) {
   const auto say = [&](Verdict verdict, std::string_view reason) {
     calibration.verdict = verdict;
     calibration.reasons.emplace_back(reason);
@@ -165,14 +169,13 @@ void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibrat
                                               calibration.readings, sought));
   }
   if (*calibration.chance > calibration.options.largest_chance) {
-    return say(
-        Verdict::rejected,
-        fmt::format(
-            "the improvement is not significant (p-value {:.2g}, limit {:g}): measure more poses or with less noise",
-            *calibration.chance, calibration.options.largest_chance));
+    calibration.reasons.push_back(fmt::format(
+        "the improvement is not significant (p-value {:.2g}, limit {:g}): measure more poses or with less noise",
+        *calibration.chance, calibration.options.largest_chance));
   }
-  if (const std::string broken = broken_limit(calibration); !broken.empty()) return say(Verdict::rejected, broken);
-  calibration.verdict = Verdict::accepted;
+  std::ranges::move(unexplained(found, calibration), std::back_inserter(calibration.reasons));
+  if (std::string broken = broken_limit(calibration); !broken.empty()) calibration.reasons.push_back(std::move(broken));
+  calibration.verdict = calibration.reasons.empty() ? Verdict::accepted : Verdict::rejected;
 }
 
 }  // namespace paracal::detail

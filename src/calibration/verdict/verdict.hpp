@@ -2,8 +2,7 @@
 
 // Private to calibration: what is said of a fit once its numbers are known.
 
-#include "calibration/fit/stage_fit.hpp"
-#include "explanation.hpp"
+#include "acceptance.hpp"
 
 namespace paracal::detail {
 
@@ -14,7 +13,8 @@ void add_assumptions(const StageFit& fit, Calibration& calibration);
 void add_controller(const Measurements& measurements, Calibration& calibration);
 
 /// U over the workspace against its limits; none of a fit that did not settle, whose covariance belongs to no answer.
-void state_use(const StageFit& fit, Calibration& calibration);
+/// @returns that of the uncalibrated machine, by its tolerances.
+std::optional<Use> state_use(const StageFit& fit, Calibration& calibration);
 
 /// Components of variance that are certain enough are notes; the others are said among what was assumed. Readings that
 /// scatter less than stated make U wider than it need be, which nobody is harmed by, but ought to know.
@@ -25,6 +25,6 @@ void add_promise_of_fine(const Measurements& measurements, Calibration& calibrat
 
 /// The verdict, and why it is no.
 /// @param determined  the readings determine what was asked.
-void judge(const LeastSquaresResult& fit, bool determined, Calibration& calibration);
+void judge(const LeastSquaresResult& fit, bool determined, const Compared& found, Calibration& calibration);
 
 }  // namespace paracal::detail

@@ -1,0 +1,132 @@
+#include "acceptance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "calibration/fit/sought.hpp"
+#include "paracal/units.hpp"
+
+namespace paracal::detail {
+namespace {
+
+/// One quantity of U over the workspace, before and after, in the unit of messages.
+struct Gain {
+  std::string_view what, unit;
+  double before = 0.0, after = 0.0;
+};
+
+/// Two digits, and whole numbers of many: "0.017", "301".
+std::string two_digits(double value) {
+  return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::vector<Gain> gains(const Use& before, const Use& after) {
+  std::vector<Gain> all{{"distances", "mm", before.distance.U, after.distance.U},
+                        {"aligned positions", "mm", before.aligned.U, after.aligned.U}};
+  if (before.rotation && after.rotation) {
+    all.push_back({"rotations", "deg", to_degrees(before.rotation->U), to_degrees(after.rotation->U)});
+  }
+  return all;
+}
+
+/// Empty where the machine is better known than before.
+std::string without_gain(const std::vector<Gain>& all, double largest) {
+  constexpr const char* kCheck = "Check the input, the joints and the instrument";
+  const auto worse = std::ranges::find_if(all, [&](const Gain& one) { return one.after > largest * one.before; });
+  if (worse != all.end()) {
+    return fmt::format(
+        "U of {} over the workspace is {} {}; before the calibration, by the tolerances alone, it is {} {}. {}",
+        worse->what, two_digits(worse->after), worse->unit, two_digits(worse->before), worse->unit, kCheck);
+  }
+  if (std::ranges::any_of(all, [](const Gain& one) { return one.after < one.before; })) return {};
+  return fmt::format(
+      "U over the workspace is not below that of the uncalibrated machine ({} of {} {}, by the tolerances "
+      "alone {} {}): measure more poses or with less noise",
+      all.front().what, two_digits(all.front().after), all.front().unit, two_digits(all.front().before),
+      all.front().unit);
+}
+
+bool is_any(const Observation& observation, bool stated) {
+  return std::ranges::any_of(observation.groups(), [&](const Group& one) { return one.stated == stated; });
+}
+
+}  // namespace
+
+Compared compared(const StageFit& fit, const std::optional<Explanation>& explanation, const Calibration& calibration) {
+  const Observation& observation = fit.observation();
+  const double scatter = has_priors(observation) ? 1.0 : calibration.unit_weight_std.value_or(1.0);
+  Compared found;
+  if (is_any(observation, true)) {
+    found.stated_noise = explanation ? explanation->stated_noise : calibration.unit_weight_std.value_or(1.0);
+  }
+  if (is_any(observation, false)) {
+    found.unstated_noise =
+        observation.components().unstated_noise * (explanation ? explanation->unstated_noise : scatter);
+  }
+  if (!explanation) return found;
+  found.absorbed = explanation->absorbed;
+  found.allowed = explanation->allowed;
+  return found;
+}
+
+Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration) {
+  const std::vector<SoughtSource> tolerated = all_with_priors(calibration.robot, calibration.options);
+  const Eigen::Index n = std::ssize(calibration.parameters);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ParameterEstimate& one = calibration.parameters[static_cast<std::size_t>(i)];
+    const auto found = std::ranges::find_if(
+        tolerated, [&](const SoughtSource& other) { return other.limb == one.limb && other.source == one.source; });
+    if (found == tolerated.end()) continue;
+    if (!found->prior_std) return {};
+    covariance(i, i) = std::pow(*found->prior_std, 2);
+    for (Eigen::Index k = 0; k < i; ++k) {
+      const ParameterEstimate& other = calibration.parameters[static_cast<std::size_t>(k)];
+      for (const CommonError& error : calibration.options.common) {
+        covariance(i, k) +=
+            error.std * error.std * error.direction(one.limb, one.source) * error.direction(other.limb, other.source);
+      }
+      covariance(k, i) = covariance(i, k);
+    }
+  }
+  return covariance;
+}
+
+std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration) {
+  const CalibrationOptions& options = calibration.options;
+  std::vector<std::string> reasons;
+  if (std::ranges::none_of(calibration.parameters, &ParameterEstimate::identified)) {
+    reasons.emplace_back(
+        "no error is identified: the tolerances say more of each than the readings do. Measure more poses or with less "
+        "noise");
+  }
+  if (found.stated_noise > options.largest_noise_factor) {
+    reasons.push_back(
+        fmt::format("the readings scatter {:.0f} times as much as their stated sigmas: check units, pose names and the "
+                    "instrument",
+                    found.stated_noise));
+  }
+  if (found.unstated_noise > options.largest_unstated_noise) {
+    reasons.push_back(
+        fmt::format("the readings scatter {} mm, {:.0f} times the noise of such an instrument: check units, pose "
+                    "names and the instrument",
+                    two_digits(calibration.noise), found.unstated_noise));
+  }
+  if (found.allowed > 0.0 && found.absorbed > options.largest_absorbed * found.allowed) {
+    reasons.push_back(
+        fmt::format("joints, drives and poses deviate from the geometry by {} mm at the plate, and the tolerances "
+                    "allow errors of {} mm: the geometry does not explain the readings. Check the input and the "
+                    "joints",
+                    two_digits(found.absorbed), two_digits(found.allowed)));
+  }
+  if (found.uncalibrated && calibration.use) {
+    std::string text = without_gain(gains(*found.uncalibrated, *calibration.use), options.largest_use_ratio);
+    if (!text.empty()) reasons.push_back(std::move(text));
+  }
+  return reasons;
+}
+
+}  // namespace paracal::detail

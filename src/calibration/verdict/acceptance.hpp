@@ -1,0 +1,33 @@
+#pragma once
+
+// Private to calibration: what a fit must have explained before its machine is accepted.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/fit/stage_fit.hpp"
+#include "explanation.hpp"
+
+namespace paracal::detail {
+
+/// How a fit compares with what was expected of instrument and machine.
+struct Compared {
+  double stated_noise = 1.0;             ///< noise found, over that which readings state
+  double unstated_noise = 1.0;           ///< over NoiseModel, of readings that state none
+  double absorbed = 0.0;                 ///< what joints, drives and poses do beside the geometry, mm at the plate
+  double allowed = 0.0;                  ///< what errors within their tolerances do there; 0: not known
+  std::optional<Use> uncalibrated = {};  ///< U over the workspace by the tolerances alone
+};
+
+/// @param explanation  empty: the machine is taken to be its geometry.
+Compared compared(const StageFit& fit, const std::optional<Explanation>& explanation, const Calibration& calibration);
+
+/// Covariance of errors before any reading, by their tolerances; empty where one of them has no tolerance.
+Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration);
+
+/// What is not explained, a sentence each: nothing is identified, the noise is not that of such an instrument, joints,
+/// drives and poses absorb what geometry should explain, or the machine is not better known than by its tolerances.
+std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration);
+
+}  // namespace paracal::detail

@@ -1,0 +1,183 @@
+// What an accepted calibration must have explained, and the causes that are named where it has not.
+
+#include <gmock/gmock.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "calibration/diagnosis/part_units.hpp"
+#include "calibration/fit/sought.hpp"
+#include "calibration/verdict/acceptance.hpp"
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/pose_selection.hpp"
+#include "paracal/calibration/prediction.hpp"
+#include "paracal/mechanism/catalogue.hpp"
+#include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
+
+namespace paracal::test::acceptance_test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNoise = 0.017;  // mm
+
+/// A calibration that explains everything, of which a test spoils one thing.
+class Accepted : public testing::Test {
+ protected:
+  Accepted() {
+    calibration.parameters = {{.limb = 0, .source = "theta_offset", .data_share = 0.9}};
+    calibration.use = Use{.distance = {0.03}, .aligned = {0.04}};
+    found.uncalibrated = Use{.distance = {3.0}, .aligned = {4.0}};
+    found.allowed = 1.0;
+  }
+  std::vector<std::string> reasons() const { return detail::unexplained(found, calibration); }
+
+  Calibration calibration{.robot = catalogue::rotary_delta()};
+  detail::Compared found;
+};
+
+TEST_F(Accepted, WhereAllIsExplained) { EXPECT_THAT(reasons(), IsEmpty()); }
+
+TEST_F(Accepted, NotWhereNothingIsIdentified) {
+  calibration.parameters.front().data_share = 0.49;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("no error is identified")));
+}
+
+TEST_F(Accepted, NoiseOfTenTimesTheStatedIsTheLimit) {
+  found.stated_noise = 9.9;
+  EXPECT_THAT(reasons(), IsEmpty());
+  found.stated_noise = 11.0;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("scatter 11 times as much as their stated sigmas")));
+}
+
+TEST_F(Accepted, NoiseOfAHundredTimesTheExpectedIsTheLimit) {
+  found.unstated_noise = 99.0;
+  EXPECT_THAT(reasons(), IsEmpty());
+  found.unstated_noise = 500.0;
+  calibration.noise = 8.5;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("scatter 8.5 mm, 500 times the noise")));
+}
+
+TEST_F(Accepted, JointsThatDoHalfOfWhatTolerancesDoAreTheLimit) {
+  found.absorbed = 0.49;
+  EXPECT_THAT(reasons(), IsEmpty());
+  found.absorbed = 0.6;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("by 0.6 mm at the plate, and the tolerances allow errors of 1 mm")));
+}
+
+/// Better in one quantity, and in none worse by more than a tenth.
+TEST_F(Accepted, UIsComparedWithTheUncalibratedMachine) {
+  calibration.use->distance.U = 3.2;
+  EXPECT_THAT(reasons(), IsEmpty());
+  calibration.use->aligned.U = 4.1;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("not below that of the uncalibrated machine (distances of 3.2 mm, by "
+                                               "the tolerances alone 3 mm)")));
+  calibration.use->aligned.U = 4.5;
+  EXPECT_THAT(reasons(), ElementsAre(HasSubstr("U of aligned positions over the workspace is 4.5 mm; before")));
+}
+
+/// U of the uncalibrated machine is that of errors drawn from its tolerances.
+TEST(Uncalibrated, UIsThatOfTheTolerances) {
+  const Robot robot = catalogue::rotary_delta();
+  KnownErrors known{.errors = {}, .parameters = detail::all_with_priors(robot, {}), .covariance = {}};
+  Calibration calibration{.robot = robot};
+  for (const SoughtSource& one : known.parameters) calibration.parameters.push_back({one.limb, one.source});
+  const Eigen::MatrixXd tolerances = detail::covariance_of_tolerances(calibration);
+  known.covariance = 1e-4 * tolerances;
+  const UseOfVisits use = use_over_workspace(robot, known, tolerances);
+  ASSERT_TRUE(use.uncalibrated);
+  EXPECT_NEAR(use.uncalibrated->distance.U, 100.0 * use.any.distance.U, 1e-6 * use.uncalibrated->distance.U);
+  EXPECT_NEAR(use.uncalibrated->aligned.U, 100.0 * use.any.aligned.U, 1e-6 * use.uncalibrated->aligned.U);
+  for (std::size_t k = 0; k < known.parameters.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    EXPECT_NEAR(std::sqrt(tolerances(at, at)), *known.parameters[k].prior_std, 1e-12);
+  }
+}
+
+/// The second half of a file in metres: of a machine whose fit settles, and of one whose fit does not.
+TEST(PartInAnotherUnit, IsNotAcceptedAndNamed) {
+  for (const char* name : {"rotary_delta", "huang2016"}) {
+    SCOPED_TRACE(name);
+    const Robot robot = robot_named(name);
+    const std::vector<Station> stations = candidate_stations(robot, 14, 3);
+    Measurements read = measured_machine(robot, stations, 4, {.noise = kNoise, .repeats = 2}).measurements;
+    std::vector<PointReading>& readings = read.series[0].readings;
+    std::ranges::stable_sort(readings, {}, &PointReading::station);
+    for (std::size_t k = readings.size() / 2; k < readings.size(); ++k) readings[k].point /= 1000.0;
+    const Calibration calibration = calibrate(robot, read);
+    EXPECT_EQ(calibration.verdict, Verdict::rejected);
+    EXPECT_THAT(
+        calibration.reasons,
+        Contains(HasSubstr(fmt::format("readings {} to {} are in metres", readings.size() / 2 + 1, readings.size()))));
+    EXPECT_EQ(calibration.use.has_value(), calibration.verdict == Verdict::rejected);
+  }
+}
+
+/// A part that is not at one end, of distances, and units of two kinds; and nothing where there is nothing.
+TEST(PartInAnotherUnit, IsAnyPart) {
+  const Robot robot = catalogue::rotary_delta();
+  const std::vector<Station> stations = candidate_stations(robot, 12, 3);
+  const Measurements read = measured_machine(robot, stations, 4, {.noise = kNoise}).measurements;
+  EXPECT_FALSE(detail::part_in_another_unit(read));
+  Measurements points = read;
+  for (std::size_t k = 3; k < 6; ++k) points.series[0].readings[k].point /= 25.4;
+  const auto part = detail::part_in_another_unit(points);
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->text, "readings 4 to 6 are in inches");
+  const auto undone = detail::undone({robot, points, {}}, *part);
+  ASSERT_TRUE(undone);
+  for (std::size_t k = 0; k < read.series[0].readings.size(); ++k) {
+    EXPECT_LT((undone->measurements.series[0].readings[k].point - read.series[0].readings[k].point).norm(), 1e-9);
+  }
+  Measurements distances{.stations = stations, .distances = all_distances(read.series[0])};
+  for (std::size_t k = 0; k < distances.distances.size(); k += 2) distances.distances[k].distance /= 10.0;
+  const auto others = detail::part_in_another_unit(distances);
+  ASSERT_TRUE(others);
+  EXPECT_THAT(others->text, HasSubstr(fmt::format("of {} readings are in centimetres", distances.distances.size())));
+}
+
+/// Points of a reflector beside the plate's centre: of a plate that tilts, and of one that turns with phi.
+Measurements beside_centre(const Robot& robot, ReflectorMount mount, const Eigen::Vector3d& place) {
+  const std::vector<Station> stations = candidate_stations(robot, 16, 3);
+  Measurements read =
+      measured_machine(robot, stations, 4, {.noise = kNoise, .repeats = 2, .second = place, .mount = mount})
+          .measurements;
+  for (PointReading& one : read.series[0].readings) {
+    one.point = *one.second;
+    one.second.reset();
+  }
+  return read;
+}
+
+TEST(Reflector, BesideTheCentreIsNotAcceptedAndNamed) {
+  struct Case {
+    const char* robot;
+    ReflectorMount mount;
+    Eigen::Vector3d place;
+    std::string text;
+  };
+  for (const Case& one : std::array{Case{"hexapod",
+                                         ReflectorMount::plate,
+                                         {30.0, -40.0, 0.0},
+                                         "the reflector is about 50 mm beside the plate's centre"},
+                                    Case{"huang2016",
+                                         ReflectorMount::end_effector,
+                                         {20.0, 0.0, 10.0},
+                                         "the reflector is about 20 mm beside the axis of phi and turns with it"}}) {
+    SCOPED_TRACE(one.robot);
+    const Robot robot = robot_named(one.robot);
+    const Calibration calibration = calibrate(robot, beside_centre(robot, one.mount, one.place));
+    EXPECT_EQ(calibration.verdict, Verdict::rejected);
+    EXPECT_THAT(calibration.reasons, Contains(HasSubstr(one.text)));
+    EXPECT_TRUE(calibration.use);
+  }
+}
+
+}  // namespace
+}  // namespace paracal::test::acceptance_test
