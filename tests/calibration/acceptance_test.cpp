@@ -179,5 +179,35 @@ TEST(Reflector, BesideTheCentreIsNotAcceptedAndNamed) {
   }
 }
 
+/// Each pose visited once, and no noise stated: U of a single visit holds what joints may do of it, and only then.
+TEST(AmbiguousNoise, IsPartOfASingleVisit) {
+  const Robot robot = catalogue::rotary_delta();
+  const std::vector<Station> stations = candidate_stations(robot, 24, 3);
+  const auto found = [&](double noise, int repeats, bool is_known = false) {
+    return calibrate(robot, measured_machine(robot, stations, 4, {.noise = noise, .repeats = repeats}).measurements,
+                     {.noise = {.point = noise}, .noise_is_known = is_known, .diagnose = false});
+  };
+  const Calibration once = found(kNoise, 1), twice = found(kNoise, 2), known = found(kNoise, 1, true);
+  ASSERT_TRUE(once.use && twice.use && known.use);
+  EXPECT_GT(once.use->aligned.U, 1.5 * known.use->aligned.U);
+  EXPECT_LT(twice.use->aligned.U, 0.7 * once.use->aligned.U);
+  const auto alike = Contains(HasSubstr("noise and joints that do not repeat look alike"));
+  EXPECT_THAT(once.assumed, alike);
+  EXPECT_THAT(twice.assumed, testing::Not(alike));
+  EXPECT_THAT(known.assumed, testing::Not(alike));
+  EXPECT_THAT(once.notes, IsEmpty());
+}
+
+TEST(AmbiguousNoise, IsANoteWhereItIsManyTimesTheExpected) {
+  const Robot robot = catalogue::rotary_delta();
+  const std::vector<Station> stations = candidate_stations(robot, 24, 3);
+  const auto notes = [&](double noise) {
+    return calibrate(robot, measured_machine(robot, stations, 4, {.noise = noise}).measurements, {.diagnose = false})
+        .notes;
+  };
+  EXPECT_THAT(notes(8.0 * kNoise), Contains(HasSubstr("times what was expected of them. This is noise, or joints")));
+  EXPECT_THAT(notes(1.5 * kNoise), IsEmpty());
+}
+
 }  // namespace
 }  // namespace paracal::test::acceptance_test

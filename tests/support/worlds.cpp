@@ -19,7 +19,6 @@ namespace paracal::test {
 namespace {
 
 constexpr std::uint64_t kErrors = 101, kNoiseOfReadings = 102;
-constexpr int kVisits = 3;
 constexpr double kTurnLever = 100.0;  // mm: by what a body is turned where its points are off
 
 RigidMotion world_frame() {
@@ -245,7 +244,7 @@ Measurements measured(const Bench& bench, const World& world, Truth& truth, int 
   Noise noise(world, number);
   switch (world.readings) {
     case Readings::points:
-      return points(bench.robot, world, truth, noise, bench.selected, kVisits);
+      return points(bench.robot, world, truth, noise, bench.selected, world.visits);
     case Readings::seven_points:
       return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1);
     case Readings::six_distances:
@@ -360,6 +359,8 @@ std::vector<World> wrong_worlds() {
           {.name = "backlash 0.02 deg, noise known", .noise_is_known = true, .backlash = to_radians(0.02)},
           {.name = "loose 0.02 deg", .loose = to_radians(0.02)},
           {.name = "loose 0.02 deg, noise known", .noise_is_known = true, .loose = to_radians(0.02)},
+          {.name = "one visit", .visits = 1},
+          {.name = "one visit, loose 0.02 deg", .visits = 1, .loose = to_radians(0.02)},
           {.name = "drives uneven 0.0015 deg", .uneven = to_radians(0.0015), .errors_cannot_be_told = true},
           {.name = "compliance 0.05 mm", .compliance = 0.05, .errors_cannot_be_told = true},
           {.name = "bowed 0.1 mm", .bow_at_rim = 0.1, .errors_cannot_be_told = true},

@@ -19,7 +19,8 @@ enum class Readings { points, seven_points, six_distances, heights, heights_and_
 /// A world that a machine may live in; by default the one that the model believes in.
 struct World {
   std::string name;
-  Readings readings = Readings::points;                     ///< points: 20 selected poses, three visits each
+  Readings readings = Readings::points;                     ///< points: at 20 selected poses
+  int visits = 3;                                           ///< of each of the selected poses
   bool noise_is_known = false;                              ///< and stated as kWorldNoise
   double position_tolerances = 1.0, tilt_tolerances = 1.0;  ///< errors over their tolerances
   bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]

@@ -58,7 +58,22 @@ class Causes {
                     joint(largest(terms))));
   }
 
+  /// Noise or joints: a single visit of each pose shows their sum.
+  void add_ambiguous_noise() {
+    if (table_.tells_noise()) return;
+    const double entered = fit_.observation().components().unstated_noise;
+    double probability = 0.0;
+    for (const std::size_t term : table_.terms_of(Spreads::noise)) {
+      probability = std::max(probability, posterior_.probability_above({term}, options_.noise_to_tell / entered));
+    }
+    add(Cause::noise, probability,
+        fmt::format("the readings scatter {:.2g} mm, {:.1f} times what was expected of them. This is noise, or joints "
+                    "stop elsewhere at each visit: U includes both. Visit each pose twice to tell",
+                    noise_, entered * posterior_.largest(table_.terms_of(Spreads::noise))));
+  }
+
   void add_poses() {
+    if (!table_.tells_noise()) return;
     std::vector<std::size_t> terms = table_.terms_of(Spreads::poses);
     const auto joints = static_cast<double>(terms.size());
     double squares = 0.0;
@@ -68,8 +83,11 @@ class Causes {
     add(Cause::motion, posterior_.probability_above(terms, std::max(options_.discrepancies.drives, 0.5 * noise_)),
         fmt::format("the poses differ from the model by {:.3f} mm more than the noise explains ({} {:.3f} mm), most by "
                     "{}. Possible causes: backlash, friction{}",
-                    std::sqrt(squares / joints), repeats_ ? "repeatability" : "stated noise", noise_,
-                    joint(largest(terms)), repeats_ ? " or load" : ", load or larger noise"));
+                    std::sqrt(squares / joints),
+                    repeats_                                  ? "repeatability"
+                    : table_.terms_of(Spreads::noise).empty() ? "stated noise"
+                                                              : "estimated noise",
+                    noise_, joint(largest(terms)), repeats_ ? " or load" : ", load or larger noise"));
   }
 
   void add_drives() {
@@ -162,6 +180,7 @@ void add_causes(const StageFit& fit, const CalibrationOptions& options, const st
   Causes all(fit, options, tables.front().table, posterior, causes);
   all.add_open_facts(facts, tables);
   all.add_visits();
+  all.add_ambiguous_noise();
   all.add_poses();
   all.add_drives();
   all.add_far_errors();

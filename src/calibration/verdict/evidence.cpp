@@ -247,7 +247,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit,
     if (explanation && explanation->repeats && !all_stated(observation)) {
       calibration.noise *= explanation->unstated_noise;
     }
-    add_assumptions(fit, calibration);
+    add_assumptions(fit, explanation, calibration);
     add_controller(measurements, calibration);
   }
   Compared found_beside = compared(fit, explanation, calibration);

@@ -156,6 +156,14 @@ class Explainer {
     return reading_noise(fit_.observation()) * std::sqrt(squares / static_cast<double>(table.readings().y.size()));
   }
 
+  Eigen::VectorXd noise_as_joints(const VarianceTable& table, const VariancePosterior& posterior) const {
+    const double mm = reading_noise(fit_.observation()) * posterior.noise_factor(table);
+    const auto joints = static_cast<Eigen::Index>(fit_.observation().robot().limb_count());
+    // One joint alone may be what scatters, and nobody knows which.
+    const double alone = table.readings().joint_per_mm * std::sqrt(static_cast<double>(joints));
+    return Eigen::VectorXd::Constant(joints, alone * mm);
+  }
+
   Explanation described(VariancePosterior posterior, const std::vector<SuspectedFact>& facts,
                         const std::vector<WeighedTable>& tables, double log_evidence) {
     const VarianceTable& table = tables.front().table;
@@ -173,6 +181,8 @@ class Explainer {
                                          [&](std::size_t term) { return posterior.size(term); }),
                     .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
                     .repeats = table.noise_of_visits().has_value(),
+                    .is_ambiguous = !table.tells_noise(),
+                    .noise_as_joints = noise_as_joints(table, posterior),
                     .log_evidence = log_evidence};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
       all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
@@ -214,6 +224,9 @@ std::optional<Explanation> explained(StageFit& fit, const Measurements& measurem
   std::optional<Explanation> found = Explainer(fit, measurements, options).explain();
   if (!found) return found;
   weigh_joints(fit, *found);
+  if (found->is_ambiguous) {  // not before: readings that are weighed by joints have their noise beside them
+    found->joint_std = (found->joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();
+  }
   const Eigen::Index n = found->noise.rows();
   Eigen::VectorXd off = found->means;  // from the machine of the fit, which has no splines
   off.head(n) -= fit.fit().parameters.tail(n);

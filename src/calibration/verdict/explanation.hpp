@@ -24,6 +24,10 @@ struct Explanation {
   double absorbed = 0.0;  ///< what joints, drives and poses do beside the geometry, mm at the plate
   double allowed = 0.0;   ///< what errors within their tolerances do there
   bool repeats = false;   ///< visits tell noise from joints
+  /// No pose was visited twice, nobody stated the noise, and nothing else tells it from joints. U then takes what
+  /// readings scatter for either.
+  bool is_ambiguous = false;
+  Eigen::VectorXd noise_as_joints;  ///< of each joint that alone scatters the plate as much as the noise does
   double log_evidence = 0.0;        ///< of every reading; no number where a table holds a part of them alone
 };
 

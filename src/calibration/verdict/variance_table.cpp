@@ -383,17 +383,19 @@ std::optional<double> VarianceTable::noise_of_visits() const {
   return freedom < kFewest ? std::nullopt : std::optional(std::sqrt(sum / freedom));
 }
 
+bool VarianceTable::tells_noise() const {
+  return noise_of_visits().has_value() || terms_of(Spreads::noise).empty() ||
+         !terms_of(Spreads::orientation_noise).empty();
+}
+
 /// All that visits scatter is noise; or most of it is the joints'.
 std::vector<Eigen::VectorXd> VarianceTable::starts() const {
   constexpr double kSmall = 0.004, kSmallVisits = 0.002;  // mm
   constexpr double kLeast = 0.2;                          // of the scatter: noise, where joints explain the rest
   const double scatter = std::max(noise_of_visits().value_or(1.0), least_noise_);
-  const bool noise_is_told =
-      !visits_.empty() || terms_.front().what != Spreads::noise ||
-      std::ranges::any_of(terms_, [](const VarianceTerm& one) { return one.what == Spreads::orientation_noise; });
   std::vector<Eigen::VectorXd> all;
   for (const bool loose : {false, true}) {
-    if (loose && !noise_is_told) break;  // no reading tells the one from the other
+    if (loose && !tells_noise()) break;
     Eigen::VectorXd u(std::ssize(terms_));
     for (std::size_t k = 0; k < terms_.size(); ++k) {
       const auto start = [&] {

@@ -89,6 +89,9 @@ class VarianceTable {
   /// Standard deviation of the visits' scatter over the noise with which readings entered, where poses were visited
   /// twice.
   std::optional<double> noise_of_visits() const;
+  /// Something tells noise from joints that stop elsewhere: visits, a statement, or orientations beside positions. Else
+  /// a single visit of each pose shows their sum.
+  bool tells_noise() const;
 
  private:
   /// How visits scatter about their mean: W = sum_k exp(2 u_k) R_k, R = h h^T of a joint or of the rows of a noise.

@@ -49,7 +49,7 @@ std::string broken_limit(const Calibration& calibration) {
 
 }  // namespace
 
-void add_assumptions(const StageFit& fit, Calibration& calibration) {
+void add_assumptions(const StageFit& fit, const std::optional<Explanation>& explanation, Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   const auto assume = [&](std::string_view text) { calibration.assumed.emplace_back(text); };
   std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
@@ -61,9 +61,11 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
   }
   const Scatter visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
   const bool unstated = !all_stated(fit.observation());
-  const bool told = std::ranges::any_of(calibration.components,
-                                        [](const Component& one) { return one.told && one.cause == Cause::motion; });
-  if (unstated && visits.redundancy < 1.0 && !told) {
+  if (explanation && explanation->is_ambiguous) {
+    assume(
+        "no pose was visited twice and no noise is stated, so noise and joints that do not repeat look alike: U of a "
+        "single visit includes both. Visit poses twice, or state the noise (--sigma-known), to separate them");
+  } else if (unstated && visits.redundancy < 1.0) {
     assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
   }
   if (calibration.visit_std.size() > 0) {
@@ -71,7 +73,7 @@ void add_assumptions(const StageFit& fit, Calibration& calibration) {
     assume(
         "parts are rigid where single errors are concerned: uneven drives and parts that bend look like errors of "
         "parts (U of poses includes both)");
-    if (visits.redundancy < 1.0) {
+    if (visits.redundancy < 1.0 && explanation && !explanation->is_ambiguous) {
       assume(fmt::format("joints repeat within some {:.2g} mm at the plate: visit poses twice to measure it",
                          options.discrepancies.visits));
     }

@@ -7,7 +7,7 @@
 namespace paracal::detail {
 
 /// What no reading showed and nobody stated.
-void add_assumptions(const StageFit& fit, Calibration& calibration);
+void add_assumptions(const StageFit& fit, const std::optional<Explanation>& explanation, Calibration& calibration);
 
 /// What is known of the controller that commanded the joints, among the options, and what had to be assumed of it.
 void add_controller(const Measurements& measurements, Calibration& calibration);
