@@ -96,10 +96,41 @@ class BlockParser {
     return result.ec == std::errc{} ? std::optional(value) : std::nullopt;
   }
 
-  /// The rest of the line is a text: RepRap's M117 and M118, messages, and M486, the name of an object.
-  static bool takes_text(const GcodeWord& word) {
+  /// The rest of the line is a text: RepRap's M117 and M118, messages, M486, the name of an object; and what M0 and M1
+  /// ask the operator for, behind their words with numbers.
+  bool takes_text(const GcodeWord& word) {
     constexpr std::array kTexts{117.0, 118.0, 486.0};
-    return word.letter == 'M' && word.is_number() && std::ranges::find(kTexts, word.value) != kTexts.end();
+    if (word.letter == 'M' && word.is_number()) {
+      if (std::ranges::find(kTexts, word.value) != kTexts.end()) return true;
+      pauses_ |= word.is_whole(0.0, 1.0);
+    }
+    return pauses_ && begins_text();
+  }
+
+  /// "Change tool", "5 parts"; neither "G1 X5" nor a comment.
+  bool begins_text() const {
+    const std::string_view rest = without_blanks(text_.substr(at_));
+    if (rest.empty() || !(is_letter(rest[0]) || is_digit(rest[0]))) return false;
+    const std::string_view behind = without_blanks(rest.substr(1));
+    constexpr std::string_view kNumbers = "+-.0123456789#[{\"";
+    return is_digit(rest[0]) || behind.empty() || kNumbers.find(behind[0]) == std::string_view::npos;
+  }
+
+  static std::string_view without_blanks(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t");
+    return begin == std::string_view::npos ? std::string_view() : text.substr(begin);
+  }
+
+  /// F1e5: G-code has no exponents. E of an extruder may follow without a blank; it is written as the other letters
+  /// are.
+  bool skip_exponent(char letter) {
+    const bool is_e = upper_case(next()) == 'E' && (next() == 'E') != (letter == upper_case(letter));
+    if (!is_e) return false;
+    const std::size_t e = at_++;
+    if (next() == '+' || next() == '-') ++at_;
+    if (skip_digits()) return true;
+    at_ = e;
+    return false;
   }
 
   /// O1001 alone names the program; other O words are subprograms, jumps and loops.
@@ -131,7 +162,7 @@ class BlockParser {
     } else if (has_sign || is_digit(first) || first == '.') {
       const std::optional<double> value = number();
       if (!value) return false;
-      word.kind = GcodeWord::Kind::number;
+      word.kind = skip_exponent(text_[word.at]) ? GcodeWord::Kind::text : GcodeWord::Kind::number;
       word.value = *value;
     }
     word.end = at_;
@@ -154,7 +185,7 @@ class BlockParser {
   std::string_view text_;
   GcodeBlock& block_;
   std::size_t at_ = 0;
-  bool done_ = false;
+  bool done_ = false, pauses_ = false;
 };
 
 /// Klipper's extended commands that move nothing and leave coordinates as they are  [klipper].

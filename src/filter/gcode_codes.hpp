@@ -11,7 +11,8 @@ namespace paracal::io {
 
 /// What a G code does to targets.
 enum class Effect : std::uint8_t {
-  none,  ///< spindle modes, speeds, path modes, the end of offsets that no program has begun
+  none,   ///< spindle modes, speeds, path modes, the end of offsets that no program has begun
+  alone,  ///< the end of scaling and mirroring (G50, G50.1): axis words are those of the code
   rapid,
   straight,
   clockwise,
@@ -27,6 +28,7 @@ enum class Effect : std::uint8_t {
   probe,
   thread,
   home,         ///< homing, levelling
+  reference,    ///< G28.1, G30.1: store the place; with axis words some controllers home these axes
   saved_place,  ///< of printers: G61 goes back to it
   dwell,        ///< in X for some controllers, if it has no P
   absolute,

@@ -10,7 +10,8 @@ DialectTraits traits_of(GcodeDialect dialect) {
       return {.tool_offsets = ToolOffsets::rs274,
               .turns = TurnsRule::turns,
               .prepares_tools = true,
-              .zero_is_current = true};
+              .zero_is_current = true,
+              .moves_beside_codes = true};
     case GcodeDialect::klipper:
       return {.extruder = ExtruderRule::either,
               .tool_offsets = ToolOffsets::none,

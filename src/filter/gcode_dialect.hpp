@@ -47,6 +47,8 @@ struct DialectTraits {
   bool runs_as_written = false;         ///< codes of a line in the order of its words, not in that of RS-274
   bool counts_without_points = false;   ///< lengths without a decimal point are numbers of smallest steps
   bool feeds_all_axes = false;          ///< F counts along A, B and C, too, deg as mm
+  /// Axis words beside G28.1, G30.1, G50 and G92.1 to G92.3 are a motion; for others they belong to the code.
+  bool moves_beside_codes = false;
 };
 
 DialectTraits traits_of(GcodeDialect dialect);

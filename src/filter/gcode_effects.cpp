@@ -14,7 +14,9 @@ constexpr std::string_view kCycle = "a canned cycle (drilling)", kUnknown = "an 
 constexpr std::string_view
     kCompute = "let the post-processor compute the path",
     kHarmless = "add --harmless with this code (as --harmless G187) if it moves nothing and keeps coordinates",
-    kDefine = "set the offset before the program runs", kTable = "give its length with --tools FILE";
+    kDefine = "set the offset before the program runs", kTable = "give its length with --tools FILE",
+    kAlone = "state the code on a line of its own",
+    kAllAxes = "state all axes of the tool in G43.1, or end its length with G49 first";
 
 /// G54 to G59, G59.1 to G59.3: from 1.
 std::size_t system_of(int tenths) {
@@ -84,9 +86,29 @@ void GcodeModes::take_tool_length(const GcodeBlock& block) {
   const bool is_stated = word != nullptr && word->is_whole(1.0, kMostTool);
   const std::optional<int> tool = is_stated ? std::optional(static_cast<int>(word->value)) : tool_;
   if (word != nullptr && !is_stated) throw RefusedProgram("G43 with an H that is not a tool number", kTable);
+  unit_of_tool_ = mm_per_unit_;
   const auto change = origin_.take_length_of(tool);
   if (!change) throw RefusedProgram("the length of a tool that --tools does not list", kTable);
   carry(*change, Loss::tool_length);
+}
+
+/// G43.1. LinuxCNC keeps the number of an axis that the code does not state, and reads it in the unit then in force.
+void GcodeModes::take_tool_length(const Axes& axes) {
+  if (!mm_per_unit_ || axes.has_flag || axes.has_doubt) throw RefusedProgram("a tool length without a number", kTable);
+  for (const std::size_t axis : robot_axes_.moved()) {
+    const bool is_kept = axis < kFirstTurn && axes.word[axis] == nullptr && origin_.has_tool_along(axis);
+    if (is_kept && unit_of_tool_ != mm_per_unit_) {
+      throw RefusedProgram("a tool length (G43.1) that keeps an axis from before a change of unit", kAllAxes);
+    }
+  }
+  unit_of_tool_ = mm_per_unit_;
+  carry(origin_.take_length(in_mm(axes)), Loss::tool_length);
+}
+
+/// Controllers differ in whether axis words beside a code that moves nothing are a motion.
+void GcodeModes::refuse_axis_words(const Axes& axes) const {
+  if (axes.count == 0 || traits_.moves_beside_codes) return;
+  throw RefusedProgram("axis words beside a code without motion (G50, G50.1, G92.1 to G92.3)", kAlone);
 }
 
 /// Where the place is known its new name is, too.
@@ -121,6 +143,8 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
   switch (code->effect) {
     case Effect::none:
       return;
+    case Effect::alone:
+      return refuse_axis_words(axes);
     case Effect::rapid:
       return start_motion(Motion::rapid);
     case Effect::straight:
@@ -146,6 +170,9 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
     case Effect::cycle:
       if (!traits_.is_printer) throw RefusedProgram(kCycle, kExpand);
       [[fallthrough]];  // levelling
+    case Effect::reference:
+      if (axes.count == 0 || traits_.moves_beside_codes) return;
+      [[fallthrough]];
     case Effect::home:
       request.goes_elsewhere = request.takes_axes = request.is_idle = true;
       return;
@@ -164,6 +191,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return start_motion(Motion::unknown);
     case Effect::dwell:
       request.takes_axes = !block.has_letter("P");
+      request.is_dwell = true;
       return;
     case Effect::absolute:
       distance_ = Distance::absolute;
@@ -194,9 +222,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return take_tool_length(block);
     case Effect::tool_length_by_axes:
       request.takes_axes = true;
-      if (!mm_per_unit_ || axes.has_flag || axes.has_doubt)
-        throw RefusedProgram("a tool length without a number", kTable);
-      return carry(origin_.take_length(in_mm(axes)), Loss::tool_length);
+      return take_tool_length(axes);
     case Effect::no_tool_length:
       return carry(origin_.drop_length(), Loss::tool_length);
     case Effect::define:
@@ -208,12 +234,14 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       if (axes.count == 0 && (block.has_letter("E") || block.has_letter(other_axes_))) return;
       return call_here_or_shift(axes, request);
     case Effect::no_shift:
+      refuse_axis_words(axes);
       return carry(origin_.drop_shift(), Loss::origin);
     case Effect::local_shift:
       request.takes_axes = true;
-      [[fallthrough]];
-    case Effect::restored_shift:
       return move_origin(axes);
+    case Effect::restored_shift:
+      refuse_axis_words(axes);
+      return move_origin({});
     case Effect::refused:
       throw RefusedProgram(code->refusal, kCompute);
   }

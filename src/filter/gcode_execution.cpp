@@ -95,6 +95,7 @@ GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes&
     word->letter == 'G' ? apply_g(tenths, block, axes, request) : apply_m(tenths, block, request);
     if (request.motion && !stated_before) request.motion_word = {word->at, word->end};
   }
+  if (!request.is_macro) refuse_missing_numbers(block, axes, request);
   return request;
 }
 

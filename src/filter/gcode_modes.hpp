@@ -83,6 +83,7 @@ class GcodeModes {
     bool is_idle = false;          ///< and works nowhere on the way: homing
     bool has_tool_length = false;  ///< H is of G43
     bool is_thread = false;        ///< goes elsewhere, and cuts
+    bool is_dwell = false;         ///< G4
     bool has_m_code = false;
     bool is_macro = false;               ///< M98, M810 of printers
     bool is_setting = false;             ///< of M codes whose axis words are numbers of the firmware's, not places
@@ -109,6 +110,9 @@ class GcodeModes {
   void apply_m(int tenths, const GcodeBlock& block, Request& request);
   void choose_tool(const GcodeBlock& block, Request& request);
   void take_tool_length(const GcodeBlock& block);
+  void take_tool_length(const Axes& axes);
+  void refuse_axis_words(const Axes& axes) const;
+  void refuse_missing_numbers(const GcodeBlock& block, const Axes& axes, const Request& request) const;
   void call_here_or_shift(const Axes& axes, Request& request);
   void carry(const GcodeOrigin::Change& change, Loss loss);
   void move_origin(const Axes& axes);
@@ -154,9 +158,10 @@ class GcodeModes {
   std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
   std::array<Rotation, kAxes> rotations_{};  ///< of A, B and C; of others always stated
   std::optional<int> prepared_tool_ = {}, tool_ = {};
-  bool has_moved_ = false;            ///< a block has asked for a motion
-  bool arcs_are_lines_ = false;       ///< the controller may be in another motion mode than the program
-  bool lost_rewritten_mode_ = false;  ///< was it, when something unknown came?
+  std::optional<double> unit_of_tool_ = {};  ///< in force when the tool's length was stated last
+  bool has_moved_ = false;                   ///< a block has asked for a motion
+  bool arcs_are_lines_ = false;              ///< the controller may be in another motion mode than the program
+  bool lost_rewritten_mode_ = false;         ///< was it, when something unknown came?
   bool relies_on_macro_ = false, trusted_macros_ = false;
   std::vector<const GcodeWord*> codes_ = {};  ///< G and M of the block that is taken, in their order
 };

@@ -17,6 +17,7 @@ constexpr std::string_view kHeldPlane = "an arc in a plane in which the robot do
 constexpr std::string_view kTurnedTool = "a tool length (G43) while the plate tilts",
                            kPlateAlone = "let the post-processor compute the path of the plate, without G43";
 constexpr std::string_view kPlane = "an arc whose plane (G17) or kind of centre (G91.1) is unknown";
+constexpr std::string_view kNumber = "state its number, or remove the word";
 constexpr std::string_view kArcStart = "an arc from an unknown position";
 constexpr std::string_view kOtherOrigin = "another origin than at the first corrected target (give --work-offsets)";
 constexpr std::string_view kOtherTool = "another tool than at the first corrected target (give --tools)";
@@ -27,6 +28,18 @@ constexpr std::string_view kRewrittenMode =
 StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, word.value}; }
 
 }  // namespace
+
+/// Controllers that read "Fnan" or "X" take the number for 0, or stop. Letters of other codes stand alone: G28 X.
+void GcodeModes::refuse_missing_numbers(const GcodeBlock& block, const Axes& axes, const Request& request) const {
+  const bool is_others = request.takes_axes || request.has_m_code;
+  const bool is_motion = request.motion || (axes.count > 0 && !is_others);
+  const std::string_view used = is_motion ? "XYZABCUVWIJKREFS" : request.is_dwell ? "XUPS" : is_others ? "" : "FS";
+  for (const GcodeWord& word : block.words) {
+    const bool is_missing = word.kind == GcodeWord::Kind::flag || word.kind == GcodeWord::Kind::text;
+    if (!is_missing || used.find(word.letter) == std::string_view::npos) continue;
+    throw RefusedProgram(std::string(1, word.letter) + " without a finite number", kNumber);
+  }
+}
 
 std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Request& request, TargetLine& target) {
   if (request.calls_here) {
@@ -55,12 +68,8 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
     return why;
   };
   if (request.has_m_code && !request.motion) return request.is_setting ? std::string_view() : give_up(kMCode);
-  target.weight = axes.has_flag ? TargetLine::Weight::work : weight_of(block, axes, motion);
+  target.weight = weight_of(block, axes, motion);
   target.feed.is_governed = moves_at_feed(motion);
-  if (axes.has_flag) {
-    forget();
-    return kMalformed;
-  }
   if (const std::string_view why = why_special(block, request, motion, target); !why.empty()) return give_up(why);
   if (motion == Motion::unknown && lost_rewritten_mode_) {
     target.breaks = true;

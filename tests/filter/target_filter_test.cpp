@@ -274,7 +274,11 @@ INSTANTIATE_TEST_SUITE_P(
         Passed{"block_delete_of_comment", "/ (nothing)", "", "G1 X1", ""},
         Passed{"twice", "G1 X1 X2", "not a G-code block", kAll, "whose mode is unknown"},
         Passed{"two_motions", "G0 G1 X1", "not a G-code block", kAll, "whose mode is unknown"},
-        Passed{"flag", "G1 X", "not a G-code block", kAll, "whose mode is unknown"},
+        Passed{"pause_with_text", "M0 Turn ON spindle", "", "G1 X1", ""},
+        Passed{"pause_with_numbers_and_text", "M1 S5 P2 change tool", "", "G1 X1", ""},
+        Passed{"homing_of_mach3", "G28.1 Z5.00", "homing", "G1 X1", "is unknown after homing"},
+        Passed{"second_homing_of_mach3", "G1 G30.1 Z5.00", "homing", "G1 X1", "is unknown after homing"},
+        Passed{"stored_place", "G28.1\nG30.1", "", "G1 X1", ""},
         Passed{"no_number", "G1 X-", "not a G-code block", kAll, "whose mode is unknown"},
         Passed{"split_number", "G1 X1. 2", "not a G-code block", kAll, "whose mode is unknown"},
         Passed{"open_comment", "G1 (X1", "not a G-code block", kAll, "whose mode is unknown"},
@@ -349,6 +353,75 @@ TEST_F(Gcode, WhatNoFilterMayRewriteRefusesTheProgram) {
   }
 }
 
+/// Words whose number a motion, a feed or a dwell needs; letters alone of other codes are theirs.
+TEST_F(Gcode, WordsWithoutANumberAreRefused) {
+  const auto refusal = [&](const std::string& line) {
+    try {
+      return filtered(kStart + line + "\n").summary.complete() ? "taken: " + line : "left: " + line;
+    } catch (const InputFileError& error) {
+      EXPECT_EQ(error.line(), 2) << line;
+      return std::string(error.what());
+    }
+  };
+  for (const auto& [line, letter] : {std::pair{"G1 X1 Fnan", "F"},
+                                     {"G1 X1 Finf", "F"},
+                                     {"G1 X3 F1e1000", "F"},
+                                     {"G1 X4 F", "F"},
+                                     {"F", "F"},
+                                     {"g1 x1 f1E3", "F"},
+                                     {"G1 X", "X"},
+                                     {"G1 Xnan Y1", "X"},
+                                     {"G0 X1 C", "C"},
+                                     {"X", "X"},
+                                     {"G2 X5 I", "I"},
+                                     {"G3 X5 R", "R"},
+                                     {"G1 X1 S", "S"},
+                                     {"M3 S", "S"},
+                                     {"G4 Pnan", "P"},
+                                     {"G4 P", "P"},
+                                     {"G4 X", "X"},
+                                     {"/G1 X1 F", "F"},
+                                     {"G38.2 Z", "Z"},
+                                     {"G1 X\"5\"", "X"}}) {
+    EXPECT_THAT(refusal(line), HasSubstr(std::string("got ") + letter + " without a finite number")) << line;
+  }
+  for (const char* good : {"G1 X1 F1", "G1X1E5F100\nG1X2F100E6", "M204 P T", "M106 S", "G4 P1", "G92 E0", "M18 X Y"}) {
+    EXPECT_EQ(refusal(good), std::string("taken: ") + good);
+  }
+  EXPECT_EQ(refusal("G28 X"), "taken: G28 X");
+}
+
+/// Beside codes without motion axis words may be a motion or the code's, except where LinuxCNC's manual says so.
+TEST_F(Gcode, AxisWordsBesideCodesWithoutMotionBelongToTheCode) {
+  for (const char* line : {"G92.1 X0", "G92.2 X1", "G92.3 Z1", "G50 X0 Z0", "G50.1 X0", "/G92.1 X5"}) {
+    EXPECT_THAT([&] { filtered(kStart + line + "\n"); },
+                testing::ThrowsMessage<InputFileError>(HasSubstr("got axis words beside a code without motion")))
+        << line;
+  }
+  const Filtered moved = filtered(kStart + "G1 X5\nG28.1 X7\nX9\n", {.dialect = GcodeDialect::linuxcnc});
+  EXPECT_EQ(moved.summary.corrected, 4);
+  for (const char* modal : {"G54 X5", "G4 P0.5 X5", "G90 X5", "G17 X5", "G40 X5", "G61 X5", "G94 X5"}) {
+    EXPECT_EQ(filtered("G54\n" + kStart + "G1 X1\n" + modal + "\n").summary.corrected, 3) << modal;
+  }
+}
+
+/// LinuxCNC keeps numbers of G43.1 across G20 and G21, not lengths.
+TEST_F(Gcode, AToolLengthIsStatedInItsUnit) {
+  const auto corrected = [&](const std::string& lines) {
+    return filtered(kStart + lines, {.dialect = GcodeDialect::linuxcnc}).summary.corrected;
+  };
+  const std::string set = "G43.1 X3 Z5\nG1 X10\n";
+  for (const char* other : {"G20\nG43.1 Z-0.25\n", "G20 G43.1 X0.5\n", "G20\nG21\nG20 G43.1 X1\n"}) {
+    EXPECT_THAT([&] { corrected(set + other); },
+                testing::ThrowsMessage<InputFileError>(HasSubstr("keeps an axis from before a change of unit")))
+        << other;
+  }
+  EXPECT_EQ(corrected(set + "G43.1 Z-0.25\nG1 X5\n"), 3);
+  EXPECT_EQ(corrected(set + "G20\nG21\nG43.1 Z-0.25\nG1 X5\n"), 3);
+  EXPECT_EQ(corrected(set + "G20\nG43.1 X0.1 Z-0.25\nG1 X0.5\n"), 3);
+  EXPECT_EQ(corrected(set + "G49\nG20\nG43.1 Z-0.25\nG1 X0.5\n"), 3);
+}
+
 TEST_F(Gcode, ANameIsNoSubprogram) {
   EXPECT_TRUE(filtered("%\nO1001 (part)\n" + kStart + "G1 X1\n%\n").summary.complete());
   EXPECT_TRUE(filtered("N1 O1001\n" + kStart).summary.complete());
@@ -401,7 +474,7 @@ TEST_F(Gcode, WorkIsNoRetreat) {
     EXPECT_TRUE(is_whole(std::string(harmless) + "\nG90 G21 G80\n", "")) << harmless;
   }
   for (const char* work : {"G1 X5", "G1 Y5 F100", "G1 C5", "G0 X5 E3", "X5 Y5", "G2 I5", "G2 Z-910 I5", "G33 Z-910 K1",
-                           "/G1 X5", "/G2 I5", "/X5", "G1 X", "G1 X5 X6", "G1 X5 Y6*1", "hello, there!"}) {
+                           "/G1 X5", "/G2 I5", "/X5", "G1 X5 X6", "G1 X5 Y6*1", "hello, there!"}) {
     EXPECT_FALSE(is_whole("", lost + "G80\n" + work + "\n")) << work;
     EXPECT_FALSE(is_whole("G80\n" + std::string(work) + "\nG90 G21 G80 G91.1 G94\n", "")) << work;
   }
