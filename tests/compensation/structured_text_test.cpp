@@ -1,5 +1,6 @@
 // The interpreter that judges exported Structured Text: it computes, and it refuses what a controller's compiler would.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -149,6 +150,10 @@ TEST(StructuredText, StopsWhereAControllerMight) {
   EXPECT_THAT(running("b := a + 1.0;", std::nan("")), stops("+ gives nan"));
   EXPECT_THAT(running("n := 5; b := row[n];", 0.0), stops("ROW[5] is not there"));
   EXPECT_THAT(running("WHILE a < 1.0 DO b := a; END_WHILE;", 0.0), stops("a loop without end"));
+  for (const char* bounds : {"2 TO 2", "n + 2 TO 2", "3 TO 2"}) {
+    EXPECT_THAT(running(fmt::format("n := 0; FOR k := {} DO b := a; END_FOR;", bounds), 0.0),
+                stops("a loop that matiec does not run"));
+  }
   EXPECT_EQ(b_of("IF NOT (ABS(a) < 1.0) THEN b := 1.0; END_IF;", std::nan("")), 1.0);
 }
 

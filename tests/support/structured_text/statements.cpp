@@ -110,6 +110,7 @@ Statement StatementReader::body(const std::string& end) {
 }
 
 Statement StatementReader::counted_loop() {
+  const int line = tokens_.line();
   const std::string name = tokens_.name();
   const Variable& counter = formulas_.variable(name);
   if (counter.type != integer || counter.section != Variable::Section::local || counter.is_array) {
@@ -124,8 +125,9 @@ Statement StatementReader::counted_loop() {
   const Statement repeated = body("END_FOR");
   counters_.erase(name);
   return [=, at = counter.offset](double* frame) {
-    const double last = to.value(frame);
-    for (frame[at] = from.value(frame); frame[at] <= last; ++frame[at]) {
+    const double first = from.value(frame), last = to.value(frame);
+    if (!(first < last)) throw StructuredTextError(line, "a loop that matiec does not run: its bounds do not rise");
+    for (frame[at] = first; frame[at] <= last; ++frame[at]) {
       if (const Flow flow = repeated(frame); flow == Flow::leave)
         return flow;
       else if (flow == Flow::exit)
