@@ -171,8 +171,8 @@ std::vector<Option*> add_printer_options(Command& command, PrinterOptions& optio
       "--apply", options.apply, "change the printer.cfg itself, show the changed lines, and keep a backup beside it");
   Option* const shift =
       command.add_flag("--accept-shift", options.accept_shift,
-                       "let the new values follow a common shift of all heights of more than 0.5 mm, because the bed "
-                       "has moved; otherwise such a shift is only reported");
+                       "let the new values follow the common shift of all heights, because the bed has moved; "
+                       "otherwise the shift is only reported");
   return {add_firmware_option(command, options.printer), readings, write, config, apply, shift};
 }
 
@@ -279,7 +279,7 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
     write_calibration_page(page, session, found.calibration, json,
                            {.arrows = arrows_of(found, printer.readings), .plan = false});
   }
-  const bool is_met = found.advice == PrinterAdvice::accept_new || found.advice == PrinterAdvice::accept_shift;
+  const bool is_met = found.is_advised();
   if (!is_met) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);
   if (session.json()) return;

@@ -11,7 +11,7 @@
 namespace paracal {
 namespace {
 
-using detail::better, detail::is_enough_of_heights, detail::kCertain, detail::lowers_nozzle;
+using detail::better, detail::is_enough_of_heights, detail::kCertain, detail::scratches_bed;
 
 /// As errors of held-out readings are stated: "0.123 and 0.045 mm".
 std::string in_words(const PredictionErrors& errors, bool has_distances) {
@@ -39,21 +39,38 @@ class Findings {
   void common_shift() {
     const CommonShift& shift = found_.shift;
     if (!shift.is_stated) return;
-    say(
-        fmt::format("All heights are off by {:+.1f} mm: by these readings the bed is {:.1f} mm {} than by the saved "
-                    "values. Endstops that follow it: position_endstop {:.1f} {:.1f} {:.1f} mm.",
-                    shift.value, std::abs(shift.value), shift.value > 0.0 ? "higher" : "lower", shift.endstop[0],
-                    shift.endstop[1], shift.endstop[2]));
+    say(fmt::format(
+        "All heights are off by {:+.2f} mm or more: by these readings the bed is {} than by the saved "
+        "values. Endstops that follow it: position_endstop {:.1f} {:.1f} {:.1f} mm.",
+        shift.value, shift.value > 0.0 ? "higher" : "lower", shift.endstop[0], shift.endstop[1], shift.endstop[2]));
     say(fmt::format("Likely causes of this common shift: {}.", fmt::join(shift.likely_causes(), "; ")));
     if (shift.is_accepted) {
       return say("The common shift is accepted (--accept-shift): all values below include it.");
+    }
+    if (shift.has_wrong_sign) {
+      return say(
+          "The probe triggers with the nozzle below the bed, which is impossible: correct the sign of z_offset "
+          "(column height_mm). The new values do not include the common shift, and --accept-shift has no effect.");
+    }
+    if (shift.is_by_hand) {
+      return say("The new values do not include the common shift. The heights by hand confirm it: add --accept-shift.");
     }
     say("The new values do not include the common shift. To find its cause, lower the nozzle slowly onto a sheet of "
         "paper at the bed's centre.");
     say(
         fmt::format("If the firmware then shows Z near 0, state the trigger height of the probe (column height_mm, of "
-                    "Klipper z_offset). If it shows Z near {:+.1f}, the bed is there: add --accept-shift.",
+                    "Klipper z_offset). If it shows Z near {:+.2f}, the bed is there: add --accept-shift.",
                     shift.value));
+  }
+
+  /// Paper at a place of the probe.
+  void trigger() {
+    const TriggerError& trigger = found_.trigger;
+    if (!trigger.is_stated) return;
+    say(fmt::format(
+        "Paper and probe differ by {:.2f} mm at {} place{}: the trigger height of the probe is off by that. "
+        "Correct z_offset (column height_mm) by {:+.2f} mm. All results follow the paper.",
+        std::abs(trigger.value), trigger.places, trigger.places == 1 ? "" : "s", -trigger.value));
   }
 
   void saved_values(bool same) {
@@ -186,9 +203,8 @@ class Findings {
           heights ? saved.height : saved.distance);
     }
     if (few) return fmt::format("fewer than {} heights alone cannot test new values", detail::kFewestHeights);
-    if (lowers_nozzle(ours, found_)) {
-      return fmt::format("the new values lower the nozzle by more than {:.1f} mm at the bed's centre",
-                         CommonShift::kLargestUnasked);
+    if (scratches_bed(ours)) {
+      return fmt::format("with the new values, the nozzle at Z0 would be up to {:.2f} mm below the bed", ours.depth);
     }
     if (!is_enough_of_heights(ours, found_)) {
       return "heights alone hardly determine the size of prints, and the new values predict them only a little better";
@@ -256,6 +272,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
     result.advice = PrinterAdvice::check_input;
     findings.say("Check your file and your readings: something is wrong, and nothing is advised until it is found.");
     for (const std::string& one : implausible) findings.say(one);
+    findings.trigger();
     return findings.common_shift();
   }
   const auto differs = [&](const DeltaGeometry& one) {
@@ -272,6 +289,7 @@ void detail::advise(const DeltaReadings& readings, const std::vector<std::string
     result.advice = PrinterAdvice::accept_shift;
   }
   findings.say(findings.headline(same, few));
+  findings.trigger();
   findings.common_shift();
   findings.judged();
   findings.saved_values(same);

@@ -21,13 +21,9 @@ bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibrati
   return !found.measurements.distances.empty() || values.gain.value >= kMuch;
 }
 
-bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& found) {
-  return !(common_shift(found.saved.geometry, values.geometry) >= -CommonShift::kLargestUnasked);
-}
-
 bool better(const PrinterCandidate& values, const PrinterCalibration& found) {
   constexpr double kLikely = 0.8;
-  if (lowers_nozzle(values, found)) return false;
+  if (scratches_bed(values)) return false;
   if (!found.tested() || values.some_kind_worse || !is_enough_of_heights(values, found)) return false;
   const double likely = found.measurements.distances.empty() || found.bed.is_bowed ? kCertain : kLikely;
   return (values.least_chance() >= kCertain && values.gain.value > 0.0) ||
@@ -39,7 +35,7 @@ namespace {
 /// Seven heights cannot test a fit of six numbers: there the whole calibration, which its priors hold, must predict
 /// what it has not seen better than the saved values do.
 bool better_of_few(const PrinterCalibration& found) {
-  if (!found.tested() || lowers_nozzle(found.by_firmware, found)) return false;
+  if (!found.tested() || scratches_bed(found.by_firmware)) return false;
   return found.by_firmware.least_chance() >= kCertain && found.written.gain.low > 0.0;
 }
 

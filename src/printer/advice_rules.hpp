@@ -14,8 +14,10 @@ inline constexpr double kCertain = 0.95;
 /// square error of held-out heights falling by 5 parts in 6 (a factor of 2.4), are heights enough.
 bool is_enough_of_heights(const PrinterCandidate& values, const PrinterCalibration& found);
 
-/// Values that move the nozzle at the bed's centre down by more than anybody has asked for.
-bool lowers_nozzle(const PrinterCandidate& values, const PrinterCalibration& found);
+/// Below the bed by so much, the nozzle at z = 0 scratches it: more than the thickness of a first layer, mm.
+inline constexpr double kDeepest = 0.2;
+
+inline bool scratches_bed(const PrinterCandidate& values) { return !(values.depth <= kDeepest); }
 
 /// Better than the saved values by more than chance: by what the calibration knows and by the readings that were held
 /// out; either may be certain alone if the other does not contradict. Heights that were held out say nothing of the

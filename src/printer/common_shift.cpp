@@ -1,23 +1,97 @@
 #include "paracal/printer/common_shift.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "numerics/median.hpp"
 
 namespace paracal {
+namespace {
+
+/// The place that the nozzle touched by a geometry, and the height of the bed there.
+struct Touched {
+  Eigen::Vector2d place;
+  double bed = 0.0;
+};
+
+std::optional<Touched> touched(const DeltaGeometry& geometry, const BedReading& reading) {
+  const auto at = nozzle(geometry, reading.drops);
+  if (!at) return std::nullopt;
+  return Touched{at->head<2>(), at->z() - reading.height};
+}
+
+/// The smallest of values that have one sign.
+double shared_part(std::vector<double> values, const ShiftLimits& limits) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  const std::size_t aside = values.size() < limits.trimmed ? 0 : 1;
+  const double least = values[aside], most = values[values.size() - 1 - aside];
+  return least > 0.0 ? least : std::min(most, 0.0);
+}
+
+}  // namespace
 
 std::vector<std::string> CommonShift::likely_causes() const {
   constexpr double kProbe = 10.0;  // mm: no probe triggers further away
   if (!is_stated) return {};
-  std::vector<std::string> causes{"the bed was moved, or another build plate lies on it",
-                                  "an endstop switch was moved, or the homed height in the file is wrong"};
-  const std::string trigger = "the trigger height of the probe is not stated";
-  causes.insert(std::abs(value) <= kProbe ? causes.begin() : causes.end(), trigger);
+  std::vector<std::string> causes{"the bed was moved, or another build plate lies on it", "the nozzle was changed",
+                                  "an endstop switch was moved, or the homed height in the file is wrong",
+                                  "the steps per mm are wrong"};
+  const std::string trigger = "the trigger height of the probe (z_offset) is not stated, or has the wrong sign";
+  const bool is_likely = has_wrong_sign || std::abs(value) <= kProbe;
+  if (has_wrong_sign || !is_by_hand) causes.insert(is_likely ? causes.begin() : causes.end(), trigger);
   return causes;
 }
 
-double common_shift(const DeltaGeometry& saved, const DeltaGeometry& by) {
-  const auto drops = drops_to(by, Eigen::Vector3d::Zero());
-  const auto believed = drops ? nozzle(saved, *drops) : std::nullopt;
-  return believed ? believed->z() : NAN;
+double height_noise(const DeltaFit& fit, const DeltaReadings& readings, const ShiftLimits& limits) {
+  const auto count = static_cast<int>(readings.heights.size() + readings.distances.size());
+  const int freedoms = count - fit.parameters;
+  if (!fit.ok() || freedoms < limits.fewest_freedoms) return limits.probe;
+  return fit.rms_height * std::sqrt(static_cast<double>(count) / freedoms);
+}
+
+CommonShift common_shift(const DeltaGeometry& saved, const DeltaReadings& readings, double noise,
+                         const ShiftLimits& limits) {
+  std::vector<double> beds;
+  bool is_by_hand = false;
+  for (const BedReading& one : readings.heights) {
+    if (const auto at = touched(saved, one)) beds.push_back(at->bed);
+    is_by_hand |= one.by_hand;
+  }
+  const double value = shared_part(std::move(beds), limits);
+  return {.value = value,
+          .is_stated = std::abs(value) > std::max(limits.least, limits.noises * noise),
+          .is_by_hand = is_by_hand,
+          .endstop = with_bed_higher(saved, value).endstop};
+}
+
+TriggerError trigger_error(const DeltaGeometry& saved, const DeltaReadings& readings, const ShiftLimits& limits) {
+  constexpr double kOnePlace = 0.5;  // mm
+  std::vector<double> differences;
+  for (const BedReading& paper : readings.heights) {
+    const auto at = paper.by_hand ? touched(saved, paper) : std::nullopt;
+    if (!at) continue;
+    for (const BedReading& probe : readings.heights) {
+      const auto there = probe.by_hand ? std::nullopt : touched(saved, probe);
+      if (there && (there->place - at->place).norm() <= kOnePlace) differences.push_back(at->bed - there->bed);
+    }
+  }
+  if (differences.empty()) return {};
+  const double value = detail::median(differences);
+  const double noise = limits.probe * std::numbers::sqrt2;
+  return {.value = value,
+          .places = differences.size(),
+          .is_stated = std::abs(value) > std::max(limits.least, limits.noises * noise)};
+}
+
+DeltaReadings by_paper(DeltaReadings readings, const TriggerError& error) {
+  for (BedReading& one : readings.heights) {
+    if (error.is_stated && !one.by_hand) one.height -= error.value;
+  }
+  return readings;
 }
 
 DeltaGeometry with_bed_higher(const DeltaGeometry& geometry, double shift) {

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 
+#include "paracal/error.hpp"
+#include "paracal/printer/common_shift.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal {
@@ -30,9 +34,14 @@ void check_change(const char* what, double before, double after, double size, co
       fmt::format("{} is {:.2f} mm in the file but {:.2f} mm by the readings: measure it", what, before, after));
 }
 
-DeltaReadings changed(DeltaReadings readings, const auto& change) {
-  for (BedReading& one : readings.heights) one.drops = change(one.drops);
+enum class Changed : std::uint8_t { all, heights, distances };
+
+DeltaReadings changed(DeltaReadings readings, const auto& change, Changed which = Changed::all) {
+  for (BedReading& one : readings.heights) {
+    if (which != Changed::distances) one.drops = change(one.drops);
+  }
   for (PrintedDistance& one : readings.distances) {
+    if (which == Changed::heights) continue;
     one.from = change(one.from);
     one.to = change(one.to);
   }
@@ -45,21 +54,47 @@ double misfit(const DeltaGeometry& geometry, const DeltaReadings& readings) {
   return judged.ok() ? std::hypot(judged.rms_height, judged.rms_distance) : INFINITY;
 }
 
-/// Ratio by which all (or one tower's) steps would have to be taken to suit the file, among those that a wrong line
-/// makes.
-std::optional<std::string> wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, double enough) {
-  constexpr std::array kRatios{0.0625, 0.1, 0.125, 0.2,         0.25,        1.0 / 3.0,  0.4,  0.5,
-                               0.625,  0.8, 0.9,   16.0 / 17.0, 17.0 / 16.0, 10.0 / 9.0, 1.25, 1.6,
-                               2.0,    2.5, 3.0,   4.0,         5.0,         8.0,        10.0, 16.0};
-  double best = enough;
+/// Ratios of step sizes that a wrong line makes.
+constexpr std::array kStepRatios{0.0625, 0.1, 0.125, 0.2,         0.25,        1.0 / 3.0,  0.4,  0.5,
+                                 0.625,  0.8, 0.9,   16.0 / 17.0, 17.0 / 16.0, 10.0 / 9.0, 1.25, 1.6,
+                                 2.0,    2.5, 3.0,   4.0,         5.0,         8.0,        10.0, 16.0};
+
+/// The steps of all towers (-1) or of one, of readings of one kind or of all.
+DeltaReadings with_steps(const DeltaReadings& readings, double ratio, int tower, Changed which = Changed::all) {
+  const auto scaled = [&](JointDrops drops) {
+    for (std::size_t i = 0; i < 3; ++i) drops[i] *= tower < 0 || tower == static_cast<int>(i) ? ratio : 1.0;
+    return drops;
+  };
+  return changed(readings, scaled, which);
+}
+
+/// Heights and distances that the file explains if only one kind is read with other steps: measured at two times, with
+/// another line of the file in force.
+std::optional<std::string> two_steps(const DeltaGeometry& saved, const DeltaReadings& readings, double& best) {
   std::optional<std::string> cause;
-  for (const double ratio : kRatios) {
+  if (readings.heights.empty() || readings.distances.empty()) return cause;
+  for (const double ratio : kStepRatios) {
+    for (const Changed which : {Changed::heights, Changed::distances}) {
+      const double left = misfit(saved, with_steps(readings, ratio, -1, which));
+      if (left >= best) continue;
+      best = left;
+      const bool heights = which == Changed::heights;
+      cause = fmt::format(
+          "the {0} fit the file, and the {1} fit it if their steps are {2:.4g} times as large: both were measured with "
+          "different steps per mm. Measure the {1} again",
+          heights ? "distances" : "heights", heights ? "heights" : "distances", ratio);
+    }
+  }
+  return cause;
+}
+
+/// Ratio by which all (or one tower's) steps would have to be taken to suit the file.
+std::optional<std::string> wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, double enough) {
+  double best = enough;
+  std::optional<std::string> cause = two_steps(saved, readings, best);
+  for (const double ratio : kStepRatios) {
     for (int tower = -1; tower < 3; ++tower) {
-      const auto scaled = [&](JointDrops drops) {
-        for (std::size_t i = 0; i < 3; ++i) drops[i] *= tower < 0 || tower == static_cast<int>(i) ? ratio : 1.0;
-        return drops;
-      };
-      const double left = misfit(saved, changed(readings, scaled));
+      const double left = misfit(saved, with_steps(readings, ratio, tower));
       if (left >= best) continue;
       best = left;
       cause = fmt::format(
@@ -197,9 +232,42 @@ std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaRead
   if (count >= static_cast<std::size_t>(fit.parameters)) complaints = complaints_of(saved, fit, limits);
   if (auto twice = contradiction(saved, readings, limits.worst_repeat)) complaints.push_back(std::move(*twice));
   if (auto cause = likely_cause(saved, readings, fit, !complaints.empty(), limits)) {
-    complaints.insert(complaints.begin(), std::move(*cause));
+    return {std::move(*cause)};  // the others follow from it
   }
   return complaints;
+}
+
+std::optional<std::string> wrong_sign(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                      const PrinterLimits& limits) {
+  double highest = -std::numeric_limits<double>::infinity();
+  DeltaReadings right = readings;
+  for (BedReading& one : right.heights) {
+    if (one.by_hand) continue;
+    highest = std::max(highest, one.height);
+    one.height = -one.height;
+  }
+  if (!std::isfinite(highest) || highest > limits.lowest_trigger) return std::nullopt;
+  const std::array<double, 3> endstop = common_shift(saved, right, 0.0).endstop;
+  return fmt::format(
+      "by the readings, the probe triggers with the nozzle {0:.1f} mm below the bed, which is impossible: check the "
+      "sign "
+      "of z_offset (column height_mm). With {0:+.1f} mm the endstops are {1:.1f} {2:.1f} {3:.1f} mm",
+      -highest, endstop[0], endstop[1], endstop[2]);
+}
+
+void require_places(const DeltaGeometry& saved, const DeltaReadings& readings, const PrinterLimits& limits) {
+  std::vector<Eigen::Vector2d> places;
+  for (const BedReading& one : readings.heights) {
+    if (const auto at = nozzle(saved, one.drops)) places.emplace_back(at->head<2>());
+  }
+  if (places.empty()) return;
+  double spread = 0.0;
+  for (const Eigen::Vector2d& place : places) spread = std::max(spread, (place - places.front()).norm());
+  if (spread >= limits.least_spread) return;
+  throw InvalidArgument(
+      fmt::format("expected heights across the bed, got all {} within {:.0f} mm of ({:.0f}, {:.0f}) mm: measure at the "
+                  "rim, too",
+                  places.size(), limits.least_spread, places.front().x() + 0.0, places.front().y() + 0.0));
 }
 
 bool has_wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaReadings& shifted) {

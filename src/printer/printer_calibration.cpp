@@ -55,15 +55,27 @@ PrintSize size_of(const detail::ReadingTrial& trial, const DeltaReadings& readin
           .open = open_size(readings, trial.bias_can_be_told && !trial.bias_is_there ? trial.bias : 0.0, std)};
 }
 
-PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& saved, const KnownPrinter& known,
-                           const std::optional<HeldOut>& held_out, double HeldOutReading::*by) {
+/// Largest depth of the nozzle at z = 0 below the bed where its height was read, mm.
+double depth_at_heights(const DeltaGeometry& geometry, const DeltaReadings& readings) {
+  double depth = 0.0;
+  for (const BedReading& one : readings.heights) {
+    const auto at = nozzle(geometry, one.drops);
+    depth = std::max(depth, at ? at->z() - one.height : INFINITY);
+  }
+  return depth;
+}
+
+PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& saved, const DeltaReadings& readings,
+                           const KnownPrinter& known, const std::optional<HeldOut>& held_out,
+                           double HeldOutReading::*by) {
   PrinterCandidate one{.geometry = geometry,
                        .held_out = {},
                        .gain = {},
                        .some_kind_worse = false,
                        .chance_better = chance_better(known, geometry, saved),
                        .chance_above_bed = chance_better(known, geometry, saved, CountedFrom::bed),
-                       .expected_shape = expected_shape(known, geometry)};
+                       .expected_shape = expected_shape(known, geometry),
+                       .depth = std::max(depth_at_heights(geometry, readings), depth_at_zero(known, geometry))};
   if (!held_out) return one;
   one.held_out = held_out->errors(by);
   one.gain = held_out->gain(by);
@@ -149,24 +161,27 @@ const DeltaGeometry& PrinterCalibration::advised() const {
 
 namespace {
 
-/// What all heights have in common by the firmware's fit, gross readings left out, unless steps of another size would
-/// explain it better than the shift does.
+/// What all heights share, gross readings left out, unless steps of another size would explain it better than the shift
+/// does.
 CommonShift find_shift(const DeltaGeometry& saved, const DeltaReadings& readings) {
-  const CommonShift none{.endstop = saved.endstop};
   const auto fit = detail::fit_printer(saved, readings, {});
-  if (!fit || !fit->firmware.ok()) return none;
+  if (!fit || !fit->firmware.ok()) return {.endstop = saved.endstop};
   const DeltaReadings good = without_gross(readings, fit->calibration);
-  const double value = common_shift(saved, fit_as_firmware(saved, good).geometry);
-  if (!std::isfinite(value)) return none;
-  const bool is_large = std::abs(value) > CommonShift::kLargestUnasked;
-  return {.value = value,
-          .is_stated = is_large && !has_wrong_steps(saved, good, without_shift(good, value)),
-          .endstop = with_bed_higher(saved, value).endstop};
+  CommonShift shift = common_shift(saved, good, height_noise(fit_as_firmware(saved, good), good));
+  shift.is_stated = shift.is_stated && !has_wrong_steps(saved, good, without_shift(good, shift.value));
+  return shift;
 }
+
+/// What was found in the readings before they are fitted.
+struct Looked {
+  CommonShift shift;
+  TriggerError trigger;
+  std::optional<std::string> wrong = {};  ///< what forbids advice
+};
 
 /// With the readings as they are.
 PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaReadings& readings,
-                                     const PrinterCalibrationOptions& options, const CommonShift& shift) {
+                                     const PrinterCalibrationOptions& options, const Looked& looked) {
   const double radius = options.print_radius > 0.0 ? options.print_radius : covered_radius(saved, readings);
   const detail::ReadingTrial trial = detail::try_readings(saved, readings, radius);
   const detail::PrinterFitOptions sought{.seeks_bias = trial.bias_is_there, .bow_radius = trial.bow_radius()};
@@ -184,7 +199,8 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
   if (judge.parameters.size() == known.parameters.size()) known.covariance = above_plane(judge).covariance;
   const DeltaFit judged = judge_as_firmware(saved, good);
   const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
-  const std::vector<std::string> wrong = all_implausible(saved, good, checked);
+  std::vector<std::string> wrong = all_implausible(saved, good, checked);
+  if (looked.wrong) wrong.insert(wrong.begin(), *looked.wrong);
   // Of a wrong file or wrong readings nothing is advised, whatever these many fits would say.
   std::optional<HeldOut> held_out;
   std::vector<std::string> uncheckable;
@@ -200,8 +216,8 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
       .calibration = above_bed(std::move(fit->calibration), known, unseen_motion(known, saved)),
       .known = known,
       .projection = projection,
-      .written = candidate(projection.geometry, saved, judge, held_out, &HeldOutReading::written),
-      .by_firmware = candidate(checked.geometry, saved, judge, held_out, &HeldOutReading::firmware),
+      .written = candidate(projection.geometry, saved, good, judge, held_out, &HeldOutReading::written),
+      .by_firmware = candidate(checked.geometry, saved, good, judge, held_out, &HeldOutReading::firmware),
       .held_out = held_out ? held_out->errors(&HeldOutReading::saved) : PredictionErrors{},
       .groups = held_out ? held_out->groups : 0,
       .expected_shape = expected_shape(judge, saved),
@@ -209,7 +225,8 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
       .accuracy_before = accuracy_of(known, saved),
       .size = size,
       .bed = trial.bed,
-      .shift = shift,
+      .shift = looked.shift,
+      .trigger = looked.trigger,
       .uncheckable = std::move(uncheckable),
       .findings = {}};
   detail::advise(readings, wrong, result);
@@ -219,17 +236,24 @@ PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaRead
 
 }  // namespace
 
-PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
+PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& read,
                                      const PrinterCalibrationOptions& options) {
-  CommonShift shift = find_shift(saved, readings);
-  if (!shift.is_stated) return calibrate_as_read(saved, readings, options, shift);
-  if (options.accepts_shift) {
+  require_places(saved, read);
+  Looked looked{.shift = {.endstop = saved.endstop}, .trigger = trigger_error(saved, read)};
+  const DeltaReadings readings = by_paper(read, looked.trigger);
+  const std::optional<std::string> sign = wrong_sign(saved, read);
+  CommonShift& shift = looked.shift;
+  shift = find_shift(saved, readings);
+  shift.has_wrong_sign = sign.has_value();
+  if (!shift.is_stated) looked.wrong = sign;  // the endstops follow the wrong sign
+  if (!shift.is_stated) return calibrate_as_read(saved, readings, options, looked);
+  if (options.accepts_shift && !sign) {
     shift.is_accepted = true;
-    PrinterCalibration found = calibrate_as_read(with_bed_higher(saved, shift.value), readings, options, shift);
+    PrinterCalibration found = calibrate_as_read(with_bed_higher(saved, shift.value), readings, options, looked);
     if (found.advice != PrinterAdvice::check_input) return found;
     shift.is_accepted = false;  // nothing is built on a wrong file
   }
-  return calibrate_as_read(saved, without_shift(readings, shift.value), options, shift);
+  return calibrate_as_read(saved, without_shift(readings, shift.value), options, looked);
 }
 
 }  // namespace paracal

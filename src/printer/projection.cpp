@@ -47,13 +47,15 @@ DeltaBasis told(Actuator actuator, ControllerRods rods) {
   return basis.leftCols(held);
 }
 
-/// Rings of the workspace at several heights above the bed.
-std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geometry) {
-  constexpr int kHeights = 3, kRings = 4, kAround = 12;
+constexpr int kHeights = 3;
+
+/// Rings of the workspace, at so many of several heights above the bed.
+std::vector<Place> places_of(const KnownPrinter& known, const DeltaGeometry& geometry, int heights = kHeights) {
+  constexpr int kRings = 4, kAround = 12;
   const Workspace& workspace = known.printer.robot.workspace();
   const Machine machine = build(known.printer.robot, known.errors);
   std::vector<Place> places;
-  for (int level = 0; level < kHeights; ++level) {
+  for (int level = 0; level < heights; ++level) {
     const double z = 0.5 * workspace.height * level / (kHeights - 1);
     for (int ring = 0; ring <= kRings; ++ring) {
       for (int k = 0; k < (ring == 0 ? 1 : kAround); ++k) {
@@ -199,6 +201,15 @@ std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaG
   const ForwardResult taken = forward(build(known.printer.robot, known.errors), known.printer.joints_at(drops));
   if (!believed || !taken.ok()) return std::nullopt;
   return above(known.bed, taken.plate.position) - *believed;
+}
+
+double depth_at_zero(const KnownPrinter& known, const DeltaGeometry& geometry) {
+  double depth = 0.0;
+  for (const Place& place : places_of(known, geometry, 1)) {
+    const double bow = known.bow.is_sought() ? known.bow.edge * known.bow.share_at(place.by_robot) : 0.0;
+    depth = std::max(depth, bow - place.above_bed.z());
+  }
+  return depth;
 }
 
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry) {

@@ -165,14 +165,15 @@ TEST(PrinterController, KnowsHowWellItKnowsHeights) {
   for (unsigned seed = 1; seed <= printers; ++seed) {
     const test::VirtualPrinter made =
         test::virtual_printer({.heights = 13, .distances = 12, .two_lengths = true}, seed);
-    const PrinterCalibration found =
-        calibrate_printer(made.saved, made.readings, {.print_radius = made.radius, .tries_gross = false});
+    const PrinterCalibration found = calibrate_printer(
+        made.saved, made.readings, {.print_radius = made.radius, .tries_gross = false, .accepts_shift = true});
+    const DeltaGeometry& saved = found.saved.geometry;  // with the shift
     const KnownErrors known = known_errors(found.calibration);
     for (const Eigen::Vector3d& place : places(0.8 * made.radius)) {
-      const auto drops = drops_to(made.saved, place);
+      const auto drops = drops_to(saved, place);
       const PredictedPose predicted = predict(found.calibration.robot, known, found.known.printer.joints_at(*drops));
       const double z = predicted.pose.position.z() - found.calibration.robot.controller_origin().z();
-      const double truth = (*nozzle(made.saved, *drops) + *deviation(made.truth(), made.saved, *drops)).z();
+      const double truth = (*nozzle(saved, *drops) + *deviation(made.truth(), saved, *drops)).z();
       covered += std::abs(z - truth) <= 2.0 * std::sqrt(predicted.covariance(2, 2));
       ++count;
       if (place.z() > 1.0) continue;

@@ -1,8 +1,10 @@
 #include "paracal/printer/plausibility.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "paracal/error.hpp"
@@ -141,6 +143,54 @@ TEST(Plausibility, OfPublishedPrintersIsNotDoubted) {
   for (const KlipperSet& set : test::klipper_sets()) {
     EXPECT_THAT(implausible(set.geometry), testing::IsEmpty()) << set.id;
     EXPECT_NE(test::calibrated(set).advice, PrinterAdvice::check_input) << set.id;
+  }
+}
+
+/// A probe cannot trigger below the bed; with the other sign the endstops are those of the bed.
+TEST(ImplausibleReadings, HeightsBelowTheBedHaveTheWrongSign) {
+  KlipperSet set = set_named("K18");
+  DeltaReadings readings = set.readings;
+  const double stated = readings.heights.front().height;
+  for (BedReading& one : readings.heights) one.height = -6.0;
+  const DeltaGeometry saved = with_bed_higher(set.geometry, stated + 6.0);  // follows the sign
+  const PrinterCalibration found = calibrate_printer(saved, readings, {.tries_gross = false});
+  EXPECT_EQ(found.advice, PrinterAdvice::check_input);
+  const std::string& sentence = found.findings.at(1);
+  EXPECT_THAT(sentence, HasSubstr("check the sign of z_offset (column height_mm). With +6.0 mm the endstops are "));
+  const double first = std::stod(sentence.substr(sentence.find("endstops are ") + 13));
+  EXPECT_NEAR(first, saved.endstop[0] + 2.0 * 6.0, 0.15);
+  for (BedReading& one : readings.heights) one.height = -0.5;  // as beds give way
+  EXPECT_FALSE(wrong_sign(set.geometry, readings));
+  for (BedReading& one : readings.heights) one.by_hand = true;
+  EXPECT_FALSE(wrong_sign(set.geometry, readings));
+}
+
+TEST(ImplausibleReadings, HeightsOfOnePlaceShowNoShape) {
+  KlipperSet set = set_named("K18");
+  const Eigen::Vector3d centre = *nozzle(set.geometry, set.readings.heights.front().drops);
+  for (BedReading& one : set.readings.heights) one.drops = *drops_to(set.geometry, centre);
+  EXPECT_THAT([&] { calibrate_printer(set.geometry, set.readings); },
+              testing::ThrowsMessage<InvalidArgument>(HasSubstr("expected heights across the bed")));
+}
+
+/// Heights and distances that were measured with two sizes of steps.
+TEST(ImplausibleReadings, KindsWithStepsOfTheirOwnAreNamed) {
+  for (const double ratio : {2.0, 0.5}) {
+    for (const bool heights : {true, false}) {
+      KlipperSet set = set_named("K18");
+      for (BedReading& one : set.readings.heights) one.drops = heights ? times(ratio)(one.drops) : one.drops;
+      for (PrintedDistance& one : set.readings.distances) {
+        if (heights) continue;
+        one.from = times(ratio)(one.from);
+        one.to = times(ratio)(one.to);
+      }
+      const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+      EXPECT_EQ(found.advice, PrinterAdvice::check_input);
+      const std::string which = heights ? "heights" : "distances", others = heights ? "distances" : "heights";
+      EXPECT_THAT(found.findings.at(1),
+                  HasSubstr(fmt::format("the {} fit the file, and the {} fit it if their steps are {:.4g} times",
+                                        others, which, 1.0 / ratio)));
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct PrinterLimits {
   double worst_repeat = 0.2;      ///< difference of two heights at one position, mm
   /// Root mean square residual of the file above which other step sizes are tried, mm, and other orders of the towers.
   double worst_saved = 2.0, least_notable = 0.1;
+  double lowest_trigger = -1.0;  ///< height of the nozzle when a probe triggers, mm: beds give way by less
+  double least_spread = 5.0;     ///< of the places of heights, mm: nearer ones show no slope and no radius
 };
 
 /// Implausible properties of the stated geometry, one sentence each; empty if there are none.
@@ -28,12 +31,21 @@ std::vector<std::string> implausible(const DeltaGeometry& geometry, const Printe
 
 /// Implausible properties of the readings with this geometry: large residuals of a fit, and large changes of the
 /// printer by it. The likely cause comes first: the stated printer explains the readings with a ratio of gears,
-/// micro-steps or motors, or with another order of the towers.
+/// micro-steps or motors (of all readings, or of heights or distances alone), or with another order of the towers.
 /// @param fit  that of the firmware, without outliers.
 std::vector<std::string> implausible(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaFit& fit,
                                      const PrinterLimits& limits = {});
 
-/// Whether another step size (of all towers or of one) fits the file much better than a common shift of all heights.
+/// What forbids a calibration before any fit: heights that a probe stated with the wrong sign, with the endstops that
+/// the right sign gives.
+std::optional<std::string> wrong_sign(const DeltaGeometry& saved, const DeltaReadings& readings,
+                                      const PrinterLimits& limits = {});
+
+/// @throws InvalidArgument where all heights were read at one place, which shows no slope and no radius.
+void require_places(const DeltaGeometry& saved, const DeltaReadings& readings, const PrinterLimits& limits = {});
+
+/// Whether another step size (of all towers or of one, of all readings or of one kind) fits the file much better than a
+/// common shift of all heights.
 ///
 /// @param readings  as measured.
 /// @param shifted   the same without the shift.

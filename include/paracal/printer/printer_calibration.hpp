@@ -32,6 +32,9 @@ struct PrinterCandidate {
   double chance_better = 0.5;     ///< see chance_better(): above a plane
   double chance_above_bed = 0.5;  ///< the same above the estimated bed, which may be bowed
   double expected_shape = 0.0;    ///< see expected_shape(), mm
+  /// Largest depth of the nozzle below the bed at z = 0, where heights were read and by the calibration, mm. Heights
+  /// count without a shift that is stated and not accepted.
+  double depth = 0.0;
 
   double least_chance() const { return std::min(chance_better, chance_above_bed); }
 };
@@ -75,6 +78,7 @@ struct PrinterCalibration {
   BedFlatness bed;
   /// Of all heights. If it is stated and not accepted, all other results refer to readings without it.
   CommonShift shift;
+  TriggerError trigger;                  ///< heights of the probe are corrected for it if it is stated
   std::vector<std::string> uncheckable;  ///< an error of 1 mm (of a distance 0.5 mm) would not be detected
   std::vector<std::string> findings;     ///< sentences: the advice, its reasons, what to measure
   PrinterAdvice advice = PrinterAdvice::keep_saved;
@@ -103,10 +107,11 @@ struct PrinterCalibrationOptions {
 /// better() in advice_rules.hpp. Outliers are excluded from every fit. Heights alone at fewer than 13 positions never
 /// give new values.
 ///
-/// The heights are corrected for a common shift above 0.5 mm first. No values are advised that lower the nozzle at the
-/// bed's centre by more, unless the owner accepts the shift. Then the bed has been moved, and all values include the
-/// shift.
-/// @throws InvalidArgument without heights, or for readings that a machine with this geometry cannot take.
+/// Heights of the probe are corrected by a sheet of paper at the same places. Then the heights are corrected for their
+/// common shift, unless the owner accepts it: then the bed has been moved, and all values include the shift. No values
+/// are advised with which the nozzle at z = 0 is more than 0.2 mm below the bed anywhere.
+/// @throws InvalidArgument without heights, for heights at one place only, or for readings that a machine with this
+/// geometry cannot take.
 PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
                                      const PrinterCalibrationOptions& options = {});
 

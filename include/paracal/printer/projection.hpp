@@ -41,6 +41,9 @@ enum class CountedFrom : std::uint8_t { plane, bed };
 std::optional<Eigen::Vector3d> deviation(const KnownPrinter& known, const DeltaGeometry& geometry,
                                          const JointDrops& drops);
 
+/// Largest depth of the nozzle below the bed while a firmware with this geometry computes z = 0, over the bed, mm.
+double depth_at_zero(const KnownPrinter& known, const DeltaGeometry& geometry);
+
 /// Of a firmware with this geometry, on a grid of the workspace. Positions out of reach are ignored.
 DeltaAccuracy accuracy_of(const KnownPrinter& known, const DeltaGeometry& geometry);
 

@@ -12,7 +12,7 @@ function predicted(name: string, saved: number, ours: number, firmware: number):
 
 export function ofPrinter(printer: Printer): Verdict {
   const { left_out_saved: saved, left_out: ours, left_out_firmware: firmware } = printer;
-  const isAccepted = printer.advice === "accept_new" || printer.advice === "accept_shift";
+  const isAccepted = printer.advice !== "keep_saved" && printer.advice !== "check_input";
   const lost = printer.accuracy_new.shape_rms_mm;
   return {
     yes: isAccepted,
