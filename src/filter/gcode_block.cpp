@@ -1,7 +1,6 @@
 #include "gcode_block.hpp"
 
 #include <charconv>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -50,8 +49,6 @@ class BlockParser {
         ++at_;
         block_.is_optional = true;
         return is_first;
-      case '*':
-        return checksum();
       case '#':
         return leave_to_the_controller();
       default:
@@ -170,18 +167,6 @@ class BlockParser {
     return !takes_text(word) || stop();
   }
 
-  /// *NN, and nothing behind it but a comment.
-  bool checksum() {
-    const std::size_t star = at_++;
-    unsigned stated = 0;
-    const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), stated);
-    if (error != std::errc{} || star == 0 || stated != gcode_checksum(text_.substr(0, star))) return false;
-    at_ = static_cast<std::size_t>(end - text_.data());
-    skip_blanks();
-    block_.checksum_at = star;
-    return (next() == ';' || at_ == text_.size()) && stop();
-  }
-
   std::string_view text_;
   GcodeBlock& block_;
   std::size_t at_ = 0;
@@ -235,7 +220,6 @@ void GcodeBlock::parse(std::string_view line, std::span<const std::string> harml
   text = line;
   words.clear();
   is_optional = false;
-  checksum_at = 0;
   const std::string macro = macro_at(line);
   if (!macro.empty()) {
     const bool moves_nothing = is_among(macro, kSettings) || is_among(macro, harmless);
@@ -260,11 +244,6 @@ std::string_view foreign_language(std::string_view line) {
     if (std::ranges::any_of(signs, [&](std::string_view sign) { return text.starts_with(sign); })) return language;
   }
   return {};
-}
-
-unsigned gcode_checksum(std::string_view text) {
-  return std::accumulate(text.begin(), text.end(), 0U,
-                         [](unsigned sum, char c) { return sum ^ static_cast<unsigned char>(c); });
 }
 
 }  // namespace paracal::io

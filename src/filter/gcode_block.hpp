@@ -22,9 +22,8 @@ inline constexpr std::array kAxisLetters{'X', 'Y', 'Z', 'A', 'B', 'C'};
 struct GcodeWord {
   enum class Kind : std::uint8_t {
     number,
-    flag,      ///< the letter alone, as in RepRap's G28 X
-    text,      ///< "start.g"
-    doubtful,  ///< a length without a decimal point, where that may count smallest steps
+    flag,  ///< the letter alone, as in RepRap's G28 X
+    text,  ///< "start.g"
   };
   char letter = '\0';  ///< upper case
   Kind kind = Kind::flag;
@@ -42,7 +41,7 @@ struct GcodeWord {
 struct GcodeBlock {
   enum class Kind : std::uint8_t {
     words,
-    malformed,   ///< no controller takes it, or its checksum is wrong
+    malformed,   ///< no controller takes it, or it has a checksum
     programmed,  ///< O words, parameters, expressions: what it does is known only to who runs it
     name,        ///< O1001, of the program
     setting,     ///< a command of Klipper's own that moves nothing, or a word of which that was said
@@ -51,8 +50,7 @@ struct GcodeBlock {
   Kind kind = Kind::words;
   std::string_view text = {};  ///< as long as what was parsed lives
   std::vector<GcodeWord> words;
-  bool is_optional = false;     ///< block delete: '/'
-  std::size_t checksum_at = 0;  ///< of RepRap's '*'; 0: none
+  bool is_optional = false;  ///< block delete: '/'
 
   /// The first word with this letter; null without one.
   const GcodeWord* word(char letter) const {
@@ -71,8 +69,5 @@ struct GcodeBlock {
 
 /// The language of a robot controller whose programs are often taken for G-code; empty where a line is of none.
 std::string_view foreign_language(std::string_view line);
-
-/// RepRap: exclusive or of the bytes before '*'.
-unsigned gcode_checksum(std::string_view text);
 
 }  // namespace paracal::io

@@ -41,18 +41,16 @@ DialectTraits traits_of(GcodeDialect dialect) {
   return {};
 }
 
-bool doubt_lengths_without_points(GcodeBlock& block) {
-  bool has_any = false;
-  for (GcodeWord& word : block.words) {
-    constexpr std::string_view kLengths = "XYZABCUVWIJKRQ", kDigits = "+-0123456789";
+char length_without_point(const GcodeBlock& block) {
+  constexpr std::string_view kLengths = "XYZABCUVWIJKRQ", kPlaces = "XYZABCUVWIJK", kDigits = "+-0123456789";
+  if (!block.has_letter(kPlaces)) return '\0';
+  const auto is_bare = [&](const GcodeWord& word) {
     const std::string_view text = block.text.substr(word.begin, word.end - word.begin);
-    const bool is_length = kLengths.find(word.letter) != std::string_view::npos;
-    const bool is_bare = text.find_first_not_of(kDigits) == std::string_view::npos;
-    if (!word.is_number() || !is_length || !is_bare || word.value == 0.0) continue;
-    word.kind = GcodeWord::Kind::doubtful;
-    has_any = true;
-  }
-  return has_any;
+    return word.is_number() && word.value != 0.0 && kLengths.find(word.letter) != std::string_view::npos &&
+           text.find_first_not_of(kDigits) == std::string_view::npos;
+  };
+  const auto found = std::ranges::find_if(block.words, is_bare);
+  return found != block.words.end() ? found->letter : '\0';
 }
 
 }  // namespace paracal::io

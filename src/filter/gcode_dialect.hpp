@@ -53,7 +53,7 @@ struct DialectTraits {
 
 DialectTraits traits_of(GcodeDialect dialect);
 
-/// Lengths without a decimal point become unknown. @returns whether there were any.
-bool doubt_lengths_without_points(GcodeBlock& block);
+/// The letter of a place or a length that has no decimal point; '\0': none. Zero needs none.
+char length_without_point(const GcodeBlock& block);
 
 }  // namespace paracal::io

@@ -38,14 +38,13 @@ GcodeOrigin::Stated GcodeModes::in_mm(const Axes& axes) const {
 }
 
 /// Places into the frame that holds from now on.
-void GcodeModes::carry(const GcodeOrigin::Change& change, Loss loss) {
+void GcodeModes::carry(const GcodeOrigin::Change& change) {
   for (const std::size_t axis : robot_axes_.moved()) {
     if (!place_[axis]) continue;
     if (change[axis]) {
       *place_[axis] += *change[axis];
     } else if (rotations_[axis] == Rotation::stated) {
       place_[axis].reset();
-      lost_[axis] = loss;
     }
   }
 }
@@ -53,7 +52,7 @@ void GcodeModes::carry(const GcodeOrigin::Change& change, Loss loss) {
 void GcodeModes::move_origin(const Axes& axes) {
   std::array<bool, kAxes> moved{};
   for (const std::size_t axis : robot_axes_.moved()) moved[axis] = axes.count == 0 || axes.word[axis] != nullptr;
-  carry(origin_.move(moved), Loss::origin);
+  carry(origin_.move(moved));
 }
 
 /// G10
@@ -70,14 +69,14 @@ void GcodeModes::define_system(const GcodeBlock& block, const Axes& axes) {
                             system->is_whole(traits_.zero_is_current ? 0.0 : 1.0, WorkOffsets::kSystems);
   const bool turns = turn != nullptr && !(turn->is_number() && turn->value == 0.0);
   const bool is_added = traits_.defines_in_steps && distance_ != Distance::absolute;
-  if (!names_system || turns || is_added || !mm_per_unit_ || axes.has_doubt || axes.has_flag) {
+  if (!names_system || turns || is_added || !mm_per_unit_ || axes.has_flag) {
     throw RefusedProgram(kDefinition, kDefine);
   }
   GcodeOrigin::Stated stated = in_mm(axes);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     if (!robot_axes_.moves(axis)) stated[axis] = 0.0;
   }
-  carry(origin_.define_system(static_cast<std::size_t>(system->value), stated), Loss::origin);
+  carry(origin_.define_system(static_cast<std::size_t>(system->value), stated));
 }
 
 /// G43, with H or of the tool that was changed last.
@@ -89,12 +88,12 @@ void GcodeModes::take_tool_length(const GcodeBlock& block) {
   unit_of_tool_ = mm_per_unit_;
   const auto change = origin_.take_length_of(tool);
   if (!change) throw RefusedProgram("the length of a tool that --tools does not list", kTable);
-  carry(*change, Loss::tool_length);
+  carry(*change);
 }
 
 /// G43.1. LinuxCNC keeps the number of an axis that the code does not state, and reads it in the unit then in force.
 void GcodeModes::take_tool_length(const Axes& axes) {
-  if (!mm_per_unit_ || axes.has_flag || axes.has_doubt) throw RefusedProgram("a tool length without a number", kTable);
+  if (!mm_per_unit_ || axes.has_flag) throw RefusedProgram("a tool length without a number", kTable);
   for (const std::size_t axis : robot_axes_.moved()) {
     const bool is_kept = axis < kFirstTurn && axes.word[axis] == nullptr && origin_.has_tool_along(axis);
     if (is_kept && unit_of_tool_ != mm_per_unit_) {
@@ -102,7 +101,7 @@ void GcodeModes::take_tool_length(const Axes& axes) {
     }
   }
   unit_of_tool_ = mm_per_unit_;
-  carry(origin_.take_length(in_mm(axes)), Loss::tool_length);
+  carry(origin_.take_length(in_mm(axes)));
 }
 
 /// Controllers differ in whether axis words beside a code that moves nothing are a motion.
@@ -114,7 +113,7 @@ void GcodeModes::refuse_axis_words(const Axes& axes) const {
 /// Where the place is known its new name is, too.
 void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   request.takes_axes = true;
-  if (!mm_per_unit_ || axes.has_flag || axes.has_doubt || axes.count == 0) return move_origin(axes);
+  if (!mm_per_unit_ || axes.has_flag || axes.count == 0) return move_origin(axes);
   bool is_known = origin_.is_fixed();
   const GcodeOrigin::Change shift = origin_.shift();
   for (const std::size_t axis : robot_axes_.moved()) {
@@ -123,7 +122,7 @@ void GcodeModes::call_here_or_shift(const Axes& axes, Request& request) {
   request.calls_here = is_known;
   if (is_known) return;
   const GcodeOrigin::Stated stated = in_mm(axes);
-  carry(origin_.call(place_, stated), Loss::origin);
+  carry(origin_.call(place_, stated));
   if (origin_.is_fixed()) return;
   for (const std::size_t axis : robot_axes_.moved()) {  // the frame begins here
     if (stated[axis]) place_[axis] = *stated[axis] + origin_.shift()[axis].value_or(0.0);
@@ -216,7 +215,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.in_machine = true;
       return;
     case Effect::system:
-      return carry(origin_.choose_system(system_of(tenths), !has_moved_), Loss::origin);
+      return carry(origin_.choose_system(system_of(tenths), !has_moved_));
     case Effect::tool_length:
       request.has_tool_length = true;
       return take_tool_length(block);
@@ -224,7 +223,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       request.takes_axes = true;
       return take_tool_length(axes);
     case Effect::no_tool_length:
-      return carry(origin_.drop_length(), Loss::tool_length);
+      return carry(origin_.drop_length());
     case Effect::define:
       return define(block, axes, request);
     case Effect::shift_axes:
@@ -235,7 +234,7 @@ void GcodeModes::apply_g(int tenths, const GcodeBlock& block, const Axes& axes, 
       return call_here_or_shift(axes, request);
     case Effect::no_shift:
       refuse_axis_words(axes);
-      return carry(origin_.drop_shift(), Loss::origin);
+      return carry(origin_.drop_shift());
     case Effect::local_shift:
       request.takes_axes = true;
       return move_origin(axes);

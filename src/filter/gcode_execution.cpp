@@ -42,10 +42,10 @@ void GcodeModes::apply_m(int tenths, const GcodeBlock& block, Request& request) 
       return;
     case MEffect::tool_change:
       tool_ = prepared_tool_;
-      request.then_lost = Loss::tool;
-      return lose_all(Loss::tool);
+      request.then_lost = true;
+      return lose_all();
     case MEffect::motors_off:
-      request.then_lost = Loss::motors;
+      request.then_lost = true;
       request.is_setting = true;
       return;
     case MEffect::subprogram:
@@ -77,8 +77,8 @@ void GcodeModes::choose_tool(const GcodeBlock& block, Request& request) {
   prepared_tool_ = tool->is_number() ? std::optional(static_cast<int>(std::lround(tool->value))) : std::nullopt;
   if (traits_.prepares_tools) return;
   tool_ = prepared_tool_;
-  request.then_lost = Loss::tool;
-  lose_all(Loss::tool);
+  request.then_lost = true;
+  lose_all();
 }
 
 GcodeModes::Request GcodeModes::apply_codes(const GcodeBlock& block, const Axes& axes) {

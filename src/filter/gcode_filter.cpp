@@ -18,7 +18,7 @@ class Gcode : public TargetFormat {
  public:
   Gcode(std::string name, const RobotAxes& axes, const GcodeOptions& options)
       : name_(std::move(name)),
-        doubts_lengths_(traits_of(options.dialect).counts_without_points),
+        needs_points_(traits_of(options.dialect).counts_without_points),
         has_tools_(options.tools.has_value()),
         modes_(axes, options) {
     for (const std::string& one : options.harmless) harmless_.push_back(upper_case(one));
@@ -27,7 +27,7 @@ class Gcode : public TargetFormat {
   std::string_view read(std::string_view text, TargetLine& target) override {
     block_.parse(text, harmless_);
     refuse_foreign(text, target.number);
-    if (doubts_lengths_) doubt_lengths_without_points(block_);
+    refuse_missing_point(target.number);
     const std::string_view passed = take(target);
     const bool is_empty = block_.kind == GcodeBlock::Kind::words && block_.words.empty();
     if (target.kind == TargetLine::Kind::none && !is_empty) target.kind = TargetLine::Kind::left;
@@ -74,6 +74,15 @@ class Gcode : public TargetFormat {
     fail(line, fmt::format("expected G-code, got {}; correct its targets as a table (--target csv)", language));
   }
 
+  void refuse_missing_point(std::int64_t line) const {
+    const char letter = needs_points_ ? length_without_point(block_) : '\0';
+    if (letter == '\0') return;
+    fail(line,
+         fmt::format("expected a decimal point in {}, because the controller may count smallest steps without it; "
+                     "let the post-processor write points",
+                     letter));
+  }
+
   [[noreturn]] void fail(std::int64_t line, const std::string& complaint) const {
     throw InputFileError(name_, static_cast<int>(std::min<std::int64_t>(line, std::numeric_limits<int>::max())),
                          complaint);
@@ -88,14 +97,13 @@ class Gcode : public TargetFormat {
       target.with_blank = word.at > 0 && is_blank(text[word.at - 1]);
       if (word.end == target.insert_at && word.letter != 'G') break;
     }
-    target.checksum_at = block_.checksum_at;
     for (TextRange& word : target.divided.arc_words) {
       while (word.end > 0 && word.begin > 0 && is_blank(text[word.begin - 1])) --word.begin;
     }
   }
 
   std::string name_;
-  bool doubts_lengths_, has_tools_;
+  bool needs_points_, has_tools_;
   std::vector<std::string> harmless_;
   GcodeBlock block_;
   GcodeModes modes_;

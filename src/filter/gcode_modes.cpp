@@ -27,7 +27,7 @@ GcodeModes::GcodeModes(const RobotAxes& axes, const GcodeOptions& options)
     if (!axes.moves(axis)) other_axes_ += kAxisLetters[axis];
     if (!options.start && axis >= kFirstTurn && axes.moves(axis)) rotations_[axis] = Rotation::unstated;
   }
-  lose_all(Loss::unstated);
+  lose_all();
   if (!options.start) return;
   const AxisValues start = axes.place_of(*options.start);
   for (const std::size_t axis : axes.moved()) place_[axis] = start[axis];
@@ -39,7 +39,7 @@ void GcodeModes::forget() {
   motion_ = Motion::unknown;
   extruder_.forget();
   feed_.forget(traits_.is_printer ? GcodeFeed::Mode::per_time : GcodeFeed::Mode::unknown);
-  lose_all(Loss::unread);
+  lose_all();
   if (distance_ != Distance::absolute || !traits_.is_printer) distance_ = Distance::unknown;
   if (traits_.is_printer) return;
   mm_per_unit_.reset();
@@ -49,16 +49,13 @@ void GcodeModes::forget() {
 
 void GcodeModes::lose(const Axes& axes) {
   for (const std::size_t axis : robot_axes_.moved()) {
-    if (axes.word[axis] == nullptr) continue;
-    place_[axis].reset();
-    lost_[axis] = Loss::passed;
+    if (axes.word[axis] != nullptr) place_[axis].reset();
   }
 }
 
 /// An A, B or C that no line states stays where it is.
-void GcodeModes::lose_all(Loss loss) {
+void GcodeModes::lose_all() {
   place_.fill(std::nullopt);
-  lost_.fill(loss);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     if (rotations_[axis] != Rotation::stated) place_[axis] = 0.0;
   }
@@ -72,7 +69,6 @@ GcodeModes::Axes GcodeModes::axes_of(const GcodeBlock& block) const {
     axes.has_duplicate |= axes.word[axis] != nullptr;
     axes.has_flag |= word.kind == GcodeWord::Kind::flag || word.kind == GcodeWord::Kind::text;
     axes.has_number |= word.kind == GcodeWord::Kind::number;
-    axes.has_doubt |= word.kind == GcodeWord::Kind::doubtful;
     axes.word[axis] = &word;
     ++axes.count;
   }
@@ -114,7 +110,7 @@ std::string_view GcodeModes::take(const GcodeBlock& block, TargetLine& target) {
   std::string_view passed = move(block, axes, request, target);
   if (!late.empty()) passed = late;
   restate_arc(block, request, !passed.empty(), target);
-  if (request.then_lost) lose_all(*request.then_lost);
+  if (request.then_lost) lose_all();
   if (request.then_unknown) forget();
   return passed;
 }

@@ -15,17 +15,13 @@
 #include "gcode_dialect.hpp"
 #include "gcode_extruder.hpp"
 #include "gcode_feed.hpp"
-#include "gcode_loss.hpp"
 #include "gcode_origin.hpp"
 #include "target_line.hpp"
 
 namespace paracal::io {
 
 // Reasons that modes and motions share.
-inline constexpr std::string_view kMalformed = "not a G-code block, or a wrong checksum";
-
-inline constexpr std::string_view kWithoutPoint =
-    "a length without a decimal point (possibly in smallest steps) or without a number";
+inline constexpr std::string_view kMalformed = "not a G-code block (remove checksums *NN: the host adds them)";
 
 /// What to do about drilling, loops and subprograms.
 inline constexpr std::string_view kExpand =
@@ -85,20 +81,20 @@ class GcodeModes {
     bool is_thread = false;        ///< goes elsewhere, and cuts
     bool is_dwell = false;         ///< G4
     bool has_m_code = false;
-    bool is_macro = false;               ///< M98, M810 of printers
-    bool is_setting = false;             ///< of M codes whose axis words are numbers of the firmware's, not places
-    bool acts_after = false;             ///< M0, M2
-    bool in_machine = false;             ///< G53
-    AxisValues shift{};                  ///< place = stated + shift
-    std::optional<Loss> then_lost = {};  ///< after the block, no place is known
-    bool then_unknown = false;           ///< nor any mode
+    bool is_macro = false;      ///< M98, M810 of printers
+    bool is_setting = false;    ///< of M codes whose axis words are numbers of the firmware's, not places
+    bool acts_after = false;    ///< M0, M2
+    bool in_machine = false;    ///< G53
+    AxisValues shift{};         ///< place = stated + shift
+    bool then_lost = false;     ///< after the block, no place is known
+    bool then_unknown = false;  ///< and no mode
   };
 
   /// The axis words of a block.
   struct Axes {
     std::array<const GcodeWord*, kAxes> word{};
     std::size_t count = 0;
-    bool has_duplicate = false, has_flag = false, has_number = false, has_doubt = false;
+    bool has_duplicate = false, has_flag = false, has_number = false;
   };
 
   using Places = std::array<std::optional<double>, kAxes>;
@@ -114,7 +110,7 @@ class GcodeModes {
   void refuse_axis_words(const Axes& axes) const;
   void refuse_missing_numbers(const GcodeBlock& block, const Axes& axes, const Request& request) const;
   void call_here_or_shift(const Axes& axes, Request& request);
-  void carry(const GcodeOrigin::Change& change, Loss loss);
+  void carry(const GcodeOrigin::Change& change);
   void move_origin(const Axes& axes);
   /// What a word states, mm or deg, where the unit is known.
   double in_mm(std::size_t axis, const GcodeWord& word) const;
@@ -122,7 +118,7 @@ class GcodeModes {
   void define(const GcodeBlock& block, const Axes& axes, Request& request);
   void define_system(const GcodeBlock& block, const Axes& axes);
   void lose(const Axes& axes);
-  void lose_all(Loss loss);
+  void lose_all();
   std::string_view take_rotations(const Axes& axes);
   std::string_view take_macro();
   std::string_view take_optional(const GcodeBlock& block, const Axes& axes, TargetLine& target);
@@ -154,7 +150,6 @@ class GcodeModes {
   Extruder extruder_;
   GcodeOrigin origin_;
   Places place_ = {};                        ///< last stated, mm and deg, in the frame of the first target
-  std::array<Loss, kAxes> lost_{};           ///< why a place is not known
   std::array<bool, kAxes> passed_{};         ///< stated by a line that was passed through
   std::array<Rotation, kAxes> rotations_{};  ///< of A, B and C; of others always stated
   std::optional<int> prepared_tool_ = {}, tool_ = {};

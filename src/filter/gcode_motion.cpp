@@ -1,6 +1,10 @@
 // What the motions of a program come to, once its modes are known.
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <string>
 
 #include "gcode_modes.hpp"
 #include "gcode_words.hpp"
@@ -17,6 +21,7 @@ constexpr std::string_view kHeldPlane = "an arc in a plane in which the robot do
 constexpr std::string_view kTurnedTool = "a tool length (G43) while the plate tilts",
                            kPlateAlone = "let the post-processor compute the path of the plate, without G43";
 constexpr std::string_view kPlane = "an arc whose plane (G17) or kind of centre (G91.1) is unknown";
+constexpr std::string_view kOfArc = "XYZABCUVWIJKRPEFS", kOfMotion = "XYZABCUVWIJKREFS";
 constexpr std::string_view kNumber = "state its number, or remove the word";
 constexpr std::string_view kArcStart = "an arc from an unknown position";
 constexpr std::string_view kOtherOrigin = "another origin than at the first corrected target (give --work-offsets)";
@@ -24,6 +29,21 @@ constexpr std::string_view kOtherTool = "another tool than at the first correcte
 constexpr std::string_view kIncremental = "an incremental motion (G91) from an unknown position (give --start)";
 constexpr std::string_view kRewrittenMode =
     "a line without its motion (G2, G3) after a rewritten line and a line that may have changed it";
+
+/// What made an axis unknown stands above the line that needs it; what to do is the same.
+std::string_view unknown(std::size_t axis) {
+  static const auto kSentences = [] {
+    std::array<std::string, kAxes> sentences;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      sentences.at(k) = fmt::format(
+          "{} is unknown: state it with G0 or G1 after homing, tool changes, offsets, G43 and macros (or give "
+          "--start=X,Y,Z, and lengths with --tools)",
+          kAxisLetters.at(k));
+    }
+    return sentences;
+  }();
+  return kSentences.at(axis);
+}
 
 StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, word.value}; }
 
@@ -33,7 +53,10 @@ StatedNumber number_of(const GcodeWord& word) { return {word.begin, word.end, wo
 void GcodeModes::refuse_missing_numbers(const GcodeBlock& block, const Axes& axes, const Request& request) const {
   const bool is_others = request.takes_axes || request.has_m_code;
   const bool is_motion = request.motion || (axes.count > 0 && !is_others);
-  const std::string_view used = is_motion ? "XYZABCUVWIJKREFS" : request.is_dwell ? "XUPS" : is_others ? "" : "FS";
+  const std::string_view used = is_motion          ? (is_arc(request.motion.value_or(motion_)) ? kOfArc : kOfMotion)
+                                : request.is_dwell ? "XUPS"
+                                : is_others        ? ""
+                                                   : "FS";
   for (const GcodeWord& word : block.words) {
     const bool is_missing = word.kind == GcodeWord::Kind::flag || word.kind == GcodeWord::Kind::text;
     if (!is_missing || used.find(word.letter) == std::string_view::npos) continue;
@@ -47,7 +70,7 @@ std::string_view GcodeModes::move(const GcodeBlock& block, const Axes& axes, Req
     return {};
   }
   if (request.goes_elsewhere) {
-    lose_all(Loss::elsewhere);
+    lose_all();
     target.weight = request.is_thread ? TargetLine::Weight::work
                     : request.is_idle ? TargetLine::Weight::idle
                                       : TargetLine::Weight::approach;
@@ -102,7 +125,7 @@ std::string_view GcodeModes::why_special(const GcodeBlock& block, const Request&
   if (moves_motors(block, request.has_tool_length, traits_)) {
     if (!traits_.is_printer) throw RefusedProgram("H without G43", "state G43 with H");
     target.weight = TargetLine::Weight::idle;  // so printers are homed
-    lose_all(Loss::motors);
+    lose_all();
     return kMotors;
   }
   return block.has_letter("R") ? kRestorePoint : std::string_view();
@@ -120,13 +143,12 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
     const GcodeWord* const word = axes.word[axis];
     if (word == nullptr) continue;
     place_[axis].reset();
-    lost_[axis] = Loss::passed;
     const double stated = in_mm(axis, *word);
     if (word->is_number() && !is_incremental) place_[axis] = stated + request.shift[axis];
     if (word->is_number() && is_incremental && from[axis]) place_[axis] = *from[axis] + stated;
     passed_[axis] = true;
   }
-  std::string_view passed = axes.has_doubt ? kWithoutPoint : why_unknown(from, motion);
+  std::string_view passed = why_unknown(from, motion);
   if (passed.empty()) {
     for (const std::size_t axis : robot_axes_.moved()) {
       target.path.to[axis] = *place_[axis];
@@ -154,7 +176,7 @@ std::string_view GcodeModes::move_to(const GcodeBlock& block, const Axes& axes, 
 
 std::string_view GcodeModes::why_unknown(const Places& from, Motion motion) const {
   for (const std::size_t axis : robot_axes_.moved()) {
-    if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : sentence_of(lost_[axis], axis);
+    if (!place_[axis]) return distance_ == Distance::incremental ? kIncremental : unknown(axis);
     if (is_arc(motion) && !from[axis]) return kArcStart;
   }
   if (!is_arc(motion)) return {};

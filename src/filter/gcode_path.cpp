@@ -9,7 +9,6 @@ namespace paracal::io {
 namespace {
 
 constexpr std::string_view kForeignTurns = "an arc with P, whose meaning depends on the firmware (give --dialect)";
-constexpr std::string_view kNumbered = "a line to divide with a checksum";
 constexpr std::string_view kOtherAxes =
     "a line to divide that also moves other axes (U, V, W; Z, A, B, C if the robot does not move along or about them)";
 constexpr std::string_view kExtrusion = "a line to divide while the extrusion mode is unknown (state M82 or M83)";
@@ -25,7 +24,6 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& req
     const std::size_t axis = kCentreLetters.find(word.letter);
     const bool is_of_arc = axis != std::string_view::npos || word.letter == 'R';
     if (!is_of_arc) continue;
-    if (!word.is_number()) return kWithoutPoint;
     const double length = word.value * *mm_per_unit_;
     if (word.letter == 'R') words.radius = length;
     if (axis != std::string_view::npos)
@@ -38,7 +36,6 @@ std::string_view GcodeModes::add_arc(const GcodeBlock& block, const Request& req
 std::string_view GcodeModes::take_turns(const GcodeBlock& block, ArcWords& words) const {
   const GcodeWord* const word = block.word('P');
   if (word == nullptr) return {};
-  if (!word->is_number()) return kWithoutPoint;
   const bool is_known = traits_.turns != TurnsRule::unknown && !(traits_.turns == TurnsRule::unless_extruding &&
                                                                  block.has_letter("E") && !takes_output(block));
   if (!is_known) return kForeignTurns;
@@ -51,7 +48,6 @@ DividedLine GcodeModes::divided(const GcodeBlock& block, const Request& request,
   DividedLine line{.motion = request.motion_word, .is_rapid = is_rapid, .stands_last = request.acts_after};
   const std::optional<ExtrusionOfLine> extrusion = takes_output(block) ? ExtrusionOfLine{} : extruder_.move(block);
   line.extrusion = extrusion.value_or(ExtrusionOfLine{});
-  if (block.checksum_at != 0) line.hindrance = kNumbered;
   if (block.has_letter(other_axes_)) line.hindrance = kOtherAxes;
   if (!extrusion) line.hindrance = kExtrusion;
   const std::string_view of_arc = shares_turns(block) ? "IJKR" : "IJKRP";

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the filter: what the blocks of a program ask of the joints.
+// Private to the filter: blocks of a program that ask too much of the joints.
 
 #include <optional>
 
@@ -10,9 +10,9 @@ namespace paracal::io {
 
 /// Speed and acceleration of the joints along each block at its feed,
 ///
-///   q' = dq/dt,  q'' = d2q/dt2,  with q(t) of the identified machine at kSteps + 1 even times of the block.
+///   q' = dq/dt,  q'' = d2q/dt2,  with q(t) of the identified machine at kSteps + 1 even times of the block,
 ///
-/// Ramps and corners between blocks belong to the controller.
+/// against the limits of the robot. Ramps and corners between blocks belong to the controller.
 class JointLoads {
  public:
   JointLoads(const TargetCorrection& correction, const RobotAxes& axes, FilterSummary& summary)
@@ -23,9 +23,8 @@ class JointLoads {
 
  private:
   static constexpr int kSteps = 8;  ///< as good as 400, within a tenth (Gcode.JointLoadsAreThoseAlongTheBlock)
-  static constexpr std::size_t kHardest = 10;
 
-  std::optional<JointLoad> load_of(const TargetLine& line, double seconds) const;
+  bool exceeds_limit(const TargetLine& line, double seconds) const;
 
   const TargetCorrection& correction_;
   const RobotAxes& axes_;

@@ -92,7 +92,6 @@ struct TargetLine {
   bool may_insert = false;           ///< other axes may be added
   std::size_t insert_at = 0;         ///< behind the last axis word
   bool with_blank = false, in_lower_case = false;  ///< how added words are written
-  std::size_t checksum_at = 0;                     ///< of '*', RepRap; 0: none
   std::string_view restated = {};                  ///< of a line that is left: "2", "3" of its motion's word
   /// It is passed through, and what it does now is not what it did in the program, whether a corrected target follows
   /// or not.

@@ -142,7 +142,7 @@ void TargetWriter::call(std::string_view text, const TargetLine& line) {
     append_number(edited_, value, decimals);
     end_edit();
   }
-  apply(text, line);
+  apply(text);
 }
 
 std::size_t TargetWriter::restore_feed(std::string_view end, const TargetLine& line) {
@@ -164,7 +164,7 @@ std::size_t TargetWriter::pass(std::string_view text, std::string_view end, cons
     edited_.append(line.restated).append(" ");
     end_edit();
   }
-  apply(text, line);
+  apply(text);
   for (const std::size_t axis : axes_) {
     if (line.kind != TargetLine::Kind::target) break;
     told_[axis] = held(axis, line);
@@ -205,7 +205,7 @@ void TargetWriter::edit_line(std::string_view text, const TargetLine& line, cons
   edit_axes(text, line, piece.target);
   if (piece.count > 1) edit_extrusion(text, line, piece);
   edit_feed(text, line, piece, from);
-  apply(text, line);
+  apply(text);
 }
 
 /// An arc's chords are straight lines, and have no centre.
@@ -343,32 +343,17 @@ void TargetWriter::begin_edit(std::size_t begin, std::size_t end) {
 
 void TargetWriter::end_edit() { edits_.back().end = edited_.size(); }
 
-void TargetWriter::apply(std::string_view text, const TargetLine& line) {
-  const std::size_t start = out_.size();
+void TargetWriter::apply(std::string_view text) {
   std::ranges::stable_sort(edits_, {}, [](const Edit& edit) { return edit.replaced.begin; });
-  const std::size_t rest = line.checksum_at != 0 ? line.checksum_at : text.size();
   std::size_t copied = 0;
   for (const Edit& edit : edits_) {
     if (edit.replaced.begin > copied) out_.append(text, copied, edit.replaced.begin - copied);
     copied = std::max(copied, edit.replaced.end);
     out_.append(edited_, edit.begin, edit.end - edit.begin);
   }
-  out_.append(text, copied, rest - copied);
-  if (line.checksum_at != 0) append_checksum(text.substr(rest), start, text.substr(0, rest));
+  out_.append(text, copied);
   edits_.clear();
   edited_.clear();
-}
-
-/// As it was where the line is as it was; computed anew where it is not.
-void TargetWriter::append_checksum(std::string_view old, std::size_t start, std::string_view old_text) {
-  const std::string_view written = std::string_view(out_).substr(start);
-  if (written == old_text) {
-    out_ += old;
-    return;
-  }
-  const std::size_t digits_end = std::min(old.find_first_not_of("0123456789", 1), old.size());
-  const std::string checksum = std::to_string(gcode_checksum(written));
-  out_.append("*").append(checksum).append(old.substr(digits_end));
 }
 
 }  // namespace paracal::io

@@ -51,8 +51,7 @@ class TargetWriter {
   void append_piece(std::string_view text, const TargetLine& line, const Piece& piece);
   void begin_edit(std::size_t begin, std::size_t end);
   void end_edit();
-  void apply(std::string_view text, const TargetLine& line);
-  void append_checksum(std::string_view old, std::size_t start, std::string_view old_text);
+  void apply(std::string_view text);
   double held(std::size_t axis, const TargetLine& line) const;
   bool changes_nothing(const TargetLine& line, std::span<const AxisValues> targets) const;
   bool is_moved(std::size_t axis, const AxisValues& target, const TargetLine& line) const;

@@ -157,10 +157,10 @@ TEST_F(ExportFilter, AProgramWithoutACorrectedTargetIsRefused) {
   folder.write("part.ngc", "G0 X0 Z-888 C0\nG1 X5\nM2\n");
   const ProgramResult result = folder.run(kGcode);
   EXPECT_EQ(result.exit_code, kBadInputFile);
-  EXPECT_THAT(result.err,
-              StartsWith("paracal: part.ngc:1: expected targets that can all be corrected, got Y is not "
-                         "stated yet (if the program never states it, give --start=X,Y,Z) (2 times); nothing was "
-                         "written"));
+  EXPECT_THAT(
+      result.err,
+      testing::AllOf(StartsWith("paracal: part.ngc:1: expected targets that can all be corrected, got Y is unknown: "),
+                     HasSubstr("give --start=X,Y,Z"), HasSubstr("(2 times); nothing was written")));
   folder.write("part.ngc", "M3 S100\nG4 P1\nM2\n");
   EXPECT_EQ(folder.run(kGcode).exit_code, kDone);
 }
@@ -227,7 +227,7 @@ TEST_F(ExportFilter, ToolsHaveTheirLengths) {
   EXPECT_THAT(folder.run(kGcode + " --tools tool.tbl").err, StartsWith("paracal: tool.tbl:2: expected each tool once"));
 }
 
-/// What the robot file says of drives: a block that asks for more is told, and which one asks the most.
+/// What the robot file says of drives: blocks that ask for more are counted, with the first line.
 TEST_F(ExportFilter, JointSpeedsAreHeldAgainstTheirLimits) {
   folder.write("robot.toml",
                folder.run("robot").out + "\n[joints]\nmax_speed_deg_per_s = 30\nmax_acceleration_deg_per_s2 = 9000\n");
@@ -235,16 +235,8 @@ TEST_F(ExportFilter, JointSpeedsAreHeldAgainstTheirLimits) {
   const std::string command = kGcode + " --robot robot.toml";
   const ProgramResult result = folder.run(command);
   EXPECT_THAT(result.err, HasSubstr("warning: 1 blocks exceed a limit of [joints], first in line 3"));
-  EXPECT_THAT(folder.run(command + " --check").out, HasSubstr("highest joint loads, deg/s and deg/s^2:\n"));
   const json checked = json_of(folder.run(command + " --check --json"));
   EXPECT_EQ(checked["joints_over_limit"], json::parse(R"({"count": 1, "first_line": 3})"));
-  ASSERT_THAT(checked["hardest_blocks"], SizeIs(3));
-  const json& hardest = checked["hardest_blocks"][0];
-  EXPECT_EQ(hardest["line"], 3);
-  EXPECT_NEAR(hardest["of_limit"].get<double>(), hardest["speed_deg_per_s"].get<double>() / 30, 1e-9);
-  EXPECT_NEAR(hardest["speed_deg_per_s"].get<double>(),
-              10 * checked["hardest_blocks"][1]["speed_deg_per_s"].get<double>(), 1.0);  // ten times as fast
-  EXPECT_THAT(json_of(folder.run(kGcode + " --check --json"))["hardest_blocks"], IsEmpty());
 }
 
 /// As a slicer calls it: the file is replaced, keeps its mode, and what may stay uncorrected is no failure.
@@ -326,7 +318,7 @@ TEST_F(ExportFilter, WhatIsPassedThroughIsAVerdict) {
   ASSERT_TRUE(
       has_keys(summary,
                "target input program robot calibration calibration_sha256 date lines corrected lines_added passed "
-               "outside_workspace farthest joints_over_limit hardest_blocks assumed refused origin_mm self_test"));
+               "outside_workspace farthest joints_over_limit assumed refused origin_mm self_test"));
   EXPECT_EQ(summary["lines"], 3);
   EXPECT_EQ(summary["corrected"], 1);
   EXPECT_EQ(summary["lines_added"], 0);

@@ -614,12 +614,12 @@ TEST_F(GcodeLines, DialectsDecideWhatControllersReadDifferently) {
 
 TEST_F(GcodeLines, LengthsWithoutPointsMayBeCounts) {
   const GcodeOptions fanuc{.dialect = GcodeDialect::fanuc_like};
-  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG1 X5.0 F100 S500\nG2 X7. I1.\n", fanuc).summary.complete());
-  for (const char* line : {"G1 X5\n", "G2 X7. I1\n", "G2 X7. R1\n"}) {
-    EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG1 X5.0\n" + std::string(line), fanuc).has("without a decimal point")) << line;
+  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nM19 R90\nG1 X5.0 F100 S500\nG2 X7. I1.\nG92 X5.\n", fanuc).summary.complete());
+  for (const char* line : {"G1 X5\n", "G2 X7. I1\n", "G2 X7. R1\n", "G92 X5\n", "/G0 Y-3\n"}) {
+    EXPECT_THAT([&] { of("G0 X0 Y0 Z-900.\nG1 X5.0\n" + std::string(line), fanuc); },
+                testing::ThrowsMessage<InputFileError>(HasSubstr(":3: expected a decimal point in ")))
+        << line;
   }
-  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG92 X5\nG1 Z-890.\n", fanuc).has("another origin"));
-  EXPECT_TRUE(of("G0 X0 Y0 Z-900.\nG92 X5.\nG1 Z-890.\n", fanuc).summary.complete());
   EXPECT_TRUE(of("G0 X0 Y0 Z-900\n").summary.complete());
 }
 

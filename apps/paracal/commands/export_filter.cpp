@@ -150,17 +150,6 @@ class HeaderSink {
   std::vector<std::string> lines_;
 };
 
-io::Json loads_json(const io::FilterSummary& summary, Actuator actuator) {
-  const Unit unit = joint_unit(actuator);
-  return io::json_array(summary.hardest, [&](const io::JointLoad& one) {
-    return io::Json{{"line", one.line},
-                    {"joint", one.joint},
-                    {fmt::format("speed_{}_per_s", file_unit(unit)), to_file_unit(unit, one.speed)},
-                    {fmt::format("acceleration_{}_per_s2", file_unit(unit)), to_file_unit(unit, one.acceleration)},
-                    {"of_limit", one.of_limit}};
-  });
-}
-
 io::Json passed_json(const io::PassedThrough& one) {
   return {{"reason", one.reason}, {"count", one.count}, {"first_line", one.first_line}, {"between", one.between}};
 }
@@ -181,7 +170,6 @@ io::Json summary_json(const io::FilterSummary& summary, const Robot& robot) {
           {"outside_workspace", {{"count", summary.outside}, {"first_line", summary.first_outside}}},
           {"farthest", io::json_array(summary.farthest, farthest_json)},
           {"joints_over_limit", {{"count", summary.over_limit}, {"first_line", summary.first_over_limit}}},
-          {"hardest_blocks", loads_json(summary, robot.actuator())},
           {"assumed", summary.assumed}};
 }
 
@@ -210,10 +198,8 @@ std::string summary_text(const std::string& name, const io::FilterSummary& summa
                         summary.first_outside);
   }
   if (summary.over_limit > 0) {
-    text += fmt::format(
-        "  warning: {} blocks exceed a limit of [joints], first in line {}: lower F there "
-        "(--check lists the ten highest loads)\n",
-        summary.over_limit, summary.first_over_limit);
+    text += fmt::format("  warning: {} blocks exceed a limit of [joints], first in line {}: lower F there\n",
+                        summary.over_limit, summary.first_over_limit);
   }
   for (const io::PassedThrough& one : summary.passed) {
     text += fmt::format("  unchanged: {} ({} times, first in line {})\n", one.reason, one.count, one.first_line);
@@ -270,24 +256,11 @@ void require_whole(const std::string& name, const io::FilterSummary& summary) {
                   summary.corrected));
 }
 
-/// The blocks that ask the most of a joint.
-std::string hardest_text(const io::FilterSummary& summary, Actuator actuator) {
-  const Unit unit = joint_unit(actuator);
-  std::string text = fmt::format("highest joint loads, {0}/s and {0}/s^2:\n", file_unit(unit));
-  text += fmt::format("{:>8} {:>6} {:>12} {:>13} {:>12}\n", "line", "joint", "speed", "acceleration", "utilisation");
-  for (const io::JointLoad& one : summary.hardest) {
-    text += fmt::format("{:>8} {:>6} {:>12.1f} {:>13.0f} {:>10.0f} %\n", one.line, one.joint,
-                        to_file_unit(unit, one.speed), to_file_unit(unit, one.acceleration), 100.0 * one.of_limit);
-  }
-  return text;
-}
-
 std::string checked_text(const std::string& name, const io::FilterSummary& summary, const Robot& robot) {
   std::string text = summary_text(name, summary);
   if (is_refused(summary)) {
     text += "without --partial this file is refused, because not every working target can be corrected\n";
   }
-  if (!summary.hardest.empty()) text += hardest_text(summary, robot.actuator());
   return summary.farthest.empty() ? text : text + farthest_text(summary, robot.commands_tilt());
 }
 

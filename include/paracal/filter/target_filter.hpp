@@ -34,14 +34,6 @@ struct CorrectedTarget {
   double distance() const { return (target.position - wanted.position).norm(); }
 };
 
-/// Load of the joint with the highest utilisation in a block.
-struct JointLoad {
-  std::int64_t line = 0;                   ///< from 1
-  std::size_t joint = 1;                   ///< from 1
-  double speed = 0.0, acceleration = 0.0;  ///< largest along the block, rad/s and rad/s^2 or mm/s and mm/s^2
-  double of_limit = 0.0;                   ///< the larger ratio of both to their limits
-};
-
 /// Result of a filter.
 struct FilterSummary {
   std::int64_t lines = 0;
@@ -52,10 +44,8 @@ struct FilterSummary {
   std::int64_t outside = 0, first_outside = 0;
   /// The ten largest corrections, the largest first.
   std::vector<CorrectedTarget> farthest;
-  /// For a robot with joint limits: blocks at feed that exceed them, the line of the first, and the ten highest loads,
-  /// the highest first.
+  /// For a robot with joint limits: blocks at feed that exceed them, and the line of the first.
   std::int64_t over_limit = 0, first_over_limit = 0;
-  std::vector<JointLoad> hardest;
   std::vector<std::string> assumed;  ///< assumptions, in words
 
   bool complete() const { return passed.empty(); }
