@@ -143,7 +143,7 @@ void add_controller_robot_option(Command& command, ControllerOptions& options) {
 
 ControllerModel stated_controller(const ControllerOptions& options, const Robot& robot) {
   if (options.robot.empty()) return {};
-  Robot controller = io::read_robot(input_file(options.robot));
+  Robot controller = io::read_robot(io::read_stored(options.robot));
   const auto joints = [](const Robot& one) {
     return fmt::format("{} joints in {}{}", one.limb_count(), file_unit(joint_unit(one.actuator())),
                        one.slide() ? ", a plate that turns" : "");

@@ -21,13 +21,9 @@ const io::TextFile& look_into(const std::string& name) {
   return found != waiting().end() ? found->second : waiting().emplace(name, io::read_file(name)).first->second;
 }
 
-io::TextFile input_file(const std::string& name) {
-  auto taken = waiting().extract(name);
-  return taken ? std::move(taken.mapped()) : io::read_file(name);
-}
-
 io::TextFile input_table(const std::string& name, const io::TableStyle& style) {
-  io::TextFile file = input_file(name);
+  auto taken = waiting().extract(name);
+  io::TextFile file = taken ? std::move(taken.mapped()) : io::read_file(name);
   file.style = style;
   return file;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,19 +14,16 @@ namespace paracal::app {
 struct RowInput {
   /// @throws InputFileError when the file cannot be opened.
   RowInput(const std::string& name, const io::TableStyle& style)
-      : file(io::open_file(name)), rows({name, file, style}) {}
+      : file(io::open_file(name)), rows({name, *file, style}) {}
 
-  std::ifstream file;
+  std::unique_ptr<std::istream> file;
   io::CsvStream rows;
 };
 
-/// A file's text, which input_file() will take: what comes through a pipe cannot be read twice.
+/// A table's text, which input_table() will take: what comes through a pipe cannot be read twice.
 const io::TextFile& look_into(const std::string& name);
 
-/// A file's text, read now unless somebody has looked into it.
-io::TextFile input_file(const std::string& name);
-
-/// The same, of a table.
+/// A table's text, read now unless somebody has looked into it.
 io::TextFile input_table(const std::string& name, const io::TableStyle& style);
 
 /// --decimal-comma and --ignore-columns: for commands that read tables.

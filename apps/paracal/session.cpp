@@ -63,7 +63,7 @@ std::vector<io::RobotStatement> statements(const std::string& option, const Robo
   if (!option.empty()) all.push_back(robot_of_option(option));
   for (const std::string& name : inputs.calibrations) {
     // Behind another statement its reader compares: then it need not describe a whole robot.
-    if (!name.empty() && all.empty()) all.push_back(io::robot_of_calibration(look_into(name)));
+    if (!name.empty() && all.empty()) all.push_back(io::robot_of_calibration(io::read_stored(name)));
   }
   for (const std::string& name : inputs.tables) {
     if (name.empty()) continue;
@@ -156,7 +156,7 @@ Pose pose_of_option(const Robot& robot, std::string_view option, const std::vect
 }
 
 SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
-  const io::TextFile file = input_file(errors_file);
+  const io::TextFile file = io::read_stored(errors_file);
   if (is_calibration(errors_file)) return io::read_calibration(file, robot).errors;
   const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
   if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);

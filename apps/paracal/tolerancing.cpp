@@ -14,7 +14,7 @@
 namespace paracal::app {
 
 Tolerances tolerances_of(const Robot& robot, const std::string& file) {
-  if (!file.empty()) return read_priors(io::read_file(file), robot);
+  if (!file.empty()) return read_priors(io::read_stored(file), robot);
   return paracal::tolerances_of(robot);
 }
 

@@ -81,7 +81,7 @@ Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64
 }
 
 SourceErrors read_errors(const Robot& robot, const std::string& path) {
-  const io::TextFile file = io::read_file(path);
+  const io::TextFile file = io::read_stored(path);
   const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
   if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);
   return errors;

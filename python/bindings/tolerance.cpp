@@ -80,7 +80,7 @@ std::vector<Requirement> requirements_of(const std::vector<std::pair<std::string
 }
 
 AllocationProblem problem_of(const Robot& robot, const Tolerances& rest, const std::string& path) {
-  return io::read_allocation_problem(io::read_file(path), rest, robot);
+  return io::read_allocation_problem(io::read_stored(path), rest, robot);
 }
 
 std::vector<std::pair<std::string, double>> problem_requirements(const Robot& robot, const Tolerances& tolerances,
@@ -258,7 +258,7 @@ void add_tolerance(py::module_& module) {
   module.def("stated_tolerances", &stated, "robot"_a, "half_widths"_a, "others"_a, "distribution"_a);
   module.def(
       "read_tolerances",
-      [](const Robot& robot, const std::string& path) { return io::read_tolerances(io::read_file(path), robot); },
+      [](const Robot& robot, const std::string& path) { return io::read_tolerances(io::read_stored(path), robot); },
       "robot"_a, "path"_a);
   module.def("problem_requirements", &problem_requirements, "robot"_a, "tolerances"_a, "path"_a);
   module.def("analyze", &analyzed, "robot"_a, "tolerances"_a, "requirements"_a, "poses"_a, "keywords"_a);

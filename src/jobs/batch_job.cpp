@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 
-#include "io/calibrations/nesting.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/tally_json.hpp"
 
@@ -39,7 +38,7 @@ class MachineStage : public JobStage {
       throw Error(fmt::format("expected the sums of {} machines, got something else", range(chunk).count));
     }
   }
-  void add(std::string_view result) override { tally_.add(io::tally_of(io::parse_shallow(result))); }
+  void add(std::string_view result) override { tally_.add(io::tally_of(Json::parse(result))); }
   std::string total() const override { return io::tally_json(tally_).dump(); }
   void clear() override { tally_ = {}; }
 
@@ -48,7 +47,7 @@ class MachineStage : public JobStage {
  private:
   static std::optional<std::uint64_t> machines_in(std::string_view result) {
     try {
-      return io::tally_of(io::parse_shallow(result)).machines();
+      return io::tally_of(Json::parse(result)).machines();
     } catch (const std::exception&) {
       return std::nullopt;
     }

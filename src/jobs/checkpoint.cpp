@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
+#include <algorithm>
 #include <system_error>
 
 #include "gzip.hpp"
-#include "io/calibrations/nesting.hpp"
+#include "io/calibrations/json_node.hpp"
+#include "io/files/stored.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/store.hpp"
 
@@ -19,43 +20,40 @@ constexpr const char* kFolderFormat = "paracal job 1";
 constexpr const char* kChunkFormat = "paracal chunk 2";
 
 /// "expected seed 1, got 2" for the first entry in which two descriptions differ.
-std::string first_difference(const Json& expected, const Json& got) {
-  const Json one = expected.flatten(), other = got.flatten();
-  const auto differs = [&](const std::string& place) { return one.value(place, Json()) != other.value(place, Json()); };
-  for (const Json* description : {&one, &other}) {
-    for (const auto& [place, value] : description->items()) {
-      if (!differs(place)) continue;
-      return fmt::format("expected {} {}, got {}", place.substr(1), one.value(place, Json()).dump(),
-                         other.value(place, Json()).dump());
+std::string first_difference(const Json& expected, const Json& got, const std::string& place) {
+  const auto below = [&](const std::string& key) { return place.empty() ? key : place + "/" + key; };
+  if (expected.is_object() && got.is_object()) {
+    for (const Json* description : {&expected, &got}) {
+      for (const auto& item : description->items()) {
+        const Json one = expected.value(item.key(), Json()), other = got.value(item.key(), Json());
+        if (one != other) return first_difference(one, other, below(item.key()));
+      }
     }
   }
-  return "expected other entries";
-}
-
-/// null where the text is no JSON.
-Json or_null(std::string_view text) {
-  try {
-    return io::parse_shallow(text);
-  } catch (const Json::exception&) {
-    return {};
+  const bool are_lists = expected.is_array() && got.is_array();
+  const auto entry = [](const Json& list, std::size_t k) { return k < list.size() ? list[k] : Json(); };
+  for (std::size_t k = 0; are_lists && k < std::max(expected.size(), got.size()); ++k) {
+    const Json one = entry(expected, k), other = entry(got, k);
+    if (one != other) return first_difference(one, other, below(std::to_string(k)));
   }
+  return fmt::format("expected {} {}, got {}", place, expected.dump(), got.dump());
 }
 
 /// The header of the folder, but for its chunks, is the description.
 Json agreed_with(const io::TextFile& header, const Json& description) {
-  Json got = or_null(header.text), expected = description;
+  Json got = io::parse_json(header), expected = description;
   if (got.is_object() && got.contains("chunks")) expected["chunks"] = got["chunks"];
   if (got == expected) return got;
   const std::string complaint = got.is_object()
-                                    ? first_difference(expected, got)
+                                    ? first_difference(expected, got, "")
                                     : "expected job.json of a paracal command with --checkpoint, got something else";
   throw InputFileError(header.name, 0,
                        complaint + " (this folder belongs to another command; use another --checkpoint)");
 }
 
-std::string bytes_of_file(const std::filesystem::path& path) {
-  std::ifstream stream = io::open_file(path);
-  return {std::istreambuf_iterator<char>(stream), {}};
+/// Whether anything has this name, a link to nothing included.
+bool is_taken(const std::filesystem::path& path) {
+  return std::filesystem::exists(std::filesystem::symlink_status(path));
 }
 
 }  // namespace
@@ -67,8 +65,8 @@ Checkpoint::Checkpoint(std::filesystem::path path, Json description) : path_(std
   if (error) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
   const std::filesystem::path header = path_ / "job.json";
   // Of several that begin in one folder at once, one comes first.
-  const bool begins = !std::filesystem::exists(header) && io::write_new_file(header, description.dump(2) + "\n");
-  description_ = begins ? std::move(description) : agreed_with(io::read_file(header), description);
+  const bool begins = !is_taken(header) && io::write_new_file(header, description.dump(2) + "\n");
+  description_ = begins ? std::move(description) : agreed_with(io::read_stored(header), description);
   hash_ = io::sha256(description_.dump());
 }
 
@@ -82,24 +80,29 @@ void Checkpoint::write(const std::string& name, const std::string& result) const
   io::write_file(file_of(name), gzip(chunk.dump() + "\n"));
 }
 
+bool Checkpoint::has(const std::string& name) const { return is_taken(file_of(name)); }
+
 std::string Checkpoint::read(const std::string& name) const {
   const std::filesystem::path file = file_of(name);
-  const std::string bytes = bytes_of_file(file);
+  const std::string bytes = io::stored_bytes(file);
+  std::string job, content;
+  bool is_whole = false;
   try {
-    const Json chunk = io::parse_shallow(gunzip(bytes));
-    if (const auto job = chunk.at("job").get<std::string>(); job != hash_) {
-      throw InputFileError(file.string(), 0, fmt::format("expected a chunk of job {}, got one of job {}", hash_, job));
-    }
-    std::string content = chunk.at("content").dump();
-    if (chunk.at("chunk") != name || chunk.at("sha256") != io::sha256(content)) {
-      throw Error(fmt::format("expected chunk {} with the hash of its content, got another hash", name));
-    }
-    return content;
-  } catch (const InputFileError&) {
-    throw;
-  } catch (const std::exception& broken) {
+    const io::TextFile text{"content", gunzip(bytes)};
+    const Json json = io::parse_json(text);
+    const io::JsonNode chunk(text, json, "a chunk");
+    if (chunk.at("format").text() != kChunkFormat) chunk.at("format").refuse_as(kChunkFormat);
+    job = chunk.at("job").text();
+    content = chunk.at("content").json().dump();
+    is_whole = chunk.at("chunk").text() == name && chunk.at("sha256").text() == io::sha256(content);
+  } catch (const Error& broken) {
     throw Damaged(broken.what());
   }
+  if (job != hash_) {
+    throw InputFileError(file.string(), 0, fmt::format("expected a chunk of job {}, got one of job {}", hash_, job));
+  }
+  if (!is_whole) throw Damaged(fmt::format("expected chunk {} with the hash of its content, got another hash", name));
+  return content;
 }
 
 }  // namespace paracal::jobs

@@ -26,9 +26,10 @@ class Checkpoint {
   Checkpoint(std::filesystem::path path, io::Json description);
 
   const io::Json& agreed() const { return description_; }
-  bool has(const std::string& name) const { return std::filesystem::exists(file_of(name)); }
+  /// Whether anything has the name of this chunk.
+  bool has(const std::string& name) const;
   void write(const std::string& name, const std::string& result) const;
-  /// @throws Damaged, and InputFileError for a chunk of another job.
+  /// @throws Damaged, and InputFileError for a chunk of another job and for what is no regular file.
   std::string read(const std::string& name) const;
   std::filesystem::path file_of(const std::string& name) const { return path_ / (name + ".json.gz"); }
 

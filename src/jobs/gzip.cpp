@@ -34,7 +34,6 @@ std::string gzip(std::string_view text) {
 }
 
 std::string gunzip(std::string_view bytes) {
-  constexpr std::size_t kLongest = 64 << 20;
   z_stream stream{};
   if (inflateInit2(&stream, kWithGzipHeader) != Z_OK) throw std::bad_alloc();
   stream.next_in = bytes_of(bytes);
@@ -42,13 +41,14 @@ std::string gunzip(std::string_view bytes) {
   std::string text;
   std::array<char, 1 << 16> piece{};
   int status = Z_OK;
-  while (status == Z_OK && text.size() <= kLongest) {
+  while (status == Z_OK && text.size() <= kLongestText) {
     stream.next_out = reinterpret_cast<Bytef*>(piece.data());
     stream.avail_out = piece.size();
     status = inflate(&stream, Z_NO_FLUSH);
     text.append(piece.data(), piece.size() - stream.avail_out);
   }
   inflateEnd(&stream);
+  if (text.size() > kLongestText) throw Error("expected at most 4 MiB in a gzip file, got more");
   if (status != Z_STREAM_END) throw Error("expected a complete gzip file, got something else");
   return text;
 }

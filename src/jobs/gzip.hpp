@@ -9,7 +9,10 @@ namespace paracal::jobs {
 
 std::string gzip(std::string_view text);
 
-/// @throws Error for what gzip has not made, is not whole, or is longer than 64 MiB.
+/// Of a chunk: fifteen histograms of 16,384 bins take 1 MB, thousands of pairs as much.
+inline constexpr std::size_t kLongestText = std::size_t{4} << 20;
+
+/// @throws Error for what gzip has not made, is not whole, or is longer than kLongestText.
 std::string gunzip(std::string_view bytes);
 
 }  // namespace paracal::jobs

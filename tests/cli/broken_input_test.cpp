@@ -366,7 +366,7 @@ const std::vector<BrokenInput> kTables{
 const std::vector<BrokenInput> kCalibrationFiles{
     calibration("not_json", "robot = 3\n", {"calibration.json:1: ", "expected JSON"}),
     calibration("cut_off", kCalibration.substr(0, kCalibration.find("\n]")), {"calibration.json:9: ", "expected JSON"}),
-    calibration("empty", "", {"calibration.json:", "expected JSON"}),
+    calibration("empty", "", {"calibration.json:1: ", "expected JSON, got an empty file"}),
     calibration("json_of_something_else", "{\"wheels\": 4}\n",
                 {"calibration.json:1: ", "expected a calibration with \"robot\""}),
     calibration("json_array", "[1, 2]\n", {"calibration.json:1: ", "a calibration: expected an object"}),

@@ -311,7 +311,7 @@ const std::vector<BrokenInput> kCalibrations{
                 replaced(kCalibration, "\"covariance\"", "\"inputs\": [{\"file\": \"a.csv\"}],\n\"covariance\""),
                 {"calibration.json:11: ", "expected entry 1 of inputs with \"sha256\""}),
     calibration("cut_off", kCalibration.substr(0, 300), {"calibration.json:6: ", "expected JSON"}),
-    calibration("nested_beyond_measure", std::string(100000, '['), {"calibration.json: ", "at most 64 levels"}),
+    calibration("nested_beyond_measure", std::string(100000, '['), {"calibration.json:1: ", "at most 64 levels"}),
     tolerances("all_zero", "theta_offset_deg = 0\nothers = \"exact\"\n",
                {"tolerances.toml: ", "at least one tolerance above 0"}),
     tolerances("partial", "# parts\ntheta_offset_deg = 1\n",

@@ -397,7 +397,7 @@ TEST_F(Faults, DepthIsLimited) {
   folder.write("deep.json", "{\"robot\": " + arrays + std::string(66'000, ']') + "}");
   const ProgramResult json = folder.run("inverse --poses plan.csv --errors deep.json");
   EXPECT_EQ(json.exit_code, kBadInputFile);
-  EXPECT_THAT(json.err, AllOf(HasSubstr("deep.json: "), HasSubstr("at most 64 levels")));
+  EXPECT_THAT(json.err, AllOf(HasSubstr("deep.json:1: "), HasSubstr("at most 64 levels")));
   // What only looks deep is none of it: a comment, a text, numbers.
   const std::string dots(100, '.');
   folder.write("shallow.toml", "# " + dots + "\n" + folder.run("robot").out + "# " + dots + "\n");

@@ -525,8 +525,31 @@ TEST_F(Yield, RefusesTheFolderOfAnotherBatch) {
   expect_refused(machines + " --seed 3 --noise-mm 0.02" + kept, "expected instrument/noise_mm 0.02, got 0.017");
   expect_refused("yield --exact --machines 2 --seed 3" + kept, "limits/volumetric_aligned_mm");
   expect_refused(machines + " --seed 3 --robot rotary_delta" + kept, "expected robot/name \"rotary_delta\"");
-  folder.write("folder/job.json", "{");
+  folder.write("folder/job.json", "[]");
   expect_refused(kept_yield(kChunk), "expected job.json of a paracal command");
+  folder.write("folder/job.json", "{");
+  expect_refused(kept_yield(kChunk), "job.json:1: expected JSON");
+}
+
+/// What stands in the place of a chunk is neither waited for, read without end, nor written through.
+TEST_F(Yield, AChunkIsARegularFile) {
+  EXPECT_EQ(folder.run(kept_yield(kMachines)).exit_code, kDone);
+  const std::filesystem::path chunk = folder.path() / "folder" / *std::next(chunks().begin());
+  const auto expect_refused = [&](const std::string& complaint) {
+    const ProgramResult result = folder.run(kept_yield(kMachines));
+    EXPECT_EQ(result.exit_code, kBadInputFile) << complaint;
+    EXPECT_THAT(result.err, AllOf(HasSubstr(chunk.filename().string() + ": "), HasSubstr(complaint)));
+    std::filesystem::remove(chunk);
+  };
+  std::filesystem::remove(chunk);
+  ASSERT_EQ(mkfifo(chunk.c_str(), 0600), 0);
+  expect_refused("expected a regular file, got a pipe or device");
+  std::filesystem::create_symlink("/dev/zero", chunk);
+  expect_refused("expected a regular file, got a pipe or device");
+  std::filesystem::create_symlink(folder.path() / "elsewhere", chunk);
+  expect_refused("No such file");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
+  expect_undisturbed(folder.run(kept_yield(kMachines)));
 }
 
 /// Another compiler, or another commit of the same version, may round otherwise.

@@ -64,7 +64,7 @@ CalibrationOptions calibration_options(const CalibrateArguments& options, const 
   calibration.rotation_zero = options.measuring.rotation_kind();
   calibration.reflectors = options.reflectors;
   if (!options.tolerances.empty()) {
-    calibration.tolerances = read_priors(io::read_file(options.tolerances), robot);
+    calibration.tolerances = read_priors(io::read_stored(options.tolerances), robot);
   }
   calibration.exclude_outliers = !options.keep_outliers;
   calibration.scale_std = 1e-6 * options.measuring.scale_ppm;

@@ -43,10 +43,11 @@ io::CalibratedMachine known_machine(const CompensateArguments& options, const Ro
   }
   if (!options.errors.empty()) {
     ControllerModel controller{.evidence = ControllerEvidence::stated};  // errors of the machine, whoever commands it
-    if (is_calibration(options.errors)) controller = io::read_calibration(look_into(options.errors), robot).controller;
+    if (is_calibration(options.errors))
+      controller = io::read_calibration(io::read_stored(options.errors), robot).controller;
     return {.errors = read_errors(robot, options.errors), .controller = std::move(controller)};
   }
-  return io::read_calibration(input_file(options.calibration), robot);
+  return io::read_calibration(io::read_stored(options.calibration), robot);
 }
 
 [[noreturn]] void refuse(const Station& station, std::string_view why) {

@@ -113,10 +113,9 @@ std::set<std::string> names_of_files(const std::vector<Step>& steps) {
 
 /// The folder that is filled: a new or empty one, or one that an earlier demo filled, and nobody else.
 OutputFolder folder_for(const std::vector<Step>& steps, const std::string& name) {
-  std::ifstream script(fs::path(name) / kScript, std::ios::binary);
-  std::string head(kScriptHead.size(), '\0');
-  script.read(head.data(), static_cast<std::streamsize>(head.size()));
-  const bool is_made_here = head == kScriptHead;
+  const fs::path script = fs::path(name) / kScript;
+  std::error_code ignored;
+  const bool is_made_here = fs::exists(script, ignored) && io::read_stored(script).text.starts_with(kScriptHead);
   const std::set<std::string> files = names_of_files(steps);
   return {"demo", name, [&](const fs::directory_entry& entry) {
             return is_made_here && entry.is_regular_file() && files.contains(entry.path().filename().string());
@@ -150,7 +149,7 @@ class ScratchFolder {
   std::map<std::string, std::string> files() const {
     std::map<std::string, std::string> all;
     for (const auto& entry : fs::directory_iterator(path_)) {
-      all[entry.path().filename()] = io::read_file(entry.path()).text;
+      all[entry.path().filename()] = io::read_stored(entry.path()).text;
     }
     return all;
   }
@@ -221,7 +220,7 @@ void run(const std::string& folder_name, bool has_robot, Session& session) {
     exported = has_compensator(session.robot());
     if (const auto& file = session.robot_file()) {
       robot = kRobotFile;
-      files[robot] = io::read_file(*file).text;
+      files[robot] = io::read_stored(*file).text;
     }
   }
   const std::vector<Step> steps = steps_of(robot, session.seed(), exported);

@@ -127,7 +127,7 @@ std::optional<OutputFolder> configuration_folder(const ExportArguments& options,
 void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  const io::TextFile file = input_file(options.calibration);
+  const io::TextFile file = io::read_stored(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const SourceErrors& errors = machine.errors;
   if (options.variant != "exact" && (options.target == "genhexkins" || !kTexts.contains(options.target))) {

@@ -277,10 +277,9 @@ void filter_file(const std::string& target, const FilterOptions& options, const 
 
   const bool is_standard_input = options.input.empty() || options.input == "-";
   std::ios::sync_with_stdio(false);  // else std::cin takes a read error for the end
-  std::ifstream file;
+  std::unique_ptr<std::istream> file;
   if (!is_standard_input) file = io::open_file(options.input);
-  const io::TextStream in{is_standard_input ? "standard input" : options.input,
-                          is_standard_input ? std::cin : static_cast<std::istream&>(file)};
+  const io::TextStream in{is_standard_input ? "standard input" : options.input, is_standard_input ? std::cin : *file};
   io::Spool spool;
   io::TextSink sink = [&spool](std::string_view text) { spool.write(text); };
   const std::string read_hash = options.in_place ? io::sha256_of_file(options.input) : "";

@@ -14,7 +14,7 @@ namespace {
 /// The calibration's own page, with what other measurements say of it where they are given.
 void run(const ValidatingOptions& options, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
-  const io::TextFile file = input_file(options.calibration);
+  const io::TextFile file = io::read_stored(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const KnownErrors known = machine.known();
   ReportContent content{.kind = "calibration", .results = {{"calibration", io::parse_json(file)}}};

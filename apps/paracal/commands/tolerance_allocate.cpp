@@ -25,9 +25,9 @@ bool is_general(const ToleranceAllocateArguments& options) { return !options.pro
 
 Allocation allocated(const ToleranceAllocateArguments& options, const Robot& robot) {
   const Tolerances rest = options.tolerances.empty() ? paracal::tolerances_of(robot)
-                                                     : io::read_tolerances(io::read_file(options.tolerances), robot);
+                                                     : io::read_tolerances(io::read_stored(options.tolerances), robot);
   if (is_general(options)) {
-    const io::TextFile file = io::read_file(options.problem);
+    const io::TextFile file = io::read_stored(options.problem);
     const AllocationProblem problem = io::read_allocation_problem(file, rest, robot);
     if (problem.variables.empty()) throw InputFileError(file.name, 0, "expected costs ([cost.NAME]), got none");
     return allocate(robot, problem);

@@ -53,7 +53,7 @@ struct Findings {
 std::vector<Requirement> requirements_of(const ToleranceAnalyzeArguments& options, const Robot& robot,
                                          const Tolerances& tolerances) {
   if (options.problem.empty()) return {{{Quantity::tilt}, options.max_tilt.value().value_or(kUsualMaxTilt)}};
-  return io::read_allocation_problem(io::read_file(options.problem), tolerances, robot).requirements;
+  return io::read_allocation_problem(io::read_stored(options.problem), tolerances, robot).requirements;
 }
 
 /// Shows how far the drawing of machines is; an interruption ends it.
@@ -83,7 +83,7 @@ void find_failures(const ToleranceAnalyzeArguments& options, const Robot& robot,
 /// What the files of the command say.
 io::Json files_json(const ToleranceAnalyzeArguments& options, const Tolerances& tolerances) {
   io::Json json{{"half_widths", tolerances.half_width.values}, {"measured", tolerances.measured.values}};
-  if (!options.problem.empty()) json["problem"] = io::sha256(io::read_file(options.problem));
+  if (!options.problem.empty()) json["problem"] = io::sha256(io::read_stored(options.problem));
   return json;
 }
 

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
+#include <istream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,12 +42,18 @@ struct TextStream {
 /// Takes a text piece by piece.
 using TextSink = std::function<void(std::string_view)>;
 
-/// @throws InputFileError when the file cannot be opened.
-std::ifstream open_file(const std::filesystem::path& path);
+/// A file, pipe or device, piece by piece. Whoever waits for a pipe can be interrupted (interruption.hpp).
+/// @throws InputFileError when it cannot be opened; later, when it cannot be read.
+std::unique_ptr<std::istream> open_file(const std::filesystem::path& path);
 
-/// The text as UTF-8 if the file is UTF-16 with a byte-order mark, as spreadsheets write it; else its bytes.
+/// A table, which may come from a pipe. The text is UTF-8 if the file is UTF-16 with a byte-order mark, as spreadsheets
+/// write it; else its bytes.
 /// @throws InputFileError when the file cannot be read or is larger than 128 MiB, the limit for files in memory.
 TextFile read_file(const std::filesystem::path& path);
+
+/// The same of JSON and TOML: a regular file, because others may have replaced it by a pipe without end.
+/// @throws InputFileError for a pipe or device, too.
+TextFile read_stored(const std::filesystem::path& path);
 
 /// A text encoded for such a file, with the byte-order mark of UTF-16.
 /// @param text  UTF-8, if the encoding is UTF-16.

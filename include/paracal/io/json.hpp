@@ -26,7 +26,8 @@ namespace paracal::io {
 using Json = nlohmann::ordered_json;
 
 /// A JSON file.
-/// @throws InputFileError, with the line, for invalid JSON or more than 64 levels of nesting.
+/// @throws InputFileError, with the line, for invalid JSON, a key that an object has twice, more than 64 levels of
+/// nesting, or far more values than text.
 Json parse_json(const TextFile& file);
 
 /// "2016-10-05T12:00:00Z", from seconds since 1970.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "io/robots/same_robot.hpp"
+#include "io/files/stored.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {

@@ -130,7 +130,7 @@ RobotStatement named_robot(const std::string& name, const std::filesystem::path&
   const std::filesystem::path path(name);
   if (!is_file(path)) return {.robot = catalogue::find(name), .by = name};
   const std::filesystem::path file = folder / path;
-  return {.robot = read_robot(read_file(file)), .by = file.string(), .robot_file = file};
+  return {.robot = read_robot(read_stored(file)), .by = file.string(), .robot_file = file};
 }
 
 std::optional<RobotStatement> robot_of_line(const std::string& file, int line, std::string_view text) {
@@ -175,10 +175,6 @@ RobotStatement robot_of_calibration(const TextFile& file) {
   const Json json = parse_json(file);
   const JsonNode robot = JsonNode(file, json, "a calibration").object_at("robot");
   return {.robot = robot_in(robot, file.name), .by = file.name, .line = robot.line()};
-}
-
-int line_at(std::string_view text, std::size_t byte) {
-  return static_cast<int>(1 + std::ranges::count(text.substr(0, byte), '\n'));
 }
 
 std::optional<std::string> robot_difference(const Json& expected, const Json& got) {

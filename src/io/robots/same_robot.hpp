@@ -18,7 +18,4 @@ std::optional<std::string> robot_difference(const Json& expected, const Json& go
 /// @throws InputFileError for one that makes no sense.
 Robot robot_in(const JsonNode& node, const std::string& file);
 
-/// Line of a byte of a text, from 1.
-int line_at(std::string_view text, std::size_t byte);
-
 }  // namespace paracal::io

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "io/calibrations/nesting.hpp"
+#include "io/files/stored.hpp"
 #include "paracal/error.hpp"
 #include "paracal/spelling.hpp"
 
@@ -142,8 +142,13 @@ void Section::refuse_others() const {
 }
 
 toml::table parse_toml(const TextFile& file) {
+  if (file.text.size() > kStoredLimits.toml_bytes) {
+    throw InputFileError(file.name, 0,
+                         fmt::format("expected at most {} MiB of TOML, got more", kStoredLimits.toml_bytes >> 20));
+  }
   if (const auto line = line_of_endless_key(file.text)) {
-    throw InputFileError(file.name, *line, fmt::format("expected keys of at most {} parts, got more", kDeepest));
+    throw InputFileError(file.name, *line,
+                         fmt::format("expected keys of at most {} parts, got more", kStoredLimits.levels));
   }
   try {
     return toml::parse(file.text, file.name);
