@@ -17,7 +17,7 @@ std::span<const EmbeddedFile> published_data();
 std::span<const EmbeddedFile> robot_templates();
 /// The files of src/compensation/templates.
 std::span<const EmbeddedFile> export_templates();
-/// The files of schema, in the program alone.
+/// The files of schema.
 std::span<const EmbeddedFile> result_schemas();
 /// The texts of paracal help TOPIC, in the program alone.
 std::span<const EmbeddedFile> help_topics();

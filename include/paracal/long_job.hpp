@@ -49,9 +49,11 @@ class JobInMemory : public LongJob {
 
 /// A stage with the results of single chunks: JSON texts in the order of their numbers.
 /// @param compute  of a chunk's number; empty when it was stopped
+/// @param check    throws std::exception for a text that is no result of that chunk.
 /// @returns empty unless all were computed.
 std::optional<std::vector<std::string>> compute_each(
     LongJob& job, const std::string& name, std::uint64_t first, std::uint64_t last,
-    const std::function<std::optional<std::string>(std::uint64_t)>& compute);
+    const std::function<std::optional<std::string>(std::uint64_t)>& compute,
+    const std::function<void(std::uint64_t, const std::string&)>& check);
 
 }  // namespace paracal

@@ -81,18 +81,23 @@ class Sampler {
   /// @returns false when that was stopped; then there are as many as before.
   bool draw(std::uint64_t more, LongJob& job, const std::function<bool()>& goes_on) {
     const std::uint64_t chunks = (more + kChunk - 1) / kChunk;
-    const auto results =
-        compute_each(job, fmt::format("machines-{:012}", machines_), 0, chunks,
-                     [&](std::uint64_t chunk) -> std::optional<std::string> {
-                       if (!goes_on()) return std::nullopt;
-                       Sums sums = empty_sums();
-                       Counts counts(requirements_.size());
-                       const std::uint64_t first = chunk * kChunk, last = std::min(first + kChunk, more);
-                       arena_.execute([&] { run_chunk(machines_ + first, last - first, sums, counts); });
-                       return as_json(sums, counts).dump();
-                     });
+    const auto results = compute_each(
+        job, fmt::format("machines-{:012}", machines_), 0, chunks,
+        [&](std::uint64_t chunk) -> std::optional<std::string> {
+          if (!goes_on()) return std::nullopt;
+          Sums sums = empty_sums();
+          Counts counts(requirements_.size());
+          const std::uint64_t first = chunk * kChunk, last = std::min(first + kChunk, more);
+          arena_.execute([&] { run_chunk(machines_ + first, last - first, sums, counts); });
+          return as_json(sums, counts).dump();
+        },
+        [&](std::uint64_t chunk, const std::string& result) {
+          Sums sums = empty_sums();
+          Counts counts(requirements_.size());
+          add_json(Json::parse(result), std::min(kChunk, more - chunk * kChunk), sums, counts);
+        });
     if (!results) return false;
-    for (const std::string& result : *results) add_json(Json::parse(result));
+    for (const std::string& result : *results) add_json(Json::parse(result), more, sums_, counts_);
     machines_ += more;
     return true;
   }
@@ -194,9 +199,17 @@ class Sampler {
 
   template <typename Array>
   static void add_numbers(const Json& json, Array& array) {
-    const auto values = json.get<std::vector<double>>();
+    std::vector<double> values;
+    for (const Json& value : json.get_ref<const Json::array_t&>()) values.push_back(value.get_ref<const double&>());
     if (static_cast<Eigen::Index>(values.size()) != array.size()) throw Error("expected sums over the same poses");
     array += Eigen::Map<const Array>(values.data(), array.rows(), array.cols());
+  }
+
+  /// Whole, and at most so large.
+  static std::uint64_t count_of(const Json& json, std::uint64_t most) {
+    const auto& count = json.get_ref<const std::uint64_t&>();
+    if (count > most) throw Error("expected a smaller count");
+    return count;
   }
 
   static Json as_json(const Sums& sums, const Counts& counts) {
@@ -215,16 +228,19 @@ class Sampler {
     return json;
   }
 
-  void add_json(const Json& json) {
-    add_numbers(json.at("components"), sums_.components);
-    add_numbers(json.at("squares"), sums_.squares);
-    add_numbers(json.at("fourth_powers"), sums_.fourth_powers);
-    counts_.passed_all += json.at("passed_all").get<std::uint64_t>();
-    counts_.not_closed += json.at("not_closed").get<std::uint64_t>();
-    for (std::size_t k = 0; k < counts_.passed.size(); ++k) {
-      counts_.passed[k] += json.at("passed").at(k).get<std::uint64_t>();
+  /// @param machines  at least those of the chunk.
+  /// @throws std::exception for what as_json() has not made.
+  static void add_json(const Json& json, std::uint64_t machines, Sums& sums, Counts& counts) {
+    add_numbers(json.at("components"), sums.components);
+    add_numbers(json.at("squares"), sums.squares);
+    add_numbers(json.at("fourth_powers"), sums.fourth_powers);
+    counts.passed_all += count_of(json.at("passed_all"), machines);
+    counts.not_closed += count_of(json.at("not_closed"), machines);
+    for (std::size_t k = 0; k < counts.passed.size(); ++k) {
+      counts.passed[k] += count_of(json.at("passed").at(k), machines);
       for (const Json& bin : json.at("largest").at(k)) {
-        counts_.largest[k].add(bin.at(0).get<std::uint32_t>(), bin.at(1).get<std::uint64_t>());
+        const std::uint64_t number = count_of(bin.at(0), Histogram::kBins - 1);
+        counts.largest[k].add(static_cast<std::uint32_t>(number), count_of(bin.at(1), machines));
       }
     }
   }

@@ -531,6 +531,33 @@ TEST_F(Yield, RefusesTheFolderOfAnotherBatch) {
   expect_refused(kept_yield(kChunk), "job.json:1: expected JSON");
 }
 
+/// A size of 0 would divide by it; job.json is a file that anybody can edit.
+TEST_F(Yield, SizesOfChunksAreWholeNumbers) {
+  EXPECT_EQ(folder.run(kept_yield(kChunk)).exit_code, kDone);
+  const std::string good = folder.read("folder/job.json");
+  const auto json = nlohmann::ordered_json::parse(good);
+  for (const std::string value : {"0", "\"x\"", "null", "-1", "1.5", "1e30", "[]"}) {
+    auto changed = json;
+    changed["chunks"]["exact"] = nlohmann::ordered_json::parse(value);
+    folder.write("folder/job.json", changed.dump(2));
+    const ProgramResult result = folder.run(kept_yield(kChunk));
+    EXPECT_EQ(result.exit_code, kBadInputFile) << value;
+    EXPECT_THAT(result.err, testing::ContainsRegex("job.json:[0-9]+: exact: expected a whole number from 1")) << value;
+  }
+  for (const auto& change : std::vector<std::function<void(nlohmann::ordered_json&)>>{
+           [](auto& job) { job.erase("chunks"); }, [](auto& job) { job["chunks"] = 3; },
+           [](auto& job) { job["chunks"]["more"] = 3; }, [](auto& job) { job["chunks"].erase("exact"); }}) {
+    auto changed = json;
+    change(changed);
+    folder.write("folder/job.json", changed.dump(2));
+    const ProgramResult result = folder.run(kept_yield(kChunk));
+    EXPECT_EQ(result.exit_code, kBadInputFile);
+    EXPECT_THAT(result.err, HasSubstr("job.json"));
+  }
+  folder.write("folder/job.json", good);
+  expect_undisturbed(folder.run(kept_yield(kMachines)));
+}
+
 /// What stands in the place of a chunk is neither waited for, read without end, nor written through.
 TEST_F(Yield, AChunkIsARegularFile) {
   EXPECT_EQ(folder.run(kept_yield(kMachines)).exit_code, kDone);
@@ -550,6 +577,42 @@ TEST_F(Yield, AChunkIsARegularFile) {
   expect_refused("No such file");
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
   expect_undisturbed(folder.run(kept_yield(kMachines)));
+}
+
+/// Of a stage whose chunks are single results: numbers of another type, counts that no such chunk has.
+TEST_F(Yield, AResultOfAnotherTypeIsMadeAgain) {
+  using Json = nlohmann::ordered_json;
+  struct Case {
+    std::string command;
+    std::vector<std::function<void(Json&)>> changes;
+  };
+  for (const Case& one : std::vector<Case>{
+           {"poses --optimal 4 --candidates 20 --starts 2 --json",
+            {[](Json& result) { result = "x"; }, [](Json& result) { result = nullptr; },
+             [](Json& result) { result = 1; }}},
+           {"tolerance analyze --model exact --max-machines 64 --json",
+            {[](Json& result) { result["passed_all"] = -1; }, [](Json& result) { result["not_closed"] = 0.5; },
+             [](Json& result) { result["components"][0] = "x"; }, [](Json& result) { result["squares"] = 3; },
+             [](Json& result) { result["passed"][0] = 1000; }, [](Json& result) { result["largest"][0][0][0] = 99999; },
+             [](Json& result) { result["largest"][0][0][1] = "x"; }, [](Json& result) { result = Json::array(); }}}}) {
+    const ProgramResult alone = folder.run(one.command);
+    const std::string kept = one.command + " --checkpoint folder";
+    EXPECT_EQ(folder.run(kept).out, alone.out) << alone.err;
+    const std::string name = "folder/" + *chunks().begin(), good = folder.read(name);
+    for (const auto& change : one.changes) {
+      Json chunk = Json::parse(jobs::gunzip(good));
+      change(chunk["content"].front());
+      chunk["sha256"] = io::sha256(chunk["content"].dump());
+      folder.write(name, jobs::gzip(chunk.dump()));
+      const ProgramResult result = folder.run(kept);
+      EXPECT_TRUE(result.out == alone.out) << chunk["content"];
+      EXPECT_THAT(result.err,
+                  AllOf(HasSubstr(name), HasSubstr("expected the result of chunk"), Not(HasSubstr("json."))))
+          << chunk["content"];
+      EXPECT_EQ(folder.read(name), good);
+    }
+    std::filesystem::remove_all(folder.path() / "folder");
+  }
 }
 
 /// Another compiler, or another commit of the same version, may round otherwise.

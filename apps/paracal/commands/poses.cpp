@@ -170,17 +170,22 @@ std::optional<std::uint64_t> best_start(const Search& search, const PosesArgumen
                                         const Robot& robot) {
   if (options.starts == 1) return 0;
   ShownJob job(options.job, session, description_of(session, robot, tolerances_of(robot).half_width.values));
-  const auto criteria = compute_each(job, "start", 0, static_cast<std::uint64_t>(options.starts),
-                                     [&](std::uint64_t start) -> std::optional<std::string> {
-                                       if (flag_of_interruption()) return std::nullopt;
-                                       return io::Json(search(start).selection.criterion).dump();
-                                     });
+  const auto value = [](const std::string& text) {
+    const io::Json json = io::Json::parse(text);
+    return json.get_ref<const double&>();
+  };
+  const auto criteria = compute_each(
+      job, "start", 0, static_cast<std::uint64_t>(options.starts),
+      [&](std::uint64_t start) -> std::optional<std::string> {
+        if (flag_of_interruption()) return std::nullopt;
+        return io::Json(search(start).selection.criterion).dump();
+      },
+      [&](std::uint64_t /*start*/, const std::string& text) { (void)value(text); });
   if (!criteria) {
     if (flag_of_interruption()) end_by_interruption();
     session.print(job.missing_parts());
     return std::nullopt;
   }
-  const auto value = [](const std::string& text) { return io::Json::parse(text).get<double>(); };
   return std::ranges::min_element(*criteria, {}, value) - criteria->begin();
 }
 

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "paracal/calibration/plan.hpp"
+#include "paracal/io/measurement_files.hpp"
 #include "paracal/report/error_map.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/report/scene.hpp"
@@ -22,6 +23,7 @@ void run(const ValidatingOptions& options, Session& session) {
   std::vector<Station> stations = validation_stations(robot);
   std::vector<InputFile> inputs{{file.name, io::sha256(file)}};
   if (!options.measuring.files.empty()) {
+    io::require_inputs(file);
     const CommandedReadings read = options.read(machine, robot);
     const Measurements& measurements = read.measurements;
     inputs.insert(inputs.end(), measurements.files.begin(), measurements.files.end());

@@ -69,7 +69,9 @@ std::string text_of(const Validation& validation) {
 
 void run(const ValidatingOptions& options, const std::string& report, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
-  const io::CalibratedMachine machine = io::read_calibration(io::read_stored(options.calibration), robot);
+  const io::TextFile file = io::read_stored(options.calibration);
+  const io::CalibratedMachine machine = io::read_calibration(file, robot);
+  io::require_inputs(file);
   const KnownErrors known = machine.known();
   const CommandedReadings read = options.read(machine, robot);
   const Measurements& measurements = read.measurements;

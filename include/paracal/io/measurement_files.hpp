@@ -42,6 +42,9 @@ Measurements read_measurements(const std::vector<TextFile>& tables, const std::v
 std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const Measurements& measurements,
                                      const std::vector<std::string>& tables);
 
+/// @throws InputFileError for a calibration that does not state its input files: readings of its own could confirm it.
+void require_inputs(const TextFile& calibration);
+
 /// Why a validation with such a table is not accepted.
 std::string confirms_nothing(const std::string& table);
 

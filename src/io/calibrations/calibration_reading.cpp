@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -12,7 +14,9 @@
 #include "io/tables/names.hpp"
 #include "json_node.hpp"
 #include "numerics/dense.hpp"
+#include "paracal/io/measurement_files.hpp"
 #include "paracal/units.hpp"
+#include "schema_check.hpp"
 
 namespace paracal::io {
 namespace {
@@ -145,12 +149,8 @@ Eigen::VectorXd read_joints(const JsonNode& calibration, const char* key, const 
 
 SoughtSource read_spline(const JsonNode& node, const Robot& robot) {
   const Unit unit = joint_unit(robot.actuator());
-  const Json& limb = node.at("limb").json();
-  if (!limb.is_number_unsigned() || limb < 1 || limb > robot.limb_count()) {
-    node.at("limb").refuse_as(fmt::format("a limb from 1 to {}", robot.limb_count()));
-  }
+  const std::size_t place = node.at("limb").whole_number(1, robot.limb_count()) - 1;
   if (node.at("unit").json() != file_unit(unit)) node.at("unit").refuse_as(fmt::format("\"{}\"", file_unit(unit)));
-  const std::size_t place = limb.get<std::size_t>() - 1;
   return {place,
           joint_zero(robot.nominal().limbs[place].actuator),
           {},
@@ -236,28 +236,28 @@ void require_accepted(const JsonNode& calibration) {
   }
 }
 
-/// "2016-10-05T12:00:00Z"
+/// "2016-10-05T12:00:00Z", and such a day and time.
 bool is_date(std::string_view text) {
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto fits = [](char form, char c) { return form == '0' ? c >= '0' && c <= '9' : c == form; };
-  return text.size() == kForm.size() && std::ranges::equal(kForm, text, fits);
+  if (text.size() != kForm.size() || !std::ranges::equal(kForm, text, fits)) return false;
+  const auto number = [&](std::size_t from, std::size_t count) {
+    unsigned value = 0;
+    for (const char digit : text.substr(from, count)) value = 10 * value + static_cast<unsigned>(digit - '0');
+    return value;
+  };
+  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))),
+                                        std::chrono::month(number(5, 2)), std::chrono::day(number(8, 2)));
+  return day.ok() && number(11, 2) < 24 && number(14, 2) < 60 && number(17, 2) < 60;
 }
 
-/// What people and other programs read of it, as the schema has it; where a hand left it out nobody misses it.
+/// What people and other programs read of it. A key that a hand left out nobody misses.
 void check_statements(const JsonNode& calibration) {
-  struct Statement {
-    const char* key;
-    plausible::Range range;
-  };
-  constexpr plausible::Range kShare{0.0, 1.0}, kFrom0{0.0, kCount.most};
-  for (const auto& [key, range] :
-       {Statement{"coverage_factor", {plausible::kNothing, 1e3}}, Statement{"rank", kFrom0},
-        Statement{"readings", kFrom0}, Statement{"degrees_of_freedom", kFrom0}, Statement{"noise_mm", kStd},
-        Statement{"orientation_noise_deg", kStd}, Statement{"residual_rms_mm", kStd},
-        Statement{"unit_weight_std", kStd}, Statement{"distance_bias_std_mm", kStd},
-        Statement{"fit_probability", kShare}, Statement{"chance", kShare}}) {
-    if (const auto number = calibration.find(key)) (void)number->number(range);
-  }
+  // Read above, also in the forms of before.
+  constexpr std::array<std::string_view, 8> kRead{"covariance",    "covariance_of_noise", "drive_covariance",
+                                                  "noise_dof",     "joint_std_deg",       "joint_std_mm",
+                                                  "visit_std_deg", "visit_std_mm"};
+  require_schema(calibration, "calibration.schema.json", kRead);
   const auto date = calibration.find("date");
   if (date && !is_date(date->text())) date->refuse_as("a date like 2016-10-05T12:00:00Z");
 }
@@ -283,6 +283,11 @@ ControllerModel read_controller(const JsonNode& calibration, const std::string& 
 
 }  // namespace
 
+void require_inputs(const TextFile& calibration) {
+  const Json json = parse_json(calibration);
+  (void)JsonNode(calibration, json, "a calibration").at("inputs");
+}
+
 KnownErrors CalibratedMachine::known() const {
   KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std, visit_std};
   if (covariance.size() == 0) return known;
@@ -300,7 +305,6 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   require_format(calibration);
   require_same_robot(calibration.object_at("robot"), robot);
   require_accepted(calibration);
-  check_statements(calibration);
   if (const auto inputs = calibration.find("inputs")) {
     for (const JsonNode& input : inputs->entries()) {
       machine.inputs.push_back({input.at("file").text(), input.at("sha256").text()});
@@ -319,6 +323,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   machine.joint_std = read_joints(calibration, slides ? "joint_std_mm" : "joint_std_deg", robot);
   machine.visit_std = read_joints(calibration, slides ? "visit_std_mm" : "visit_std_deg", robot);
   read_drives(calibration, robot, machine);
+  check_statements(calibration);
   return machine;
 }
 

@@ -114,6 +114,14 @@ std::vector<JsonNode> JsonNode::entries() const {
   return all;
 }
 
+JsonNode JsonNode::descendant(std::span<const std::string> path) const {
+  JsonNode node = *this;
+  for (const std::string& part : path) {
+    node = node.json().is_array() ? node.entry(std::stoul(part)) : node.at(part.c_str());
+  }
+  return node;
+}
+
 /// Thousands of numbers in a covariance: none is a node of its own but one that is refused.
 std::vector<double> JsonNode::numbers() const {
   if (!value_->is_array()) refuse_as("an array");
@@ -131,6 +139,13 @@ double JsonNode::number(const plausible::Range& range) const {
   const auto value = value_->get<double>();
   if (const auto complaint = plausible::complaint(what_, value, range)) refuse(*complaint);
   return value;
+}
+
+std::uint64_t JsonNode::whole_number(std::uint64_t least, std::uint64_t most) const {
+  const bool is_whole = value_->is_number_unsigned();
+  if (!is_whole || *value_ < least || *value_ > most)
+    refuse_as(fmt::format("a whole number from {} to {}", least, most));
+  return value_->get<std::uint64_t>();
 }
 
 std::string JsonNode::text() const {

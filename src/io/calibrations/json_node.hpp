@@ -2,7 +2,9 @@
 
 // Private to io: values of a JSON file that know where they stand.
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,11 +32,14 @@ class JsonNode {
   std::optional<JsonNode> find(const char* key) const;
   /// Of an array.
   std::vector<JsonNode> entries() const;
+  /// @param path  keys, and places in arrays, that lead to it.
+  JsonNode descendant(std::span<const std::string> path) const;
   /// Of an array of finite numbers.
   std::vector<double> numbers() const;
 
   /// @throws InputFileError for what is no number of the range.
   double number(const plausible::Range& range = plausible::kFinite) const;
+  std::uint64_t whole_number(std::uint64_t least, std::uint64_t most) const;
   std::string text() const;
   bool flag() const;
 
