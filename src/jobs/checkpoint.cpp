@@ -7,6 +7,7 @@
 
 #include "gzip.hpp"
 #include "io/calibrations/json_node.hpp"
+#include "io/files/place.hpp"
 #include "io/files/stored.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/store.hpp"
@@ -72,12 +73,15 @@ bool is_taken(const std::filesystem::path& path) {
 
 Checkpoint::Checkpoint(std::filesystem::path path, Json description) : path_(std::move(path)) {
   description["format"] = kFolderFormat;
+  if (const io::Place place = io::place_of(path_, io::Use::write); place.is_foreign) {
+    io::fail_to_write(path_, place.why_not());
+  }
   std::error_code error;
   std::filesystem::create_directories(path_, error);
-  if (error) throw Error(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
+  if (error) io::fail_to_write(path_, error.message());
   const std::filesystem::path header = path_ / "job.json";
   // Of several that begin in one folder at once, one comes first.
-  const bool begins = !is_taken(header) && io::write_new_file(header, description.dump(2) + "\n");
+  const bool begins = io::write_new_file(header, description.dump(2) + "\n");
   description_ = begins ? std::move(description) : agreed_with(io::read_stored(header), description);
   hash_ = io::sha256(description_.dump());
 }

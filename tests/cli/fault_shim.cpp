@@ -120,6 +120,11 @@ int open(const char* path, int flags, ...) {
   return fails(kOpen) ? -1 : real(path, flags, mode);
 }
 
+int openat(int folder, const char* path, int flags, ...) {
+  static const auto real = next(static_cast<int (*)(int, const char*, int, ...)>(nullptr), "openat");
+  return fails(kOpen) ? -1 : real(folder, path, flags);
+}
+
 int mkostemp(char* name, int flags) {
   static const auto real = next(static_cast<int (*)(char*, int)>(nullptr), "mkostemp");
   return fails(kOpen) ? -1 : real(name, flags);

@@ -131,5 +131,42 @@ TEST_F(Stores, LinksStayAndWhatTheyPointToIsReplaced) {
   EXPECT_EQ(text("none"), "made");
 }
 
+/// In a folder where everybody can write, somebody else may make a link to what only root can write or read.
+TEST_F(Stores, WhatOthersMakeInASharedFolderIsNotUsed) {
+  if (geteuid() != 0) return;  // nobody else can give a link away
+  constexpr uid_t kNobody = 65534;
+  const auto give_away = [](const std::filesystem::path& path) {
+    ASSERT_EQ(lchown(path.c_str(), kNobody, kNobody), 0) << path;
+  };
+  const std::filesystem::path shared = folder / "shared";
+  std::filesystem::create_directory(shared);
+  std::filesystem::create_directory(folder / "own");
+  ASSERT_EQ(chmod(shared.c_str(), 01777), 0);
+  write_file(folder / "secret", "private");
+  write_file(shared / "theirs", "theirs");
+  std::filesystem::create_symlink("../secret", shared / "link");
+  std::filesystem::create_symlink("../none", shared / "dangling");
+  std::filesystem::create_symlink("../own", shared / "own");
+  ASSERT_EQ(mkfifo((shared / "pipe").c_str(), 0666), 0);
+  for (const char* name : {"theirs", "link", "dangling", "own", "pipe"}) give_away(shared / name);
+  const auto is_refused = ThrowsMessage<Error>(HasSubstr("of another user, in a folder to which everybody can write"));
+  for (const char* name : {"theirs", "link", "dangling", "own/new", "pipe"}) {
+    EXPECT_THAT([&] { write_file(shared / name, "new"); }, is_refused) << name;
+  }
+  for (const char* name : {"link", "own/../secret"}) {
+    EXPECT_THAT([&] { read_file(shared / name); }, is_refused) << name;
+  }
+  EXPECT_EQ(text("secret"), "private");
+  EXPECT_EQ(text("shared/theirs"), "theirs");
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "own"));
+  std::filesystem::create_symlink("../secret", shared / "mine");
+  write_file(shared / "mine", "changed");
+  EXPECT_EQ(text("secret"), "changed");
+  ASSERT_EQ(chmod(shared.c_str(), 0755), 0);  // then the owner of the folder has let them in
+  write_file(shared / "link", "again");
+  EXPECT_EQ(text("secret"), "again");
+}
+
 }  // namespace
 }  // namespace paracal::io::store_test

@@ -28,8 +28,10 @@ bool hash_file(const char* path, Hash& hash) {
   return uninterrupted([&] { return SHA256File(path, hash.data()) != nullptr ? 0 : -1; }) == 0;
 }
 
-void fail_to_write(const std::filesystem::path& path) {
-  throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+void fail_to_write(const std::filesystem::path& path) { fail_to_write(path, std::strerror(errno)); }
+
+void fail_to_write(const std::filesystem::path& path, std::string_view why) {
+  throw Error(fmt::format("{}: cannot be written: {}", path.string(), why));
 }
 
 void write_all(int descriptor, std::string_view text, const std::filesystem::path& path) {

@@ -52,6 +52,7 @@ bool hash_file(const char* path, Hash& hash);
 
 /// @throws Error with what errno says.
 [[noreturn]] void fail_to_write(const std::filesystem::path& path);
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, std::string_view why);
 
 /// @param path  for the message.
 /// @throws Error when it cannot be written to its end.

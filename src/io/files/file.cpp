@@ -14,6 +14,7 @@
 #include "descriptor.hpp"
 #include "paracal/error.hpp"
 #include "paracal/interruption.hpp"
+#include "place.hpp"
 #include "stored.hpp"
 #include "utf8.hpp"
 
@@ -24,12 +25,14 @@ namespace {
 class Input {
  public:
   /// Opens without waiting: a pipe may have nobody who writes.
-  explicit Input(const std::filesystem::path& path)
-      : name_(path.string()), file_(open_descriptor(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY)) {
+  explicit Input(const std::filesystem::path& path) : name_(path.string()) {
+    const Place place = place_of(path, Use::read);
+    if (!place.is_reached()) refuse("cannot be read: " + place.why_not());
+    if (place.is_folder()) refuse("expected a file, got a folder");
+    file_ = place.open(O_RDONLY | O_NONBLOCK | O_NOCTTY);
     struct stat found {};
     if (!file_.is_open() || fstat(file_.number(), &found) != 0) fail("cannot be read");
     mode_ = found.st_mode;
-    if (S_ISDIR(mode_)) refuse("expected a file, got a folder");
   }
 
   const std::string& name() const { return name_; }
@@ -68,7 +71,7 @@ class Input {
   [[noreturn]] void fail(const char* what) const { refuse(fmt::format("{}: {}", what, std::strerror(errno))); }
 
   std::string name_;
-  Descriptor file_;
+  Descriptor file_ = {};
   mode_t mode_ = 0;
 };
 

@@ -17,28 +17,10 @@
 #include "paracal/error.hpp"
 #include "paracal/io/signals_wait.hpp"
 #include "paracal/io/spool.hpp"
+#include "place.hpp"
 
 namespace paracal::io {
 namespace {
-
-bool is_pipe_or_device(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  return exists(status) && !is_regular_file(status) && !is_directory(status);
-}
-
-/// A link stays a link: what it points to is replaced, or made.
-std::filesystem::path behind_links(const std::filesystem::path& link) {
-  constexpr int kMostLinks = 40;  // as Linux
-  std::filesystem::path path = link;
-  std::error_code ignored;
-  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(path, ignored); ++links) {
-    path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
-  }
-  if (!std::filesystem::is_symlink(path, ignored)) return path;
-  errno = ELOOP;
-  fail_to_write(link);
-}
 
 std::filesystem::path folder_of(const std::filesystem::path& target) {
   return target.has_parent_path() ? target.parent_path() : ".";
@@ -138,16 +120,16 @@ bool is_as_read(const std::string& path, const std::string& hash) {
 class StoredFile {
  public:
   StoredFile(const std::filesystem::path& path, Replaced replaced) : target_(path), replaced_(std::move(replaced)) {
-    if (is_pipe_or_device(path)) {
-      direct_ = open_descriptor(path.c_str(), O_WRONLY);
+    Place place = place_of(path, Use::write);
+    if (!place.is_reached()) fail_to_write(target_, place.why_not());
+    if (place.is_folder()) fail_to_write(target_, "it is a folder");
+    if (place.exists() && !place.is_regular()) {
+      direct_ = place.open(O_WRONLY);
       if (!direct_.is_open()) fail_to_write(target_);
       return;
     }
-    target_ = behind_links(path);
-    std::error_code ignored;
-    if (std::filesystem::is_directory(target_, ignored))
-      throw Error(fmt::format("{}: cannot be written: it is a folder", target_.string()));
-    reach_place();
+    target_ = place.path;
+    keep_folder(std::move(place));
     static std::atomic<unsigned> files = 0;
     const std::string folder = folder_of(place_);
     name_ = fmt::format("{}/.paracal-{}-{}", folder, getpid(), ++files);
@@ -235,13 +217,12 @@ class StoredFile {
 
  private:
   /// Sets folder_, folder_link_ and place_.
-  void reach_place() {
-    folder_ = open_descriptor(folder_of(target_).c_str(), O_PATH | O_DIRECTORY);
-    if (!folder_.is_open()) fail_to_write(target_);
+  void keep_folder(Place&& place) {
+    folder_ = std::move(place.folder);
     const std::string link = of_descriptor(folder_);
     const bool has_link = access(link.c_str(), F_OK) == 0;
     folder_link_ = has_link ? link + "/." : folder_of(target_).string();
-    place_ = has_link ? link + "/" + target_.filename().string() : target_.string();
+    place_ = has_link ? link + "/" + place.name : target_.string();
   }
 
   static void drop(std::string& name) {
@@ -315,6 +296,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
 
 bool write_new_file(const std::filesystem::path& path, std::string_view text) {
   const SignalsWait whole;
+  if (stands(path.c_str())) return false;  // a link to nothing, too
   StoredFile file(path, {});
   file.write(text);
   file.settle();

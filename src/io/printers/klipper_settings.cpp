@@ -135,7 +135,7 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
     if (included_bytes_ > kMostBytes) {
       fail(pattern, fmt::format("expected at most {} MiB in all included files, got more", kMostBytes >> 20));
     }
-    add(read_file(name), within);
+    add(read_stored(name), within);
   }
 }
 
