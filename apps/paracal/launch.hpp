@@ -19,8 +19,9 @@ class Launch {
   static const char* name();
   /// Whether it has the commands alone that share their work among ranks.
   static bool has_long_jobs_alone();
-  /// Before a rank complains: the first one does at once, others, who may have met the same, a little later.
-  void wait_for_the_first();
+  /// Whether this rank says what is wrong: the first one does. Others may have met the same; they wait a little, so
+  /// that the first one ends them.
+  bool complains();
   /// A rank failed, and others may wait for it: ends all of them.
   void give_up(int exit_code);
 

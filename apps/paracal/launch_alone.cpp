@@ -7,7 +7,7 @@ Launch::~Launch() = default;
 
 const char* Launch::name() { return "paracal"; }
 bool Launch::has_long_jobs_alone() { return false; }
-void Launch::wait_for_the_first() {}
+bool Launch::complains() { return true; }
 void Launch::give_up(int /*exit_code*/) {}
 
 }  // namespace paracal::app

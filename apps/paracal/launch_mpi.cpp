@@ -37,8 +37,10 @@ Launch::~Launch() {
 const char* Launch::name() { return "paracal-mpi"; }
 bool Launch::has_long_jobs_alone() { return true; }
 
-void Launch::wait_for_the_first() {
-  if (ranks_->number() != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+bool Launch::complains() {
+  if (static_cast<jobs::MpiRanks&>(*ranks_).is_first_to_complain()) return true;
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  return false;
 }
 
 void Launch::give_up(int exit_code) {

@@ -18,9 +18,10 @@ namespace {
 using namespace paracal::app;
 
 int complain(Launch& launch, const std::exception& error, ExitCode code) {
-  launch.wait_for_the_first();
-  const std::string name = emphasised(STDERR_FILENO, Emphasis::bad, std::string(Launch::name()) + ":");
-  std::fprintf(stderr, "%s %s\n", name.c_str(), paracal::printable(error.what()).c_str());
+  if (launch.complains()) {
+    const std::string name = emphasised(STDERR_FILENO, Emphasis::bad, std::string(Launch::name()) + ":");
+    std::fprintf(stderr, "%s %s\n", name.c_str(), paracal::printable(error.what()).c_str());
+  }
   launch.give_up(code);
   return code;
 }

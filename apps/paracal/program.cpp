@@ -68,7 +68,6 @@ int run_program(const std::vector<std::string>& words, const io::TextSink& stand
        .licences = licences});
   Session session(standard_output, ranks);
   session.words = words;
-  session.command_line = shell_line(words);
   add_commands(arguments, session);
   if (const auto code = arguments.run(words, standard_output)) return *code;
   session.finish();

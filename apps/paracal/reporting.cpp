@@ -1,6 +1,7 @@
 #include "reporting.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "embedded.hpp"
 #include "paracal/report/error_map.hpp"
@@ -29,11 +30,29 @@ std::vector<InputFile> with_files(std::vector<InputFile> inputs, const Session& 
   return inputs;
 }
 
+namespace {
+
+/// Of files without their folders, which name users and customers.
+std::string word_of_page(const std::string& word) {
+  std::error_code ignored;
+  const std::size_t value = word.starts_with("--") ? word.find('=') + 1 : 0;  // 0 where there is no value, too
+  const std::filesystem::path path = word.substr(value);
+  const bool names_file = path.has_filename() && path.has_parent_path() && exists(path.parent_path(), ignored);
+  return names_file ? word.substr(0, value) + path.filename().string() : word;
+}
+
+std::string command_of_page(std::vector<std::string> words) {
+  std::ranges::transform(words, words.begin(), word_of_page);
+  return shell_line(words);
+}
+
+}  // namespace
+
 io::Json report_data(const Session& session, const Robot& robot, const ReportContent& content) {
   return {{"format", "paracal report 1"},
           {"program", std::string("paracal ").append(version())},
           {"date", io::utc(now())},
-          {"command", session.command_line},
+          {"command", command_of_page(session.words)},
           {"kind", content.kind},
           {"robot", io::to_json(robot)},
           {"results", content.results},

@@ -117,7 +117,6 @@ class Session {
   Outputs outputs;
   ExitCode exit_code = kDone;
   std::vector<std::string> words;  ///< of the command line, behind the program's name
-  std::string command_line;        ///< as typed, quoted for a shell
 
  private:
   io::TextSink standard_output_;

@@ -32,10 +32,18 @@ def write(path: str | os.PathLike[str], text: str) -> None:
     _paracal.write_file(path_of(path), text.encode("utf-8", "surrogateescape"))
 
 
+def _has_apostrophe(cell: str) -> bool:
+    """Whether the library's reader takes an apostrophe away: it keeps a spreadsheet from computing
+    the name behind it."""
+    return cell.startswith("'") and cell.lstrip("'")[:1] in tuple("=+-@")
+
+
 def _cell(value: Any) -> str:
     """Text of a cell: blank if there is no reading; numbers with all digits."""
     if value is None or (isinstance(value, float) and value != value):
         return ""
+    if isinstance(value, str) and _has_apostrophe(value):
+        return "'" + value
     return repr(value) if isinstance(value, float) else str(value)
 
 
@@ -78,8 +86,14 @@ def rows_of(text: str) -> dict[str, list[Any]]:
     """Columns of a table written by the library; as numbers if all values are numbers."""
     reader = list(csv.reader(text.splitlines()))
     names = ("pose", "from", "to")
+
+    def read(name: str, cell: str) -> Any:
+        if name in names:
+            return cell[1:] if _has_apostrophe(cell) else cell
+        return float(cell) if cell else float("nan")
+
     return {
-        name: [cell if name in names else float(cell) if cell else float("nan") for cell in column]
+        name: [read(name, cell) for cell in column]
         for name, column in zip(reader[0], zip(*reader[1:]))
     }
 

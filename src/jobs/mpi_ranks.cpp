@@ -1,5 +1,6 @@
 #include "mpi_ranks.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
@@ -13,6 +14,7 @@ namespace paracal::jobs {
 namespace {
 
 constexpr int kRoot = 0, kTag = 0;
+constexpr MPI_Aint kChunksTaken = 0, kComplaints = 1, kCounters = 2;
 
 int length_of(const std::string& text) {
   if (text.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
@@ -26,9 +28,11 @@ int length_of(const std::string& text) {
 MpiRanks::MpiRanks() {
   MPI_Comm_rank(MPI_COMM_WORLD, &number_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
-  const MPI_Aint bytes = number_ == kRoot ? sizeof(std::uint64_t) : 0;
-  MPI_Win_allocate(bytes, sizeof(std::uint64_t), MPI_INFO_NULL, MPI_COMM_WORLD, static_cast<void*>(&counter_),
+  const MPI_Aint bytes = number_ == kRoot ? kCounters * static_cast<MPI_Aint>(sizeof(std::uint64_t)) : 0;
+  MPI_Win_allocate(bytes, sizeof(std::uint64_t), MPI_INFO_NULL, MPI_COMM_WORLD, static_cast<void*>(&counters_),
                    &window_);
+  if (number_ == kRoot) std::fill_n(counters_, kCounters, 0);
+  MPI_Barrier(MPI_COMM_WORLD);
   MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
 }
 
@@ -42,20 +46,26 @@ void MpiRanks::begin() {
   if (number_ == kRoot) {
     const std::uint64_t none = 0;
     std::uint64_t before = 0;
-    MPI_Fetch_and_op(&none, &before, MPI_UINT64_T, kRoot, 0, MPI_REPLACE, window_);
+    MPI_Fetch_and_op(&none, &before, MPI_UINT64_T, kRoot, kChunksTaken, MPI_REPLACE, window_);
     MPI_Win_flush(kRoot, window_);
   }
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-std::uint64_t MpiRanks::take() {
+std::uint64_t MpiRanks::add_one(MPI_Aint counter) {
   const std::uint64_t one = 1;
-  std::uint64_t taken = 0;
-  MPI_Fetch_and_op(&one, &taken, MPI_UINT64_T, kRoot, 0, MPI_SUM, window_);
+  std::uint64_t before = 0;
+  MPI_Fetch_and_op(&one, &before, MPI_UINT64_T, kRoot, counter, MPI_SUM, window_);
   MPI_Win_flush(kRoot, window_);
-  ++traffic_.fetches;
-  return taken;
+  return before;
 }
+
+std::uint64_t MpiRanks::take() {
+  ++traffic_.fetches;
+  return add_one(kChunksTaken);
+}
+
+bool MpiRanks::is_first_to_complain() { return add_one(kComplaints) == 0; }
 
 void MpiRanks::work(const std::function<void()>& task) {
   if (number_ != kRoot || size_ == 1) return task();

@@ -29,6 +29,9 @@ class MpiRanks : public Ranks {
   bool all(bool here) override;
   void add_up(JobStage& stage) override;
 
+  /// Whether no other rank has asked before.
+  bool is_first_to_complain();
+
   /// What this rank has sent.
   struct Traffic {
     std::uint64_t fetches = 0, messages = 0, bytes = 0;
@@ -37,11 +40,12 @@ class MpiRanks : public Ranks {
   Traffic traffic_of_all() const;
 
  private:
+  std::uint64_t add_one(MPI_Aint counter);
   void send(const std::string& text, int to);
   static std::string receive(int from);
 
   int number_ = 0, size_ = 1;
-  std::uint64_t* counter_ = nullptr;  ///< rank 0's: chunks taken
+  std::uint64_t* counters_ = nullptr;  ///< rank 0's: chunks taken, complaints
   MPI_Win window_ = MPI_WIN_NULL;
   Traffic traffic_;
 };

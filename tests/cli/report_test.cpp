@@ -30,8 +30,8 @@ class ReportCommands : public testing::Test {
 TEST_F(ReportCommands, ThePageStandsAlone) {
   const std::string html = folder.read("calibrate.html");
   EXPECT_LT(html.size(), 2'500'000u);
-  EXPECT_THAT(html, AllOf(HasSubstr("default-src 'none'"), Not(HasSubstr("<link")), Not(HasSubstr(" src=")),
-                          Not(HasSubstr("@import"))));
+  EXPECT_THAT(html, AllOf(HasSubstr("default-src 'none'"), HasSubstr("; base-uri 'none'; form-action 'none'\">"),
+                          Not(HasSubstr("<link")), Not(HasSubstr(" src=")), Not(HasSubstr("@import"))));
 }
 
 TEST_F(ReportCommands, CalibrateShowsWhatItPrints) {
@@ -41,6 +41,16 @@ TEST_F(ReportCommands, CalibrateShowsWhatItPrints) {
   EXPECT_TRUE(has_keys(data, "format program date command kind robot inputs"));
   EXPECT_EQ(data.at("inputs").size(), 2u);
   EXPECT_THAT(data.at("command").get<std::string>(), HasSubstr("--report calibrate.html"));
+}
+
+/// A page goes to customers, who need not know the folders of its author.
+TEST_F(ReportCommands, FilesHaveNoFolders) {
+  const std::string place = folder.path().string() + "/";
+  const json data =
+      page_of("report --calibration " + place + "calibration.json --out=" + place + "report.html", "report.html");
+  EXPECT_EQ(data.at("inputs")[0].at("file"), "calibration.json");
+  EXPECT_THAT(data.at("command").get<std::string>(), HasSubstr("--calibration calibration.json --out=report.html"));
+  EXPECT_THAT(folder.read("report.html"), Not(HasSubstr(place)));
 }
 
 TEST_F(ReportCommands, ReportOfACalibrationAlone) {

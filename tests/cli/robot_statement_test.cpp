@@ -142,7 +142,7 @@ TEST_F(StatedRobot, MayBeAFileBesideTheTable) {
   expect_refused("inverse --poses sub/poses.csv --errors calibration.json", kBadInputFile,
                  "geometry.rod_mm 950.0, got 951.0");
   const json made = json_of(run("yield --machines 1 --poses sub/poses.csv --json"));
-  EXPECT_EQ(made.at("inputs")[0].at("file"), "sub/mine.toml");
+  EXPECT_EQ(made.at("inputs")[0].at("file"), "mine.toml");
 }
 
 /// The line holds the path from the table's folder to the file, so that both can move together.

@@ -168,6 +168,23 @@ TEST(JointTable, WrittenTablesReadBack) {
   EXPECT_TRUE(held);
 }
 
+/// A spreadsheet computes what begins with these, and a name may be a command.
+TEST(JointTable, NamesAreNoFormulas) {
+  struct Name {
+    std::string name, cell;
+  };
+  const std::vector<Name> names{{"=1+1", "'=1+1"}, {"+x", "'+x"}, {"-cmd", "'-cmd"}, {"@SUM", "'@SUM"}, {"'=x", "''=x"},
+                                {"-", "'-"},       {"'a", "'a"},  {"-5", "-5"},      {"+1e3", "+1e3"},  {"a=b", "a=b"}};
+  std::string text = joint_table_header(3);
+  for (const Name& one : names) text += joint_table_row({one.name, Joints::Constant(3, 0.5), {}});
+  const std::vector<NamedJoints> rows = read_joints({"j.csv", text}, 3);
+  ASSERT_EQ(rows.size(), names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    EXPECT_THAT(text, HasSubstr("\n" + names[k].cell + ","));
+    EXPECT_EQ(rows[k].name, names[k].name);
+  }
+}
+
 /// Random text never does worse than a complaint.
 TEST(Csv, AnyTextIsReadOrRefused) {
   const bool held = rc::check("no crash on any text", [](const std::string& text) {

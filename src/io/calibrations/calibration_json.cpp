@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "io/tables/names.hpp"
+#include "io/tables/readings.hpp"
 #include "json_parts.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
@@ -233,7 +234,9 @@ Json to_json(const PoseErrorSummary& summary) {
 }
 
 Json to_json(const std::vector<InputFile>& files) {
-  return json_array(files, [](const InputFile& file) { return Json{{"file", file.name}, {"sha256", file.sha256}}; });
+  return json_array(files, [](const InputFile& file) {
+    return Json{{"file", title_of(file.name)}, {"sha256", file.sha256}};  // folders name users and customers
+  });
 }
 
 Json to_json(const Calibration& calibration, std::int64_t time) {

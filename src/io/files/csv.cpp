@@ -8,6 +8,7 @@
 #include <array>
 
 #include "io/tables/columns.hpp"
+#include "letters.hpp"
 #include "paracal/error.hpp"
 #include "paracal/spelling.hpp"
 #include "utf8.hpp"
@@ -15,14 +16,16 @@
 namespace paracal::io {
 namespace {
 
-/// Splits one line with libcsv: quotes, doubled quotes, blanks around fields.
+/// Splits one line with libcsv: quotes, doubled quotes, blanks around fields, apostrophes before formulas.
 std::vector<std::string> split(const std::string& file, int line_number, std::string_view line, char separator) {
   csv_parser parser;
   csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI);
   csv_set_delim(&parser, static_cast<unsigned char>(separator));
   std::vector<std::string> fields;
   const auto add = [](void* text, std::size_t size, void* into) {
-    static_cast<std::vector<std::string>*>(into)->emplace_back(static_cast<const char*>(text), size);
+    std::string_view field(static_cast<const char*>(text), size);
+    if (field.starts_with(kNoFormula) && begins_as_formula(field)) field.remove_prefix(1);
+    static_cast<std::vector<std::string>*>(into)->emplace_back(field);
   };
   const bool good = csv_parse(&parser, line.data(), line.size(), add, nullptr, &fields) == line.size() &&
                     csv_fini(&parser, add, nullptr, &fields) == 0;

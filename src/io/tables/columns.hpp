@@ -53,9 +53,9 @@ std::string pose_name(const CsvTable& table, std::size_t row);
 /// The same, or the row's number where the table has no such column.
 std::string row_name(const CsvTable& table, std::size_t row);
 
-/// A field as it must stand in a table to be read back: in quotation marks where it would be cut, trimmed or taken for
-/// a comment.
-std::string quoted(const std::string& field);
+/// A name as it must stand in a table to be read back: in quotation marks where it would be cut, trimmed or taken for
+/// a comment, and with an apostrophe where a spreadsheet would take it for a formula.
+std::string quoted(const std::string& name);
 
 std::string_view without_byte_order_mark(std::string_view text);
 

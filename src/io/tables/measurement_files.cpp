@@ -10,6 +10,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
+#include "readings.hpp"
 
 namespace paracal::io {
 namespace {
@@ -105,7 +106,7 @@ std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const
 }
 
 std::string confirms_nothing(const std::string& table) {
-  return table + " was used for the calibration, so it cannot confirm it: use other measurements";
+  return title_of(table) + " was used for the calibration, so it cannot confirm it: use other measurements";
 }
 
 }  // namespace paracal::io

@@ -125,7 +125,7 @@ Measurements begun(const CsvTable& readings, const TextFile& readings_file, cons
   measurements.stations = stations_of(poses, joints);
   measurements.notes = readings.notes();
   for (const std::string& note : poses.notes())
-    measurements.notes.push_back(fmt::format("{}, {}", poses_file.name, note));
+    measurements.notes.push_back(fmt::format("{}, {}", title_of(poses_file.name), note));
   measurements.files = {{readings_file.name, sha256(readings_file)}, {poses_file.name, sha256(poses_file)}};
   return measurements;
 }
